@@ -1,0 +1,56 @@
+"""Exact collision verdicts for motion planning, for any robot with a URDF.
+
+Convex hulls of links and obstacles are preprocessed once into the hierarchies of Barba and Langerman ("Optimal
+detection of intersections between convex polyhedra"); every verdict is that of the given numbers.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from plannercheck.errors import PlannercheckError
+
+if TYPE_CHECKING:
+    from plannercheck import ompl as ompl
+    from plannercheck.certificates import Separation as Separation
+    from plannercheck.certificates import SharedPoint as SharedPoint
+    from plannercheck.checker import Checker as Checker
+    from plannercheck.hull import Polytope as Polytope
+    from plannercheck.pair import certify as certify
+    from plannercheck.pair import intersects as intersects
+    from plannercheck.report import ValidityReport as ValidityReport
+    from plannercheck.report import Verdict as Verdict
+    from plannercheck.robot import Robot as Robot
+    from plannercheck.scene import Scene as Scene
+
+__version__ = "0.1.0"
+
+# Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
+_HOMES = {
+    "Checker": "checker",
+    "Polytope": "hull",
+    "Robot": "robot",
+    "Scene": "scene",
+    "Separation": "certificates",
+    "SharedPoint": "certificates",
+    "ValidityReport": "report",
+    "Verdict": "report",
+    "certify": "pair",
+    "intersects": "pair",
+}
+_MODULES = ("ompl",)
+
+__all__ = ["PlannercheckError", "__version__", *sorted(_HOMES), *_MODULES]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return importlib.import_module(f"plannercheck.{name}")
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"plannercheck.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'plannercheck' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

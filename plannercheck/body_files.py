@@ -1,0 +1,114 @@
+"""Files of prepared bodies, and the disk cache of them.
+
+A file is the magic word, the version of the format, the SHA-256 of the data, and the data. The cache is keyed by the
+content of what is prepared, so it needs no invalidation; it stands in the platform's cache folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import platformdirs
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.errors import PlannercheckError
+
+_MAGIC = b"plannercheck body"
+VERSION = 1  # raise it whenever the layout or the meaning of a prepared body changes
+_HASH_BYTES = 32
+
+
+def _header() -> bytes:
+    return _MAGIC + f" {VERSION} {sys.byteorder}\n".encode()
+
+
+def write(path: Path, data: bytes) -> None:
+    """Writes data with header and hash; the file appears whole or not at all.
+
+    Args:
+        path: The file; its folder must exist.
+        data: A serialised body.
+
+    Raises:
+        PlannercheckError: If the folder can't be written to.
+    """
+    try:
+        handle, aside = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(_header() + hashlib.sha256(data).digest() + data)
+            Path(aside).replace(path)
+        except BaseException:
+            Path(aside).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise PlannercheckError(f"can't write the body to {path}: {error}") from error
+
+
+def read(path: Path) -> bytes:
+    """Reads the data of a file and verifies its hash.
+
+    Args:
+        path: A file written by `write`.
+
+    Returns:
+        The serialised body.
+
+    Raises:
+        PlannercheckError: If it is missing, of another kind or version, cut short or changed.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise PlannercheckError(f"can't read a body from {path}: {error}") from error
+    header = _header()
+    if not content.startswith(_MAGIC):
+        raise PlannercheckError(f"{path} is no file of a prepared body: it does not start with {_MAGIC.decode()!r}")
+    if not content.startswith(header):
+        found = content[: content.find(b"\n", 0, 80)].decode(errors="replace")
+        raise PlannercheckError(f"{path} is {found!r}, this version reads {header.decode().strip()!r}: prepare it again")
+    digest, data = content[len(header) :][:_HASH_BYTES], content[len(header) + _HASH_BYTES :]
+    if hashlib.sha256(data).digest() != digest:
+        raise PlannercheckError(f"{path} is cut short or changed: its content does not match its hash")
+    return data
+
+
+def read_if_valid(path: Path) -> bytes | None:
+    """The data of a file, or None if there is no such file that is whole and of this version."""
+    try:
+        return read(path)
+    except PlannercheckError:
+        return None
+
+
+def write_if_possible(path: Path, data: bytes) -> None:
+    """Writes to the cache; a cache that can't be written is no error."""
+    with contextlib.suppress(PlannercheckError, OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(path, data)
+
+
+def cache_folder() -> Path | None:
+    """The cache's folder; None if `PLANNERCHECK_CACHE` is 0."""
+    setting = os.environ.get("PLANNERCHECK_CACHE", "")
+    if setting == "0":
+        return None
+    return Path(setting) if setting else Path(platformdirs.user_cache_dir("plannercheck"))
+
+
+def cache_file(points: NDArray[np.float64], faces: Sequence[ArrayLike] | None) -> Path | None:
+    """Where the prepared body of these points is cached; None if the cache is off."""
+    folder = cache_folder()
+    if folder is None:
+        return None
+    key = hashlib.sha256(_header() + np.ascontiguousarray(points).tobytes())
+    for face in faces if faces is not None else ():
+        key.update(b"face" + np.asarray(face, dtype=np.int64).tobytes())
+    return folder / f"{key.hexdigest()}.body"

@@ -1,0 +1,290 @@
+"""Validity of configurations: a robot in a scene, every pair decided by the hierarchy test.
+
+In: a `Robot`, a `Scene`. Out: an immutable `Checker` whose verdicts are exact for the hulls at the poses that forward
+kinematics computes in doubles. Everything is a thin wrapper of one batch call in the core (cpp/checker).
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.core import core
+from plannercheck.errors import PlannercheckError
+from plannercheck.hull import Polytope, prepared
+from plannercheck.motion import MotionSampler
+from plannercheck.pair import Method, certify, intersects, pair_options
+from plannercheck.pairs import Acm, pair_table
+from plannercheck.report import PairVerdict, Verdict
+from plannercheck.robot import Robot
+from plannercheck.scene import Scene
+from plannercheck.shapes import DEFAULT_EXCESS, Body
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+
+
+class Checker:
+    """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it.
+
+    Attributes:
+        robot: The robot.
+        scene: The scene, as it was when the checker was built.
+        bodies: The robot's collision bodies, then the scene's.
+        pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
+        polytopes: The prepared body of each of `bodies`; None where no pair needs it.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        scene: Scene | None = None,
+        self_collision: bool = True,
+        padding: float = 0.0,
+        *,
+        acm: Acm = "robot",
+        kinematics: Literal["batch", "pinocchio"] = "batch",
+        excess: float = DEFAULT_EXCESS,
+        method: Method = "oracle",
+        cached_plane: bool = True,
+        centre_axis: bool = True,
+        spheres: bool = True,
+    ) -> None:
+        """Prepares all bodies (through the disk cache) and the pair table.
+
+        Args:
+            robot: The robot.
+            scene: The scene; None is empty.
+            self_collision: Whether the robot's self pairs are tested.
+            padding: Has to be 0 for now.
+            acm: Whose allowed collisions act on self pairs: "robot" (SRDF or YAML) or "scene" as well.
+            kinematics: "batch", the compiled kernel, or "pinocchio".
+            excess: How far polytopes of curved shapes may stick out, as a part of the radius.
+            method: The solver of the pair test, see `pair.pair_options`. Verdicts do not depend on it.
+            cached_plane: Whether the last separating plane of a pair is tried first.
+            centre_axis: Whether the axis between the centres is tried before the solver.
+            spheres: Whether bounding spheres settle pairs that are far apart.
+
+        Raises:
+            PlannercheckError: If a body has no volume, or an argument is none of those above.
+        """
+        if padding != 0:
+            raise PlannercheckError(f"padding={padding}: only 0 is supported so far; enlarge the obstacles instead")
+        if kinematics not in ("batch", "pinocchio"):
+            raise PlannercheckError(f"kinematics must be 'batch' or 'pinocchio', not {kinematics!r}")
+        self.robot = robot
+        self.scene = scene if scene is not None else Scene("empty")
+        self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
+        table = pair_table(robot, self.scene, self_collision, acm)
+        self.pairs = table.pairs
+        self._self_count = table.self_count
+        self._labels = (*(b.link or b.name for b in robot.bodies), *self.scene.body_objects)
+        self._kernel = robot.kinematics if kinematics == "batch" else None
+        used = np.unique(np.concatenate([table.pairs.ravel(), table.resting.ravel()]))
+        self.polytopes = _prepare(self.bodies, used.tolist(), excess)
+        self._core = self._build_core(pair_options(method, cached_plane, centre_axis), spheres)
+        self._sampler = MotionSampler(robot)
+        self._warn_of_resting(table.resting)
+
+    def _build_core(self, options: Any, spheres: bool) -> Any:
+        live = [k for k, polytope in enumerate(self.polytopes) if polytope is not None]
+        position = {body: k for k, body in enumerate(live)}
+        links = [self._link_of(self.bodies[k]) for k in live]
+        self._live = np.array(live, dtype=np.int64)
+        return core.Checker(
+            [polytope.core for polytope in self.polytopes if polytope is not None],
+            np.array(links, dtype=np.int32),
+            np.array([self.bodies[k].pose for k in live], dtype=np.float64).reshape(-1, 4, 4),
+            np.array([[position[a], position[b]] for a, b in self.pairs.tolist()], dtype=np.int32).reshape(-1, 2),
+            len(self.robot.link_names),
+            options,
+            spheres,
+        )
+
+    def _link_of(self, body: Body) -> int:
+        return -1 if body.link is None else self.robot.link_index(body.link)
+
+    def _warn_of_resting(self, resting: Ints) -> None:
+        poses = self.body_poses(self.robot.reference)[0] if len(resting) else None
+        for a, b in resting.tolist():
+            assert poses is not None
+            p, r = self.polytopes[a], self.polytopes[b]
+            if p is not None and r is not None and intersects(p, r, poses[a], poses[b]):
+                warnings.warn(
+                    f"{self._labels[a]!r} of {self.robot.name}, which is fixed to the world, touches obstacle "
+                    f"{self._labels[b]!r}; this pair is not counted at any configuration",
+                    RuntimeWarning,
+                    stacklevel=3,
+                )
+
+    def is_valid(self, q: ArrayLike) -> bool:
+        """Whether one configuration is free of collision.
+
+        Args:
+            q: (nq,) rad and m. Limits are not looked at.
+
+        Returns:
+            True if no pair shares a point.
+        """
+        return bool(self.first_colliding_pair(self._single(q))[0] < 0)
+
+    def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
+        """Whether each configuration of a set is free of collision.
+
+        Args:
+            q: (n, nq) rad and m.
+            threads: How many to use.
+
+        Returns:
+            (n,), True means valid.
+        """
+        return np.asarray(self.first_colliding_pair(q, threads) < 0)
+
+    def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
+        """The first colliding pair of each configuration, in the order of `pairs`.
+
+        Args:
+            q: (n, nq) rad and m.
+            threads: How many to use.
+
+        Returns:
+            (n,) rows of `pairs`, -1 where the configuration is valid.
+        """
+        rows = self.robot.check_configurations(q)
+        if not isinstance(threads, int) or threads < 1:
+            raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
+        if self._kernel is not None:
+            return np.asarray(self._core.first_of_states(self._kernel, rows, threads))
+        return np.asarray(self._core.first_of_poses(self._link_poses(rows), threads))
+
+    def colliding_pairs(self, q: ArrayLike) -> Bools:
+        """Which pairs collide, without stopping at the first.
+
+        Args:
+            q: (n, nq) rad and m.
+
+        Returns:
+            (n, k) for the k rows of `pairs`.
+        """
+        return np.asarray(self._core.all_of_poses(self._link_poses(self.robot.check_configurations(q)))).astype(bool)
+
+    def body_poses(self, q: ArrayLike) -> Floats:
+        """World poses of all bodies, the same bits that the verdicts use.
+
+        Args:
+            q: (n, nq) or (nq,) rad and m.
+
+        Returns:
+            (n, bodies, 4, 4), m; NaN for bodies that no pair needs.
+        """
+        live = self._core.body_poses(self._link_poses(self.robot.check_configurations(q)))
+        poses = np.full((len(live), len(self.bodies), 4, 4), np.nan)
+        poses[:, self._live] = live
+        return poses
+
+    def check_motion(self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None) -> bool:
+        """Whether a motion is free at sampled states, both ends included (what lies between is not proved).
+
+        Args:
+            q0: (nq,) start, rad and m.
+            q1: (nq,) end.
+            resolution: No point of a link moves further than this between two states, in m; default 1 mm.
+
+        Returns:
+            True if all sampled states are valid.
+        """
+        return bool(self.check_motions(self._single(q0), self._single(q1), resolution)[0])
+
+    def check_motions(self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None) -> Bools:
+        """Whether each of n motions is free at sampled states.
+
+        Args:
+            q0: (n, nq) starts, rad and m.
+            q1: (n, nq) ends.
+            resolution: As for `check_motion`.
+
+        Returns:
+            (n,), True means free.
+        """
+        starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
+        if starts.shape != ends.shape:
+            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
+        return self._sampler.check(self, starts, ends, resolution)
+
+    def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
+        """The verdict of one configuration with the names and certificates behind it.
+
+        Args:
+            q: (nq,) rad and m.
+            separations: Whether to give the separating planes of all other pairs, too.
+
+        Returns:
+            The verdict; certificates are in world coordinates.
+        """
+        row = self._single(q)
+        colliding = self.colliding_pairs(row)[0]
+        poses = self.body_poses(row)[0]
+        wanted = range(len(self.pairs)) if separations else np.flatnonzero(colliding)
+        found = [self._pair_verdict(int(k), poses, bool(colliding[k])) for k in wanted]
+        return Verdict(
+            not colliding.any(),
+            tuple(v for v in found if v.colliding),
+            tuple(v for v in found if not v.colliding),
+        )
+
+    def _pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
+        a, b = (int(i) for i in self.pairs[k])
+        p, r = self.polytopes[a], self.polytopes[b]
+        assert p is not None
+        assert r is not None
+        certificate = certify(p, r, poses[a], poses[b])
+        first, second = self.pair_names(k)
+        return PairVerdict(first, second, self.bodies[a].name, self.bodies[b].name, colliding, certificate)
+
+    def pair_names(self, k: int) -> tuple[str, str]:
+        """The link and the other link or obstacle of row k of `pairs`."""
+        a, b = self.pairs[k]
+        return self._labels[a], self._labels[b]
+
+    def clearance(self, q: ArrayLike, lower_bound: bool = False) -> float:
+        """Not available yet.
+
+        Raises:
+            PlannercheckError: Always.
+        """
+        raise PlannercheckError("clearance is not available yet; `explain(q, separations=True)` gives gaps of planes")
+
+    def statistics(self) -> dict[str, Any]:
+        """Counters of all calls so far: states, pairs, what settled them, and the pair test's queries."""
+        return dict(self._core.statistics())
+
+    def _link_poses(self, rows: Floats) -> Floats:
+        poses = self.robot.pinocchio_link_poses(rows) if self._kernel is None else self.robot.link_poses(rows)
+        return np.ascontiguousarray(poses)
+
+    def _single(self, q: ArrayLike) -> Floats:
+        row = np.asarray(q, dtype=np.float64)
+        if row.ndim != 1:
+            raise PlannercheckError(f"one configuration must have shape ({self.robot.nq},), not {row.shape}")
+        return row[None]
+
+    def __repr__(self) -> str:
+        return f"Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
+
+
+def _prepare(bodies: Sequence[Body], used: Sequence[int], excess: float) -> tuple[Polytope | None, ...]:
+    """Prepares the bodies that some pair needs; equal shapes share one."""
+    polytopes: list[Polytope | None] = [None] * len(bodies)
+    known: dict[bytes, Polytope] = {}
+    for k in used:
+        vertices, faces = bodies[k].shape.vertices_and_faces(excess)
+        key = vertices.tobytes()
+        if key not in known:
+            known[key] = prepared(vertices, faces, f"body {bodies[k].name!r}")
+        polytopes[k] = known[key]
+    return tuple(polytopes)

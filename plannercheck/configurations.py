@@ -1,0 +1,275 @@
+"""Configurations of a planning group and Pinocchio's full ones.
+
+In: a Pinocchio model, the joints of a group, the values at which all others are held, and who mimics whom.
+Out: `ConfigurationMap`, which knows the group's joints and limits and says of each number in Pinocchio's q
+where it comes from: a column of the group's configuration (times a multiplier plus an offset) or a constant;
+and whether it is that value or its cosine or sine, since a continuous joint is one angle in a group and two
+numbers in Pinocchio's q.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.urdf import Mimic
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+PLAIN, COSINE, SINE = 0, 1, 2
+
+# Pinocchio marks a missing limit by the largest double.
+_NO_LIMIT = 1e300
+
+# How far the length of a quaternion or of a (cosine, sine) may be from 1: keeps ||M^T M - 1|| of the rotation
+# below the 1e-6 that a pose is allowed, and lets values pass that were rounded to single precision.
+UNIT_TOLERANCE = 2e-7
+
+# Range in m from which positions without limits are sampled.
+_UNLIMITED_RANGE = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class ConfigurationMap:
+    """How a group's configuration becomes Pinocchio's.
+
+    Attributes:
+        joint_names: The joints of the group, in its order.
+        lower: (nq,) lower limits in rad or m, -inf where there is none.
+        upper: (nq,) upper limits.
+        columns: (full nq,) column of the group's configuration that gives each number of Pinocchio's q, -1 if
+            held.
+        multipliers: (full nq,) applied to the column's value.
+        offsets: (full nq,) added to it; the held value itself where there is no column.
+        roles: (full nq,) PLAIN for the value itself, COSINE or SINE of it.
+        units: (start, stop) of columns that form a unit vector: quaternions, cosine and sine.
+    """
+
+    joint_names: tuple[str, ...]
+    lower: Floats
+    upper: Floats
+    columns: Ints
+    multipliers: Floats
+    offsets: Floats
+    roles: Ints
+    units: tuple[tuple[int, int], ...]
+
+    @property
+    def width(self) -> int:
+        """Numbers in a configuration of the group."""
+        return len(self.lower)
+
+    def expand(self, q: Floats) -> Floats:
+        """Group configurations (n, nq) to Pinocchio's (n, full nq)."""
+        full = np.broadcast_to(self.offsets, (len(q), len(self.offsets))).copy()
+        free = self.columns >= 0
+        full[:, free] += self.multipliers[free] * q[:, self.columns[free]]
+        for role, function in ((COSINE, np.cos), (SINE, np.sin)):
+            full[:, self.roles == role] = function(full[:, self.roles == role])
+        return full
+
+    def checked(self, q: ArrayLike) -> Floats:
+        """Validates configurations.
+
+        Args:
+            q: (nq,) or (n, nq), rad and m.
+
+        Returns:
+            (n, nq) float64 in C order, n = 1 for a single one.
+        """
+        try:
+            array = np.ascontiguousarray(q, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise PlannercheckError(
+                f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}"
+            ) from None
+        if array.ndim not in (1, 2) or array.shape[-1] != self.width:
+            raise PlannercheckError(
+                f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "
+                f"the joints are {', '.join(self.joint_names)}"
+            )
+        rows = array.reshape(-1, self.width)
+        _check_finite(rows)
+        for start, stop in self.units:
+            _check_unit(rows, start, stop)
+        return rows
+
+    def random(self, n: int, seed: int | np.random.Generator | None) -> Floats:
+        """Uniform configurations (n, nq) within the limits.
+
+        Joints without limits: angles in [-pi, pi), positions within 1 m of zero, unit vectors uniform on
+        their sphere.
+        """
+        generator = np.random.default_rng(seed)
+        turning = np.isinf(self.lower) & (self.roles_of_columns() != PLAIN)
+        unlimited = np.where(turning, math.pi, _UNLIMITED_RANGE)
+        low = np.where(np.isinf(self.lower), np.minimum(self.upper - 2 * unlimited, -unlimited), self.lower)
+        high = np.where(np.isinf(self.upper), np.maximum(low + 2 * unlimited, unlimited), self.upper)
+        q = generator.uniform(low, high, size=(n, self.width))
+        for start, stop in self.units:
+            unit = generator.standard_normal((n, stop - start))
+            q[:, start:stop] = unit / np.linalg.norm(unit, axis=1, keepdims=True)
+        return q
+
+    def roles_of_columns(self) -> Ints:
+        """(nq,) a role in which each column of the group's configuration is used."""
+        roles = np.zeros(self.width, dtype=np.int32)
+        free = self.columns >= 0
+        np.maximum.at(roles, self.columns[free], self.roles[free])
+        return roles
+
+
+def whole_robot(model: pin.Model) -> ConfigurationMap:
+    """The map of a robot without a group: Pinocchio's own q, mimic joints independent."""
+    full = model.nq
+    units = [(start + j.idx_q, stop + j.idx_q) for j in _joints(model) for start, stop in _unit_parts(j)]
+    lower, upper = _limits(model)
+    zeros = np.zeros(full)
+    roles = np.zeros(full, dtype=np.int32)
+    columns = np.arange(full, dtype=np.int32)
+    return ConfigurationMap(
+        tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, tuple(units)
+    )
+
+
+def planning_group(
+    model: pin.Model, joints: Sequence[str], values: Mapping[str, Floats], mimics: Mapping[str, Mimic]
+) -> ConfigurationMap:
+    """The map of a planning group.
+
+    Args:
+        model: Pinocchio's.
+        joints: Names of the group's joints, none of which mimics another.
+        values: For every joint the value at which it is held if it is not in the group; a continuous joint's
+            is an angle.
+        mimics: Joints that follow others.
+
+    Returns:
+        The map; a continuous joint takes one column, the others as many as Pinocchio gives them.
+    """
+    full = model.nq
+    columns, multipliers = np.full(full, -1, dtype=np.int32), np.zeros(full)
+    offsets, roles = np.zeros(full), np.zeros(full, dtype=np.int32)
+    starts, limits, units = _group_columns(model, joints)
+    for joint in _joints(model):
+        name = model.names[joint.id]
+        leader, multiplier, offset = followed(name, mimics, starts)
+        entries = slice(joint.idx_q, joint.idx_q + joint.nq)
+        if is_continuous(joint):
+            roles[entries] = (COSINE, SINE)
+        if leader in starts:
+            steps = np.zeros(joint.nq) if is_continuous(joint) else np.arange(joint.nq)
+            columns[entries] = starts[leader] + steps
+            multipliers[entries], offsets[entries] = multiplier, offset
+        else:
+            offsets[entries] = values[name]
+    lower, upper = (np.array([pair[side] for pair in limits]) for side in (0, 1))
+    return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, units)
+
+
+def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> tuple[str, float, float]:
+    """Which joint gives a joint's value.
+
+    Args:
+        name: Of the joint.
+        mimics: Joints that follow others.
+        known: Joints whose value is known, so that it need not be followed further.
+
+    Returns:
+        (leader, multiplier, offset), over mimics of mimics; the joint itself with 1, 0 if it follows none.
+    """
+    multiplier, offset = 1.0, 0.0
+    for _ in range(len(mimics) + 1):
+        if name in known or name not in mimics:
+            return name, multiplier, offset
+        mimic = mimics[name]
+        multiplier, offset = multiplier * mimic.multiplier, multiplier * mimic.offset + offset
+        name = mimic.leader
+    raise PlannercheckError(f"joint {name!r} mimics itself over other joints")
+
+
+def joint_width(joint: pin.JointModel) -> int:
+    """Numbers that a joint takes in a group: one for a continuous joint."""
+    return 1 if is_continuous(joint) else int(joint.nq)
+
+
+def is_continuous(joint: pin.JointModel) -> bool:
+    """Whether Pinocchio keeps this joint as cosine and sine of one angle."""
+    return str(joint.shortname()).startswith("JointModelRUB") or "RevoluteUnbounded" in joint.shortname()
+
+
+def joint_by_name(model: pin.Model, name: str) -> pin.JointModel:
+    """The joint of that name, or an error that lists the valid ones."""
+    names = list(model.names)[1:]
+    if name not in names:
+        raise unknown_name("joint", name, names)
+    return model.joints[model.getJointId(name)]
+
+
+def joint_limits(model: pin.Model, joint: pin.JointModel) -> list[tuple[float, float]]:
+    """(lower, upper) of each number that a joint takes in a group; infinite for a continuous joint."""
+    if is_continuous(joint):
+        return [(-math.inf, math.inf)]
+    entries = slice(joint.idx_q, joint.idx_q + joint.nq)
+    lower, upper = _limits(model)
+    return list(zip(lower[entries].tolist(), upper[entries].tolist(), strict=True))
+
+
+def _joints(model: pin.Model) -> Iterator[pin.JointModel]:
+    return (model.joints[i] for i in range(1, model.njoints))
+
+
+def _limits(model: pin.Model) -> tuple[Floats, Floats]:
+    lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
+    lower[lower < -_NO_LIMIT], upper[upper > _NO_LIMIT] = -np.inf, np.inf
+    return lower, upper
+
+
+def _unit_parts(joint: pin.JointModel) -> list[tuple[int, int]]:
+    """(start, stop) of a joint's numbers that form a unit vector."""
+    if is_continuous(joint):
+        return [(0, 2)]
+    kinds = {"JointModelFreeFlyer": (3, 7), "JointModelSpherical": (0, 4), "JointModelPlanar": (2, 4)}
+    part = kinds.get(joint.shortname())
+    return [part] if part else []
+
+
+def _group_columns(
+    model: pin.Model, joints: Sequence[str]
+) -> tuple[dict[str, int], list[tuple[float, float]], tuple[tuple[int, int], ...]]:
+    """First column of each joint, limits of all columns, and which columns form unit vectors."""
+    starts: dict[str, int] = {}
+    limits: list[tuple[float, float]] = []
+    units: list[tuple[int, int]] = []
+    for name in joints:
+        joint = joint_by_name(model, name)
+        first = starts[name] = len(limits)
+        limits += joint_limits(model, joint)
+        if not is_continuous(joint):
+            units += [(first + start, first + stop) for start, stop in _unit_parts(joint)]
+    return starts, limits, tuple(units)
+
+
+def _check_finite(rows: Floats) -> None:
+    bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    if len(bad):
+        row = int(bad[0])
+        raise PlannercheckError(f"configurations must be finite; row {row} is {rows[row].tolist()}")
+
+
+def _check_unit(rows: Floats, start: int, stop: int) -> None:
+    length = np.linalg.norm(rows[:, start:stop], axis=1)
+    bad = np.flatnonzero(np.abs(length - 1.0) > UNIT_TOLERANCE)
+    if len(bad):
+        row = int(bad[0])
+        kind = "a quaternion" if stop - start == 4 else "cosine and sine"
+        raise PlannercheckError(
+            f"columns {start} to {stop - 1} are {kind}, of length 1; in row {row} it is {length[row]}"
+        )

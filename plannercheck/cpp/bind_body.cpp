@@ -1,0 +1,149 @@
+// Bodies and single pairs in Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+
+#include <memory>
+
+#include "array_types.hpp"
+#include "bindings.hpp"
+#include "body.hpp"
+#include "verdicts.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+std::vector<Vec3> points_from(InputArray<double, -1, 3> vertices) {
+  std::vector<Vec3> points(vertices.shape(0));
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {vertices(i, 0), vertices(i, 1), vertices(i, 2)};
+  return points;
+}
+
+std::shared_ptr<Body> body_from_points(InputArray<double, -1, 3> vertices) {
+  const std::vector<Vec3> points = points_from(vertices);
+  nb::gil_scoped_release release;
+  return std::make_shared<Body>(prepare_body(convex_hull(points)));
+}
+
+std::shared_ptr<Body> body_from_faces(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> faces) {
+  const std::vector<Vec3> points = points_from(vertices);
+  std::vector<Triangle> triangles(faces.shape(0));
+  for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
+  nb::gil_scoped_release release;
+  return std::make_shared<Body>(prepare_body(verified_hull(points, triangles)));
+}
+
+auto rows_of(const std::vector<Vec3>& points) {
+  std::vector<double> flat;
+  for (const Vec3& p : points) flat.insert(flat.end(), {p.x, p.y, p.z});
+  return output_array(flat, {points.size(), std::size_t{3}});
+}
+
+auto rows_of(const std::vector<Triangle>& triangles) {
+  std::vector<std::int32_t> flat;
+  for (const Triangle& t : triangles) flat.insert(flat.end(), t.begin(), t.end());
+  return output_array(flat, {triangles.size(), std::size_t{3}});
+}
+
+nb::dict shape_of(const Hierarchy& h) {
+  nb::dict out;
+  std::size_t longest = 0;
+  for (const ChainRange& chain : h.chains) longest = std::max(longest, static_cast<std::size_t>(chain.length));
+  out["vertices"] = h.points.size();
+  out["levels"] = h.depth + 1;
+  out["longest_chain"] = longest;
+  out["fans"] = h.fans.size();
+  out["bytes"] = h.bytes();
+  return out;
+}
+
+// The extreme vertex along each direction, and the blocks each query visited.
+nb::tuple extremes(const Body& body, InputArray<double, -1, 3> directions, bool of_polar) {
+  const Hierarchy& h = of_polar ? body.polar : body.inner;
+  std::vector<std::int32_t> vertices(directions.shape(0)), blocks(directions.shape(0));
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    QueryCounters counters;
+    vertices[i] = extreme(h, {directions(i, 0), directions(i, 1), directions(i, 2)}, counters);
+    blocks[i] = static_cast<std::int32_t>(counters.blocks);
+  }
+  return nb::make_tuple(output_array(vertices, {vertices.size()}), output_array(blocks, {blocks.size()}));
+}
+
+using PoseRows = InputArray<double, -1, 4, 4>;
+
+// Verdicts for n pairs of poses of the same two bodies; stages and counters of all of them.
+nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b, const PairOptions& options) {
+  const std::size_t n = std::max(poses_a.shape(0), poses_b.shape(0));
+  const bool a_hosts = choose_host(a, b) == 0;
+  std::vector<std::uint8_t> shared(n), stages(n);
+  PairCounters counters;
+  {
+    nb::gil_scoped_release release;
+    CachedPlane cache;
+    for (std::size_t i = 0; i < n; ++i) {
+      const PosedBody pa{&a, pose_from(poses_a.data() + (poses_a.shape(0) == 1 ? 0 : 16 * i))};
+      const PosedBody pb{&b, pose_from(poses_b.data() + (poses_b.shape(0) == 1 ? 0 : 16 * i))};
+      const PairVerdict verdict = test_pair(a_hosts ? pb : pa, a_hosts ? pa : pb, options, &cache, counters);
+      shared[i] = verdict.shared;
+      stages[i] = static_cast<std::uint8_t>(verdict.stage);
+    }
+  }
+  return nb::make_tuple(output_array(shared, {n}), output_array(stages, {n}), counters_dict(counters));
+}
+
+nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body& b, InputArray<double, 4, 4> pose_b,
+                      const PairOptions& options) {
+  const PosedBody pa{&a, pose_from(pose_a.data())}, pb{&b, pose_from(pose_b.data())};
+  const bool a_hosts = choose_host(a, b) == 0;
+  PairCounters counters;
+  const PosedBody &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
+  return verdict_dict(test_pair(guest, host, options, nullptr, counters), guest, host, !a_hosts);
+}
+
+}  // namespace
+
+void bind_body(nb::module_& m) {
+  nb::exception<HullError>(m, "HullError", PyExc_ValueError);
+
+  nb::enum_<Solver>(m, "Solver")
+      .value("oracle", Solver::kDoubleOracle)
+      .value("walk", Solver::kWalk)
+      .value("exact", Solver::kExact);
+
+  nb::class_<PairOptions>(m, "PairOptions")
+      .def("__init__", [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis) {
+        new (self) PairOptions{solver, cached_plane, centre_axis};
+      }, nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"));
+
+  nb::class_<Body>(m, "Body")
+      .def_static("from_points", &body_from_points)
+      .def_static("from_faces", &body_from_faces)
+      .def_static("parse", [](nb::bytes data) {
+        return std::make_shared<Body>(parse_body(static_cast<const char*>(data.data()), data.size()));
+      })
+      .def("serialise", [](const Body& b) {
+        const std::string data = serialise(b);
+        return nb::bytes(data.data(), data.size());
+      })
+      .def("vertices", [](const Body& b) { return rows_of(b.inner.points); })
+      .def("triangles", [](const Body& b) { return rows_of(b.triangles); })
+      .def("source", [](const Body& b) { return output_array(b.source, {b.source.size()}); })
+      .def("polar_points", [](const Body& b) { return rows_of(b.polar.points); })
+      .def("centre", [](const Body& b) { return rows_of(std::vector<Vec3>{b.centre}); })
+      .def("inner_shape", [](const Body& b) { return shape_of(b.inner); })
+      .def("polar_shape", [](const Body& b) { return shape_of(b.polar); })
+      .def_ro("facets", &Body::facet_count)
+      .def_ro("radius", &Body::radius)
+      .def_ro("reach", &Body::reach)
+      .def("bytes", &Body::bytes)
+      .def("fault", &body_fault)
+      .def("extremes", &extremes);
+
+  m.def("intersect_batch", &intersect_batch);
+  m.def("certify_pair", &certify_pair);
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,172 @@
+// The checker in Python: batches of configurations, with the GIL released, on as many threads as asked for.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <mutex>
+#include <thread>
+
+#include "array_types.hpp"
+#include "bindings.hpp"
+#include "checker.hpp"
+#include "verdicts.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+using Configurations = InputArray<double, -1, -1>;
+using LinkPoses = InputArray<double, -1, -1, 4, 4>;
+
+// A checker with the workspaces its callers have returned: what they learnt serves the next call.
+class BoundChecker {
+ public:
+  BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements,
+               InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count, const PairOptions& options, bool spheres)
+      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, spheres}) {}
+
+  const CheckerCore& core() const { return core_; }
+
+  template <class Work>
+  void with_workspace(Work work) {
+    std::unique_ptr<CheckerCore::Workspace> workspace;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!spare_.empty()) {
+        workspace = std::move(spare_.back());
+        spare_.pop_back();
+      }
+    }
+    if (!workspace) workspace = std::make_unique<CheckerCore::Workspace>(core_);
+    work(*workspace);
+    const std::lock_guard lock(mutex_);
+    add(workspace->counters);
+    workspace->counters = {};
+    spare_.push_back(std::move(workspace));
+  }
+
+  // work(first, last, workspace) over parts of n rows.
+  template <class Work>
+  void in_parallel(std::size_t n, int threads, Work work) {
+    const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)), std::max<std::size_t>(n, 1));
+    const auto part = [&](std::size_t k) { with_workspace([&](auto& w) { work(n * k / count, n * (k + 1) / count, w); }); };
+    std::vector<std::thread> others;
+    for (std::size_t k = 1; k < count; ++k) others.emplace_back(part, k);
+    part(0);
+    for (std::thread& thread : others) thread.join();
+  }
+
+  nb::dict statistics() {
+    const std::lock_guard lock(mutex_);
+    nb::dict out;
+    out["states"] = total_.states;
+    out["pairs"] = total_.pairs;
+    out["spheres"] = total_.spheres;
+    const char* names[] = {"cached_plane", "centre_axis", "solver", "vertices", "exact"};
+    for (std::size_t i = 0; i < total_.stages.size(); ++i) out[names[i]] = total_.stages[i];
+    out["queries"] = counters_dict(total_.pair);
+    return out;
+  }
+
+ private:
+  CheckerCore core_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<CheckerCore::Workspace>> spare_;
+  CheckerCounters total_;
+
+  static std::vector<MountedBody> mounted(const std::vector<std::shared_ptr<Body>>& bodies, InputArray<std::int32_t, -1> links,
+                                          InputArray<double, -1, 4, 4> placements) {
+    std::vector<MountedBody> out;
+    for (std::size_t i = 0; i < bodies.size(); ++i) out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+    return out;
+  }
+
+  static std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
+    std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};
+    return out;
+  }
+
+  void add(const CheckerCounters& c) {
+    total_.states += c.states, total_.pairs += c.pairs, total_.spheres += c.spheres;
+    for (std::size_t i = 0; i < c.stages.size(); ++i) total_.stages[i] += c.stages[i];
+    total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
+    total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
+    total_.pair.games += c.pair.games, total_.pair.rounds += c.pair.rounds;
+  }
+};
+
+// Link poses of Python are (links, 4, 4); the core reads the first three rows of each.
+constexpr std::size_t kPoseStride = 16;
+
+auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
+  std::vector<std::int32_t> first(q.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t width = q.shape(1);
+    checker.in_parallel(first.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
+      checker.core().check(kinematics, q.data() + from * width, to - from, first.data() + from, w);
+    });
+  }
+  return output_array(first, {first.size()});
+}
+
+auto first_of_poses(BoundChecker& checker, LinkPoses poses, int threads) {
+  std::vector<std::int32_t> first(poses.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t size = poses.shape(1) * kPoseStride;
+    checker.in_parallel(first.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
+      for (std::size_t i = from; i < to; ++i) first[i] = checker.core().first_collision(poses.data() + i * size, kPoseStride, w);
+    });
+  }
+  return output_array(first, {first.size()});
+}
+
+auto all_of_poses(BoundChecker& checker, LinkPoses poses) {
+  const std::size_t n = poses.shape(0), pairs = checker.core().pair_count(), size = poses.shape(1) * kPoseStride;
+  std::vector<std::uint8_t> colliding(n * pairs);
+  {
+    nb::gil_scoped_release release;
+    const auto row = std::make_unique<bool[]>(pairs);
+    checker.with_workspace([&](CheckerCore::Workspace& w) {
+      for (std::size_t i = 0; i < n; ++i) {
+        checker.core().all_collisions(poses.data() + i * size, kPoseStride, w, row.get());
+        std::copy_n(row.get(), pairs, colliding.data() + i * pairs);
+      }
+    });
+  }
+  return output_array(colliding, {n, pairs});
+}
+
+auto body_poses(const BoundChecker& checker, LinkPoses poses) {
+  const std::size_t n = poses.shape(0), bodies = checker.core().body_count(), size = poses.shape(1) * kPoseStride;
+  const double last_row[] = {0, 0, 0, 1};
+  std::vector<double> out(n * bodies * 16);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t b = 0; b < bodies; ++b) {
+      const Pose pose = checker.core().body_pose(b, poses.data() + i * size, kPoseStride);
+      double* to = out.data() + (i * bodies + b) * 16;
+      std::copy(pose.m.begin(), pose.m.end(), to);
+      std::copy_n(last_row, 4, to + 12);
+    }
+  }
+  return output_array(out, {n, bodies, std::size_t{4}, std::size_t{4}});
+}
+
+}  // namespace
+
+void bind_checker(nb::module_& m) {
+  nb::class_<BoundChecker>(m, "Checker")
+      .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
+                    InputArray<std::int32_t, -1, 2>, std::int32_t, const PairOptions&, bool>())
+      .def("first_of_states", &first_of_states)
+      .def("first_of_poses", &first_of_poses)
+      .def("all_of_poses", &all_of_poses)
+      .def("body_poses", &body_poses)
+      .def("statistics", &BoundChecker::statistics);
+}
+
+}  // namespace plannercheck

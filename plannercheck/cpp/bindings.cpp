@@ -1,0 +1,12 @@
+// The Python module: one a SIMD level, all with the same content.
+#include "bindings.hpp"
+
+#include "simd.hpp"
+
+NB_MODULE(PLANNERCHECK_MODULE, m) {
+  m.attr("level") = PLANNERCHECK_LEVEL;
+  m.attr("lanes") = plannercheck::kLanes;
+  plannercheck::bind_body(m);
+  plannercheck::bind_kinematics(m);
+  plannercheck::bind_checker(m);
+}

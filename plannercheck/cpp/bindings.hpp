@@ -1,0 +1,12 @@
+// Each concept binds itself in bind_<concept>.cpp; bindings.cpp puts them into one module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace plannercheck {
+
+void bind_kinematics(nanobind::module_& m);
+void bind_body(nanobind::module_& m);
+void bind_checker(nanobind::module_& m);
+
+}  // namespace plannercheck

@@ -1,0 +1,182 @@
+#include "body.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "double2.hpp"
+#include "dyadic.hpp"
+#include "predicates.hpp"
+
+namespace plannercheck {
+namespace {
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+constexpr double kRoundUp = 1 + 0x1p-48;  // covers the rounding of a norm
+
+// n / (n · (a − centre)) for the plane through a, b, c: double-double where its error stays below 2^-60, else exact.
+Vec3 polar_point(Vec3 centre, Vec3 a, Vec3 b, Vec3 c) {
+  const Double2Vec3 n = cross(difference(b, a), difference(c, a));
+  const Double2 height = dot(n, difference(a, centre));
+  const double size = norm_max(b - a) * norm_max(c - a);
+  const double length = std::fmax(std::fabs(n.x.high), std::fmax(std::fabs(n.y.high), std::fabs(n.z.high)));
+  const bool precise = size > 1e-150 && size < 1e60 && size * 0x1p-96 < length * 0x1p-62 &&
+                       size * norm_max(a - centre) * 0x1p-94 < height.high * 0x1p-62;
+  if (precise) return {n.x.high / height.high, n.y.high / height.high, n.z.high / height.high};
+  const DyadicVec3 corner(a);
+  const DyadicVec3 normal = cross(DyadicVec3(b) - corner, DyadicVec3(c) - corner);
+  const Dyadic exact_height = dot(normal, corner - DyadicVec3(centre));
+  const std::int64_t scale = -exact_height.log2();
+  const double divisor = exact_height.shifted(scale).to_double();
+  return {normal.x.shifted(scale).to_double() / divisor, normal.y.shifted(scale).to_double() / divisor,
+          normal.z.shifted(scale).to_double() / divisor};
+}
+
+double squared_area(const ConvexMesh& mesh, const Triangle& t) {
+  const Vec3 a = mesh.vertices[at(t[0])];
+  const Vec3 n = cross(mesh.vertices[at(t[1])] - a, mesh.vertices[at(t[2])] - a);
+  return dot(n, n);
+}
+
+// One point a facet, from its largest triangle.
+std::vector<Vec3> polar_points(const ConvexMesh& mesh, Vec3 centre) {
+  int count = 0;
+  const std::vector<int> facet = facets(mesh, &count);
+  std::vector<int> largest(at(count), -1);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    int& best = largest[at(facet[t])];
+    if (best < 0 || squared_area(mesh, mesh.triangles[t]) > squared_area(mesh, mesh.triangles[at(best)])) {
+      best = static_cast<int>(t);
+    }
+  }
+  std::vector<Vec3> points;
+  for (const int t : largest) {
+    const Triangle& v = mesh.triangles[at(t)];
+    points.push_back(polar_point(centre, mesh.vertices[at(v[0])], mesh.vertices[at(v[1])], mesh.vertices[at(v[2])]));
+  }
+  return points;
+}
+
+double largest_norm(const std::vector<Vec3>& points, Vec3 from) {
+  double largest = 0;
+  for (const Vec3& p : points) largest = std::fmax(largest, norm(p - from));
+  return largest * kRoundUp;
+}
+
+class Writer {
+ public:
+  template <class T>
+  void value(const T& v) {
+    bytes_.append(reinterpret_cast<const char*>(&v), sizeof v);
+  }
+  template <class T>
+  void array(const std::vector<T>& v) {
+    value(static_cast<std::uint64_t>(v.size()));
+    bytes_.append(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T));
+  }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class Reader {
+ public:
+  Reader(const char* data, std::size_t size) : data_(data), left_(size) {}
+  template <class T>
+  void value(T& v) {
+    take(&v, sizeof v);
+  }
+  template <class T>
+  void array(std::vector<T>& v) {
+    std::uint64_t count = 0;
+    value(count);
+    if (count > left_ / sizeof(T)) throw HullError("the data end early");
+    v.resize(count);
+    take(v.data(), count * sizeof(T));
+  }
+  bool done() const { return left_ == 0; }
+
+ private:
+  const char* data_;
+  std::size_t left_;
+
+  void take(void* to, std::size_t size) {
+    if (size > left_) throw HullError("the data end early");
+    if (size > 0) std::memcpy(to, data_, size);
+    data_ += size;
+    left_ -= size;
+  }
+};
+
+// The fields in the order of the format, once for reading and writing.
+template <class Stream, class H>
+void each_field(Stream& s, H& h) {
+  s.array(h.points), s.array(h.level), s.value(h.depth), s.array(h.ring_start), s.array(h.rings), s.array(h.top);
+  s.array(h.top_x), s.array(h.top_y), s.array(h.top_z), s.array(h.chains), s.array(h.blocks), s.array(h.fan_of);
+  s.array(h.fans), s.array(h.wedges), s.array(h.entries), s.value(h.largest_coordinate);
+}
+
+template <class Stream, class B>
+void each_body_field(Stream& s, B& b) {
+  s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach), s.value(b.radius);
+  each_field(s, b.inner);
+  each_field(s, b.polar);
+  s.array(b.polar_triangles);
+  s.value(b.polar_radius), s.value(b.facet_count);
+}
+
+}  // namespace
+
+Body prepare_body(const ConvexMesh& mesh) {
+  Body body;
+  body.triangles = mesh.triangles;
+  body.source = mesh.source;
+  body.centre = interior_point(mesh);
+  body.reach = largest_norm(mesh.vertices, {});
+  body.radius = largest_norm(mesh.vertices, body.centre);
+  body.inner = build_hierarchy(mesh);
+  const std::vector<Vec3> points = polar_points(mesh, body.centre);
+  body.facet_count = static_cast<std::int32_t>(points.size());
+  body.polar_radius = largest_norm(points, {});
+  if (!std::isfinite(body.polar_radius)) throw HullError("it is too thin for doubles");
+  const ConvexMesh polar = convex_hull(points);
+  body.polar_triangles = polar.triangles;
+  body.polar = build_hierarchy(polar);
+  return body;
+}
+
+std::string body_fault(const Body& body) {
+  const ConvexMesh hull = verified_hull(body.inner.points, body.triangles);
+  const std::string inner = hierarchy_fault(hull, body.inner);
+  if (!inner.empty()) return "hull: " + inner;
+  const ConvexMesh dual = verified_hull(body.polar.points, body.polar_triangles);
+  const std::string polar = hierarchy_fault(dual, body.polar);
+  if (!polar.empty()) return "polar: " + polar;
+  for (const Triangle& t : body.triangles) {
+    const auto& p = body.inner.points;
+    if (orientation(p[at(t[0])], p[at(t[1])], p[at(t[2])], body.centre) >= 0) return "the centre is not strictly inside";
+  }
+  return {};
+}
+
+std::size_t Body::bytes() const {
+  return sizeof *this + triangles.size() * sizeof(Triangle) + source.size() * sizeof(source[0]) +
+         inner.bytes() + polar.bytes() + polar_triangles.size() * sizeof(Triangle);
+}
+
+std::string serialise(const Body& body) {
+  Writer writer;
+  each_body_field(writer, body);
+  return writer.take();
+}
+
+Body parse_body(const char* data, std::size_t size) {
+  Body body;
+  Reader reader(data, size);
+  each_body_field(reader, body);
+  if (!reader.done()) throw HullError("the data go on after the end");
+  return body;
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,44 @@
+// A body prepared for queries: its hull, the hierarchy of the hull, and the hierarchy of its polar.
+//
+// The polar lives in the frame whose origin is `centre`: the facet n·(x − centre) = h becomes the point n / h, so the
+// body is {x : q·(x − centre) <= 1 for all polar points q}. Exactly coplanar triangles are merged before: a cube has
+// six polar points. Polar points are rounded; each errs by at most kPolarError of its length.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hierarchy.hpp"
+#include "hull.hpp"
+
+namespace plannercheck {
+
+// Numerator and denominator are rounded once each (and err by 2^-60 before), then divided: 3u and a little.
+inline constexpr double kPolarError = 4 * 0x1p-53;
+
+struct Body {
+  std::vector<Triangle> triangles;  // of the hull, outward; indices into inner.points
+  std::vector<std::int32_t> source;  // per vertex: index into the points that were given
+  Vec3 centre;                       // strictly inside
+  double reach = 0;                  // largest |v| over the vertices: distance from the frame's origin
+  double radius = 0;                 // largest |v − centre|, rounded up
+  Hierarchy inner;
+  Hierarchy polar;
+  std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward
+  double polar_radius = 0;           // largest |q| over the polar points, rounded up
+  std::int32_t facet_count = 0;
+
+  std::size_t bytes() const;
+};
+
+Body prepare_body(const ConvexMesh& mesh);
+
+// Words for the first broken property, empty if there is none: hull and polar convex, hierarchies sound.
+std::string body_fault(const Body& body);
+
+// The body as bytes, without pointers; `parse_body` throws HullError if they are not such a body.
+std::string serialise(const Body& body);
+Body parse_body(const char* data, std::size_t size);
+
+}  // namespace plannercheck

@@ -1,0 +1,31 @@
+// The decision in exact arithmetic, for what the filters leave over.
+//
+// Wolfe's algorithm for the point of conv(P) − conv(R) nearest to the origin, on dyadic numbers: vertices and poses are
+// taken as the exact numbers that their doubles are. Every step is exact, so the distance falls strictly, no set of
+// vertices comes back, and it ends. Needs no interior point: flat bodies, segments and points are decided as well.
+#pragma once
+
+#include <array>
+
+#include "dyadic.hpp"
+#include "pair.hpp"
+
+namespace plannercheck {
+
+struct ExactAnswer {
+  bool shared = false;
+  // Separated: a direction with direction·p > direction·r for all points p of the guest and r of the host.
+  DyadicVec3 direction;
+  // Shared: Σ weight (guest vertex) = Σ weight (host vertex), in the world; weights >= 0, not normalised.
+  int count = 0;
+  std::array<std::int32_t, 4> guest, host;
+  std::array<Dyadic, 4> weight;
+};
+
+// `hint`: a world direction, any; the better it separates, the sooner the answer.
+ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters);
+
+// The vertex that maximises u·v, exactly.
+std::int32_t extreme_exactly(const Hierarchy& hierarchy, const DyadicVec3& u);
+
+}  // namespace plannercheck

@@ -1,0 +1,123 @@
+#include "game.hpp"
+
+#include <cmath>
+#include <cstddef>
+
+namespace plannercheck {
+namespace {
+
+// maximise Σ z_i over Σ_i (a_ij + shift) z_i <= 1 for every column j, z >= 0: with the payoffs shifted to be positive
+// the optimum is 1 / (value + shift), z is proportional to the rows' weights and the prices to the columns'.
+class Tableau {
+ public:
+  Tableau(const Game& game, double shift) : constraints_(game.columns), variables_(game.rows) {
+    for (int j = 0; j < constraints_; ++j) {
+      for (int i = 0; i < variables_; ++i) entry(j, i) = game.payoff[at(i)][at(j)] + shift;
+      entry(j, variables_) = 1;
+      basic_[at(j)] = variables_ + j;
+    }
+    for (int i = 0; i < variables_; ++i) {
+      entry(constraints_, i) = 1;
+      free_[at(i)] = i;
+    }
+    entry(constraints_, variables_) = 0;
+  }
+
+  void optimise() {
+    const int limit = 4 * (constraints_ + variables_);  // rounding may cycle; the weights so far are then used
+    for (int step = 0; step < limit; ++step) {
+      const int column = entering();
+      if (column < 0) return;
+      const int row = leaving(column);
+      if (row < 0) return;
+      pivot(row, column);
+    }
+  }
+
+  void read(Mixture& mixture) const {
+    for (int i = 0; i < variables_; ++i) mixture.row[at(i)] = 0;
+    for (int j = 0; j < constraints_; ++j) mixture.column[at(j)] = 0;
+    for (int j = 0; j < constraints_; ++j) {
+      if (basic_[at(j)] < variables_) mixture.row[at(basic_[at(j)])] = std::fmax(0.0, entry(j, variables_));
+    }
+    for (int i = 0; i < variables_; ++i) {
+      if (free_[at(i)] >= variables_) mixture.column[at(free_[at(i)] - variables_)] = std::fmax(0.0, -entry(constraints_, i));
+    }
+  }
+
+ private:
+  int constraints_, variables_;
+  std::array<std::array<double, kMaxActives + 1>, kMaxActives + 1> entries_;
+  std::array<int, kMaxActives> basic_, free_;
+
+  static std::size_t at(int index) { return static_cast<std::size_t>(index); }
+  double& entry(int row, int column) { return entries_[at(row)][at(column)]; }
+  double entry(int row, int column) const { return entries_[at(row)][at(column)]; }
+
+  int entering() const {
+    int best = -1;
+    double largest = 1e-14;  // prices are of the order of 1: smaller ones are rounding
+    for (int i = 0; i < variables_; ++i) {
+      if (entry(constraints_, i) > largest) largest = entry(constraints_, i), best = i;
+    }
+    return best;
+  }
+
+  int leaving(int column) const {
+    int best = -1;
+    double smallest = 0;
+    for (int j = 0; j < constraints_; ++j) {
+      if (!(entry(j, column) > 1e-300)) continue;
+      const double ratio = entry(j, variables_) / entry(j, column);
+      if (best < 0 || ratio < smallest) smallest = ratio, best = j;
+    }
+    return best;
+  }
+
+  void pivot(int row, int column) {
+    const double inverse = 1 / entry(row, column);
+    for (int i = 0; i <= variables_; ++i) entry(row, i) *= inverse;
+    entry(row, column) = inverse;
+    for (int j = 0; j <= constraints_; ++j) {
+      if (j == row) continue;
+      const double factor = entry(j, column);
+      for (int i = 0; i <= variables_; ++i) entry(j, i) -= factor * entry(row, i);
+      entry(j, column) = -factor * inverse;
+    }
+    std::swap(basic_[at(row)], free_[at(column)]);
+  }
+};
+
+void normalise(std::array<double, kMaxActives>& weights, int count) {
+  double sum = 0;
+  for (int i = 0; i < count; ++i) sum += weights[static_cast<std::size_t>(i)];
+  for (int i = 0; i < count; ++i) {
+    double& w = weights[static_cast<std::size_t>(i)];
+    w = sum > 0 && std::isfinite(sum) ? w / sum : (i == 0 ? 1.0 : 0.0);
+  }
+}
+
+}  // namespace
+
+void solve(const Game& game, Mixture& mixture) {
+  double lowest = game.payoff[0][0], highest = lowest;
+  for (int i = 0; i < game.rows; ++i) {
+    for (int j = 0; j < game.columns; ++j) {
+      const double a = game.payoff[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+      lowest = std::fmin(lowest, a);
+      highest = std::fmax(highest, a);
+    }
+  }
+  // The shift keeps entries of the order of the spread, so that the tableau's rounding is relative to it.
+  const double spread = highest > lowest ? highest - lowest : 1;
+  Tableau tableau(game, spread - lowest);
+  tableau.optimise();
+  tableau.read(mixture);
+  double total = 0;
+  for (int i = 0; i < game.rows; ++i) total += mixture.row[static_cast<std::size_t>(i)];
+  mixture.value = total > 0 ? 1 / total - (spread - lowest) : highest;
+  normalise(mixture.row, game.rows);
+  normalise(mixture.column, game.columns);
+}
+
+}  // namespace plannercheck

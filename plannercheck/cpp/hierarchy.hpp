@@ -1,0 +1,76 @@
+// The inner hierarchy of a convex body (Dobkin and Kirkpatrick 1985; properties A1 to A5 of the paper), and extreme
+// vertices from it.
+//
+// In: the exact hull of a point set. Out: for each vertex the level at which it is removed and its neighbours there
+// (its ring, at most kRemovedDegree), and for queries the top vertices and one chain a vertex: the neighbours that were
+// removed around it, coarse to fine. Levels themselves need not exist at run time: while the plane through v with
+// normal u is tangent at every level of the chain passed so far, Lemma "halfspace property" says that at most one
+// vertex of the next level lies beyond it, and that it is a neighbour of v.
+//
+// Vertices with long chains (a cone's apex, a fan's hub) are not scanned but walked by wedges; see WedgeNode.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "hull.hpp"
+#include "vec.hpp"
+
+namespace plannercheck {
+
+inline constexpr int kTopVertices = 64;     // below this a scan in lanes beats every hierarchy (measured)
+inline constexpr int kRemovedDegree = 8;    // a planar graph has enough independent vertices of at most this degree
+inline constexpr int kBlockLanes = 4;       // the layout is the same on every instruction set, so that files are too
+inline constexpr int kLongChain = 128;      // entries; longer chains are walked by wedges (32 blocks of scanning)
+
+// Four neighbours in a chain, coordinates inline. Lanes beyond the chain's end repeat the last entry.
+struct Block {
+  std::array<double, kBlockLanes> x, y, z;
+  std::array<std::int32_t, kBlockLanes> vertex;
+};
+
+struct ChainRange {
+  std::int32_t first_block = 0, length = 0;  // length in entries
+};
+
+// The state (v, r) of wedge refinement: u lies in the wedge of v's normal cone that is spanned by z_v and the normals
+// of the two facets along the edge v r. The node lives from the level where that edge and its facets appear to the
+// level where one of these facets gives way to the hole of a removed vertex.
+struct WedgeNode {
+  std::int32_t rim = -1;                // r
+  std::int32_t left = -1, right = -1;   // the vertices below the facet counter-clockwise of the edge and clockwise
+  std::int32_t next_left = -1, next = -1, next_right = -1;  // nodes of (v, left), (v, r), (v, right) one level down
+};
+
+struct WedgeFan {
+  Vec3 axis;  // z_v: strictly inside v's normal cone in the finest level, verified exactly
+  std::int32_t first_entry = 0, entries = 0;  // nodes of v's edges at the level where v appears, counter-clockwise
+};
+
+struct Hierarchy {
+  std::vector<Vec3> points;
+  std::vector<std::int32_t> level;       // at which the vertex is removed; `depth` for those that stay
+  std::int32_t depth = 0;                // number of removals; level 0 removes from the full body
+  std::vector<std::int32_t> ring_start;  // rings in CSR form, counter-clockwise; empty for top vertices
+  std::vector<std::int32_t> rings;
+  std::vector<std::int32_t> top;         // ids, padded to whole blocks by repetition
+  std::vector<double> top_x, top_y, top_z;
+  std::vector<ChainRange> chains;
+  std::vector<Block> blocks;
+  std::vector<std::int32_t> fan_of;      // per vertex: index into fans, or -1
+  std::vector<WedgeFan> fans;
+  std::vector<WedgeNode> wedges;
+  std::vector<std::int32_t> entries;     // indices into wedges
+  double largest_coordinate = 0;
+
+  std::size_t bytes() const;
+};
+
+Hierarchy build_hierarchy(const ConvexMesh& mesh);
+
+// Words for the first broken property of the hierarchy of this mesh, empty if there is none: levels nested, removed
+// vertices independent and of bounded degree, every level convex, chains complete and in order, wedges consistent.
+std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& hierarchy);
+
+}  // namespace plannercheck

@@ -1,0 +1,58 @@
+#include "pair.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Bounds, u = 2^-53, |.| Euclidean, columns of M at most 1 + 1e-6 long, r_P = reach of the guest, w = t_P − t_R,
+// c = the host's centre, δ = ‖M_RᵀM_R − 1‖. Terms of second order are covered by rounding each sum up generously.
+//
+// (a) Relative pose. fl(M_Rᵀ M_P) errs by 3u an entry at most (Cauchy-Schwarz on unit columns), 9u in the Frobenius
+//     norm: 9u r_P. fl(M p) errs by 3u |p| an entry: 5.2u r_P; adding the shift by 2u (r_P + |shift|). The shift: w by
+//     u|w|, M_Rᵀw by 5.2u|w|, subtracting c by 2u (|w| + |c|). And M_R⁻¹ − M_Rᵀ = (1 − M_RᵀM_R) M_R⁻¹, so using the
+//     transpose errs by (1 + 1e-5) δ (r_P + |w|). In all at most 20u (r_P + |w| + |c|) + 1.01 δ (r_P + |w|).
+// (b) Separation by q, |q| <= r_Q (1 + 1e-9). The guest's direction fl(Mᵀq) errs by 5.2u |q|, which moves the least
+//     product by at most 10.4u |q| r_P; a scan may miss it by 14u |q| r_P (kScanError, |.|_1 <= √3 |.|); evaluating q·x
+//     errs by 5.2u |q| |x|. sup over R of q·x is at most 1 + 16u r_Q r_R: polar points err by kPolarError, mixing at most
+//     16 of them by 12u. In all r_Q times (30u (r_P + |shift|) + 16u r_R) besides (a).
+// (c) Containment of x: mixing vertices errs by 12u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by 5.2u r_Q |x|,
+//     polar points by 4u r_Q |x|, with |x| <= r_P + |shift|: r_Q times 36u (r_P + |shift|) besides (a).
+// |shift| <= |w| + |c| up to the rounding above, so one bound serves both.
+constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 56u
+constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
+
+}  // namespace
+
+PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(guest), host_(host) {
+  const auto& r = host.pose.m;
+  const auto& p = guest.pose.m;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      m_[3 * i + j] = (r[i] * p[j] + r[i + 4] * p[j + 4]) + r[i + 8] * p[j + 8];
+    }
+  }
+  const Vec3 w = guest.pose.translation() - host.pose.translation();
+  const Vec3 centre = host.body->centre;
+  shift_ = host.pose.rotate_back(w) - centre;
+  const double defect = rigidity_defect(host.pose) + kDefectRounding;
+  const double reach = guest.body->reach + norm_1(w) + norm_1(centre) + host.body->radius;
+  error_ = host.body->polar_radius * reach * (kPairError + 1.01 * defect);
+}
+
+Vec3 PairFrame::guest_direction(Vec3 q) const {
+  return {-(m_[0] * q.x + m_[3] * q.y + m_[6] * q.z), -(m_[1] * q.x + m_[4] * q.y + m_[7] * q.z),
+          -(m_[2] * q.x + m_[5] * q.y + m_[8] * q.z)};
+}
+
+// fl(Mᵀd) errs by 5.2u |d|, moving a product by 5.2u |d| r; a scan misses by at most 14u |d| r; evaluating d·p errs by
+// 5.2u |d| r; d·w by 6.2u |d| |w|; the last two sums by 2u of everything: below 27u |d| (r_P + r_R + |w|).
+bool separates_vertices(const PosedBody& guest, const PosedBody& host, Vec3 d, PairCounters& counters) {
+  const Vec3 along_guest = guest.pose.rotate_back(d), along_host = host.pose.rotate_back(d);
+  const Vec3 w = guest.pose.translation() - host.pose.translation();
+  ++counters.guest_queries, ++counters.host_queries;
+  const auto p = static_cast<std::size_t>(extreme(guest.body->inner, -along_guest, counters.queries));
+  const auto r = static_cast<std::size_t>(extreme(host.body->inner, along_host, counters.queries));
+  const double gap = (dot(along_guest, guest.body->inner.points[p]) + dot(d, w)) - dot(along_host, host.body->inner.points[r]);
+  return gap > 32 * 0x1p-53 * norm(d) * (guest.body->reach + host.body->reach + norm_1(w));
+}
+
+}  // namespace plannercheck

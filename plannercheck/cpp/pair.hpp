@@ -1,0 +1,76 @@
+// One pair of posed bodies: the frame of the host, the certificates and their proven error bounds.
+//
+// The host R is described by its polar: R = {x : q·x <= 1 for all polar points q}, coordinates in R's frame relative to
+// its centre. The guest P is the hull of vertices M p + t under the relative pose. In that frame the game
+//     v = min over x in P of max over q in conv(polar) of q·x
+// decides: v > 1 is a separation (the plane q·x = 1), v <= 1 a shared point x (Theorem "Polarity of polyhedra" with
+// both polars hidden).
+#pragma once
+
+#include "body.hpp"
+#include "support.hpp"
+#include "vec.hpp"
+
+namespace plannercheck {
+
+struct PosedBody {
+  const Body* body;
+  Pose pose;
+};
+
+enum class Answer { kSeparated, kShared, kUndecided };
+
+// How the answer was found.
+enum class Stage { kCachedPlane, kCentreAxis, kSolver, kVertices, kExact };
+
+// In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
+struct Certificate {
+  Answer answer = Answer::kUndecided;
+  Stage stage = Stage::kSolver;
+  Vec3 q, x;
+};
+
+struct PairCounters {
+  QueryCounters queries;
+  long guest_queries = 0, host_queries = 0, games = 0, rounds = 0;
+};
+
+class PairFrame {
+ public:
+  PairFrame(const PosedBody& guest, const PosedBody& host);
+
+  const Body& guest() const { return *guest_.body; }
+  const Body& host() const { return *host_.body; }
+  const PosedBody& posed_guest() const { return guest_; }
+  const PosedBody& posed_host() const { return host_; }
+
+  Vec3 guest_vertex(std::int32_t v) const { return map(guest().inner.points[static_cast<std::size_t>(v)]); }
+  Vec3 guest_centre() const { return map(guest().centre); }
+  Vec3 polar_point(std::int32_t k) const { return host().polar.points[static_cast<std::size_t>(k)]; }
+
+  // The direction in the guest's frame along which to look for the vertex with the least q·x.
+  Vec3 guest_direction(Vec3 q) const;
+
+  // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding.
+  bool separates(double value) const { return value > 1 + error_; }
+  // With value = max over polar points of q·x as found by `extreme`, x a mixture of guest vertices or their centre.
+  bool contains(double value) const { return value < 1 - error_; }
+  double error() const { return error_; }
+
+ private:
+  PosedBody guest_, host_;
+  double m_[9];  // rows of M_Rᵀ M_P
+  Vec3 shift_;   // M_Rᵀ (t_P − t_R) − centre
+  double error_;
+
+  Vec3 map(Vec3 v) const {
+    return {(m_[0] * v.x + m_[1] * v.y) + (m_[2] * v.z + shift_.x), (m_[3] * v.x + m_[4] * v.y) + (m_[5] * v.z + shift_.y),
+            (m_[6] * v.x + m_[7] * v.y) + (m_[8] * v.z + shift_.z)};
+  }
+};
+
+// Whether the world direction d separates the vertices of the two bodies (d·guest > d·host), by a bound that involves
+// neither facets nor the inverse of a pose.
+bool separates_vertices(const PosedBody& guest, const PosedBody& host, Vec3 d, PairCounters& counters);
+
+}  // namespace plannercheck

@@ -1,0 +1,40 @@
+// The test of one pair: cheapest step first, each ending with a certificate or handing on, the last one exact.
+#pragma once
+
+#include <optional>
+
+#include "exact.hpp"
+#include "solvers.hpp"
+
+namespace plannercheck {
+
+enum class Solver { kDoubleOracle, kWalk, kExact };
+
+// Every clever step can be turned off; verdicts do not depend on it.
+struct PairOptions {
+  Solver solver = Solver::kDoubleOracle;
+  bool cached_plane = true;
+  bool centre_axis = true;
+};
+
+// The plane that separated a pair last time, in the host's frame.
+struct CachedPlane {
+  bool valid = false;
+  Vec3 q;
+};
+
+struct PairVerdict {
+  bool shared = false;
+  Stage stage = Stage::kSolver;
+  Certificate certificate;           // unless the stage is kExact or kVertices
+  Vec3 direction;                    // stage kVertices: in the world, from host to guest
+  std::optional<ExactAnswer> exact;  // stage kExact
+};
+
+// Of two bodies the one whose polar is better conditioned hosts: 0 for `a`, 1 for `b`.
+int choose_host(const Body& a, const Body& b);
+
+PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
+                      PairCounters& counters);
+
+}  // namespace plannercheck

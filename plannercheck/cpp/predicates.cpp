@@ -1,0 +1,100 @@
+#include "predicates.hpp"
+
+#include "double2.hpp"
+
+namespace plannercheck {
+namespace {
+
+// A filter in doubles is trusted only in this range: products of up to three factors then neither overflow nor lose
+// bits to underflow that its error bound does not count (2^-1074 times the largest factors is far below the bound).
+constexpr double kSmallestTrusted = 1e-150, kLargestTrusted = 1e60;
+
+int sign_of(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
+
+// Each of the at most 12 operations of a 3×3 determinant or a triple product of Double2 errs by at most 2^-102 of the
+// sum of the absolute values of its terms (the permanent); 2^-97 leaves room.
+constexpr double kDouble2Bound = 0x1p-97;
+
+double absolute_dot(Vec3 a, Vec3 b) { return std::fabs(a.x * b.x) + std::fabs(a.y * b.y) + std::fabs(a.z * b.z); }
+
+Vec3 absolute_cross(Vec3 a, Vec3 b) {
+  return {std::fabs(a.y * b.z) + std::fabs(a.z * b.y), std::fabs(a.z * b.x) + std::fabs(a.x * b.z),
+          std::fabs(a.x * b.y) + std::fabs(a.y * b.x)};
+}
+
+bool trusted(double permanent, double largest) { return permanent > kSmallestTrusted && largest < kLargestTrusted; }
+
+}  // namespace
+
+// Shewchuk's bound for this determinant is (7 + 56u)u times the permanent; 8u covers it and the rounding of the bound.
+int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+  const Vec3 ab = b - a, ac = c - a, ad = d - a;
+  const double determinant = dot(cross(ab, ac), ad);
+  const double permanent = absolute_dot(absolute_cross(ab, ac), ad);
+  const double largest = std::fmax(norm_max(ab), std::fmax(norm_max(ac), norm_max(ad)));
+  const bool in_range = trusted(permanent, largest);
+  if (in_range && std::fabs(determinant) > 8 * kRoundoff * permanent) return sign_of(determinant);
+  // Differences of doubles are 0 only when the doubles are equal: planes parallel to the axes end here.
+  const bool axis_aligned = (ab.x == 0 && ac.x == 0 && ad.x == 0) || (ab.y == 0 && ac.y == 0 && ad.y == 0) ||
+                            (ab.z == 0 && ac.z == 0 && ad.z == 0);
+  if (axis_aligned) return 0;
+  if (in_range) {
+    const Double2 finer = dot(cross(difference(b, a), difference(c, a)), difference(d, a));
+    if (std::fabs(finer.high) > kDouble2Bound * permanent) return sign_of(finer.high);
+  }
+  const DyadicVec3 origin(a);
+  return dot(cross(DyadicVec3(b) - origin, DyadicVec3(c) - origin), DyadicVec3(d) - origin).sign();
+}
+
+// Three products of a double and a rounded difference (1 + u each), two sums: at most 4u(1 + ...) of Σ|terms|.
+int compare_along(Vec3 u, Vec3 a, Vec3 b) {
+  const Vec3 e = a - b;
+  const double value = dot(u, e), size = absolute_dot(u, e);
+  const bool in_range = trusted(size, std::fmax(norm_max(u), norm_max(e)));
+  if (in_range && std::fabs(value) > 6 * kRoundoff * size) return sign_of(value);
+  if ((u.x == 0 || e.x == 0) && (u.y == 0 || e.y == 0) && (u.z == 0 || e.z == 0)) return 0;
+  if (in_range) {
+    const Double2 finer = dot(widen(u), difference(a, b));
+    if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
+  }
+  return dot(DyadicVec3(u), DyadicVec3(a) - DyadicVec3(b)).sign();
+}
+
+// As `orientation`, of degree 4: differences (u), cross product (2u more each), cross product, dot: at most 11u.
+int wedge_side(Vec3 z, Vec3 v, Vec3 a, Vec3 b, Vec3 u) {
+  const Vec3 va = a - v, vb = b - v;
+  const double value = dot(cross(z, cross(va, vb)), u);
+  const Vec3 absolute_z{std::fabs(z.x), std::fabs(z.y), std::fabs(z.z)};
+  const double size = absolute_dot(absolute_cross(absolute_z, absolute_cross(va, vb)), u);
+  const double largest = std::fmax(std::fmax(norm_max(z), norm_max(u)), std::fmax(norm_max(va), norm_max(vb)));
+  const bool in_range = trusted(size, largest) && largest < 1e40;
+  if (in_range && std::fabs(value) > 16 * kRoundoff * size) return sign_of(value);
+  if (in_range) {
+    const Double2 finer = dot(cross(widen(z), cross(difference(a, v), difference(b, v))), widen(u));
+    if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
+  }
+  const DyadicVec3 corner(v);
+  return dot(cross(DyadicVec3(z), cross(DyadicVec3(a) - corner, DyadicVec3(b) - corner)), DyadicVec3(u)).sign();
+}
+
+int cone_side(Vec3 u, Vec3 o, Vec3 a, Vec3 b) {
+  const Vec3 oa = a - o, ob = b - o;
+  const double value = dot(cross(oa, ob), u), size = absolute_dot(absolute_cross(oa, ob), u);
+  const double largest = std::fmax(norm_max(u), std::fmax(norm_max(oa), norm_max(ob)));
+  if (trusted(size, largest) && std::fabs(value) > 8 * kRoundoff * size) return sign_of(value);
+  const DyadicVec3 origin(o);
+  return dot(cross(DyadicVec3(a) - origin, DyadicVec3(b) - origin), DyadicVec3(u)).sign();
+}
+
+bool collinear(Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 n = cross(b - a, c - a), size = absolute_cross(b - a, c - a);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (size[axis] > kSmallestTrusted && size[axis] < kLargestTrusted && std::fabs(n[axis]) > 6 * kRoundoff * size[axis])
+      return false;
+  }
+  const DyadicVec3 origin(a);
+  const DyadicVec3 exact = cross(DyadicVec3(b) - origin, DyadicVec3(c) - origin);
+  return exact.x.sign() == 0 && exact.y.sign() == 0 && exact.z.sign() == 0;
+}
+
+}  // namespace plannercheck

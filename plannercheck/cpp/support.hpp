@@ -1,0 +1,32 @@
+// Extreme vertices: the vertex of a body that is furthest along a direction, in O(log n).
+//
+// Every comparison of the walk is on the difference of two vertices, filtered with its own error bound and exact where
+// the filter fails: a walk that compares rounded products can stop far from the extreme vertex. Bodies of at most
+// kTopVertices are scanned on rounded products; the vertex found is then extreme up to kScanError.
+#pragma once
+
+#include "hierarchy.hpp"
+#include "vec.hpp"
+
+namespace plannercheck {
+
+// What a query touched; costs an increment each, and shows the logarithm.
+struct QueryCounters {
+  long blocks = 0;  // blocks of four vertices compared, the wedge tests of one node counting as one
+  long exact = 0;   // comparisons that the filter left over
+};
+
+// The scan's vertex v has u·v >= max u·p − 2 · kScanError |u|_1 largest_coordinate: three products and two sums.
+inline constexpr double kScanError = 4 * 0x1p-53;
+
+// Index of a vertex that maximises u·p over all points, exact for the given doubles (but see the scan above).
+std::int32_t extreme(const Hierarchy& hierarchy, Vec3 u, QueryCounters& counters);
+
+// The vertex beyond the plane through v with normal u at the coarsest level below v's that has one; or -1. `v` must be
+// extreme along u at the level where it appears (or among the top vertices).
+std::int32_t next_beyond(const Hierarchy& hierarchy, std::int32_t v, Vec3 u, QueryCounters& counters);
+
+// As `extreme`, among the top vertices only.
+std::int32_t extreme_at_top(const Hierarchy& hierarchy, Vec3 u, QueryCounters& counters);
+
+}  // namespace plannercheck

@@ -1,0 +1,61 @@
+// Points, directions and poses in doubles.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace plannercheck {
+
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+
+  double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+};
+
+inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
+inline Vec3 operator*(double s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+inline bool operator==(Vec3 a, Vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+inline double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
+inline double norm_max(Vec3 a) { return std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z))); }
+inline double norm_1(Vec3 a) { return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z); }
+
+// An affine map x -> M x + t; `m` holds the rows of the 3x4 matrix [M | t].
+struct Pose {
+  std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+  Vec3 translation() const { return {m[3], m[7], m[11]}; }
+
+  // M v
+  Vec3 rotate(Vec3 v) const {
+    return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[4] * v.x + m[5] * v.y + m[6] * v.z,
+            m[8] * v.x + m[9] * v.y + m[10] * v.z};
+  }
+
+  // Mᵀ v
+  Vec3 rotate_back(Vec3 v) const {
+    return {m[0] * v.x + m[4] * v.y + m[8] * v.z, m[1] * v.x + m[5] * v.y + m[9] * v.z,
+            m[2] * v.x + m[6] * v.y + m[10] * v.z};
+  }
+
+  Vec3 apply(Vec3 v) const { return rotate(v) + translation(); }
+};
+
+// ‖MᵀM − 1‖ in the Frobenius norm, as computed in doubles.
+inline double rigidity_defect(const Pose& pose) {
+  const auto& m = pose.m;
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+      const double entry = m[a] * m[b] + m[a + 4] * m[b + 4] + m[a + 8] * m[b + 8] - (i == j ? 1.0 : 0.0);
+      sum += (i == j ? 1.0 : 2.0) * entry * entry;
+    }
+  }
+  return std::sqrt(sum);
+}
+
+}  // namespace plannercheck

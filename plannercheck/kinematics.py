@@ -1,0 +1,161 @@
+"""Exports Pinocchio's model as the compiled kernel's joint table, and holds the kernel against Pinocchio.
+
+In: a Pinocchio model, the map from group to full configurations, the frames of the links. Out: the compiled
+`Kinematics`, which poses kLanes configurations at once; None if a joint is of a kind that the table cannot
+say. Also Pinocchio's own poses, which are the truth to compare with and the way for such robots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.configurations import COSINE, ConfigurationMap
+from plannercheck.core import core
+
+Floats = NDArray[np.float64]
+
+# The kernel's joint kinds (JointKind in cpp/kinematics.hpp), by Pinocchio's name without "JointModel".
+_TURNS = {"RX": 0, "RY": 1, "RZ": 2, "RevoluteUnaligned": 3}
+_UNIT_TURNS = {"RUBX": 0, "RUBY": 1, "RUBZ": 2, "RevoluteUnboundedUnaligned": 3}
+_UNIT_TURN_OFFSET = 4
+_SLIDES = ("PX", "PY", "PZ", "PrismaticUnaligned")
+_SLIDE = 8
+_OTHERS = {"Planar": 9, "Spherical": 10, "FreeFlyer": 11}
+_UNALIGNED = 3
+
+# Most numbers that a joint takes in Pinocchio's q.
+_MOST_VALUES = 7
+
+# Largest difference to Pinocchio's poses that is rounding: of rotations, and of positions per metre of reach.
+AGREEMENT = 1e-12
+_CHECKED_CONFIGURATIONS = 8
+
+
+def compiled_kinematics(
+    model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
+) -> Any | None:
+    """Builds the compiled kinematics of a group.
+
+    Args:
+        model: Pinocchio's.
+        configurations: Where the numbers in Pinocchio's q come from.
+        frames: Pinocchio's frames of the links.
+
+    Returns:
+        A `core.Kinematics`, or None if the model has a joint that the kernel does not know.
+    """
+    joints = [_joint_row(model, model.joints[i], configurations) for i in range(1, model.njoints)]
+    if any(row is None for row in joints):
+        return None
+    kinds, axes, columns, multipliers, offsets = zip(*joints, strict=True) if joints else ((), (), (), (), ())
+    link_frames = [model.frames[i] for i in frames]
+    return core.Kinematics(
+        configurations.width,
+        np.array([model.parents[i] - 1 for i in range(1, model.njoints)], dtype=np.int32),
+        np.array(kinds, dtype=np.int32),
+        np.reshape(axes, (-1, 3)).astype(np.float64),
+        _placements([model.jointPlacements[i] for i in range(1, model.njoints)]),
+        np.reshape(columns, (-1, _MOST_VALUES)).astype(np.int32),
+        np.reshape(multipliers, (-1, _MOST_VALUES)).astype(np.float64),
+        np.reshape(offsets, (-1, _MOST_VALUES)).astype(np.float64),
+        np.array([frame.parentJoint - 1 for frame in link_frames], dtype=np.int32),
+        _placements([frame.placement for frame in link_frames]),
+    )
+
+
+def pinocchio_poses(
+    model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int], q: Floats
+) -> Floats:
+    """World poses of the links by Pinocchio itself.
+
+    Args:
+        model: Pinocchio's.
+        configurations: Where the numbers in Pinocchio's q come from.
+        frames: Pinocchio's frames of the links.
+        q: (n, nq) group configurations.
+
+    Returns:
+        (n, links, 4, 4), m.
+    """
+    data = model.createData()
+    poses = np.empty((len(q), len(frames), 4, 4))
+    for row, full in enumerate(configurations.expand(q)):
+        pin.framesForwardKinematics(model, data, full)
+        for link, frame in enumerate(frames):
+            poses[row, link] = data.oMf[frame].homogeneous
+    return poses
+
+
+def disagreement(
+    kinematics: Any, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
+) -> float:
+    """Largest difference between the kernel's and Pinocchio's poses on a few random configurations.
+
+    Positions count relative to the reach, if that is more than 1 m.
+    """
+    q = configurations.random(_CHECKED_CONFIGURATIONS, seed=0)
+    theirs = pinocchio_poses(model, configurations, frames, q)
+    ours = kinematics.link_poses(q, np.ones(len(frames), dtype=np.uint8))
+    reach = max(1.0, float(np.abs(theirs[..., 3]).max(initial=0.0)))
+    scale = np.array([1.0, 1.0, 1.0, reach])
+    return float((np.abs(ours - theirs) / scale).max(initial=0.0))
+
+
+def _joint_row(model: pin.Model, joint: pin.JointModel, configurations: ConfigurationMap) -> Any | None:
+    """(kind, axis, columns, multipliers, offsets) of one joint, None if the kernel does not know it."""
+    kind = _kind_of(str(joint.shortname()).removeprefix("JointModel"))
+    if kind is None:
+        return None
+    axis = _axis_of(joint)
+    entries = np.arange(joint.idx_q, joint.idx_q + joint.nq)
+    if configurations.roles[entries[0]] == COSINE:  # one angle in place of cosine and sine
+        kind, entries = kind - _UNIT_TURN_OFFSET, entries[:1]
+    padding = _MOST_VALUES - len(entries)
+    columns = np.pad(configurations.columns[entries], (0, padding), constant_values=-1)
+    multipliers = np.pad(configurations.multipliers[entries], (0, padding))
+    offsets = np.pad(configurations.offsets[entries], (0, padding))
+    return _aligned(kind, axis, columns, multipliers, offsets)
+
+
+def _kind_of(name: str) -> int | None:
+    if name in _TURNS:
+        return _TURNS[name]
+    if name in _UNIT_TURNS:
+        return _UNIT_TURNS[name] + _UNIT_TURN_OFFSET
+    return _SLIDE if name in _SLIDES else _OTHERS.get(name)
+
+
+def _axis_of(joint: pin.JointModel) -> Floats:
+    """The joint's axis, from its motion subspace; zeros for joints of more than one degree of freedom."""
+    if joint.nv != 1:
+        return np.zeros(3)
+    data = joint.createData()
+    joint.calc(data, np.eye(1, joint.idx_q + joint.nq, joint.idx_q)[0])
+    linear, angular = np.reshape(data.S, (2, 3))
+    return np.asarray(linear + angular, dtype=np.float64)
+
+
+def _aligned(kind: int, axis: Floats, columns: Any, multipliers: Floats, offsets: Floats) -> Any:
+    """Turns about -x, -y or -z become turns about x, y or z by the opposite angle, which is cheaper."""
+    negative = np.flatnonzero(axis == -1.0)
+    if (
+        kind % _UNIT_TURN_OFFSET != _UNALIGNED
+        or kind >= _SLIDE
+        or len(negative) == 0
+        or np.abs(axis).sum() != 1.0
+    ):
+        return kind, axis, columns, multipliers, offsets
+    sign = np.ones(_MOST_VALUES)
+    sign[0 if kind < _UNIT_TURN_OFFSET else 1] = -1.0  # the angle, or the sine
+    return kind - _UNALIGNED + int(negative[0]), -axis, columns, sign * multipliers, sign * offsets
+
+
+def _placements(placements: Sequence[Any]) -> Floats:
+    return np.ascontiguousarray(
+        np.reshape([p.homogeneous[:3] for p in placements], (-1, 3, 4)), dtype=np.float64
+    )

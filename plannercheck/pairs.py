@@ -1,0 +1,76 @@
+"""The pair table: which bodies are tested against which.
+
+In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are what the SRDF or the
+robot's YAML disables (Pinocchio has done that already), what an allowed collision matrix allows, and bodies that are
+fixed to the world against obstacles: these pairs never change, so they are judged once (`resting`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.errors import PlannercheckError
+from plannercheck.robot import Robot
+from plannercheck.scene import Scene
+
+Acm: TypeAlias = Literal["robot", "scene"]
+
+
+@dataclass(frozen=True)
+class PairTable:
+    """Pairs of bodies, as indices into the robot's bodies followed by the scene's.
+
+    Attributes:
+        pairs: (k, 2) tested at every configuration: self pairs, then pairs with obstacles.
+        resting: (m, 2) of bodies fixed to the world with obstacles: the same at every configuration.
+        self_count: How many of `pairs` are self pairs.
+    """
+
+    pairs: NDArray[np.int32]
+    resting: NDArray[np.int32]
+    self_count: int
+
+
+def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> PairTable:
+    """Builds the table.
+
+    Args:
+        robot: Its `self_pairs` are taken as they are.
+        scene: Its allowed collisions act on pairs with obstacles, and on self pairs only with acm="scene".
+        self_collision: Whether self pairs are tested at all.
+        acm: "robot" or "scene".
+
+    Returns:
+        The table.
+    """
+    if acm not in ("robot", "scene"):
+        raise PlannercheckError(f"acm must be 'robot' or 'scene', not {acm!r}")
+    own = [(int(a), int(b)) for a, b in robot.self_pairs] if self_collision else []
+    if acm == "scene":
+        links = [body.link or "" for body in robot.bodies]
+        own = [(a, b) for a, b in own if not scene.is_allowed(links[a], links[b])]
+    pairs, resting = list(own), []
+    fixed = fixed_links(robot)
+    for a, body in enumerate(robot.bodies):
+        for k, name in enumerate(scene.body_objects):
+            if scene.is_allowed(body.link or "", name):
+                continue
+            (resting if body.link in fixed else pairs).append((a, len(robot.bodies) + k))
+    return PairTable(_rows(pairs), _rows(resting), len(own))
+
+
+def fixed_links(robot: Robot) -> frozenset[str]:
+    """Names of the links that no joint can move."""
+    model = robot.model
+    frames = {name: model.frames[model.getBodyId(name)] for name in robot.link_names}
+    return frozenset(name for name, frame in frames.items() if frame.parentJoint == 0)
+
+
+def _rows(pairs: list[tuple[int, int]]) -> NDArray[np.int32]:
+    rows = np.array(pairs, dtype=np.int32).reshape(-1, 2)
+    rows.flags.writeable = False
+    return rows

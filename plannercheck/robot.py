@@ -1,0 +1,337 @@
+"""A robot: links with collision bodies, a planning group, and forward kinematics.
+
+In: a URDF with its meshes, optionally an SRDF, or a description from robots/. Out: `Robot`, immutable, which
+knows its group's joints and limits, poses its links, and says which of its bodies are tested against each
+other. Pinocchio reads and models; the compiled kernel poses batches and is held against Pinocchio once, when
+the robot is loaded.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.configurations import planning_group, whole_robot
+from plannercheck.errors import unknown_name
+from plannercheck.kinematics import AGREEMENT, compiled_kinematics, disagreement, pinocchio_poses
+from plannercheck.paths import example_robot_data
+from plannercheck.planning_groups import explicit_group, srdf_group, usable_mimics
+from plannercheck.reading import within
+from plannercheck.reference import all_values, checked_values, given_values, reference_of
+from plannercheck.robot_files import DisabledPair, RobotDescription, find_description, read_description
+from plannercheck.self_pairs import self_pairs
+from plannercheck.shapes import Body
+from plannercheck.srdf import group_state, read_srdf
+from plannercheck.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
+
+Floats = NDArray[np.float64]
+Reference = Mapping[str, Any] | Sequence[float] | Floats | str | None
+
+
+class Robot:
+    """A robot, posed by configurations of its planning group.
+
+    Build one with `Robot.load` or `Robot.from_urdf`. Configurations are in Pinocchio's order, or, with a
+    planning group, in the group's order; all other joints are held.
+
+    Attributes:
+        name: The robot's name.
+        group: Name of the planning group; None for the whole robot.
+        joint_names: Joints of the group (one column each; without a group, as many as Pinocchio has numbers
+            for them).
+        link_names: The URDF's links in the order of Pinocchio's body frames.
+        bodies: Collision bodies in the order of Pinocchio's geometries.
+        self_pairs: (k, 2) indices into bodies: what is tested for self-collision.
+        disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
+        reference: (nq,) the group's reference configuration, rad and m.
+        model: Pinocchio's model.
+        kinematics: The compiled kinematics; None if Pinocchio itself has to pose.
+    """
+
+    def __init__(
+        self,
+        *,
+        name: str,
+        model: pin.Model,
+        tree: LinkTree,
+        bodies: tuple[Body, ...],
+        pairs: NDArray[np.int64],
+        disabled_pairs: tuple[DisabledPair, ...],
+        mimics: Mapping[str, Mimic],
+        values: Mapping[str, Floats],
+        group: str | None,
+        joints: tuple[str, ...] | None,
+    ) -> None:
+        self.name = name
+        self.model = model
+        self.bodies = bodies
+        self.self_pairs = _frozen(pairs)
+        self.disabled_pairs = disabled_pairs
+        self.group = group
+        self._tree = tree
+        self._mimics = mimics
+        self._values = values
+        self._joints = joints
+        everywhere = all_values(model, values, mimics)
+        self._map = (
+            whole_robot(model) if joints is None else planning_group(model, joints, everywhere, mimics)
+        )
+        self.reference = _frozen(reference_of(model, joints, everywhere))
+        self.kinematics = self._checked_kinematics()
+
+    @classmethod
+    def load(cls, name_or_path: str | Path) -> Robot:
+        """Loads a robot.
+
+        Args:
+            name_or_path: A name from robots/ such as "panda", or the path of a YAML description or of a URDF.
+
+        Returns:
+            The robot.
+        """
+        path = find_description(name_or_path)
+        if path.suffix == ".urdf":
+            return cls.from_urdf(path, package_dirs=example_robot_data())
+        with within(f"robot file {path}"):
+            return cls._from_description(read_description(path), None)
+
+    @classmethod
+    def from_urdf(
+        cls,
+        urdf: str | Path,
+        srdf: str | Path | None = None,
+        package_dirs: str | Path | Sequence[str | Path] = (),
+        group: str | Sequence[str] | None = None,
+        reference: Reference = None,
+        *,
+        floating: bool = False,
+    ) -> Robot:
+        """Builds a robot from a URDF.
+
+        Args:
+            urdf: Path of the URDF.
+            srdf: Path of an SRDF, for self pairs, groups and states.
+            package_dirs: Folders in which the URDF's package:// paths start.
+            group: An SRDF group or joint names in order; None for Pinocchio's own q.
+            reference: The state at which joints outside the group are held: values by joint name (others
+                neutral), an array in Pinocchio's order, or the name of an SRDF group state. Default: within
+                its limits, the nearest to Pinocchio's neutral configuration. rad and m.
+            floating: Whether the root link is free to move.
+
+        Returns:
+            The robot.
+        """
+        name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
+        description = RobotDescription(
+            name="",
+            urdf=Path(urdf),
+            srdf=None if srdf is None else Path(srdf),
+            package_dirs=tuple(Path(folder) for folder in _listed(package_dirs)),
+            floating=floating,
+            group=name,
+            joints=joints,
+        )
+        return cls._from_description(description, reference)
+
+    @classmethod
+    def _from_description(cls, description: RobotDescription, reference: Reference) -> Robot:
+        model = read_model(description.urdf, description.floating)
+        geometry = read_geometry(model, description.urdf, description.package_dirs)
+        tree = link_tree(model)
+        bodies = bodies_of(model, geometry)
+        mimics = usable_mimics(model, description.urdf)
+        semantics = read_srdf(description.srdf) if description.srdf else None
+        if isinstance(reference, str):
+            reference = group_state(semantics, reference, model.names)
+        joints = None
+        if description.joints is not None:
+            joints = explicit_group(model, description.joints, mimics)
+        elif description.group is not None:
+            joints = srdf_group(model, semantics, description.group, tree, mimics)
+        return cls(
+            name=description.name or model.name,
+            model=model,
+            tree=tree,
+            bodies=bodies,
+            pairs=self_pairs(model, geometry, bodies, description.srdf, tree, description.disabled_pairs),
+            disabled_pairs=description.disabled_pairs,
+            mimics=mimics,
+            values=given_values(model, description.values or reference),
+            group=description.group,
+            joints=joints,
+        )
+
+    @property
+    def nq(self) -> int:
+        """Numbers in a configuration."""
+        return self._map.width
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the group, in order."""
+        return self._map.joint_names
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """The URDF's links in the order of Pinocchio's body frames."""
+        return self._tree.names
+
+    @property
+    def lower(self) -> Floats:
+        """(nq,) lower limits in rad or m; -inf for continuous joints of a group."""
+        return self._map.lower.copy()
+
+    @property
+    def upper(self) -> Floats:
+        """(nq,) upper limits in rad or m; inf for continuous joints of a group."""
+        return self._map.upper.copy()
+
+    def link_index(self, name: str) -> int:
+        """Index into link_names."""
+        if name not in self._link_indices:
+            raise unknown_name("link", name, self.link_names)
+        return self._link_indices[name]
+
+    def random_configurations(self, n: int, seed: int | np.random.Generator | None = None) -> Floats:
+        """Samples uniformly within the limits.
+
+        Args:
+            n: How many.
+            seed: Of the generator, or a generator.
+
+        Returns:
+            (n, nq), rad and m. Continuous joints are in [-pi, pi), unlimited positions within 1 m of zero.
+        """
+        return self._map.random(n, seed)
+
+    def check_configurations(self, q: ArrayLike) -> Floats:
+        """Validates configurations: numbers, width, finite, unit quaternions. Limits are not looked at.
+
+        Args:
+            q: (nq,) or (n, nq).
+
+        Returns:
+            (n, nq) float64 in C order, n = 1 for a single one.
+        """
+        return self._map.checked(q)
+
+    def expand(self, q: ArrayLike) -> Floats:
+        """Fills in the held joints.
+
+        Args:
+            q: (nq,) or (n, nq) configurations of the group.
+
+        Returns:
+            (full nq,) or (n, full nq), Pinocchio's configurations.
+        """
+        full = self._map.expand(self._map.checked(q))
+        return full[0] if np.ndim(q) == 1 else full
+
+    def link_poses(self, q: ArrayLike) -> Floats:
+        """World poses of all links.
+
+        Args:
+            q: (nq,) or (n, nq) configurations of the group.
+
+        Returns:
+            (links, 4, 4) or (n, links, 4, 4), m, in the order of link_names. The same bits for a
+            configuration alone or in a batch, on every instruction set.
+        """
+        rows = self._map.checked(q)
+        if self.kinematics is None:
+            poses = pinocchio_poses(self.model, self._map, self._tree.frames, rows)
+        else:
+            poses = self.kinematics.link_poses(rows, np.ones(len(self.link_names), dtype=np.uint8))
+        return poses[0] if np.ndim(q) == 1 else poses
+
+    def pinocchio_link_poses(self, q: ArrayLike) -> Floats:
+        """World poses of all links by Pinocchio itself; arguments and result as of link_poses."""
+        poses = pinocchio_poses(self.model, self._map, self._tree.frames, self._map.checked(q))
+        return poses[0] if np.ndim(q) == 1 else poses
+
+    def holding(self, values: Mapping[str, float | Sequence[float]]) -> Robot:
+        """The same robot with joints held elsewhere (or, for joints of the group, another reference).
+
+        Args:
+            values: By joint name, in rad or m; they may be beyond the joints' limits.
+
+        Returns:
+            A new robot with the same bodies and group.
+        """
+        return self._changed(values={**self._values, **checked_values(self.model, values)})
+
+    def with_group(self, joints: Sequence[str], name: str = "group") -> Robot:
+        """The same robot with another planning group; the joints outside it stay at the reference.
+
+        Args:
+            joints: Names in order.
+            name: Of the group.
+
+        Returns:
+            A new robot with the same bodies.
+        """
+        return self._changed(group=name, joints=explicit_group(self.model, joints, self._mimics))
+
+    def __repr__(self) -> str:
+        group = f"group {self.group!r}, " if self.group else ""
+        return f"Robot({self.name!r}, {group}nq={self.nq}, {len(self.bodies)} bodies)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _build, (self._arguments(),)
+
+    def _arguments(self) -> dict[str, Any]:
+        return {
+            "name": self.name,
+            "model": self.model,
+            "tree": self._tree,
+            "bodies": self.bodies,
+            "pairs": self.self_pairs,
+            "disabled_pairs": self.disabled_pairs,
+            "mimics": self._mimics,
+            "values": self._values,
+            "group": self.group,
+            "joints": self._joints,
+        }
+
+    def _changed(self, **changes: Any) -> Robot:
+        return Robot(**{**self._arguments(), **changes})
+
+    @cached_property
+    def _link_indices(self) -> dict[str, int]:
+        return {name: index for index, name in enumerate(self.link_names)}
+
+    def _checked_kinematics(self) -> Any | None:
+        """The compiled kinematics if Pinocchio agrees with it."""
+        kinematics = compiled_kinematics(self.model, self._map, self._tree.frames)
+        if kinematics is None:
+            return None
+        difference = disagreement(kinematics, self.model, self._map, self._tree.frames)
+        if difference <= AGREEMENT:
+            return kinematics
+        warnings.warn(
+            f"robot {self.name!r}: the compiled kinematics differs from Pinocchio by {difference:.3g}; "
+            "posing with Pinocchio instead, which is slower",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+        return None
+
+
+def _listed(folders: str | Path | Sequence[str | Path]) -> Sequence[str | Path]:
+    return [folders] if isinstance(folders, str | Path) else folders
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)
+    return array
+
+
+def _build(arguments: dict[str, Any]) -> Robot:
+    return Robot(**arguments)

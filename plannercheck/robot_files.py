@@ -1,0 +1,170 @@
+"""Reads robot descriptions: robots/<name>.yaml.
+
+In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, with paths resolved. Keys:
+
+    name: panda                # default: the file's name
+    urdf: panda.urdf           # from this file's folder, or else from example-robot-data's share folder
+    srdf: panda.srdf           # optional, same; then self pairs are those that Pinocchio keeps with it
+    package_dirs: [meshes]     # optional, where package:// starts, besides that share folder
+    floating: false            # optional, whether the root link is free
+    group: arm                 # an SRDF group, or {name: arm, joints: [joint1, ...]}; default: all joints
+    reference: {joint1: 0.5}   # optional, values of joints in rad or m; those of others are neutral
+    held: {finger: 0.04}       # optional, the same for joints outside the group
+    disabled_pairs:            # optional, links that are not tested against each other, and why
+      - reason: adjacent
+        pairs: [[link1, link2], ...]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.paths import example_robot_data, shipped_folder
+from plannercheck.reading import (
+    check_keys,
+    mapping,
+    parse_yaml,
+    read_bytes,
+    required,
+    sequence,
+    text,
+    within,
+)
+
+_KEYS = ("name", "urdf", "srdf", "package_dirs", "floating", "group", "reference", "held", "disabled_pairs")
+
+
+@dataclass(frozen=True)
+class DisabledPair:
+    """Two links that are not tested against each other.
+
+    Attributes:
+        link_a: One link.
+        link_b: The other.
+        reason: Why, e.g. "adjacent".
+    """
+
+    link_a: str
+    link_b: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """What a robot's YAML file says, paths resolved.
+
+    Attributes:
+        name: The robot's.
+        urdf: Path of its URDF.
+        srdf: Path of its SRDF, if any.
+        package_dirs: Where package:// paths start.
+        floating: Whether the root link is free.
+        group: Name of the planning group; None for the whole robot.
+        joints: The group's joints in order; None if the SRDF tells.
+        values: Joint values of the reference state and of held joints, by name, rad or m.
+        disabled_pairs: Self pairs of links that are left out.
+    """
+
+    name: str
+    urdf: Path
+    srdf: Path | None = None
+    package_dirs: tuple[Path, ...] = ()
+    floating: bool = False
+    group: str | None = None
+    joints: tuple[str, ...] | None = None
+    values: Mapping[str, Any] = field(default_factory=dict)
+    disabled_pairs: tuple[DisabledPair, ...] = ()
+
+
+def shipped_robots() -> list[str]:
+    """Names of the robots that come with plannercheck."""
+    return sorted(path.stem for path in shipped_folder("robots").glob("*.yaml"))
+
+
+def find_description(name_or_path: str | Path) -> Path:
+    """The YAML file of a shipped robot's name, or the path itself."""
+    path = Path(name_or_path)
+    if path.suffix in (".yaml", ".yml", ".urdf"):
+        if not path.is_file():
+            raise PlannercheckError(f"robot file {path} does not exist")
+        return path
+    shipped = shipped_folder("robots") / f"{name_or_path}.yaml"
+    if not shipped.is_file():
+        raise unknown_name("robot", str(name_or_path), shipped_robots())
+    return shipped
+
+
+def read_description(path: Path) -> RobotDescription:
+    """Reads a robot's YAML file.
+
+    Args:
+        path: Of the file.
+
+    Returns:
+        What it says.
+    """
+    content = parse_yaml(read_bytes(path))
+    check_keys(content, _KEYS)
+    folders = (example_robot_data(), path.parent)
+    group, joints = _group(content.get("group"))
+    return RobotDescription(
+        name=text(content.get("name", path.stem), "name"),
+        urdf=_resolve(text(required(content, "urdf"), "urdf"), folders),
+        srdf=_resolve(text(content["srdf"], "srdf"), folders) if content.get("srdf") else None,
+        package_dirs=(*_package_dirs(content, path.parent), example_robot_data()),
+        floating=_switch(content.get("floating", False)),
+        group=group,
+        joints=joints,
+        values={**mapping(content.get("reference"), "reference"), **mapping(content.get("held"), "held")},
+        disabled_pairs=_disabled_pairs(content.get("disabled_pairs")),
+    )
+
+
+def _resolve(name: str, folders: tuple[Path, Path]) -> Path:
+    """A file in example-robot-data or beside the YAML; the latter wins, and is what errors name."""
+    shared, beside = (folder / name for folder in folders)
+    return shared if shared.is_file() and not beside.is_file() else beside
+
+
+def _package_dirs(content: dict[str, Any], folder: Path) -> list[Path]:
+    names = sequence(content.get("package_dirs"), "package_dirs")
+    return [folder / text(name, "package_dirs") for name in names]
+
+
+def _switch(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise PlannercheckError(f"'floating' must be true or false, not {value!r:.60}")
+    return value
+
+
+def _group(value: Any) -> tuple[str | None, tuple[str, ...] | None]:
+    """The group's name, and its joints unless the SRDF tells."""
+    if value is None or isinstance(value, str):
+        return value, None
+    with within("group"):
+        group = mapping(value, "an SRDF group's name or {name: ..., joints: [...]}: it")
+        check_keys(group, ("name", "joints"))
+        joints = sequence(required(group, "joints"), "joints")
+        return text(group.get("name", "group"), "name"), tuple(text(joint, "joints") for joint in joints)
+
+
+def _disabled_pairs(value: Any) -> tuple[DisabledPair, ...]:
+    disabled: list[DisabledPair] = []
+    for index, item in enumerate(sequence(value, "disabled_pairs")):
+        with within(f"disabled_pairs, item {index + 1}"):
+            block = mapping(item, "it")
+            check_keys(block, ("reason", "pairs"))
+            reason = text(required(block, "reason"), "reason")
+            disabled += [_disabled_pair(pair, reason) for pair in sequence(required(block, "pairs"), "pairs")]
+    return tuple(disabled)
+
+
+def _disabled_pair(value: Any, reason: str) -> DisabledPair:
+    links = [text(link, "pairs") for link in sequence(value, "a pair")]
+    if len(links) != 2:
+        raise PlannercheckError(f"a pair must be two links, not {links}")
+    return DisabledPair(links[0], links[1], reason)

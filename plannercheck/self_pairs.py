@@ -1,0 +1,51 @@
+"""Which of a robot's bodies are tested against each other.
+
+In: Pinocchio's geometry model, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's
+bodies. With an SRDF they are exactly those that Pinocchio keeps: all pairs on different joints less the
+disabled. Without one, adjacent links are left out too. Pairs that a robot's YAML disables are left out in
+either case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.errors import unknown_name
+from plannercheck.robot_files import DisabledPair
+from plannercheck.shapes import Body
+from plannercheck.urdf import LinkTree
+
+
+def self_pairs(
+    model: pin.Model,
+    geometry: pin.GeometryModel,
+    bodies: tuple[Body, ...],
+    srdf: Path | None,
+    tree: LinkTree,
+    disabled: Iterable[DisabledPair],
+) -> NDArray[np.int64]:
+    """Index pairs (k, 2) into the robot's bodies, in Pinocchio's order."""
+    geometry.addAllCollisionPairs()
+    if srdf is not None:
+        pin.removeCollisionPairs(model, geometry, str(srdf), False)
+    left_out = _disabled_links(disabled, tree)
+    if srdf is None:
+        left_out |= {frozenset(pair) for pair in tree.parents.items()}
+    pairs = [(pair.first, pair.second) for pair in geometry.collisionPairs]
+    kept = [(a, b) for a, b in pairs if frozenset((bodies[a].link, bodies[b].link)) not in left_out]
+    return np.array(kept, dtype=np.int64).reshape(-1, 2)
+
+
+def _disabled_links(disabled: Iterable[DisabledPair], tree: LinkTree) -> set[frozenset[str | None]]:
+    pairs: set[frozenset[str | None]] = set()
+    for pair in disabled:
+        for link in (pair.link_a, pair.link_b):
+            if link not in tree.names:
+                raise unknown_name("link in disabled_pairs", link, tree.names)
+        pairs.add(frozenset((pair.link_a, pair.link_b)))
+    return pairs

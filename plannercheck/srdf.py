@@ -1,0 +1,128 @@
+"""Reads what an SRDF says: planning groups and named states.
+
+In: an SRDF and the tree of links. Out: for each group the joints that move it, in document order, and group
+states. Which pairs an SRDF disables is left to Pinocchio.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Container
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.urdf import LinkTree
+
+
+def read_srdf(path: Path) -> Element:
+    """Parses an SRDF.
+
+    Args:
+        path: Of the file.
+
+    Returns:
+        Its root element.
+    """
+    if not path.is_file():
+        raise PlannercheckError(f"SRDF {path} does not exist")
+    try:
+        return ElementTree.parse(path).getroot()
+    except ElementTree.ParseError as error:
+        raise PlannercheckError(f"SRDF {path} does not parse: {error}") from None
+
+
+def group_names(root: Element) -> list[str]:
+    """The SRDF's planning groups."""
+    return [group.get("name", "") for group in root.findall("group")]
+
+
+def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
+    """The joints of a planning group.
+
+    Args:
+        root: The SRDF, None if there is none.
+        name: Of the group.
+        tree: Links and joints of the URDF.
+
+    Returns:
+        Joint names in document order, each once: joints as listed, the parent joints of links, the joints of
+        chains from base to tip, and those of subgroups. Fixed and virtual joints are among them.
+    """
+    if root is None:
+        raise PlannercheckError(f"planning group {name!r}: without an SRDF, a group must be a list of joints")
+    return list(dict.fromkeys(_group_joints(root, name, tree, ())))
+
+
+def _group_joints(root: Element, name: str, tree: LinkTree, outer: tuple[str, ...]) -> list[str]:
+    if name in outer:
+        raise PlannercheckError(f"SRDF group {name!r} contains itself: {' > '.join((*outer, name))}")
+    group = next((g for g in root.findall("group") if g.get("name") == name), None)
+    if group is None:
+        raise unknown_name("planning group", name, group_names(root))
+    joints: list[str] = []
+    for part in group:
+        joints += _joints_of_part(root, part, tree, (*outer, name))
+    return joints
+
+
+def _joints_of_part(root: Element, part: Element, tree: LinkTree, outer: tuple[str, ...]) -> list[str]:
+    name = part.get("name", "")
+    if part.tag == "joint":
+        return [name]
+    if part.tag == "link":
+        return [tree.joints[_known_link(name, tree)]]
+    if part.tag == "chain":
+        return _chain(part.get("base_link", ""), part.get("tip_link", ""), tree)
+    return _group_joints(root, name, tree, outer) if part.tag == "group" else []
+
+
+def _chain(base: str, tip: str, tree: LinkTree) -> list[str]:
+    """Joints from base to tip, over their common ancestor if the base is none."""
+    up_from_tip, up_from_base = (_ancestry(_known_link(link, tree), tree) for link in (tip, base))
+    shared = next((link for link in up_from_base if link in up_from_tip), None)
+    if shared is None:
+        raise PlannercheckError(f"SRDF chain from {base!r} to {tip!r}: no path of joints between them")
+    rising = up_from_base[: up_from_base.index(shared)]
+    falling = up_from_tip[: up_from_tip.index(shared)]
+    return [tree.joints[link] for link in rising + falling[::-1]]
+
+
+def _ancestry(link: str, tree: LinkTree) -> list[str]:
+    """The link, its parent, and so on to the root."""
+    line = [link]
+    while line[-1] in tree.parents:
+        line.append(tree.parents[line[-1]])
+    return line
+
+
+def _known_link(name: str, tree: LinkTree) -> str:
+    if name not in tree.names:
+        raise unknown_name("link", name, tree.names)
+    return name
+
+
+def virtual_joints(root: Element) -> set[str]:
+    """Names of the SRDF's virtual joints, which no URDF knows."""
+    return {joint.get("name", "") for joint in root.findall("virtual_joint")}
+
+
+def group_state(root: Element | None, name: str, joints: Container[str]) -> dict[str, list[float]]:
+    """A named state.
+
+    Args:
+        root: The SRDF, None if there is none.
+        name: Of the group state.
+        joints: Those of the model; others, such as virtual ones, are ignored.
+
+    Returns:
+        Joint values by joint name, rad or m.
+    """
+    if root is None:
+        raise PlannercheckError(f"group state {name!r}: there is no SRDF to take it from")
+    states = root.findall("group_state")
+    state = next((s for s in states if s.get("name") == name), None)
+    if state is None:
+        raise unknown_name("group state", name, (s.get("name", "") for s in states))
+    values = {joint.get("name", ""): joint.get("value", "") for joint in state.iter("joint")}
+    return {joint: [float(v) for v in value.split()] for joint, value in values.items() if joint in joints}

@@ -1,0 +1,218 @@
+"""Reads a URDF through Pinocchio: the model, its collision bodies, and what Pinocchio keeps to itself.
+
+In: paths. Out: a Pinocchio model, `Body` by `Body` in Pinocchio's geometry order, the tree of links, and
+which joint mimics which. The idea: Pinocchio is the model and the truth; its and urdfdom's messages end up in
+our errors rather than on the terminal.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import coal
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.errors import PlannercheckError
+from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another one: its value is multiplier * leader + offset.
+
+    Attributes:
+        leader: Name of the joint to follow.
+        multiplier: Without unit, or rad/m and the like.
+        offset: In rad or m.
+    """
+
+    leader: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class LinkTree:
+    """How links hang together.
+
+    Attributes:
+        names: The URDF's links in the order of Pinocchio's body frames.
+        frames: Pinocchio's frame of each link.
+        parents: For each link that has one, its parent link.
+        joints: For each link that has one, the URDF joint to its parent, fixed ones included.
+    """
+
+    names: tuple[str, ...]
+    frames: tuple[int, ...]
+    parents: dict[str, str]
+    joints: dict[str, str]
+
+
+def read_model(urdf: Path, floating: bool = False) -> pin.Model:
+    """Builds Pinocchio's model of a URDF.
+
+    Args:
+        urdf: Path of the file.
+        floating: Whether the root link is free to move (joint `root_joint`).
+
+    Returns:
+        The model, mimic joints as joints of their own.
+    """
+    if not urdf.is_file():
+        raise PlannercheckError(f"URDF {urdf} does not exist")
+    with _collected_messages() as messages:
+        try:
+            return pin.buildModelFromUrdf(str(urdf), *([pin.JointModelFreeFlyer()] if floating else []))
+        except (ValueError, RuntimeError, IndexError) as error:
+            reason = _one_line(messages(), str(error))
+    raise PlannercheckError(f"URDF {urdf} does not parse: {reason}")
+
+
+def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) -> pin.GeometryModel:
+    """Loads a URDF's collision geometries with their meshes.
+
+    Args:
+        model: The model of the same URDF.
+        urdf: Path of the file.
+        package_dirs: Folders in which `package://` paths start.
+
+    Returns:
+        Pinocchio's geometry model, without pairs.
+    """
+    folders = [str(folder) for folder in package_dirs]
+    with _collected_messages() as messages:
+        try:
+            return pin.buildGeomFromUrdf(model, str(urdf), pin.COLLISION, package_dirs=folders)
+        except (ValueError, RuntimeError) as error:
+            reason = _one_line(messages(), str(error))
+    raise PlannercheckError(
+        f"URDF {urdf}: a collision mesh does not load: {reason}; "
+        f"package_dirs searched: {', '.join(folders) or 'none given'}"
+    )
+
+
+def bodies_of(model: pin.Model, geometry: pin.GeometryModel) -> tuple[Body, ...]:
+    """One body a collision geometry, in Pinocchio's order, posed on its link."""
+    return tuple(_body_of(model, each) for each in geometry.geometryObjects)
+
+
+def link_tree(model: pin.Model) -> LinkTree:
+    """Links and the URDF joints between them, as Pinocchio's frames tell."""
+    frames = list(model.frames)
+    ids = tuple(i for i, frame in enumerate(frames) if frame.type == pin.FrameType.BODY)
+    parents: dict[str, str] = {}
+    joints: dict[str, str] = {}
+    for frame in (frames[i] for i in ids):
+        joint = frames[frame.parentFrame]
+        above = frames[joint.parentFrame]
+        if above.type == pin.FrameType.BODY and joint.type != pin.FrameType.BODY:
+            parents[frame.name] = above.name
+        joints[frame.name] = joint.name
+    return LinkTree(tuple(frames[i].name for i in ids), ids, parents, joints)
+
+
+def mimic_joints(urdf: Path) -> dict[str, Mimic]:
+    """The joints that a URDF lets follow others, by name."""
+    mimics = {}
+    for joint in ElementTree.parse(urdf).getroot().iter("joint"):
+        tag = joint.find("mimic")
+        if tag is not None:
+            multiplier, offset = float(tag.get("multiplier", 1)), float(tag.get("offset", 0))
+            mimics[joint.get("name", "")] = Mimic(tag.get("joint", ""), multiplier, offset)
+    return mimics
+
+
+def _body_of(model: pin.Model, geometry: pin.GeometryObject) -> Body:
+    frame = model.frames[geometry.parentFrame]
+    pose = frame.placement.actInv(geometry.placement).homogeneous
+    return Body(geometry.name, frame.name, pose, _shape_of(geometry))
+
+
+def _shape_of(geometry: pin.GeometryObject) -> Shape:
+    """Our shape for one of coal's; a mesh comes with its scale applied."""
+    shape: Any = geometry.geometry
+    match shape:
+        case coal.Box():
+            x, y, z = (2.0 * np.asarray(shape.halfSide)).tolist()
+            return Box((x, y, z))
+        case coal.Sphere():
+            return Sphere(shape.radius)
+        case coal.Cylinder():
+            return Cylinder(shape.radius, 2.0 * shape.halfLength)
+        case coal.Capsule():
+            return Capsule(shape.radius, 2.0 * shape.halfLength)
+        case coal.Cone():
+            return Cone(shape.radius, 2.0 * shape.halfLength)
+    return _hull_of(geometry)
+
+
+def _hull_of(geometry: pin.GeometryObject) -> Hull:
+    points = _points_of(geometry.geometry)
+    if points is None:
+        kind = type(geometry.geometry).__name__
+        raise PlannercheckError(
+            f"collision geometry {geometry.name!r} is a {kind}; "
+            "known are boxes, spheres, cylinders, capsules, cones and meshes"
+        )
+    try:
+        return Hull(points)
+    except PlannercheckError as error:
+        raise PlannercheckError(
+            f"collision geometry {geometry.name!r} ({geometry.meshPath}): {error}"
+        ) from None
+
+
+def _points_of(shape: Any) -> NDArray[np.float64] | None:
+    """Vertices (n, 3) in m of coal's meshes and convex polytopes, else None."""
+    if isinstance(shape, coal.ConvexBase):
+        return np.asarray(shape.points(), dtype=np.float64)
+    return np.array(shape.vertices(), dtype=np.float64) if hasattr(shape, "vertices") else None
+
+
+def _one_line(*messages: str) -> str:
+    return "; ".join(" ".join(message.split()) for message in messages if message.strip())
+
+
+@contextlib.contextmanager
+def _collected_messages() -> Iterator[Any]:
+    """Keeps what native code writes to stdout and stderr; yields a function that returns it so far.
+
+    Works on the process's file descriptors, since urdfdom and Pinocchio write there; what other threads write
+    in these few milliseconds is kept too.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as file:
+        saved = [(number, os.dup(number)) for number in (1, 2) if _is_open(number)]
+        for number, _ in saved:
+            os.dup2(file.fileno(), number)
+        try:
+            yield lambda: _written(file)
+        finally:
+            for number, copy in saved:
+                os.dup2(copy, number)
+                os.close(copy)
+
+
+def _is_open(number: int) -> bool:
+    try:
+        os.fstat(number)
+    except OSError:
+        return False
+    return True
+
+
+def _written(file: Any) -> str:
+    file.seek(0)
+    text: str = file.read().decode(errors="replace")
+    return text

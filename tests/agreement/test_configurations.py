@@ -1,0 +1,44 @@
+"""Configuration by configuration, for every shipped robot in every shipped scene: nothing goes against us."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from configuration_run import case_of, clear_errors, compare
+
+import plannercheck as pc
+from plannercheck.agreement import AgreementReport
+from plannercheck.paths import shipped_folder
+
+pytestmark = pytest.mark.agreement
+
+ROBOTS = sorted(path.stem for path in shipped_folder("robots").glob("*.yaml"))
+SCENES = sorted(shipped_folder("configs").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_no_verdict_of_ours_is_refuted(
+    name: str, states_wanted: int, reports: list[str], tmp_path: Path
+) -> None:
+    robot = pc.Robot.load(name)
+    each = -(-states_wanted // (len(ROBOTS) * len(SCENES)))
+    for seed, path in enumerate(SCENES):
+        checker = pc.Checker(robot, pc.Scene.load(path))
+        report = compare(checker, robot, each, seed)
+        reports.append(line_of(name, path.stem, report))
+        for number, found in enumerate(report.against_us[:20]):
+            case_of(checker, found).save(tmp_path / f"{path.stem}-{number}.json")
+        assert not report.against_us, f"in {path.stem}, cases saved in {tmp_path}: {report.against_us[:5]}"
+        assert not report.contradictions, f"check_states contradicts the pairs in {path.stem}"
+        assert not clear_errors(checker, report), clear_errors(checker, report)
+        assert report.states == each
+
+
+def line_of(robot: str, scene: str, report: AgreementReport) -> str:
+    missed = sum(found.exact for found in report.errors_of_fcl)
+    return (
+        f"{robot:8} {scene:12} {report.states:7} states {report.pairs:9} pairs {report.fcl_calls:8} by FCL "
+        f"{report.collisions:7} collide, FCL missed {missed}, called free ones collisions "
+        f"{len(report.errors_of_fcl) - missed}, against us {len(report.against_us)}"
+    )

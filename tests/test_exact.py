@@ -1,0 +1,202 @@
+"""The exact oracle against a second exact method and against cases whose answer is plain."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from plannercheck import exact
+from plannercheck.errors import PlannercheckError
+
+Points = NDArray[np.float64]
+
+UNIT_BOX = np.array(list(product((0.0, 1.0), repeat=3)))
+
+
+def verdict(p: Points, r: Points, pose_p: Points | None = None, pose_r: Points | None = None) -> bool:
+    """The oracle's verdict, its certificate checked, the same with both bodies swapped."""
+    certificate = exact.decide(p, r, pose_p, pose_r)
+    assert exact.holds(certificate, p, r, pose_p, pose_r)
+    collides = isinstance(certificate, exact.ExactSharedPoint)
+    assert exact.intersects(r, p, pose_r, pose_p) == collides
+    assert (exact.distance(p, r, pose_p, pose_r) == 0) == collides
+    return collides
+
+
+def linear_program(p: Points, r: Points, pose_p: Points, pose_r: Points) -> bool:
+    """Whether 0 is a convex combination of differences: phase one of the simplex method with Bland's rule."""
+    differences = [
+        [a - b for a, b in zip(left, right, strict=True)]
+        for left, right in product(posed(p, pose_p), posed(r, pose_r))
+    ]
+    columns = [[*difference, Fraction(1)] for difference in differences]
+    rows = [[column[k] for column in columns] + [Fraction(int(k == 3))] for k in range(4)]
+    basis = [-1, -2, -3, -4]
+    while True:
+        artificial = [row for row, variable in zip(rows, basis, strict=True) if variable < 0]
+        gains = [sum(row[k] for row in artificial) for k in range(len(columns))]
+        entering = next((k for k, gain in enumerate(gains) if gain > 0), None)
+        if entering is None:
+            return sum(row[-1] for row in artificial) == 0
+        steps = [(row[-1] / row[entering], basis[k], k) for k, row in enumerate(rows) if row[entering] > 0]
+        _, _, leaving = min(steps)
+        pivot(rows, leaving, entering)
+        basis[leaving] = entering
+
+
+def posed(points: Points, pose: Points) -> list[list[Fraction]]:
+    matrix = [[Fraction(x) for x in row] for row in pose.tolist()]
+    return [
+        [sum(m * Fraction(x) for m, x in zip(row, point, strict=False)) + row[3] for row in matrix[:3]]
+        for point in points.tolist()
+    ]
+
+
+def pivot(rows: list[list[Fraction]], leaving: int, entering: int) -> None:
+    factor = rows[leaving][entering]
+    rows[leaving] = [x / factor for x in rows[leaving]]
+    for k, row in enumerate(rows):
+        if k != leaving and row[entering] != 0:
+            rows[k] = [x - row[entering] * y for x, y in zip(row, rows[leaving], strict=True)]
+
+
+def rotation(rng: np.random.Generator) -> Points:
+    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    return q * np.sign(np.linalg.det(q))
+
+
+def random_pose(rng: np.random.Generator, reach: float) -> Points:
+    pose = np.eye(4)
+    pose[:3, :3] = rotation(rng)
+    pose[:3, 3] = rng.uniform(-reach, reach, 3)
+    return pose
+
+
+def shifted(points: Points, *offset: float) -> Points:
+    return points + np.array(offset)
+
+
+def test_agrees_with_a_linear_program_on_random_bodies() -> None:
+    rng = np.random.default_rng(1)
+    verdicts = []
+    for _ in range(60):
+        p, r = rng.normal(size=(rng.integers(1, 8), 3)), rng.normal(size=(rng.integers(1, 8), 3))
+        pose_p, pose_r = random_pose(rng, 1.0), random_pose(rng, 1.0)
+        verdicts.append(verdict(p, r, pose_p, pose_r))
+        assert verdicts[-1] == linear_program(p, r, pose_p, pose_r)
+    assert 10 < sum(verdicts) < 50
+
+
+def test_agrees_with_a_linear_program_on_a_small_grid() -> None:
+    # Small integers make every degeneracy frequent: shared points, edges and planes, repeated vertices.
+    rng = np.random.default_rng(2)
+    verdicts = []
+    for _ in range(150):
+        p = rng.integers(-2, 3, size=(rng.integers(1, 7), 3)).astype(float)
+        r = rng.integers(-2, 3, size=(rng.integers(1, 7), 3)).astype(float) + np.array([2.0, 1.0, 0.0])
+        verdicts.append(verdict(p, r))
+        assert verdicts[-1] == linear_program(p, r, np.eye(4), np.eye(4))
+    assert 20 < sum(verdicts) < 130
+
+
+@pytest.mark.parametrize("offset", [(1, 0, 0), (1, 1, 0), (1, 1, 1), (1, 0.5, -0.25), (-1, 0.25, 1)])
+def test_boxes_touching_in_a_facet_edge_or_vertex_collide(offset: tuple[float, float, float]) -> None:
+    assert verdict(UNIT_BOX, shifted(UNIT_BOX, *offset))
+
+
+@pytest.mark.parametrize("offset", [(1, 0, 0), (1, 1, 0), (1, 1, 1)])
+def test_boxes_one_ulp_apart_are_free(offset: tuple[float, float, float]) -> None:
+    # The ulp goes into the pose: above 1 it is 2^-52.
+    pose = np.eye(4)
+    pose[:3, 3] = np.nextafter(offset, np.where(np.array(offset) > 0, 2, 0))
+    assert not verdict(UNIT_BOX, UNIT_BOX, pose_r=pose)
+    pose[:3, 3] = np.nextafter(offset, 0)
+    assert verdict(UNIT_BOX, UNIT_BOX, pose_r=pose)
+
+
+def test_a_gap_below_the_rounding_of_the_posed_vertices_counts() -> None:
+    # M v = 1 + 2^-60 in exact arithmetic, 1 in doubles.
+    pose = np.eye(4)
+    pose[0, 3] = 2.0**-60
+    assert not verdict(UNIT_BOX, shifted(UNIT_BOX, -1, 0, 0), pose_p=pose)
+    pose[0, 3] = -(2.0**-60)
+    assert verdict(UNIT_BOX, shifted(UNIT_BOX, -1, 0, 0), pose_p=pose)
+
+
+def test_nested_and_identical_bodies_collide() -> None:
+    assert verdict(UNIT_BOX, UNIT_BOX)
+    assert verdict(UNIT_BOX, UNIT_BOX * 0.25 + 0.25)
+    assert verdict(UNIT_BOX, np.full((1, 3), 0.5))
+
+
+def test_flat_bodies_segments_and_points() -> None:
+    square = UNIT_BOX[UNIT_BOX[:, 2] == 0]
+    segment = np.array([[0.5, 0.5, -1.0], [0.5, 0.5, 1.0]])
+    assert verdict(square, segment)
+    assert not verdict(square, shifted(segment, 0.5 + 2**-30, 0, 0))
+    assert verdict(square, shifted(segment, 0.5, 0.5, 1))
+    assert not verdict(square, shifted(square, 0, 0, 2.0**-1000))
+    assert verdict(square[:1], square[:1])
+    assert not verdict(square[:1], square[1:2])
+
+
+def test_needles_whose_lines_cross_without_meeting() -> None:
+    along_x, along_y = np.array([[-1.0, 0, 0], [1, 0, 0]]), np.array([[0, -1.0, 0], [0, 1, 0]])
+    assert verdict(along_x, along_y)
+    assert not verdict(along_x, shifted(along_y, 0, 0, 5e-324))
+
+
+def test_scales_far_apart() -> None:
+    assert verdict(UNIT_BOX * 1e300, UNIT_BOX * 1e-300)
+    assert not verdict(UNIT_BOX * 1e300, shifted(-UNIT_BOX * 1e-300, -1e-300, 0, 0))
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-9, 1e-12, -1e-12, -1e-9, -1e-3])
+def test_known_gaps_of_round_bodies(gap: float) -> None:
+    # A vertex exactly above the middle of a large facet, both bodies turned together.
+    rng = np.random.default_rng(3)
+    round_body = rng.normal(size=(200, 3))
+    round_body /= np.linalg.norm(round_body, axis=1)[:, None]
+    tip = np.concatenate([round_body, [[0.0, 0.0, -2.0]]])
+    turn = random_pose(rng, 3.0)
+    lift = np.eye(4)
+    lift[2, 3] = 3.0 + gap
+    assert verdict(UNIT_BOX - [0.5, 0.5, 0.0], tip, turn, turn @ lift) == (gap < 0)
+
+
+def test_distance_is_right_to_the_last_digits() -> None:
+    apart = shifted(UNIT_BOX, 2, 3, 1)
+    assert exact.distance(UNIT_BOX, apart) == pytest.approx(math.sqrt(5), rel=1e-15)
+    assert exact.distance(UNIT_BOX * 1e-200, apart * 1e-200) == pytest.approx(
+        math.sqrt(5) * 1e-200, rel=1e-15
+    )
+
+
+def test_a_wrong_certificate_does_not_hold() -> None:
+    apart = shifted(UNIT_BOX, 1.5, 0, 0)
+    assert exact.holds(exact.ExactSeparation((-1, 0, 0)), UNIT_BOX, apart)
+    assert not exact.holds(exact.ExactSeparation((1, 0, 0)), UNIT_BOX, apart)
+    assert not exact.holds(exact.ExactSeparation((0, 0, 0)), UNIT_BOX, apart)
+    assert not exact.holds(exact.ExactSharedPoint((0,), (0,), (1,)), UNIT_BOX, apart)
+    assert exact.holds(exact.ExactSharedPoint((0,), (0,), (1,)), UNIT_BOX, UNIT_BOX)
+    assert not exact.holds(exact.ExactSharedPoint((), (), ()), UNIT_BOX, UNIT_BOX)
+
+
+@pytest.mark.parametrize(
+    "vertices", [np.zeros((0, 3)), np.zeros((4, 2)), np.full((4, 3), np.nan), np.zeros(3)]
+)
+def test_bad_vertices_are_named(vertices: Points) -> None:
+    with pytest.raises(PlannercheckError, match="vertices"):
+        exact.decide(vertices, UNIT_BOX)
+
+
+def test_bad_poses_are_named() -> None:
+    with pytest.raises(PlannercheckError, match="pose"):
+        exact.decide(UNIT_BOX, UNIT_BOX, np.eye(3))
+    with pytest.raises(PlannercheckError, match="pose"):
+        exact.decide(UNIT_BOX, UNIT_BOX, np.full((4, 4), np.inf))
