@@ -190,5 +190,5 @@ class _Comparison:
         )
 
 
-def _vertices_and_faces(polytope: Polytope | None) -> tuple[Array, NDArray[np.int64]] | None:
+def _vertices_and_faces(polytope: Polytope | None) -> tuple[Array, NDArray[np.int32]] | None:
     return None if polytope is None else (polytope.vertices, polytope.faces)

@@ -18,15 +18,15 @@ import numpy as np
 import platformdirs
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
 
 _MAGIC = b"plannercheck body"
-VERSION = 1  # raise it whenever the layout or the meaning of a prepared body changes
 _HASH_BYTES = 32
 
 
 def _header() -> bytes:
-    return _MAGIC + f" {VERSION} {sys.byteorder}\n".encode()
+    return _MAGIC + f" {core.body_format} {sys.byteorder}\n".encode()
 
 
 def write(path: Path, data: bytes) -> None:

@@ -54,6 +54,7 @@ class Checker:
         cached_plane: bool = True,
         centre_axis: bool = True,
         spheres: bool = True,
+        boxes: bool = True,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
 
@@ -69,6 +70,7 @@ class Checker:
             cached_plane: Whether the last separating plane of a pair is tried first.
             centre_axis: Whether the axis between the centres is tried before the solver.
             spheres: Whether bounding spheres settle pairs that are far apart.
+            boxes: Whether one body's sphere against the other's box does.
 
         Raises:
             PlannercheckError: If a body has no volume, or an argument is none of those above.
@@ -87,11 +89,11 @@ class Checker:
         self._kernel = robot.kinematics if kinematics == "batch" else None
         used = np.unique(np.concatenate([table.pairs.ravel(), table.resting.ravel()]))
         self.polytopes = _prepare(self.bodies, used.tolist(), excess)
-        self._core = self._build_core(pair_options(method, cached_plane, centre_axis), spheres)
+        self._core = self._build_core(pair_options(method, cached_plane, centre_axis), spheres, boxes)
         self._sampler = MotionSampler(robot)
         self._warn_of_resting(table.resting)
 
-    def _build_core(self, options: Any, spheres: bool) -> Any:
+    def _build_core(self, options: Any, spheres: bool, boxes: bool) -> Any:
         live = [k for k, polytope in enumerate(self.polytopes) if polytope is not None]
         position = {body: k for k, body in enumerate(live)}
         links = [self._link_of(self.bodies[k]) for k in live]
@@ -104,6 +106,7 @@ class Checker:
             len(self.robot.link_names),
             options,
             spheres,
+            boxes,
         )
 
     def _link_of(self, body: Body) -> int:

@@ -47,7 +47,7 @@ class FclBodies:
         self.vertices = [
             _UNUSED if body is None else np.asarray(body[0], dtype=np.float64) for body in bodies
         ]
-        self._objects = [None if body is None else self._convex(*body) for body in bodies]
+        self._objects: list[Any] = [None if body is None else self._convex(*body) for body in bodies]
         lows = np.array([vertices.min(axis=0) for vertices in self.vertices])
         highs = np.array([vertices.max(axis=0) for vertices in self.vertices])
         self._centres, self._halves = (lows + highs) / 2, (highs - lows) / 2

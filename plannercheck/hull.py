@@ -6,6 +6,7 @@ In: vertices in m, with or without faces. Out: `Polytope`, immutable, which can 
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -159,7 +160,8 @@ def prepared(vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, name
     points = _checked_points(vertices, name)
     cache = body_files.cache_file(points, faces)
     if cache is not None and (data := body_files.read_if_valid(cache)) is not None:
-        return Polytope._from_bytes(data)
+        with contextlib.suppress(PlannercheckError):  # a damaged file is prepared anew
+            return Polytope._from_bytes(data)
     polytope = Polytope(points, faces, name)
     if cache is not None:
         body_files.write_if_possible(cache, polytope.core.serialise())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from plannercheck.certificates import Certificate
@@ -17,7 +19,8 @@ class PairVerdict:
         first_body: Name of the first collision body.
         second_body: Name of the second collision body.
         colliding: Whether the bodies share a point.
-        certificate: The proof in world coordinates: a `Separation` (normal from second to first) or a `SharedPoint`.
+        certificate: The proof in world coordinates: a `Separation` (normal from second to first) or a
+            `SharedPoint`.
     """
 
     first: str
@@ -41,3 +44,83 @@ class Verdict:
     valid: bool
     collisions: tuple[PairVerdict, ...]
     separations: tuple[PairVerdict, ...] = ()
+
+
+@dataclass(frozen=True)
+class PairCount:
+    """How often two collide.
+
+    Attributes:
+        first: Name of the robot's link.
+        second: Name of the other link or of the obstacle.
+        states: Configurations that count for this pair.
+    """
+
+    first: str
+    second: str
+    states: int
+
+
+@dataclass(frozen=True)
+class ValidityReport:
+    """The summary of a set of configurations.
+
+    Attributes:
+        states: Configurations checked.
+        valid: Those in which no pair collides. Limits do not matter here.
+        beyond_limits: Those beyond a joint limit, valid or not.
+        pairs: Colliding links and obstacles, most frequent first.
+        all_pairs: Whether a configuration counts for all its colliding pairs; else for the first found.
+        duration: Time spent on checking, s.
+    """
+
+    states: int
+    valid: int
+    beyond_limits: int
+    pairs: tuple[PairCount, ...]
+    all_pairs: bool = False
+    duration: float = 0.0
+
+    @property
+    def invalid(self) -> int:
+        """Configurations in which some pair collides."""
+        return self.states - self.valid
+
+    @property
+    def rate(self) -> float:
+        """Configurations checked in a second."""
+        return self.states / self.duration if self.duration > 0 else float("nan")
+
+    @property
+    def passed(self) -> bool:
+        """Whether every configuration is valid and within the limits."""
+        return self.invalid == 0 and self.beyond_limits == 0
+
+
+def merged(reports: Iterable[ValidityReport]) -> ValidityReport:
+    """One report for several sets.
+
+    Args:
+        reports: Of the sets, all with the same `all_pairs`.
+
+    Returns:
+        Their sum; all zero if there are none.
+    """
+    reports = list(reports)
+    counts: Counter[tuple[str, str]] = Counter()
+    for report in reports:
+        counts.update({(pair.first, pair.second): pair.states for pair in report.pairs})
+    return ValidityReport(
+        states=sum(report.states for report in reports),
+        valid=sum(report.valid for report in reports),
+        beyond_limits=sum(report.beyond_limits for report in reports),
+        pairs=pair_counts(counts),
+        all_pairs=any(report.all_pairs for report in reports),
+        duration=sum(report.duration for report in reports),
+    )
+
+
+def pair_counts(counts: Counter[tuple[str, str]]) -> tuple[PairCount, ...]:
+    """Counts by names, most frequent first, then by name."""
+    ordered = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+    return tuple(PairCount(first, second, n) for (first, second), n in ordered if n)

@@ -12,6 +12,7 @@ import os
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +25,9 @@ from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
+
+# coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
+_BOUNDS = coal.NODE_TYPE.BV_OBB
 
 
 @dataclass(frozen=True)
@@ -92,13 +96,32 @@ def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) ->
     folders = [str(folder) for folder in package_dirs]
     with _collected_messages() as messages:
         try:
-            return pin.buildGeomFromUrdf(model, str(urdf), pin.COLLISION, package_dirs=folders)
+            loader = coal.CachedMeshLoader(_BOUNDS)
+            geometry = pin.buildGeomFromUrdf(
+                model, str(urdf), pin.COLLISION, package_dirs=folders, mesh_loader=loader
+            )
+            _check_complete(model, geometry, urdf, messages())
+            return geometry
+        except PlannercheckError:
+            raise
         except (ValueError, RuntimeError) as error:
             reason = _one_line(messages(), str(error))
     raise PlannercheckError(
         f"URDF {urdf}: a collision mesh does not load: {reason}; "
         f"package_dirs searched: {', '.join(folders) or 'none given'}"
     )
+
+
+def _check_complete(model: pin.Model, geometry: pin.GeometryModel, urdf: Path, messages: str) -> None:
+    """Raises if a collision element got lost: urdfdom drops those that it does not know."""
+    loaded = Counter(model.frames[each.parentFrame].name for each in geometry.geometryObjects)
+    for link in ElementTree.parse(urdf).getroot().findall("link"):
+        name, wanted = link.get("name", ""), len(link.findall("collision"))
+        if loaded[name] != wanted:
+            raise PlannercheckError(
+                f"URDF {urdf}: {loaded[name]} of {wanted} collision elements of link {name!r} could be read; "
+                f"a URDF may hold box, cylinder, sphere and mesh; {_one_line(messages)}"
+            )
 
 
 def bodies_of(model: pin.Model, geometry: pin.GeometryModel) -> tuple[Body, ...]:

@@ -16,6 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck import exact
+
 Points = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
@@ -190,20 +192,14 @@ def unit(vectors: Points) -> Points:
     return vectors / np.linalg.norm(vectors, axis=1)[:, None]
 
 
-def depth_along_facets(p: Solid, r: Solid, pose_p: Points, pose_r: Points) -> float:
-    """How far two colliding bodies overlap along the facet normal of either where that is least, m.
+def differ_from_contact(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap: float) -> bool:
+    """Whether two bodies are further than a gap apart, or overlap by more than about that much, m.
 
-    It bounds the depth of penetration from above.
+    Shrinking p towards its middle moves its supporting planes by at most the gap; so if that separates
+    colliding bodies, they overlap by at most the gap.
     """
-    relative = np.linalg.inv(pose_r) @ pose_p
-    return min(_overlap_along_facets(r, p, relative), _overlap_along_facets(p, r, np.linalg.inv(relative)))
-
-
-def _overlap_along_facets(host: Solid, guest: Solid, relative: Points) -> float:
-    normals = host.normals[np.any(host.normals != 0, axis=1)]
-    guest_vertices = guest.vertices @ relative[:3, :3].T + relative[:3, 3]
-    overlaps = [
-        (np.max(some @ host.vertices.T, axis=1) - np.min(some @ guest_vertices.T, axis=1)).min()
-        for some in np.array_split(normals, 1 + len(normals) // BLOCK)
-    ]
-    return float(min(overlaps))
+    if not exact.intersects(p.vertices, r.vertices, pose_p, pose_r):
+        return exact.distance(p.vertices, r.vertices, pose_p, pose_r) > gap
+    arms = p.vertices - p.vertices.mean(axis=0)
+    part = min(1.0, gap / np.linalg.norm(arms, axis=1).max())
+    return exact.intersects(p.vertices - part * arms, r.vertices, pose_p, pose_r)

@@ -75,7 +75,7 @@ def doubling(n: int, rng: np.random.Generator) -> Points:
 
 
 def degree_doubling(levels: int) -> tuple[Points, Faces]:
-    """The degree-doubling polyhedron with its faces (section "Hierarchies" of the paper).
+    """The degree-doubling polyhedron with its faces (paper, section "Polyhedra in 3D space").
 
     A tetrahedron with the hub at the origin; each level adds a vertex slightly above each face at the hub.
     The neighbours of the hub lie on a circular cone, so a new one in the middle of two is always beyond

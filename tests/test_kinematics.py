@@ -1,4 +1,4 @@
-"""The compiled kernel poses as Pinocchio does, on every robot at hand, with the same bits however it is called."""
+"""The compiled kernel poses as Pinocchio does, on every robot at hand, and always with the same bits."""
 
 from __future__ import annotations
 
@@ -62,25 +62,24 @@ def test_sine_and_cosine_are_accurate(reach):
 
 
 def test_every_robot_of_example_robot_data_is_posed_as_pinocchio_does():
-    loaded = 0
+    malformed = set()
     for urdf in URDFS:
         for floating in (False, True):
             try:
                 model = read_model(urdf, floating)
-            except PlannercheckError as error:
-                assert urdf.name == "ur3.urdf", error  # malformed as delivered
+            except PlannercheckError:
+                malformed.add(urdf.name)
                 continue
             frames = link_tree(model).frames
             for configurations in maps_of(model, urdf):
                 kinematics = compiled_kinematics(model, configurations, frames)
                 assert kinematics is not None, urdf
                 assert disagreement(kinematics, model, configurations, frames) < AGREEMENT / 100, urdf
-            loaded += 1
-    assert loaded == 2 * (len(URDFS) - 1)
+    assert malformed == {"ur3.urdf"}  # as delivered
 
 
 def hand_made_model():
-    """One joint of every kind that the kernel knows, axes in and against all directions, and a link on each."""
+    """One joint of every kind that the kernel knows, axes in and against all directions, each with a link."""
     slanted = np.array([1.0, -2.0, 3.0]) / np.sqrt(14.0)
     kinds = [
         pin.JointModelFreeFlyer(),
@@ -105,18 +104,20 @@ def hand_made_model():
     rng = np.random.default_rng(5)
     for index, kind in enumerate(kinds):
         parent = max(0, model.njoints - 1 - int(rng.integers(3)))
-        joint = model.addJoint(
-            parent, kind, pin.SE3.Random() if index % 3 else pin.SE3.Identity(), f"joint{index}"
-        )
+        placement = pin.SE3.Random() if index % 3 else pin.SE3.Identity()
+        joint = model.addJoint(parent, kind, placement, f"joint{index}")
         model.addJointFrame(joint, -1)
-        model.addBodyFrame(f"link{index}", joint, pin.SE3.Random() if index % 2 else pin.SE3.Identity(), -1)
+        placement = pin.SE3.Random() if index % 2 else pin.SE3.Identity()
+        model.addBodyFrame(f"link{index}", joint, placement, -1)
     return model
 
 
 SLANTED_AND_FREE = """<robot name="odd">
-<link name="a"/><link name="b"/><link name="c"/><link name="d"/><link name="e"/><link name="f"/><link name="g"/>
+<link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+<link name="e"/><link name="f"/><link name="g"/>
 <joint name="slanted" type="continuous"><parent link="a"/><child link="b"/>
-  <axis xyz="0.26726124191242440 -0.53452248382484879 0.80178372573727319"/><origin xyz="1 2 3" rpy="1 2 3"/></joint>
+  <axis xyz="0.26726124191242440 -0.53452248382484879 0.80178372573727319"/>
+  <origin xyz="1 2 3" rpy="1 2 3"/></joint>
 <joint name="against_x" type="continuous"><parent link="b"/><child link="c"/><axis xyz="-1 0 0"/></joint>
 <joint name="against_y" type="continuous"><parent link="c"/><child link="d"/><axis xyz="0 -1 0"/></joint>
 <joint name="against_z" type="continuous"><parent link="d"/><child link="e"/><axis xyz="0 0 -1"/></joint>

@@ -106,6 +106,7 @@ nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body
 }  // namespace
 
 void bind_body(nb::module_& m) {
+  m.attr("body_format") = kBodyFormat;
   nb::exception<HullError>(m, "HullError", PyExc_ValueError);
 
   nb::enum_<Solver>(m, "Solver")

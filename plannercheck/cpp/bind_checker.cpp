@@ -24,8 +24,8 @@ using LinkPoses = InputArray<double, -1, -1, 4, 4>;
 class BoundChecker {
  public:
   BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements,
-               InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count, const PairOptions& options, bool spheres)
-      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, spheres}) {}
+               InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count, const PairOptions& options, bool spheres, bool boxes)
+      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, spheres, boxes}) {}
 
   const CheckerCore& core() const { return core_; }
 
@@ -64,6 +64,7 @@ class BoundChecker {
     out["states"] = total_.states;
     out["pairs"] = total_.pairs;
     out["spheres"] = total_.spheres;
+    out["boxes"] = total_.boxes;
     const char* names[] = {"cached_plane", "centre_axis", "solver", "vertices", "exact"};
     for (std::size_t i = 0; i < total_.stages.size(); ++i) out[names[i]] = total_.stages[i];
     out["queries"] = counters_dict(total_.pair);
@@ -90,7 +91,7 @@ class BoundChecker {
   }
 
   void add(const CheckerCounters& c) {
-    total_.states += c.states, total_.pairs += c.pairs, total_.spheres += c.spheres;
+    total_.states += c.states, total_.pairs += c.pairs, total_.spheres += c.spheres, total_.boxes += c.boxes;
     for (std::size_t i = 0; i < c.stages.size(); ++i) total_.stages[i] += c.stages[i];
     total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
     total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
@@ -161,7 +162,7 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
 void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
-                    InputArray<std::int32_t, -1, 2>, std::int32_t, const PairOptions&, bool>())
+                    InputArray<std::int32_t, -1, 2>, std::int32_t, const PairOptions&, bool, bool>())
       .def("first_of_states", &first_of_states)
       .def("first_of_poses", &first_of_poses)
       .def("all_of_poses", &all_of_poses)

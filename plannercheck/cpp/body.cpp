@@ -19,7 +19,7 @@ Vec3 polar_point(Vec3 centre, Vec3 a, Vec3 b, Vec3 c) {
   const Double2Vec3 n = cross(difference(b, a), difference(c, a));
   const Double2 height = dot(n, difference(a, centre));
   const double size = norm_max(b - a) * norm_max(c - a);
-  const double length = std::fmax(std::fabs(n.x.high), std::fmax(std::fabs(n.y.high), std::fabs(n.z.high)));
+  const double length = larger(std::fabs(n.x.high), larger(std::fabs(n.y.high), std::fabs(n.z.high)));
   const bool precise = size > 1e-150 && size < 1e60 && size * 0x1p-96 < length * 0x1p-62 &&
                        size * norm_max(a - centre) * 0x1p-94 < height.high * 0x1p-62;
   if (precise) return {n.x.high / height.high, n.y.high / height.high, n.z.high / height.high};
@@ -59,8 +59,16 @@ std::vector<Vec3> polar_points(const ConvexMesh& mesh, Vec3 centre) {
 
 double largest_norm(const std::vector<Vec3>& points, Vec3 from) {
   double largest = 0;
-  for (const Vec3& p : points) largest = std::fmax(largest, norm(p - from));
+  for (const Vec3& p : points) largest = larger(largest, norm(p - from));
   return largest * kRoundUp;
+}
+
+void enclose(Body& body, const std::vector<Vec3>& points) {
+  body.low = body.high = points.front();
+  for (const Vec3& p : points) {
+    body.low = {smaller(body.low.x, p.x), smaller(body.low.y, p.y), smaller(body.low.z, p.z)};
+    body.high = {larger(body.high.x, p.x), larger(body.high.y, p.y), larger(body.high.z, p.z)};
+  }
 }
 
 class Writer {
@@ -119,7 +127,7 @@ void each_field(Stream& s, H& h) {
 
 template <class Stream, class B>
 void each_body_field(Stream& s, B& b) {
-  s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach), s.value(b.radius);
+  s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach), s.value(b.radius), s.value(b.low), s.value(b.high);
   each_field(s, b.inner);
   each_field(s, b.polar);
   s.array(b.polar_triangles);
@@ -135,6 +143,7 @@ Body prepare_body(const ConvexMesh& mesh) {
   body.centre = interior_point(mesh);
   body.reach = largest_norm(mesh.vertices, {});
   body.radius = largest_norm(mesh.vertices, body.centre);
+  enclose(body, mesh.vertices);
   body.inner = build_hierarchy(mesh);
   const std::vector<Vec3> points = polar_points(mesh, body.centre);
   body.facet_count = static_cast<std::int32_t>(points.size());

@@ -17,12 +17,16 @@ namespace plannercheck {
 // Numerator and denominator are rounded once each (and err by 2^-60 before), then divided: 3u and a little.
 inline constexpr double kPolarError = 4 * 0x1p-53;
 
+// Raise it whenever the fields of Body or Hierarchy, their order or their meaning change: old files are then refused.
+inline constexpr int kBodyFormat = 2;
+
 struct Body {
   std::vector<Triangle> triangles;  // of the hull, outward; indices into inner.points
   std::vector<std::int32_t> source;  // per vertex: index into the points that were given
   Vec3 centre;                       // strictly inside
   double reach = 0;                  // largest |v| over the vertices: distance from the frame's origin
   double radius = 0;                 // largest |v − centre|, rounded up
+  Vec3 low, high;                    // the box around the vertices, in the body's frame
   Hierarchy inner;
   Hierarchy polar;
   std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward

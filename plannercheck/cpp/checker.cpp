@@ -10,6 +10,7 @@ std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 // Poses stretch by 1e-6 at most, and posing a centre errs by about 10u of its distance: this covers both.
 constexpr double kStretch = 1 + 2e-6;
 constexpr double kCentreError = 64 * 0x1p-53;
+constexpr double kDefect = 2e-6;  // twice what a pose may be off rigid
 
 }  // namespace
 
@@ -59,7 +60,7 @@ void CheckerCore::pose_for(std::int32_t body, const double* links, std::size_t s
   w.centres[at(body)] = w.poses[at(body)].apply(bodies_[at(body)].body->centre);
 }
 
-bool CheckerCore::far_apart(std::int32_t a, std::int32_t b, const Workspace& w) const {
+bool CheckerCore::spheres_apart(std::int32_t a, std::int32_t b, const Workspace& w) const {
   const Vec3 ca = w.centres[at(a)], cb = w.centres[at(b)], d = ca - cb;
   const double radii = (bodies_[at(a)].body->radius + bodies_[at(b)].body->radius) * kStretch;
   const double reaches = bodies_[at(a)].body->reach + bodies_[at(b)].body->reach;
@@ -67,13 +68,31 @@ bool CheckerCore::far_apart(std::int32_t a, std::int32_t b, const Workspace& w) 
   return dot(d, d) > apart * apart * (1 + 1e-12);
 }
 
+// One body's sphere against the other's box in that body's frame. The transpose stands for the inverse of the pose,
+// which displaces the centre by at most kDefect of its distance; the sphere is enlarged by that.
+bool CheckerCore::sphere_misses_box(std::int32_t sphere, std::int32_t box, const Workspace& w) const {
+  const Body& b = *bodies_[at(box)].body;
+  const Pose& pose = w.poses[at(box)];
+  const Vec3 centre = w.centres[at(sphere)], from = centre - pose.translation();
+  const Vec3 c = pose.rotate_back(from);
+  const Vec3 beyond{larger(0, larger(b.low.x - c.x, c.x - b.high.x)), larger(0, larger(b.low.y - c.y, c.y - b.high.y)),
+                    larger(0, larger(b.low.z - c.z, c.z - b.high.z))};
+  const double radius = bodies_[at(sphere)].body->radius * kStretch + kDefect * norm_1(from) +
+                        kCentreError * (norm_1(centre) + norm_1(pose.translation()) + bodies_[at(sphere)].body->reach + b.reach);
+  return dot(beyond, beyond) > radius * radius * (1 + 1e-12);
+}
+
 bool CheckerCore::collides(std::size_t pair, const double* links, std::size_t stride, Workspace& w) const {
   const auto [guest, host] = pairs_[pair];
   pose_for(guest, links, stride, w);
   pose_for(host, links, stride, w);
   ++w.counters.pairs;
-  if (options_.spheres && far_apart(guest, host, w)) {
+  if (options_.spheres && spheres_apart(guest, host, w)) {
     ++w.counters.spheres;
+    return false;
+  }
+  if (options_.boxes && (sphere_misses_box(guest, host, w) || sphere_misses_box(host, guest, w))) {
+    ++w.counters.boxes;
     return false;
   }
   const PairVerdict verdict = test_pair({bodies_[at(guest)].body.get(), w.poses[at(guest)]},

@@ -21,7 +21,7 @@ struct MountedBody {
 };
 
 struct CheckerCounters {
-  long states = 0, pairs = 0, spheres = 0;  // pairs considered, and settled by spheres
+  long states = 0, pairs = 0, spheres = 0, boxes = 0;  // pairs considered, and settled by bounds
   std::array<long, 5> stages{};             // pairs settled by each Stage
   PairCounters pair;
 };
@@ -29,6 +29,7 @@ struct CheckerCounters {
 struct CheckerOptions {
   PairOptions pair;
   bool spheres = true;
+  bool boxes = true;
 };
 
 class CheckerCore {
@@ -79,7 +80,8 @@ class CheckerCore {
   CheckerOptions options_;
 
   void pose_for(std::int32_t body, const double* links, std::size_t stride, Workspace& workspace) const;
-  bool far_apart(std::int32_t a, std::int32_t b, const Workspace& workspace) const;
+  bool spheres_apart(std::int32_t a, std::int32_t b, const Workspace& workspace) const;
+  bool sphere_misses_box(std::int32_t sphere, std::int32_t box, const Workspace& workspace) const;
   bool collides(std::size_t pair, const double* links, std::size_t stride, Workspace& workspace) const;
 };
 

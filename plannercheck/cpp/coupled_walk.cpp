@@ -147,11 +147,11 @@ class CoupledWalk {
     for (int i = 1; i < star.count; ++i) {
       const Vec3 edge = static_cast<double>(sense) * (tip - star.point[static_cast<std::size_t>(i)]);
       const double start = dot(from, edge), end = dot(to, edge);
-      if (end < 0) t = std::fmin(t, start > 0 ? start / (start - end) : 0.0);
+      if (end < 0) t = smaller(t, start > 0 ? start / (start - end) : 0.0);
     }
     const double at_start = dot(from, tip), at_end = dot(to, tip);
     const double needed = at_end != at_start ? (1 - at_start) / (at_end - at_start) : 1.0;
-    t = std::clamp(std::fmax(t, needed), 0.0, 1.0);
+    t = std::clamp(larger(t, needed), 0.0, 1.0);
     return (1 - t) * from + t * to;
   }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "vec.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -38,10 +40,10 @@ class Tableau {
     for (int i = 0; i < variables_; ++i) mixture.row[at(i)] = 0;
     for (int j = 0; j < constraints_; ++j) mixture.column[at(j)] = 0;
     for (int j = 0; j < constraints_; ++j) {
-      if (basic_[at(j)] < variables_) mixture.row[at(basic_[at(j)])] = std::fmax(0.0, entry(j, variables_));
+      if (basic_[at(j)] < variables_) mixture.row[at(basic_[at(j)])] = larger(0.0, entry(j, variables_));
     }
     for (int i = 0; i < variables_; ++i) {
-      if (free_[at(i)] >= variables_) mixture.column[at(free_[at(i)] - variables_)] = std::fmax(0.0, -entry(constraints_, i));
+      if (free_[at(i)] >= variables_) mixture.column[at(free_[at(i)] - variables_)] = larger(0.0, -entry(constraints_, i));
     }
   }
 
@@ -104,8 +106,8 @@ void solve(const Game& game, Mixture& mixture) {
   for (int i = 0; i < game.rows; ++i) {
     for (int j = 0; j < game.columns; ++j) {
       const double a = game.payoff[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-      lowest = std::fmin(lowest, a);
-      highest = std::fmax(highest, a);
+      lowest = smaller(lowest, a);
+      highest = larger(highest, a);
     }
   }
   // The shift keeps entries of the order of the spread, so that the tableau's rounding is relative to it.

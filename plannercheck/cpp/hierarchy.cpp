@@ -103,7 +103,7 @@ void lay_out_chains(const std::vector<Removal>& removals, Hierarchy& h) {
 Hierarchy build_hierarchy(const ConvexMesh& mesh) {
   Hierarchy h;
   h.points = mesh.vertices;
-  for (const Vec3& p : h.points) h.largest_coordinate = std::fmax(h.largest_coordinate, norm_max(p));
+  for (const Vec3& p : h.points) h.largest_coordinate = larger(h.largest_coordinate, norm_max(p));
   Triangulation current(mesh);
   std::vector<std::int32_t> alive(mesh.vertices.size());
   for (std::size_t v = 0; v < alive.size(); ++v) alive[v] = static_cast<std::int32_t>(v);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
-#include <unordered_map>
+#include <tuple>
 
 #include "predicates.hpp"
 
@@ -32,18 +32,18 @@ class Quickhull {
  public:
   explicit Quickhull(const std::vector<Vec3>& points) : points_(points), starts_at_(points.size(), -1) {}
 
-  std::vector<Triangle> run() {
+  struct Surface {
+    std::vector<Triangle> triangles, neighbours;
+  };
+
+  Surface run() {
     start();
     while (!pending_.empty()) {
       const int face = pending_.back();
       pending_.pop_back();
       if (faces_[at(face)].alive && !faces_[at(face)].outside.empty()) add(face);
     }
-    std::vector<Triangle> triangles;
-    for (const Face& face : faces_) {
-      if (face.alive) triangles.push_back(face.corner);
-    }
-    return triangles;
+    return surface();
   }
 
  private:
@@ -57,7 +57,23 @@ class Quickhull {
 
   Vec3 point(int index) const { return points_[at(index)]; }
 
+  Surface surface() const {
+    Surface out;
+    std::vector<int> number(faces_.size(), -1);
+    int alive = 0;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      if (faces_[f].alive) number[f] = alive++;
+    }
+    for (const Face& face : faces_) {
+      if (!face.alive) continue;
+      out.triangles.push_back(face.corner);
+      out.neighbours.push_back({number[at(face.neighbour[0])], number[at(face.neighbour[1])], number[at(face.neighbour[2])]});
+    }
+    return out;
+  }
+
   bool sees(int p, const Face& face) const {
+    if (p == face.corner[0] || p == face.corner[1] || p == face.corner[2]) return false;  // spares an exact zero
     return orientation(point(face.corner[0]), point(face.corner[1]), point(face.corner[2]), point(p)) > 0;
   }
 
@@ -202,30 +218,34 @@ class Quickhull {
 };
 
 // Links the triangles of a closed surface over their edges; throws if an edge has not exactly two opposite sides.
-std::vector<Triangle> linked_neighbours(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
-  std::unordered_map<std::uint64_t, std::pair<int, int>> sides;
-  sides.reserve(triangles.size() * 3);
-  const auto key = [&](int a, int b) { return static_cast<std::uint64_t>(a) * vertex_count + static_cast<std::uint64_t>(b); };
+std::vector<Triangle> linked_neighbours(const std::vector<Triangle>& triangles) {
+  struct Side {
+    int low, high, half_edge;
+    bool upwards;
+  };
+  std::vector<Side> sides;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (int i = 0; i < 3; ++i) {
       const int a = triangles[t][at(i)], b = triangles[t][at(next_corner(i))];
-      if (!sides.emplace(key(a, b), std::pair{static_cast<int>(t), i}).second) {
-        throw HullError("two faces run along the edge from vertex " + std::to_string(a) + " to vertex " +
-                        std::to_string(b) + " in the same direction");
-      }
+      sides.push_back({std::min(a, b), std::max(a, b), static_cast<int>(3 * t) + i, a < b});
     }
   }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.half_edge) < std::tie(b.low, b.high, b.half_edge);
+  });
   std::vector<Triangle> neighbours(triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (int i = 0; i < 3; ++i) {
-      const int a = triangles[t][at(i)], b = triangles[t][at(next_corner(i))];
-      const auto twin = sides.find(key(b, a));
-      if (twin == sides.end()) {
-        throw HullError("its faces are not closed: the edge from vertex " + std::to_string(a) + " to vertex " +
-                        std::to_string(b) + " has a face on one side only");
-      }
-      neighbours[t][at(i)] = twin->second.first;
+  for (std::size_t k = 0; k < sides.size(); k += 2) {
+    const auto same_edge = [&](std::size_t other) {
+      return other < sides.size() && sides[other].low == sides[k].low && sides[other].high == sides[k].high;
+    };
+    const std::string edge = "the edge between vertices " + std::to_string(sides[k].low) + " and " + std::to_string(sides[k].high);
+    if (!same_edge(k + 1)) throw HullError("its faces are not closed: " + edge + " has a face on one side only");
+    if (same_edge(k + 2) || sides[k].upwards == sides[k + 1].upwards) {
+      throw HullError("its faces are not oriented alike: " + edge + " is run along twice in the same direction");
     }
+    const int a = sides[k].half_edge, b = sides[k + 1].half_edge;
+    neighbours[at(a / 3)][at(a % 3)] = b / 3;
+    neighbours[at(b / 3)][at(b % 3)] = a / 3;
   }
   return neighbours;
 }
@@ -244,8 +264,14 @@ std::vector<std::array<bool, 3>> bends(const std::vector<Vec3>& points, const st
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const Triangle& v = triangles[t];
     for (int i = 0; i < 3; ++i) {
-      const int a = v[at(i)], b = v[at(next_corner(i))];
-      const int far = opposite_corner(triangles[at(neighbours[t][at(i)])], a, b);
+      const int a = v[at(i)], b = v[at(next_corner(i))], other = neighbours[t][at(i)];
+      if (at(other) < t) {  // judged from the other side
+        const Triangle& w = triangles[at(other)];
+        const int edge = w[0] == b ? 0 : w[1] == b ? 1 : 2;
+        strict[t][at(i)] = strict[at(other)][at(edge)];
+        continue;
+      }
+      const int far = opposite_corner(triangles[at(other)], a, b);
       const int side = orientation(points[at(v[0])], points[at(v[1])], points[at(v[2])], points[at(far)]);
       if (side > 0) {
         throw HullError("its faces are not convex: vertex " + std::to_string(far) + " sticks out of the face " +
@@ -269,8 +295,9 @@ std::vector<bool> extreme_vertices(const std::vector<Triangle>& triangles,
   return extreme;
 }
 
-ConvexMesh compact(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
-                   const std::vector<int>& source) {
+// Numbers the vertices in use and judges the edges.
+ConvexMesh compact(const std::vector<Vec3>& points, const std::vector<int>& source, const std::vector<Triangle>& triangles,
+                   std::vector<Triangle> neighbours) {
   ConvexMesh mesh;
   std::vector<int> number(points.size(), -1);
   for (const Triangle& triangle : triangles) {
@@ -283,13 +310,14 @@ ConvexMesh compact(const std::vector<Vec3>& points, const std::vector<Triangle>&
     mesh.source.push_back(source[p]);
   }
   for (const Triangle& t : triangles) mesh.triangles.push_back({number[at(t[0])], number[at(t[1])], number[at(t[2])]});
-  mesh.neighbours = linked_neighbours(mesh.triangles, mesh.vertices.size());
+  mesh.neighbours = std::move(neighbours);
   mesh.strict = bends(mesh.vertices, mesh.triangles, mesh.neighbours);
   return mesh;
 }
 
 ConvexMesh hull_of(const std::vector<Vec3>& points, const std::vector<int>& source) {
-  ConvexMesh mesh = compact(points, Quickhull(points).run(), source);
+  Quickhull::Surface surface = Quickhull(points).run();
+  ConvexMesh mesh = compact(points, source, surface.triangles, std::move(surface.neighbours));
   const std::vector<bool> extreme = extreme_vertices(mesh.triangles, mesh.strict, mesh.vertices.size());
   if (std::find(extreme.begin(), extreme.end(), false) == extreme.end()) return mesh;
   std::vector<Vec3> kept;
@@ -353,7 +381,7 @@ ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Tria
   std::vector<int> source(points.size());
   std::iota(source.begin(), source.end(), 0);
   if (triangles.size() < 4) throw HullError("it has fewer than 4 faces");
-  ConvexMesh mesh = compact(points, triangles, source);
+  ConvexMesh mesh = compact(points, source, triangles, linked_neighbours(triangles));
   if (mesh.vertices.size() != points.size()) throw HullError("a vertex belongs to no face");
   if (triangles.size() != 2 * points.size() - 4) throw HullError("its faces do not form a sphere (V − E + F is not 2)");
   const std::vector<bool> extreme = extreme_vertices(mesh.triangles, mesh.strict, mesh.vertices.size());

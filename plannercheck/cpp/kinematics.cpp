@@ -1,3 +1,4 @@
+// How the poses of kinematics.hpp are computed: placements, then motions of joints, elementwise on Lanes.
 #include "kinematics.hpp"
 
 #include <algorithm>
@@ -9,6 +10,10 @@ namespace plannercheck {
 namespace {
 
 constexpr int kPose = 12;  // numbers in a row-major 3x4 pose
+
+inline void broadcast_pose(const Rigid& pose, Lanes* out) {
+  for (int k = 0; k < kPose; ++k) out[k] = broadcast(pose.m[k]);
+}
 
 // parent * placement, both affine maps; `out` may not overlap `parent`.
 template <class Number>
@@ -61,6 +66,12 @@ inline void place(const Lanes* parent, const Rigid& placement, PlacementForm for
   }
 }
 
+// A placement on a moving joint, or in the world if there is none.
+inline void pose_on(int joint, const Rigid& placement, PlacementForm form, const Lanes* joint_poses, Lanes* out) {
+  if (joint < 0) return broadcast_pose(placement, out);
+  place(joint_poses + joint * kPose, placement, form, out);
+}
+
 // Whether the rotation maps the axis to itself, exactly.
 bool keeps_axis(const Rigid& placement, int axis) {
   for (int k = 0; k < 3; ++k) {
@@ -80,10 +91,6 @@ PlacementForm form_of(const Rigid& placement) {
     if (keeps_axis(placement, axis)) return static_cast<PlacementForm>(axis);
   }
   return PlacementForm::kGeneral;
-}
-
-inline void broadcast_pose(const Rigid& pose, Lanes* out) {
-  for (int k = 0; k < kPose; ++k) out[k] = broadcast(pose.m[k]);
 }
 
 // pose * rotation by the angle of (cos, sin) that takes column `from` towards column `to`.
@@ -193,10 +200,15 @@ bool is_held(const JointSpec& joint) {
                      [](const JointValue& v) { return v.column < 0; });
 }
 
-Rigid placed(const Rigid* parent, const Rigid& placement) {
-  if (!parent) return placement;
+Anchor anchor_of(int joint, const std::vector<Anchor>& anchors) {
+  return joint < 0 ? Anchor{-1, false, {}} : anchors[static_cast<size_t>(joint)];
+}
+
+// A placement on something that moves as it is, on something that stands still in the world.
+Rigid placed(const Anchor& anchor, const Rigid& placement) {
+  if (!anchor.posed) return placement;
   Rigid out;
-  place(parent->m, placement.m, out.m);
+  place(anchor.pose.m, placement.m, out.m);
   return out;
 }
 
@@ -215,35 +227,30 @@ Rigid moved_once(const JointSpec& joint, const Rigid& placement) {
 
 Kinematics::Kinematics(int width, const std::vector<JointSpec>& joints, const std::vector<LinkSpec>& links)
     : width_(width) {
-  std::vector<int> moving(joints.size(), -1);  // index among the moving joints
-  std::vector<Rigid> constant(joints.size());  // pose of those that nothing moves
-  for (size_t i = 0; i < joints.size(); ++i) {
-    const JointSpec& spec = joints[i];
-    const int parent = spec.parent < 0 ? -1 : moving[static_cast<size_t>(spec.parent)];
-    const Rigid* base = spec.parent >= 0 && parent < 0 ? &constant[static_cast<size_t>(spec.parent)] : nullptr;
-    const Rigid placement = placed(base, spec.placement);
-    const bool held = is_held(spec);
-    if (held && parent < 0) {
-      constant[i] = moved_once(spec, placement);
-      continue;
-    }
-    moving[i] = static_cast<int>(joints_.size());
-    Joint joint{parent, spec.kind, held, {}, placement, form_of(placement), {}, {}};
-    std::copy_n(spec.axis, 3, joint.axis);
-    std::copy_n(spec.values, 7, joint.values);
-    if (held) {
-      Lanes values[7]{};
-      read_values(spec.kind, spec.values, nullptr, values);
-      for (int k = 0; k < 7; ++k) joint.held_values[k] = values[k][0];
-    }
-    joints_.push_back(joint);
-  }
+  std::vector<Anchor> anchors(joints.size());
+  for (size_t i = 0; i < joints.size(); ++i) anchors[i] = add_joint(joints[i], anchors);
   for (const LinkSpec& link : links) {
-    const int joint = link.joint < 0 ? -1 : moving[static_cast<size_t>(link.joint)];
-    const Rigid* base = link.joint >= 0 && joint < 0 ? &constant[static_cast<size_t>(link.joint)] : nullptr;
-    const Rigid placement = placed(base, link.placement);
-    links_.push_back({joint, placement, form_of(placement)});
+    const Anchor anchor = anchor_of(link.joint, anchors);
+    const Rigid placement = placed(anchor, link.placement);
+    links_.push_back({anchor.joint, placement, form_of(placement)});
   }
+}
+
+Anchor Kinematics::add_joint(const JointSpec& spec, const std::vector<Anchor>& anchors) {
+  const Anchor parent = anchor_of(spec.parent, anchors);
+  const Rigid placement = placed(parent, spec.placement);
+  const bool held = is_held(spec);
+  if (held && parent.joint < 0) return {-1, true, moved_once(spec, placement)};
+  Joint joint{parent.joint, spec.kind, held, {}, placement, form_of(placement), {}, {}};
+  std::copy_n(spec.axis, 3, joint.axis);
+  std::copy_n(spec.values, 7, joint.values);
+  if (held) {
+    Lanes values[7]{};
+    read_values(spec.kind, spec.values, nullptr, values);
+    for (int k = 0; k < 7; ++k) joint.held_values[k] = values[k][0];
+  }
+  joints_.push_back(joint);
+  return {static_cast<int>(joints_.size()) - 1, false, {}};
 }
 
 int Kinematics::scratch_size() const {
@@ -266,31 +273,22 @@ void Kinematics::link_poses(const Lanes* q, const unsigned char* needed, Lanes* 
   unsigned char* marks = reinterpret_cast<unsigned char*>(scratch + joints_.size() * kPose);
   mark_needed_joints(needed, marks);
   for (size_t i = 0; i < joints_.size(); ++i) {
-    if (!marks[i]) continue;
-    const Joint& joint = joints_[i];
-    Lanes values[7];
-    if (joint.held) {
-      for (int k = 0; k < 7; ++k) values[k] = broadcast(joint.held_values[k]);
-    } else {
-      read_values(joint.kind, joint.values, q, values);
-    }
-    Lanes* pose = scratch + i * kPose;
-    if (joint.parent < 0) {
-      broadcast_pose(joint.placement, pose);
-    } else {
-      place(scratch + joint.parent * kPose, joint.placement, joint.form, pose);
-    }
-    move(joint.kind, joint.axis, values, pose);
+    if (marks[i]) pose_joint(joints_[i], q, scratch, scratch + i * kPose);
   }
   for (size_t i = 0; i < links_.size(); ++i) {
-    if (!needed[i]) continue;
-    const Link& link = links_[i];
-    if (link.joint < 0) {
-      broadcast_pose(link.placement, out + i * kPose);
-    } else {
-      place(scratch + link.joint * kPose, link.placement, link.form, out + i * kPose);
-    }
+    if (needed[i]) pose_on(links_[i].joint, links_[i].placement, links_[i].form, scratch, out + i * kPose);
   }
+}
+
+void Kinematics::pose_joint(const Joint& joint, const Lanes* q, const Lanes* joint_poses, Lanes* pose) const {
+  Lanes values[7];
+  if (joint.held) {
+    for (int k = 0; k < 7; ++k) values[k] = broadcast(joint.held_values[k]);
+  } else {
+    read_values(joint.kind, joint.values, q, values);
+  }
+  pose_on(joint.parent, joint.placement, joint.form, joint_poses, pose);
+  move(joint.kind, joint.axis, values, pose);
 }
 
 namespace {

@@ -54,6 +54,14 @@ struct LinkSpec {
   Rigid placement;  // on that joint
 };
 
+// What a joint or link hangs on: a moving joint; else, if `posed`, something that stands still at `pose`; else the
+// world.
+struct Anchor {
+  int joint;  // among the moving joints, or -1
+  bool posed;
+  Rigid pose;
+};
+
 // What is known of a placement's rotation, to leave out products with exact zeros and ones; kTurnX, kTurnY and kTurnZ
 // keep that axis.
 enum class PlacementForm : int { kTurnX, kTurnY, kTurnZ, kShift, kIdentity, kGeneral };
@@ -94,6 +102,8 @@ class Kinematics {
     PlacementForm form;
   };
 
+  Anchor add_joint(const JointSpec& spec, const std::vector<Anchor>& anchors);
+  void pose_joint(const Joint& joint, const Lanes* q, const Lanes* joint_poses, Lanes* pose) const;
   void mark_needed_joints(const unsigned char* needed, unsigned char* marks) const;
 
   int width_;

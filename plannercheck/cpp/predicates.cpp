@@ -31,7 +31,7 @@ int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   const Vec3 ab = b - a, ac = c - a, ad = d - a;
   const double determinant = dot(cross(ab, ac), ad);
   const double permanent = absolute_dot(absolute_cross(ab, ac), ad);
-  const double largest = std::fmax(norm_max(ab), std::fmax(norm_max(ac), norm_max(ad)));
+  const double largest = larger(norm_max(ab), larger(norm_max(ac), norm_max(ad)));
   const bool in_range = trusted(permanent, largest);
   if (in_range && std::fabs(determinant) > 8 * kRoundoff * permanent) return sign_of(determinant);
   // Differences of doubles are 0 only when the doubles are equal: planes parallel to the axes end here.
@@ -50,7 +50,7 @@ int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
 int compare_along(Vec3 u, Vec3 a, Vec3 b) {
   const Vec3 e = a - b;
   const double value = dot(u, e), size = absolute_dot(u, e);
-  const bool in_range = trusted(size, std::fmax(norm_max(u), norm_max(e)));
+  const bool in_range = trusted(size, larger(norm_max(u), norm_max(e)));
   if (in_range && std::fabs(value) > 6 * kRoundoff * size) return sign_of(value);
   if ((u.x == 0 || e.x == 0) && (u.y == 0 || e.y == 0) && (u.z == 0 || e.z == 0)) return 0;
   if (in_range) {
@@ -66,7 +66,7 @@ int wedge_side(Vec3 z, Vec3 v, Vec3 a, Vec3 b, Vec3 u) {
   const double value = dot(cross(z, cross(va, vb)), u);
   const Vec3 absolute_z{std::fabs(z.x), std::fabs(z.y), std::fabs(z.z)};
   const double size = absolute_dot(absolute_cross(absolute_z, absolute_cross(va, vb)), u);
-  const double largest = std::fmax(std::fmax(norm_max(z), norm_max(u)), std::fmax(norm_max(va), norm_max(vb)));
+  const double largest = larger(larger(norm_max(z), norm_max(u)), larger(norm_max(va), norm_max(vb)));
   const bool in_range = trusted(size, largest) && largest < 1e40;
   if (in_range && std::fabs(value) > 16 * kRoundoff * size) return sign_of(value);
   if (in_range) {
@@ -80,7 +80,7 @@ int wedge_side(Vec3 z, Vec3 v, Vec3 a, Vec3 b, Vec3 u) {
 int cone_side(Vec3 u, Vec3 o, Vec3 a, Vec3 b) {
   const Vec3 oa = a - o, ob = b - o;
   const double value = dot(cross(oa, ob), u), size = absolute_dot(absolute_cross(oa, ob), u);
-  const double largest = std::fmax(norm_max(u), std::fmax(norm_max(oa), norm_max(ob)));
+  const double largest = larger(norm_max(u), larger(norm_max(oa), norm_max(ob)));
   if (trusted(size, largest) && std::fabs(value) > 8 * kRoundoff * size) return sign_of(value);
   const DyadicVec3 origin(o);
   return dot(cross(DyadicVec3(a) - origin, DyadicVec3(b) - origin), DyadicVec3(u)).sign();

@@ -141,7 +141,7 @@ std::int32_t extreme_at_top(const Hierarchy& h, Vec3 u, QueryCounters& counters)
     best = value > best ? value : best;
   }
   counters.blocks += static_cast<long>(count / kBlockLanes);
-  const double highest = std::fmax(std::fmax(best[0], best[1]), std::fmax(best[2], best[3]));
+  const double highest = larger(larger(best[0], best[1]), larger(best[2], best[3]));
   const bool exact = h.depth > 0;  // below it, first_beyond needs a vertex that is truly extreme
   const double tie = exact ? highest - 2 * kScanError * norm_1(u) * h.largest_coordinate - kUnderflow : highest;
   const Quad ties = Quad{} + tie;

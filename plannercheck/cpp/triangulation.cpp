@@ -1,5 +1,7 @@
 #include "triangulation.hpp"
 
+#include <algorithm>
+
 #include "predicates.hpp"
 
 namespace plannercheck {
@@ -40,6 +42,8 @@ std::vector<std::int32_t> Triangulation::ring(std::int32_t v) const {
     ring.push_back(corner_[at(after(h))]);
     h = twin_[at(before(h))];
   } while (h != start);
+  // From the lowest on: how coplanar holes are closed then depends on the surface alone, not on its history.
+  std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end()), ring.end());
   return ring;
 }
 

@@ -16,7 +16,7 @@ class Triangulation {
 
   std::int32_t degree(std::int32_t v) const { return degree_[static_cast<std::size_t>(v)]; }
   bool contains(std::int32_t v) const { return degree(v) > 0; }
-  // The neighbours of v, counter-clockwise.
+  // The neighbours of v, counter-clockwise, from the one with the lowest index on.
   std::vector<std::int32_t> ring(std::int32_t v) const;
   // Removes v, whose ring is given, and closes the hole by the convex hull of what remains (gift wrapping).
   void remove(std::int32_t v, const std::vector<std::int32_t>& ring);

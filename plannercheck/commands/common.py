@@ -1,0 +1,94 @@
+"""What several commands share: robot and scene options, vectors, and output.
+
+In: parsed options. Out: robots, scenes, checkers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.checker import Checker
+from plannercheck.errors import PlannercheckError
+from plannercheck.output_files import written_aside
+from plannercheck.robot import Robot
+from plannercheck.scene import Scene
+
+Floats = NDArray[np.float64]
+
+
+def add_robot_argument(parser: argparse.ArgumentParser) -> None:
+    """Adds --robot."""
+    parser.add_argument(
+        "--robot",
+        required=True,
+        help="name of a shipped robot (see `plannercheck robots`), or a robot YAML or URDF file",
+    )
+
+
+def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: empty") -> None:
+    """Adds --scene."""
+    parser.add_argument(
+        "--scene", help=f"name of a shipped scene, or a scene file, also MoveIt's in YAML; {note}"
+    )
+
+
+def add_checker_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what the checker is told."""
+    parser.add_argument("--no-self-collision", action="store_true", help="test only against the scene")
+
+
+def load_checker(options: argparse.Namespace) -> Checker:
+    """The checker of --robot in --scene."""
+    robot = Robot.load(options.robot)
+    scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
+    return Checker(robot, scene, self_collision=not options.no_self_collision)
+
+
+def vector(text: str, name: str) -> Floats:
+    """Numbers separated by commas or spaces."""
+    try:
+        return np.array([float(part) for part in text.replace(",", " ").split()])
+    except ValueError:
+        raise PlannercheckError(f"{name} must be numbers separated by commas, not {text!r}") from None
+
+
+def check_folder(path: Path | None) -> None:
+    """Says before long work that an output file can't be written for want of its folder."""
+    if path is not None and not path.parent.is_dir():
+        raise PlannercheckError(
+            f"file {str(path)!r} can't be written: there is no folder {str(path.parent)!r}"
+        )
+
+
+def save_json(path: Path, value: Any) -> None:
+    """Writes a value as JSON."""
+    written_aside(path, lambda aside: aside.write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8"))
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """Aligned columns: numbers to the right, texts to the left."""
+    cells = [[str(cell) for cell in row] for row in rows]
+    right = [all(_is_number(row[k]) for row in cells) for k in range(len(header))]
+    widths = [max(len(row[k]) for row in [list(header), *cells]) for k in range(len(header))]
+    lines = []
+    for row in [list(header), *cells]:
+        padded = (c.rjust(w) if r else c.ljust(w) for c, w, r in zip(row, widths, right, strict=True))
+        lines.append("  ".join(padded).rstrip())
+    return "\n".join(lines)
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell holds a number, also in per cent, or nothing."""
+    return cell == "-" or cell.removesuffix(" %").lstrip("-").replace(".", "", 1).isdigit()
+
+
+def percentage(part: int, whole: int) -> str:
+    """A part in per cent."""
+    return f"{100 * part / whole:.1f} %" if whole else "-"

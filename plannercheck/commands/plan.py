@@ -1,0 +1,143 @@
+"""`plannercheck plan`: one problem, or the problem sets of MotionBenchMaker.
+
+In: a robot with a scene, start and goal, or with problem sets. Out: plans, on the terminal and in files.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.commands import problem_sets
+from plannercheck.commands.checked_paths import show_checks
+from plannercheck.commands.common import (
+    add_checker_arguments,
+    add_robot_argument,
+    add_scene_argument,
+    check_folder,
+    load_checker,
+    table,
+    vector,
+)
+from plannercheck.errors import PlannercheckError
+from plannercheck.ompl import LONGEST_MOTION, plan, planner_names
+from plannercheck.path_checks import check_path
+from plannercheck.plans import Plan, check_suffix
+
+Floats = NDArray[np.float64]
+
+_EPILOG = """\
+Motions are checked at states so close that no link point moves further than 1 mm between them.
+
+Exit codes: 0 solved, 1 not (all) solved, 2 bad input. A problem whose start or goal collides or is beyond the
+limits is not solved; the colliding pairs are named.
+
+Examples:
+  plannercheck plan --robot panda --scene bookshelf --output plan.csv
+  plannercheck plan --robot ur5 --scene cell.yaml --start 0,-1.5,1.5,0,0,0 --goal 1,-1,1,0,0,0
+  plannercheck plan --robot panda --problems cage_panda.tar.bz2 --output results.json
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's options."""
+    parser.epilog = _EPILOG
+    add_robot_argument(parser)
+    add_scene_argument(parser, "needed for one problem")
+    add_checker_arguments(parser)
+    parser.add_argument("--start", metavar="A,B,...", help="rad and m; default: the scene file's")
+    parser.add_argument("--goal", metavar="A,B,...", help="rad and m; default: the scene file's")
+    parser.add_argument(
+        "--problems",
+        nargs="+",
+        type=Path,
+        metavar="SET",
+        help="folders or tar archives of MotionBenchMaker problems, instead of scene, start and goal",
+    )
+    parser.add_argument("--first", type=int, metavar="N", help="only the first N problems of each set")
+    parser.add_argument("--each", action="store_true", help="a line for each problem of a set")
+    parser.add_argument(
+        "--planner", default="RRTConnect", help=f"{', '.join(planner_names())}; default: RRTConnect"
+    )
+    parser.add_argument(
+        "--time", type=float, default=10.0, metavar="S", help="for each search, s; default: 10"
+    )
+    parser.add_argument(
+        "--range",
+        type=float,
+        default=LONGEST_MOTION,
+        metavar="RAD",
+        help=f"longest motion the planner tries at once, rad; 0: OMPL's choice; default: {LONGEST_MOTION}",
+    )
+    parser.add_argument("--no-simplify", action="store_true", help="leave paths as the planner found them")
+    parser.add_argument("--seed", type=int, help="at least 1, for a search that can be repeated")
+    parser.add_argument(
+        "--verify",
+        choices=("fcl",),
+        help="check every sampled state of a path by FCL, and count collisions between the samples (slow)",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="write the plan as json, npy or csv; the results of sets as json",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command."""
+    check_folder(options.output)
+    if options.problems:
+        return problem_sets.run(options)
+    if options.scene is None:
+        raise PlannercheckError("needs --scene, or --problems")
+    if options.output is not None:
+        check_suffix(options.output)
+    return _run_one(options)
+
+
+def _run_one(options: argparse.Namespace) -> int:
+    checker = load_checker(options)
+    robot, scene = checker.robot.name, checker.scene
+    start = scene.start(robot) if options.start is None else vector(options.start, "--start")
+    goal = scene.goal(robot) if options.goal is None else vector(options.goal, "--goal")
+    found = plan(
+        checker,
+        start,
+        goal,
+        planner=options.planner,
+        time_limit=options.time,
+        simplify=not options.no_simplify,
+        seed=options.seed,
+        longest_motion=options.range,
+    )
+    _show(found)
+    if found.solved and options.output is not None:
+        found.save(options.output)
+        print(f"written to {options.output}")
+    if not found.solved or not options.verify:
+        return 0 if found.solved else 1
+    check = check_path(checker, found.path)
+    show_checks([check])
+    return 0 if check.passed else 1
+
+
+def _show(found: Plan) -> None:
+    if not found.solved:
+        print(f"not solved: {found.reason}")
+        return
+    names = found.joint_names
+    print(
+        table(
+            ("", *names),
+            [(k, *(f"{value:.4f}" for value in row)) for k, row in enumerate(found.path.tolist())],
+        )
+    )
+    print(
+        f"\n{found.planner} found a path in {found.time:.3f} s, "
+        f"shortened in {found.simplification_time:.3f} s: "
+        f"{len(found.path)} configurations, length {found.length:.3f} rad"
+    )

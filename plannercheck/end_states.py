@@ -1,0 +1,66 @@
+"""What keeps a planner from starting or ending at a configuration.
+
+In: a checker and a configuration. Out: `EndState`: limits exceeded and colliding pairs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checker import Checker
+from plannercheck.errors import PlannercheckError
+from plannercheck.robot import Robot
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EndState:
+    """A start or goal, judged.
+
+    Attributes:
+        beyond: A text for each joint limit that is exceeded.
+        pairs: Links with the links or obstacles they collide with, in the order of the checker's pair table.
+    """
+
+    beyond: tuple[str, ...]
+    pairs: tuple[tuple[str, str], ...]
+
+    @property
+    def accepted(self) -> bool:
+        """Whether planning may start or end here."""
+        return not self.beyond and not self.pairs
+
+    def reason(self, name: str) -> str:
+        """Why it is not accepted, in words that call it by a name; empty if it is."""
+        parts = [f"{name} is beyond the limits: {', '.join(self.beyond)}"] if self.beyond else []
+        collisions = ", ".join(f"{first} with {second}" for first, second in self.pairs)
+        return "; ".join(parts + ([f"{name} collides: {collisions}"] if self.pairs else []))
+
+
+def judged(checker: Checker, q: Floats) -> EndState:
+    """Judges a configuration (nq,)."""
+    robot = checker.robot
+    beyond = [
+        f"{_column_name(robot, k)} is {q[k]:.6g}, not in [{robot.lower[k]:.6g}, {robot.upper[k]:.6g}]"
+        for k in np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()
+    ]
+    pairs = dict.fromkeys((v.first, v.second) for v in checker.explain(q).collisions)
+    return EndState(tuple(beyond), tuple(pairs))
+
+
+def checked_end(checker: Checker, q: ArrayLike, name: str) -> Floats:
+    """One configuration (nq,), or an error that calls it by its name."""
+    if np.ndim(q) != 1:
+        raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {np.shape(q)}")
+    try:
+        return np.asarray(checker.robot.check_configurations(q)[0])
+    except PlannercheckError as error:
+        raise PlannercheckError(f"{name}: {error}") from None
+
+
+def _column_name(robot: Robot, k: int) -> str:
+    return robot.joint_names[k] if len(robot.joint_names) == robot.nq else f"column {k}"

@@ -1,0 +1,117 @@
+"""A robot's joint space as OMPL has it.
+
+In: a robot. Out: `JointSpace`: an OMPL state space, and how its states become configurations and back.
+
+With bounded joints alone the space is a RealVectorStateSpace. Continuous joints of a planning group are SO2
+spaces; then the space is a compound of one part a joint, weighted equally.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from ompl import base
+
+from plannercheck.configurations import is_continuous, joint_by_name
+from plannercheck.errors import PlannercheckError
+from plannercheck.robot import Robot
+
+Floats = NDArray[np.float64]
+
+
+class JointSpace:
+    """The joint space of a robot.
+
+    Attributes:
+        continuous: (nq,) which columns are angles without limits.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        """Looks at the joints.
+
+        Raises:
+            PlannercheckError: For a joint that takes several numbers, or that has no limits and is no angle.
+        """
+        self._lower, self._upper = robot.lower, robot.upper
+        self.continuous = _continuous_columns(robot)
+        self._turning = bool(self.continuous.any())
+        self._width = robot.nq
+
+    def ompl_space(self) -> Any:
+        """A new OMPL state space."""
+        if not self._turning:
+            return _bounded(self._lower, self._upper)
+        space = base.CompoundStateSpace()
+        for k, turning in enumerate(self.continuous.tolist()):
+            part = (
+                base.SO2StateSpace() if turning else _bounded(self._lower[k : k + 1], self._upper[k : k + 1])
+            )
+            space.addSubspace(part, 1.0)
+        return space
+
+    def read(self, state: Any) -> list[float]:
+        """The configuration of an OMPL state, nq numbers."""
+        if not self._turning:
+            values: list[float] = state[0 : self._width]
+            return values
+        return [
+            state[k].value if turning else state[k][0] for k, turning in enumerate(self.continuous.tolist())
+        ]
+
+    def write(self, state: Any, q: Sequence[float] | Floats) -> None:
+        """Sets an OMPL state to a configuration (nq,); angles are brought to [-pi, pi)."""
+        if not self._turning:
+            state[0 : self._width] = [float(value) for value in q]
+            return
+        for k, turning in enumerate(self.continuous.tolist()):
+            if turning:
+                state[k].value = float(_wrapped(np.asarray(q[k])))
+            else:
+                state[k][0] = float(q[k])
+
+    def differences(self, q0: Floats, q1: Floats) -> Floats:
+        """From configurations (…, nq) to others, joint by joint; angles take the short way."""
+        differences = q1 - q0
+        return np.where(self.continuous, _wrapped(differences), differences) if self._turning else differences
+
+    def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
+        """A new OMPL state of a configuration (nq,); it frees itself, which states of the space do not."""
+        state = information.allocState()
+        self.write(state, q)
+        return state
+
+
+def _bounded(lower: Floats, upper: Floats) -> Any:
+    bounds = base.RealVectorBounds(len(lower))
+    for k, (low, high) in enumerate(zip(lower.tolist(), upper.tolist(), strict=True)):
+        bounds.setLow(k, low)
+        bounds.setHigh(k, high)
+    space = base.RealVectorStateSpace(len(lower))
+    space.setBounds(bounds)
+    return space
+
+
+def _continuous_columns(robot: Robot) -> NDArray[np.bool_]:
+    joints = [joint_by_name(robot.model, name) for name in robot.joint_names]
+    turning = [robot.group is not None and is_continuous(joint) for joint in joints]
+    for name, joint, free in zip(robot.joint_names, joints, turning, strict=True):
+        if joint.nq != 1 and not free:
+            raise PlannercheckError(
+                f"joint {name!r} of {robot.name} takes {joint.nq} numbers, planning needs one each: choose "
+                "a planning group without it (robot.with_group), in which continuous joints are angles"
+            )
+    for name, free, low, high in zip(robot.joint_names, turning, robot.lower, robot.upper, strict=True):
+        if not free and not (np.isfinite(low) and np.isfinite(high)):
+            raise PlannercheckError(
+                f"joint {name!r} of {robot.name} has limits {low:g} to {high:g}: planning needs both"
+            )
+    return np.array(turning, dtype=bool)
+
+
+def _wrapped(angles: Floats) -> Floats:
+    """Angles brought to [-pi, pi); those that are there already keep their bits."""
+    inside = (angles >= -np.pi) & (angles < np.pi)
+    return np.where(inside, angles, (angles + np.pi) % (2 * np.pi) - np.pi)

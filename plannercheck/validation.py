@@ -1,0 +1,93 @@
+"""Validation of a set of configurations: verdicts, and their summary.
+
+In: a checker and configurations. Out: the first colliding pair of each, and a `ValidityReport`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checker import Checker
+from plannercheck.report import PairCount, ValidityReport, pair_counts
+
+Ints = NDArray[np.int32]
+Bools = NDArray[np.bool_]
+
+# Configurations whose verdicts on all pairs are held at once: (rows, pairs) of a byte each, and poses.
+_ALL_PAIRS_ROWS = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """Verdicts on a set.
+
+    Attributes:
+        first_pair: (n,) row of the checker's pairs that was found colliding first, -1 if valid.
+        report: The summary.
+    """
+
+    first_pair: Ints
+    report: ValidityReport
+
+    @property
+    def valid(self) -> Bools:
+        """(n,), True means valid."""
+        return np.asarray(self.first_pair < 0)
+
+
+def validate(checker: Checker, q: ArrayLike, threads: int = 1, all_pairs: bool = False) -> Validation:
+    """Checks a set of configurations.
+
+    Args:
+        checker: The checker.
+        q: (n, nq) rad and m.
+        threads: How many to use.
+        all_pairs: Whether to count all colliding pairs of a configuration (slower); else the first found.
+
+    Returns:
+        Verdicts and summary.
+    """
+    began = time.perf_counter()
+    rows = checker.robot.check_configurations(q)
+    first = checker.first_colliding_pair(rows, threads)
+    counts = _all_counts(checker, rows[first >= 0]) if all_pairs else _first_counts(checker, first)
+    report = ValidityReport(
+        states=len(rows),
+        valid=int((first < 0).sum()),
+        beyond_limits=int(beyond_limits(checker, rows).sum()),
+        pairs=counts,
+        all_pairs=all_pairs,
+        duration=time.perf_counter() - began,
+    )
+    return Validation(first, report)
+
+
+def beyond_limits(checker: Checker, q: NDArray[np.float64]) -> Bools:
+    """Which configurations (n, nq) are beyond a joint limit."""
+    robot = checker.robot
+    return np.asarray(((q < robot.lower) | (q > robot.upper)).any(axis=1))
+
+
+def _first_counts(checker: Checker, first: Ints) -> tuple[PairCount, ...]:
+    counts: Counter[tuple[str, str]] = Counter()
+    for pair, n in zip(*np.unique(first[first >= 0], return_counts=True), strict=True):
+        counts[checker.pair_names(int(pair))] += int(n)
+    return pair_counts(counts)
+
+
+def _all_counts(checker: Checker, q: NDArray[np.float64]) -> tuple[PairCount, ...]:
+    """Bodies of the same link or object count once a configuration."""
+    members: dict[tuple[str, str], list[int]] = {}
+    for pair in range(len(checker.pairs)):
+        members.setdefault(checker.pair_names(pair), []).append(pair)
+    counts: Counter[tuple[str, str]] = Counter()
+    for start in range(0, len(q), _ALL_PAIRS_ROWS):
+        colliding = checker.colliding_pairs(q[start : start + _ALL_PAIRS_ROWS])
+        for names in members:
+            counts[names] += int(colliding[:, members[names]].any(axis=1).sum())
+    return pair_counts(counts)

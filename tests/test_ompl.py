@@ -1,0 +1,221 @@
+"""OMPL plans with the checker as judge: limits, validators, seeds, and reasons for failure."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from ompl import base, geometric
+
+from plannercheck import ompl as planning
+from plannercheck.checker import Checker
+from plannercheck.errors import PlannercheckError
+from plannercheck.joint_space import JointSpace
+from plannercheck.path_checks import resampled
+from plannercheck.plans import Plan
+from plannercheck.robot import Robot
+from plannercheck.scene import Scene
+
+
+@pytest.fixture(scope="module")
+def checker() -> Checker:
+    return Checker(Robot.load("panda"), Scene.load("bookshelf"))
+
+
+@pytest.fixture(scope="module")
+def ends(checker) -> tuple[np.ndarray, np.ndarray]:
+    return checker.scene.start("panda"), checker.scene.goal("panda")
+
+
+@pytest.fixture(scope="module")
+def plan(checker, ends) -> Plan:
+    return planning.plan(checker, *ends, seed=1)
+
+
+@pytest.fixture(scope="module")
+def kinova() -> Checker:
+    return Checker(Robot.load("kinova"))
+
+
+def validator_of(checker: Checker, resolution: float = 1e-3):
+    space = JointSpace(checker.robot)
+    information = planning.setup(checker, resolution).getSpaceInformation()
+    return planning.MotionValidator(information, checker, space, resolution), space, information
+
+
+def test_the_space_has_the_limits_of_the_robot(checker):
+    space = planning.setup(checker).getStateSpace()
+    assert isinstance(space, base.RealVectorStateSpace)
+    assert space.getDimension() == checker.robot.nq
+    bounds = space.getBounds()
+    assert np.array_equal(list(bounds.low), checker.robot.lower)
+    assert np.array_equal(list(bounds.high), checker.robot.upper)
+
+
+def test_states_are_judged_by_the_checker(checker):
+    setup = planning.setup(checker)
+    information, space = setup.getSpaceInformation(), JointSpace(checker.robot)
+    rows = checker.scene.samples("panda")[:100]
+    verdicts = [information.isValid(space.state(information, row)) for row in rows]
+    assert np.array_equal(verdicts, checker.check_states(rows))
+
+
+def test_a_plan_leads_from_start_to_goal_within_the_limits(checker, ends, plan):
+    assert plan.solved
+    assert plan.reason == ""
+    assert np.array_equal(plan.path[[0, -1]], ends)
+    assert (plan.path >= checker.robot.lower).all()
+    assert (plan.path <= checker.robot.upper).all()
+    assert plan.length == pytest.approx(np.linalg.norm(np.diff(plan.path, axis=0), axis=1).sum())
+    assert plan.length >= np.linalg.norm(ends[1] - ends[0]) - 1e-12
+    assert 0 < plan.time < 10
+
+
+def test_all_sampled_states_of_a_plan_are_valid(checker, plan):
+    for states in resampled(checker, plan.path, 1e-3):
+        assert checker.check_states(states).all()
+
+
+def test_a_seed_repeats_the_search(checker, ends):
+    paths = [planning.plan(checker, *ends, seed=3, simplify=False).path for _ in range(2)]
+    assert np.array_equal(*paths)
+
+
+def test_reasons_name_limits_and_colliding_pairs(checker, ends):
+    colliding = planning.plan(checker, np.zeros(7), ends[1])
+    assert not colliding.solved
+    assert colliding.path.shape == (0, 7)
+    assert "start is beyond the limits: panda_joint4 is 0, not in" in colliding.reason
+    expected = {(v.first, v.second) for v in checker.explain(np.zeros(7)).collisions}
+    assert all(f"{first} with {second}" in colliding.reason for first, second in expected)
+    assert expected
+
+
+def test_a_search_that_runs_out_of_time_says_so(checker, ends):
+    plan = planning.plan(checker, *ends, planner="RRT", time_limit=1e-6)
+    assert not plan.solved
+    assert "found no path" in plan.reason
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"planner": "RRTConect"}, "did you mean 'RRTConnect'"),
+        ({"time_limit": 0}, "time_limit"),
+        ({"seed": 0}, "seed"),
+        ({"resolution": -1.0}, "resolution"),
+    ],
+)
+def test_bad_arguments(checker, ends, arguments, message):
+    with pytest.raises(PlannercheckError, match=message):
+        planning.plan(checker, *ends, **arguments)
+
+
+def test_bad_ends_are_called_by_their_names(checker, ends):
+    with pytest.raises(PlannercheckError, match=r"goal.*\(7,\)"):
+        planning.plan(checker, ends[0], np.zeros(6))
+    with pytest.raises(PlannercheckError, match="start must be one configuration"):
+        planning.plan(checker, np.zeros((2, 7)), ends[1])
+    with pytest.raises(PlannercheckError, match="goal.*finite"):
+        planning.plan(checker, ends[0], np.full(7, np.nan))
+
+
+def test_motions_are_judged_and_counted(checker):
+    validator, space, information = validator_of(checker, 0.01)
+    rows = checker.scene.samples("panda")[600:640]
+    expected = checker.check_motions(rows[:-1], rows[1:], 0.01)
+    for q0, q1, free in zip(rows[:-1], rows[1:], expected, strict=True):
+        answer = validator.checkMotion(space.state(information, q0), space.state(information, q1))
+        assert type(answer) is bool
+        assert answer == free
+    assert (validator.getValidMotionCount(), validator.getInvalidMotionCount()) == (
+        expected.sum(),
+        (~expected).sum(),
+    )
+    assert validator.getCheckedMotionCount() == len(expected)
+    assert validator.getValidMotionFraction() == pytest.approx(expected.mean())
+    validator.resetMotionCounter()
+    assert validator.getCheckedMotionCount() == 0
+
+
+def test_the_last_valid_state_comes_right_before_the_first_collision(checker):
+    validator, space, information = validator_of(checker, 0.01)
+    rows = checker.scene.samples("panda")[600:640]
+    for q0, q1 in zip(rows[:-1], rows[1:], strict=True):
+        last = information.allocState()
+        ends = space.state(information, q0), space.state(information, q1)
+        free, fraction = validator.checkMotionWithLastValid(*ends, last)
+        assert free == checker.check_motion(q0, q1, 0.01)
+        assert (fraction == 1.0) == free
+        assert np.allclose(space.read(last), q0 + fraction * (q1 - q0))
+        assert fraction == 0.0 or checker.is_valid(space.read(last))
+
+
+def test_space_information_asks_our_validator(checker):
+    setup = planning.setup(checker, 0.01)
+    information, space = setup.getSpaceInformation(), JointSpace(checker.robot)
+    rows = checker.scene.samples("panda")[600:620]
+    for q0, q1 in zip(rows[:-1], rows[1:], strict=True):
+        states = space.state(information, q0), space.state(information, q1)
+        assert information.checkMotion(*states) == checker.check_motion(q0, q1, 0.01)
+
+
+def test_continuous_joints_of_a_group_are_angles(kinova):
+    space = JointSpace(kinova.robot)
+    assert space.continuous.tolist() == np.isinf(kinova.robot.upper).tolist()
+    setup = planning.setup(kinova)
+    assert isinstance(setup.getStateSpace(), base.CompoundStateSpace)
+    information = setup.getSpaceInformation()
+    q = kinova.robot.random_configurations(20, seed=0)
+    for row in q:
+        assert np.array_equal(space.read(space.state(information, row)), row)
+
+
+def test_angles_take_the_short_way(kinova):
+    start = kinova.robot.reference.copy()
+    goal = start.copy()
+    start[0], goal[0] = 3.0, -3.0
+    plan = planning.plan(kinova, start, goal, seed=1)
+    assert plan.solved
+    assert plan.length < 1.0
+
+
+def test_joints_that_planning_does_not_know_are_named(tmp_path):
+    urdf = tmp_path / "slider.urdf"
+    urdf.write_text(
+        """<robot name="slider"><link name="a"/><link name="b"><collision><geometry><box size="1 1 1"/></geometry>
+        </collision></link><joint name="turn" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"""
+    )
+    with pytest.raises(PlannercheckError, match="'turn' of slider takes 2 numbers"):
+        planning.setup(Checker(Robot.from_urdf(urdf)))
+    assert planning.setup(Checker(Robot.from_urdf(urdf, group=["turn"]))) is not None
+
+
+def test_planner_names_are_those_of_ompl():
+    names = planning.planner_names()
+    assert {"RRTConnect", "PRM", "KPIECE1"} <= set(names)
+    assert all(issubclass(getattr(geometric, name), base.Planner) for name in names)
+
+
+SCRIPT = """
+import plannercheck as pc
+from ompl import base
+robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
+checker = pc.Checker(robot, scene)
+setup = pc.ompl.setup(checker)
+information = setup.getSpaceInformation()
+start, goal = information.allocState(), information.allocState()
+start[0:7], goal[0:7] = list(scene.start("panda")), list(scene.goal("panda"))
+setup.setStartAndGoalStates(start, goal)
+assert setup.solve(base.timedPlannerTerminationCondition(10.0))
+plan = pc.ompl.plan(checker, scene.start("panda"), scene.goal("panda"), seed=5)
+assert plan.solved
+"""
+
+
+def test_a_script_leaves_no_leaks_and_no_chatter():
+    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
+    assert done.stdout == ""
+    assert done.stderr == ""
