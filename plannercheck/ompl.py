@@ -28,7 +28,7 @@ from plannercheck.robot import Robot
 
 Floats = NDArray[np.float64]
 
-# At most this long is a found path shortened, s: most of the gain comes in the first half second.
+# About this long is a found path shortened at most, s: most of the gain comes in the first half second.
 SIMPLIFICATION_TIME = 1.0
 
 
@@ -218,9 +218,8 @@ def _search(
     if not setup.haveExactSolutionPath():
         reason = f"{planner} found no path in {found - began:.1f} s: {status.asString()}"
         return _unsolved(robot, planner, found - began, reason)
-    if simplify:
-        setup.simplifySolution(base.timedPlannerTerminationCondition(SIMPLIFICATION_TIME))
-    path = np.array([space.read(state) for state in setup.getSolutionPath().getStates()])
+    states = (_shortened(setup) if simplify else setup.getSolutionPath()).getStates()
+    path = np.array([space.read(state) for state in states])
     return Plan(
         solved=True,
         path=path,
@@ -230,6 +229,16 @@ def _search(
         planner=planner,
         joint_names=robot.joint_names,
     )
+
+
+def _shortened(setup: Any) -> Any:
+    """The found path, shortened; as it was found if OMPL calls the shorter one invalid."""
+    found = setup.getSolutionPath()
+    shorter = geometric.PathGeometric(found)
+    limit = base.timedPlannerTerminationCondition(SIMPLIFICATION_TIME)
+    # The flag would have every step of the simplification run at least once, however long that takes.
+    kept = setup.getPathSimplifier().simplify(shorter, limit, atLeastOnce=False)
+    return shorter if kept else found
 
 
 def _unsolved(robot: Robot, planner: str, spent: float, reason: str) -> Plan:

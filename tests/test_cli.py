@@ -124,7 +124,9 @@ def test_unknown_names(tmp_path, capsys):
         capsys, "validate", "--robot", "panda", "--scene", "bookshelv", SAMPLES
     )
     assert "RRTConnect" in error_of(capsys, "plan", *PANDA, "--planner", "RRTT")
-    assert "go2" in error_of(capsys, "plan", "--robot", "go2", "--scene", "bookshelf")
+    assert "states of scene 'bookshelf' 'ur3'" in error_of(
+        capsys, "plan", "--robot", "ur3", "--scene", "bookshelf"
+    )
     assert "there is no folder" in error_of(
         capsys, "validate", *PANDA, SAMPLES, "--output", tmp_path / "no" / "v.npz"
     )

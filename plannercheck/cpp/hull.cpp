@@ -16,7 +16,6 @@ std::size_t at(int index) { return static_cast<std::size_t>(index); }
 struct Face {
   Triangle corner{};
   Triangle neighbour{-1, -1, -1};
-  Vec3 normal;               // rounded: only to choose the furthest point, never to decide
   std::vector<int> outside;  // points strictly above this face, each in the list of one face
   bool alive = true;
   int visited = -1;  // number of the last search that saw this face
@@ -39,6 +38,7 @@ class Quickhull {
   Surface run() {
     start();
     while (!pending_.empty()) {
+      std::swap(pending_[draw(pending_.size())], pending_.back());
       const int face = pending_.back();
       pending_.pop_back();
       if (faces_[at(face)].alive && !faces_[at(face)].outside.empty()) add(face);
@@ -54,8 +54,12 @@ class Quickhull {
   std::vector<HorizonEdge> horizon_;
   std::vector<int> starts_at_;  // the new face whose horizon edge starts at a point
   int searches_ = 0;
+  std::uint32_t draws_ = 0;
 
   Vec3 point(int index) const { return points_[at(index)]; }
+
+  // Always the same sequence: equal points give equal meshes.
+  std::size_t draw(std::size_t count) { return ++draws_ * 2654435761U % count; }
 
   Surface surface() const {
     Surface out;
@@ -80,7 +84,6 @@ class Quickhull {
   int new_face(int a, int b, int c) {
     Face face;
     face.corner = {a, b, c};
-    face.normal = cross(point(b) - point(a), point(c) - point(a));
     faces_.push_back(std::move(face));
     return static_cast<int>(faces_.size()) - 1;
   }
@@ -156,11 +159,7 @@ class Quickhull {
   }
 
   void add(int face) {
-    const Face& seen = faces_[at(face)];
-    int apex = seen.outside.front();
-    for (const int p : seen.outside) {
-      if (dot(seen.normal, point(p) - point(apex)) > 0) apex = p;
-    }
+    const int apex = faces_[at(face)].outside[draw(faces_[at(face)].outside.size())];
     find_visible(face, apex);
     orphans_.clear();
     for (const int v : visible_) {

@@ -1,8 +1,11 @@
 // Convex hulls as triangle meshes, exact: every sign is that of the given doubles.
 //
 // In: points, or points with faces that claim to be their hull. Out: a mesh whose vertices are exactly the extreme
-// points and whose triangles are outward; triangles of one facet are exactly coplanar. Idea: quickhull (Barber, Dobkin
-// and Huhdanpaa 1996) with exact visibility, so a point is left out only if it lies in the hull of the others.
+// points and whose triangles are outward; triangles of one facet are exactly coplanar. Idea: points are
+// added one by one, each waiting in the list of a face that it sees (as in quickhull; Barber, Dobkin, Huhdanpaa 1996),
+// with exact visibility, so a point is left out only if it lies in the hull of the others. The next point is drawn at
+// random (Clarkson and Shor 1989): the furthest one, as in quickhull, makes facets of many points that are coplanar up
+// to rounding quadratic (80 s instead of 3 s for the polar of a double cone over 100,000 points).
 #pragma once
 
 #include <array>
