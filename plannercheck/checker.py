@@ -217,7 +217,10 @@ class Checker:
         starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
         if starts.shape != ends.shape:
             raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
-        return self._sampler.check(self, starts, ends, resolution)
+        if self._kernel is None or not self._sampler.is_vector_space:
+            return self._sampler.check(self, starts, ends, resolution)
+        steps = self._sampler.steps(starts, ends, resolution)
+        return np.asarray(self._core.motions_are_free(self._kernel, starts, ends, steps)).astype(bool)
 
     def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
         """The verdict of one configuration with the names and certificates behind it.

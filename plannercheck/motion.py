@@ -34,6 +34,8 @@ class MotionSampler:
         """Computes the lever arms of the robot's joints."""
         self._robot = robot
         self._levers = lever_arms(robot)
+        self.is_vector_space = robot.group is not None or robot.model.nq == robot.model.nv
+        self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
         """How many steps each motion (n, nq) to (n, nq) needs so that link points move at most `resolution` m a step."""
@@ -41,14 +43,19 @@ class MotionSampler:
             resolution = DEFAULT_RESOLUTION
         if not (np.isfinite(resolution) and resolution > 0):
             raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
-        full0, full1 = np.atleast_2d(self._robot.expand(q0)), np.atleast_2d(self._robot.expand(q1))
+        return np.maximum(1, np.ceil(self._way(q0, q1) / resolution)).astype(np.int64)
+
+    def _way(self, q0: Floats, q1: Floats) -> Floats:
+        """(n,) m: no link point travels further on these motions."""
+        if self._column_levers is not None:
+            return np.asarray(np.abs(q1 - q0) @ self._column_levers)
         model = self._robot.model
-        moved = np.array([pin.difference(model, a, b) for a, b in zip(full0, full1, strict=True)]).reshape(-1, model.nv)
-        return np.maximum(1, np.ceil(np.abs(moved) @ self._levers / resolution)).astype(np.int64)
+        moved = np.array([pin.difference(model, a, b) for a, b in zip(q0, q1, strict=True)]).reshape(-1, model.nv)
+        return np.asarray(np.abs(moved) @ self._levers)
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """States (k, nq) of one motion at parameters (k,) in [0, 1]; both ends are met exactly."""
-        if self._robot.group is not None or self._is_vector_space():
+        if self.is_vector_space:
             states = (1 - parameters)[:, None] * q0 + parameters[:, None] * q1
         else:
             model = self._robot.model
@@ -58,7 +65,7 @@ class MotionSampler:
         return states
 
     def check(self, checker: Checker, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.bool_]:
-        """Whether all sampled states of each motion (n, nq) to (n, nq) are valid."""
+        """Whether all sampled states of each motion (n, nq) to (n, nq) are valid, by batches of states."""
         steps = self.steps(q0, q1, resolution)
         return np.array([self._is_free(checker, a, b, int(k)) for a, b, k in zip(q0, q1, steps, strict=True)], dtype=bool)
 
@@ -69,8 +76,16 @@ class MotionSampler:
                 return False
         return True
 
-    def _is_vector_space(self) -> bool:
-        return bool(self._robot.model.nq == self._robot.model.nv)
+
+def _column_levers(robot: Robot, levers: Floats) -> Floats:
+    """(nq,) how far a point of any body moves at most for one unit of each column, mimic joints included.
+
+    Each column is an angle or a length, and joints follow it linearly, so one step a column tells.
+    """
+    step, base = 0.5, np.zeros(robot.nq)
+    full = np.atleast_2d(robot.expand(base + step * np.eye(robot.nq)))
+    moved = np.array([pin.difference(robot.model, robot.expand(base), row) for row in full])
+    return np.abs(moved / step).reshape(robot.nq, -1) @ levers
 
 
 def _coarse_to_fine(steps: int) -> Floats:

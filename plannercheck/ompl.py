@@ -174,7 +174,7 @@ def plan(
         start: (nq,) rad and m.
         goal: (nq,) rad and m.
         planner: One of `planner_names()`.
-        time_limit: For the search, s; shortening comes on top, at most `SIMPLIFICATION_TIME`.
+        time_limit: For the search, s; shortening comes on top, about `SIMPLIFICATION_TIME`.
         simplify: Whether to shorten the path.
         seed: Of OMPL's random numbers, 1 or more, for a search that can be repeated; None for a different one
             each time.
@@ -188,6 +188,8 @@ def plan(
         raise unknown_name("planner", planner, planner_names())
     if not (np.isfinite(time_limit) and time_limit > 0):
         raise PlannercheckError(f"time_limit must be a positive time in s, not {time_limit!r}")
+    if not (np.isfinite(longest_motion) and longest_motion >= 0):
+        raise PlannercheckError(f"longest_motion must be a length in rad or 0, not {longest_motion!r}")
     ends = {name: checked_end(checker, q, name) for name, q in (("start", start), ("goal", goal))}
     reasons = [judged(checker, q).reason(name) for name, q in ends.items()]
     if any(reasons):
@@ -218,8 +220,8 @@ def _search(
     if not setup.haveExactSolutionPath():
         reason = f"{planner} found no path in {found - began:.1f} s: {status.asString()}"
         return _unsolved(robot, planner, found - began, reason)
-    states = (_shortened(setup) if simplify else setup.getSolutionPath()).getStates()
-    path = np.array([space.read(state) for state in states])
+    solution = _shortened(setup) if simplify else setup.getSolutionPath()  # it owns its states
+    path = np.array([space.read(state) for state in solution.getStates()])
     return Plan(
         solved=True,
         path=path,

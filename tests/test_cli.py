@@ -76,7 +76,8 @@ def test_validate_as_json(tmp_path, capsys, checker):
 def test_exit_codes_of_validate(tmp_path, checker):
     good = np.load(SAMPLES)
     good = good[checker.check_states(good)]
-    beyond = checker.robot.reference + [0, 0, 0, 0, 0, 0, 10.0]
+    beyond = checker.robot.reference.copy()
+    beyond[6] += 10.0
     for rows, code in ((good, 0), (np.load(SAMPLES), 1), (beyond, 1), (np.empty((0, 7)), 0)):
         np.save(tmp_path / "q.npy", rows)
         assert main(["validate", *PANDA, str(tmp_path / "q.npy")]) == code
@@ -216,8 +217,8 @@ def problems(request, tmp_path) -> Path:
 def test_a_problem_set_is_planned_and_counted(problems, tmp_path, capsys):
     pytest.importorskip("fcl")
     output = tmp_path / "results.json"
-    code = main(["plan", "--robot", "panda", "--problems", str(problems), "--seed", "1", "--time", "5", "--each",
-                 "--verify", "fcl", "--output", str(output)])  # fmt: skip
+    command = ["plan", "--robot", "panda", "--problems", str(problems), "--seed", "1", "--time", "5"]
+    code = main([*command, "--each", "--verify", "fcl", "--output", str(output)])
     printed = capsys.readouterr().out
     results = json.loads(output.read_text())
     assert [result["problem"] for result in results] == ["boxes/0001", "boxes/0002"]
@@ -227,8 +228,7 @@ def test_a_problem_set_is_planned_and_counted(problems, tmp_path, capsys):
     assert results[1]["start_pairs"][0][1] == "box"
     assert "Colliding starts and goals" in printed
     assert code == 1
-    only_first = ["plan", "--robot", "panda", "--problems", str(problems), "--first", "1", "--no-simplify"]
-    assert main(only_first) == 0
+    assert main([*command, "--first", "1", "--no-simplify"]) == 0
 
 
 def test_robots_and_inspect_print_tables(capsys):

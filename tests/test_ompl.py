@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -106,6 +107,7 @@ def test_a_search_that_runs_out_of_time_says_so(checker, ends):
         ({"time_limit": 0}, "time_limit"),
         ({"seed": 0}, "seed"),
         ({"resolution": -1.0}, "resolution"),
+        ({"longest_motion": -1.0}, "longest_motion"),
     ],
 )
 def test_bad_arguments(checker, ends, arguments, message):
@@ -118,7 +120,7 @@ def test_bad_ends_are_called_by_their_names(checker, ends):
         planning.plan(checker, ends[0], np.zeros(6))
     with pytest.raises(PlannercheckError, match="start must be one configuration"):
         planning.plan(checker, np.zeros((2, 7)), ends[1])
-    with pytest.raises(PlannercheckError, match="goal.*finite"):
+    with pytest.raises(PlannercheckError, match=r"goal.*finite"):
         planning.plan(checker, ends[0], np.full(7, np.nan))
 
 
@@ -143,7 +145,7 @@ def test_motions_are_judged_and_counted(checker):
 def test_the_last_valid_state_comes_right_before_the_first_collision(checker):
     validator, space, information = validator_of(checker, 0.01)
     rows = checker.scene.samples("panda")[600:640]
-    for q0, q1 in zip(rows[:-1], rows[1:], strict=True):
+    for q0, q1 in pairwise(rows):
         last = information.allocState()
         ends = space.state(information, q0), space.state(information, q1)
         free, fraction = validator.checkMotionWithLastValid(*ends, last)
@@ -157,7 +159,7 @@ def test_space_information_asks_our_validator(checker):
     setup = planning.setup(checker, 0.01)
     information, space = setup.getSpaceInformation(), JointSpace(checker.robot)
     rows = checker.scene.samples("panda")[600:620]
-    for q0, q1 in zip(rows[:-1], rows[1:], strict=True):
+    for q0, q1 in pairwise(rows):
         states = space.state(information, q0), space.state(information, q1)
         assert information.checkMotion(*states) == checker.check_motion(q0, q1, 0.01)
 
@@ -182,13 +184,19 @@ def test_angles_take_the_short_way(kinova):
     assert plan.length < 1.0
 
 
+TURNTABLE = """
+<robot name="turntable">
+  <link name="a"/>
+  <link name="b"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <joint name="turn" type="continuous"><parent link="a"/><child link="b"/></joint>
+</robot>
+"""
+
+
 def test_joints_that_planning_does_not_know_are_named(tmp_path):
-    urdf = tmp_path / "slider.urdf"
-    urdf.write_text(
-        """<robot name="slider"><link name="a"/><link name="b"><collision><geometry><box size="1 1 1"/></geometry>
-        </collision></link><joint name="turn" type="continuous"><parent link="a"/><child link="b"/></joint></robot>"""
-    )
-    with pytest.raises(PlannercheckError, match="'turn' of slider takes 2 numbers"):
+    urdf = tmp_path / "turntable.urdf"
+    urdf.write_text(TURNTABLE)
+    with pytest.raises(PlannercheckError, match="'turn' of turntable takes 2 numbers"):
         planning.setup(Checker(Robot.from_urdf(urdf)))
     assert planning.setup(Checker(Robot.from_urdf(urdf, group=["turn"]))) is not None
 

@@ -99,7 +99,6 @@ class BoundChecker {
   }
 };
 
-// Link poses of Python are (links, 4, 4); the core reads the first three rows of each.
 constexpr std::size_t kPoseStride = 16;
 
 auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
@@ -108,10 +107,27 @@ auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Config
     nb::gil_scoped_release release;
     const std::size_t width = q.shape(1);
     checker.in_parallel(first.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
-      checker.core().check(kinematics, q.data() + from * width, to - from, first.data() + from, w);
+      checker.core().first_collisions(kinematics, q.data() + from * width, to - from, first.data() + from, w);
     });
   }
   return output_array(first, {first.size()});
+}
+
+// q0, q1: n motions; steps: n.
+auto motions_are_free(BoundChecker& checker, const Kinematics& kinematics, Configurations q0, Configurations q1,
+                      InputArray<std::int64_t, -1> steps) {
+  std::vector<std::uint8_t> free(steps.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t width = q0.shape(1);
+    checker.with_workspace([&](CheckerCore::Workspace& w) {
+      for (std::size_t i = 0; i < free.size(); ++i) {
+        free[i] = checker.core().motion_is_free(kinematics, q0.data() + i * width, q1.data() + i * width,
+                                                static_cast<long>(steps(i)), w);
+      }
+    });
+  }
+  return output_array(free, {free.size()});
 }
 
 auto first_of_poses(BoundChecker& checker, LinkPoses poses, int threads) {
@@ -120,24 +136,18 @@ auto first_of_poses(BoundChecker& checker, LinkPoses poses, int threads) {
     nb::gil_scoped_release release;
     const std::size_t size = poses.shape(1) * kPoseStride;
     checker.in_parallel(first.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
-      for (std::size_t i = from; i < to; ++i) first[i] = checker.core().first_collision(poses.data() + i * size, kPoseStride, w);
+      checker.core().first_collisions(poses.data() + from * size, to - from, first.data() + from, w);
     });
   }
   return output_array(first, {first.size()});
 }
 
 auto all_of_poses(BoundChecker& checker, LinkPoses poses) {
-  const std::size_t n = poses.shape(0), pairs = checker.core().pair_count(), size = poses.shape(1) * kPoseStride;
+  const std::size_t n = poses.shape(0), pairs = checker.core().pair_count();
   std::vector<std::uint8_t> colliding(n * pairs);
   {
     nb::gil_scoped_release release;
-    const auto row = std::make_unique<bool[]>(pairs);
-    checker.with_workspace([&](CheckerCore::Workspace& w) {
-      for (std::size_t i = 0; i < n; ++i) {
-        checker.core().all_collisions(poses.data() + i * size, kPoseStride, w, row.get());
-        std::copy_n(row.get(), pairs, colliding.data() + i * pairs);
-      }
-    });
+    checker.with_workspace([&](auto& w) { checker.core().all_collisions(poses.data(), n, colliding.data(), w); });
   }
   return output_array(colliding, {n, pairs});
 }
@@ -148,7 +158,7 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
   std::vector<double> out(n * bodies * 16);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t b = 0; b < bodies; ++b) {
-      const Pose pose = checker.core().body_pose(b, poses.data() + i * size, kPoseStride);
+      const Pose pose = checker.core().body_pose(b, poses.data() + i * size);
       double* to = out.data() + (i * bodies + b) * 16;
       std::copy(pose.m.begin(), pose.m.end(), to);
       std::copy_n(last_row, 4, to + 12);
@@ -164,6 +174,7 @@ void bind_checker(nb::module_& m) {
       .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, const PairOptions&, bool, bool>())
       .def("first_of_states", &first_of_states)
+      .def("motions_are_free", &motions_are_free)
       .def("first_of_poses", &first_of_poses)
       .def("all_of_poses", &all_of_poses)
       .def("body_poses", &body_poses)

@@ -10,143 +10,241 @@ std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 // Poses stretch by 1e-6 at most, and posing a centre errs by about 10u of its distance: this covers both.
 constexpr double kStretch = 1 + 2e-6;
 constexpr double kCentreError = 64 * 0x1p-53;
-constexpr double kDefect = 2e-6;  // twice what a pose may be off rigid
+constexpr double kDefect = 2e-6;  // twice what a pose may be off rigid: the error of taking the transpose as inverse
+constexpr double kSquareError = 1 + 1e-12;  // of comparing squared lengths
+
+LanePose in_all_lanes(const Pose& pose) {
+  LanePose out;
+  for (std::size_t i = 0; i < 12; ++i) out.m[i] = broadcast(pose.m[i]);
+  return out;
+}
+
+Pose lane_of(const LanePose& pose, int lane) {
+  Pose out;
+  for (std::size_t i = 0; i < 12; ++i) out.m[i] = pose.m[i][lane];
+  return out;
+}
+
+// Link pose times placement, one formula for lanes and for single poses: the same bits.
+template <class Number>
+void compose(const Number* link, const std::array<double, 12>& p, Number* out) {
+  for (std::size_t i = 0; i < 12; i += 4) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      const Number sum = (link[i] * p[j] + link[i + 1] * p[j + 4]) + link[i + 2] * p[j + 8];
+      out[i + j] = j == 3 ? sum + link[i + 3] : sum;
+    }
+  }
+}
+
+Lanes norm_1(const LaneVec3& v) { return (absolute(v.x) + absolute(v.y)) + absolute(v.z); }
+
+constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
 }  // namespace
 
 CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
                          std::int32_t links, CheckerOptions options)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
+  std::vector<bool> used(bodies_.size(), false);
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
-    for (const std::int32_t body : pair) {
-      if (bodies_[at(body)].link >= 0) needed_[at(bodies_[at(body)].link)] = 1;
-    }
+    for (const std::int32_t body : pair) used[at(body)] = true;
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!used[b] || bodies_[b].link < 0) continue;
+    moving_.push_back(static_cast<std::int32_t>(b));
+    needed_[at(bodies_[b].link)] = 1;
   }
 }
 
 CheckerCore::Workspace::Workspace(const CheckerCore& checker)
     : poses(checker.body_count()),
       centres(checker.body_count()),
-      posed_for(checker.body_count(), -1),
-      planes(checker.pair_count()) {
+      slack(checker.body_count()),
+      grown(checker.body_count()),
+      planes(checker.pair_count()),
+      links(at(checker.links_) * 12) {
   for (std::size_t b = 0; b < checker.body_count(); ++b) {
     if (checker.bodies_[b].link >= 0) continue;
-    poses[b] = checker.bodies_[b].placement;
-    centres[b] = poses[b].apply(checker.bodies_[b].body->centre);
+    poses[b] = in_all_lanes(checker.bodies_[b].placement);
+    checker.bound_body(b, *this);
   }
 }
 
-Pose CheckerCore::body_pose(std::size_t body, const double* links, std::size_t stride) const {
+Pose CheckerCore::body_pose(std::size_t body, const double* links) const {
   const MountedBody& mounted = bodies_[body];
   if (mounted.link < 0) return mounted.placement;
-  const double* l = links + at(mounted.link) * stride;
-  const auto& p = mounted.placement.m;
   Pose out;
-  for (std::size_t i = 0; i < 12; i += 4) {
-    for (std::size_t j = 0; j < 4; ++j) {
-      const double sum = (l[i] * p[j] + l[i + 1] * p[j + 4]) + l[i + 2] * p[j + 8];
-      out.m[i + j] = j == 3 ? sum + l[i + 3] : sum;
-    }
-  }
+  compose(links + at(mounted.link) * kPoseStride, mounted.placement.m, out.m.data());
   return out;
 }
 
-void CheckerCore::pose_for(std::int32_t body, const double* links, std::size_t stride, Workspace& w) const {
-  const std::int32_t link = bodies_[at(body)].link;
-  if (link < 0 || w.posed_for[at(body)] == w.state) return;
-  w.posed_for[at(body)] = w.state;
-  w.poses[at(body)] = body_pose(at(body), links, stride);
-  w.centres[at(body)] = w.poses[at(body)].apply(bodies_[at(body)].body->centre);
-}
-
-bool CheckerCore::spheres_apart(std::int32_t a, std::int32_t b, const Workspace& w) const {
-  const Vec3 ca = w.centres[at(a)], cb = w.centres[at(b)], d = ca - cb;
-  const double radii = (bodies_[at(a)].body->radius + bodies_[at(b)].body->radius) * kStretch;
-  const double reaches = bodies_[at(a)].body->reach + bodies_[at(b)].body->reach;
-  const double apart = radii + kCentreError * (norm_1(ca) + norm_1(cb) + reaches);
-  return dot(d, d) > apart * apart * (1 + 1e-12);
-}
-
-// One body's sphere against the other's box in that body's frame. The transpose stands for the inverse of the pose,
-// which displaces the centre by at most kDefect of its distance; the sphere is enlarged by that.
-bool CheckerCore::sphere_misses_box(std::int32_t sphere, std::int32_t box, const Workspace& w) const {
-  const Body& b = *bodies_[at(box)].body;
-  const Pose& pose = w.poses[at(box)];
-  const Vec3 centre = w.centres[at(sphere)], from = centre - pose.translation();
-  const Vec3 c = pose.rotate_back(from);
-  const Vec3 beyond{larger(0, larger(b.low.x - c.x, c.x - b.high.x)), larger(0, larger(b.low.y - c.y, c.y - b.high.y)),
-                    larger(0, larger(b.low.z - c.z, c.z - b.high.z))};
-  const double radius = bodies_[at(sphere)].body->radius * kStretch + kDefect * norm_1(from) +
-                        kCentreError * (norm_1(centre) + norm_1(pose.translation()) + bodies_[at(sphere)].body->reach + b.reach);
-  return dot(beyond, beyond) > radius * radius * (1 + 1e-12);
-}
-
-bool CheckerCore::collides(std::size_t pair, const double* links, std::size_t stride, Workspace& w) const {
-  const auto [guest, host] = pairs_[pair];
-  pose_for(guest, links, stride, w);
-  pose_for(host, links, stride, w);
-  ++w.counters.pairs;
-  if (options_.spheres && spheres_apart(guest, host, w)) {
-    ++w.counters.spheres;
-    return false;
+void CheckerCore::pose_bodies(Workspace& w) const {
+  for (const std::int32_t body : moving_) {
+    const MountedBody& mounted = bodies_[at(body)];
+    compose(&w.links[at(mounted.link) * 12], mounted.placement.m, w.poses[at(body)].m.data());
+    bound_body(at(body), w);
   }
-  if (options_.boxes && (sphere_misses_box(guest, host, w) || sphere_misses_box(host, guest, w))) {
-    ++w.counters.boxes;
-    return false;
+}
+
+void CheckerCore::bound_body(std::size_t body, Workspace& w) const {
+  const Body& b = *bodies_[body].body;
+  const auto& m = w.poses[body].m;
+  const Vec3 c = b.centre;
+  const LaneVec3 t{m[3], m[7], m[11]};
+  w.centres[body] = {((m[0] * c.x + m[1] * c.y) + m[2] * c.z) + t.x, ((m[4] * c.x + m[5] * c.y) + m[6] * c.z) + t.y,
+                     ((m[8] * c.x + m[9] * c.y) + m[10] * c.z) + t.z};
+  w.slack[body] = kCentreError * ((norm_1(w.centres[body]) + norm_1(t)) + 2 * b.reach);
+  w.grown[body] = b.radius * kStretch + w.slack[body];
+}
+
+unsigned CheckerCore::spheres_meet(std::size_t a, std::size_t b, const Workspace& w) const {
+  const LaneVec3 &ca = w.centres[a], &cb = w.centres[b];
+  const LaneVec3 d{ca.x - cb.x, ca.y - cb.y, ca.z - cb.z};
+  const Lanes radii = w.grown[a] + w.grown[b];
+  return bits((d.x * d.x + d.y * d.y) + d.z * d.z <= radii * radii * kSquareError);
+}
+
+// One body's sphere against the other's box in that body's frame.
+unsigned CheckerCore::sphere_meets_box(std::size_t sphere, std::size_t box, const Workspace& w) const {
+  const Body& b = *bodies_[box].body;
+  const auto& m = w.poses[box].m;
+  const LaneVec3& centre = w.centres[sphere];
+  const LaneVec3 d{centre.x - m[3], centre.y - m[7], centre.z - m[11]};
+  const auto beyond = [&](std::size_t column, double low, double high) {
+    const Lanes c = (m[column] * d.x + m[column + 4] * d.y) + m[column + 8] * d.z;
+    return larger(Lanes{}, larger(low - c, c - high));
+  };
+  const Lanes x = beyond(0, b.low.x, b.high.x), y = beyond(1, b.low.y, b.high.y), z = beyond(2, b.low.z, b.high.z);
+  const Lanes radius = (w.grown[sphere] + w.slack[box]) + kDefect * norm_1(d);
+  return bits((x * x + y * y) + z * z <= radius * radius * kSquareError);
+}
+
+unsigned CheckerCore::near(std::size_t pair, unsigned open, Workspace& w) const {
+  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  w.counters.pairs += __builtin_popcount(open);
+  unsigned left = open;
+  if (options_.spheres) {
+    left &= spheres_meet(guest, host, w);
+    w.counters.spheres += __builtin_popcount(open & ~left);
+    if (left == 0) return 0;
   }
-  const PairVerdict verdict = test_pair({bodies_[at(guest)].body.get(), w.poses[at(guest)]},
-                                        {bodies_[at(host)].body.get(), w.poses[at(host)]}, options_.pair, &w.planes[pair],
-                                        w.counters.pair);
-  ++w.counters.stages[static_cast<std::size_t>(verdict.stage)];
-  return verdict.shared;
-}
-
-std::int32_t CheckerCore::first_collision(const double* links, std::size_t stride, Workspace& w) const {
-  ++w.state, ++w.counters.states;
-  for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
-    if (collides(pair, links, stride, w)) return static_cast<std::int32_t>(pair);
+  if (options_.boxes) {
+    const unsigned before = left;
+    left &= sphere_meets_box(guest, host, w);
+    if (left != 0) left &= sphere_meets_box(host, guest, w);
+    w.counters.boxes += __builtin_popcount(before & ~left);
   }
-  return -1;
+  return left;
 }
 
-void CheckerCore::all_collisions(const double* links, std::size_t stride, Workspace& w, bool* colliding) const {
-  ++w.state, ++w.counters.states;
-  for (std::size_t pair = 0; pair < pairs_.size(); ++pair) colliding[pair] = collides(pair, links, stride, w);
+unsigned CheckerCore::collides(std::size_t pair, unsigned open, Workspace& w) const {
+  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  unsigned colliding = 0;
+  for (unsigned left = near(pair, open, w); left != 0; left &= left - 1) {
+    const int lane = __builtin_ctz(left);
+    const PairVerdict verdict = test_pair({bodies_[guest].body.get(), lane_of(w.poses[guest], lane)},
+                                          {bodies_[host].body.get(), lane_of(w.poses[host], lane)}, options_.pair,
+                                          &w.planes[pair], w.counters.pair);
+    ++w.counters.stages[static_cast<std::size_t>(verdict.stage)];
+    if (verdict.shared) colliding |= 1U << lane;
+  }
+  return colliding;
 }
 
-PairVerdict CheckerCore::explain_pair(std::size_t pair, const double* links, std::size_t stride, Workspace& w,
-                                      PosedBody* guest, PosedBody* host) const {
-  ++w.state;
-  const auto [g, h] = pairs_[pair];
-  pose_for(g, links, stride, w);
-  pose_for(h, links, stride, w);
-  *guest = {bodies_[at(g)].body.get(), w.poses[at(g)]};
-  *host = {bodies_[at(h)].body.get(), w.poses[at(h)]};
-  return test_pair(*guest, *host, options_.pair, nullptr, w.counters.pair);
+std::array<std::int32_t, kLanes> CheckerCore::judge(unsigned open, Workspace& w) const {
+  std::array<std::int32_t, kLanes> first;
+  first.fill(-1);
+  w.counters.states += __builtin_popcount(open);
+  pose_bodies(w);
+  for (std::size_t pair = 0; pair < pairs_.size() && open != 0; ++pair) {
+    const unsigned colliding = collides(pair, open, w);
+    open &= ~colliding;
+    for (unsigned left = colliding; left != 0; left &= left - 1) {
+      first[static_cast<std::size_t>(__builtin_ctz(left))] = static_cast<std::int32_t>(pair);
+    }
+  }
+  return first;
 }
 
-void CheckerCore::check(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
-                        Workspace& w) const {
-  const auto width = static_cast<std::size_t>(kinematics.width());
-  const std::size_t links = at(links_);
-  w.links.resize(links * 12);
+void CheckerCore::reserve_lanes(const Kinematics& kinematics, Workspace& w) const {
+  w.columns.resize(at(kinematics.width()));
   w.scratch.resize(at(kinematics.scratch_size()));
-  std::vector<Lanes> columns(width);
-  std::vector<double> poses(links * 12 * kLanes);
+}
+
+void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
+                                   Workspace& w) const {
+  reserve_lanes(kinematics, w);
+  const std::size_t width = w.columns.size();
   for (std::size_t row = 0; row < n; row += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, n - row);
     for (std::size_t c = 0; c < width; ++c) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) columns[c][lane] = q[(row + std::min(lane, count - 1)) * width + c];
+      for (std::size_t lane = 0; lane < kLanes; ++lane) w.columns[c][lane] = q[(row + std::min(lane, count - 1)) * width + c];
     }
-    kinematics.link_poses(columns.data(), needed_.data(), w.scratch.data(), w.links.data());
-    for (std::size_t entry = 0; entry < links * 12; ++entry) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) poses[lane * links * 12 + entry] = w.links[entry][lane];
-    }
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      first[row + lane] = first_collision(&poses[lane * links * 12], 12, w);
+    kinematics.link_poses(w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
+    const auto pairs = judge((1U << count) - 1, w);
+    std::copy_n(pairs.begin(), count, first + row);
+  }
+}
+
+// Up to kLanes configurations' links; lanes beyond n repeat the last one.
+void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) const {
+  const std::size_t size = at(links_) * kPoseStride;
+  for (std::size_t link = 0; link < at(links_); ++link) {
+    for (std::size_t i = 0; i < 12; ++i) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        w.links[link * 12 + i][lane] = links[std::min(lane, n - 1) * size + link * kPoseStride + i];
+      }
     }
   }
+}
+
+void CheckerCore::first_collisions(const double* links, std::size_t n, std::int32_t* first, Workspace& w) const {
+  for (std::size_t row = 0; row < n; row += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
+    load_links(links + row * at(links_) * kPoseStride, count, w);
+    const auto pairs = judge((1U << count) - 1, w);
+    std::copy_n(pairs.begin(), count, first + row);
+  }
+}
+
+void CheckerCore::all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& w) const {
+  for (std::size_t row = 0; row < n; row += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
+    load_links(links + row * at(links_) * kPoseStride, count, w);
+    w.counters.states += static_cast<long>(count);
+    pose_bodies(w);
+    for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
+      const unsigned lanes = collides(pair, (1U << count) - 1, w);
+      for (std::size_t lane = 0; lane < count; ++lane) colliding[(row + lane) * pairs_.size() + pair] = lanes >> lane & 1U;
+    }
+  }
+}
+
+bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0, const double* q1, long steps,
+                                 Workspace& w) const {
+  reserve_lanes(kinematics, w);
+  const auto all_free = [&](long first, long stride, long last) {
+    for (long k = first; k <= last; k += stride * kLanes) {
+      const long count = std::min<long>(kLanes, (last - k) / stride + 1);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const long step = k + stride * std::min<long>(lane, count - 1);
+        const double t = static_cast<double>(step) / static_cast<double>(steps);
+        for (std::size_t c = 0; c < w.columns.size(); ++c) w.columns[c][lane] = (1 - t) * q0[c] + t * q1[c];
+      }
+      kinematics.link_poses(w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
+      const auto pairs = judge((1U << count) - 1, w);
+      if (std::any_of(pairs.begin(), pairs.end(), [](std::int32_t pair) { return pair >= 0; })) return false;
+    }
+    return true;
+  };
+  if (!all_free(0, steps, steps)) return false;
+  long stride = 1;
+  while (stride < steps) stride *= 2;
+  for (; stride > 1; stride /= 2) {
+    if (!all_free(stride / 2, stride, steps - 1)) return false;
+  }
+  return true;
 }
 
 }  // namespace plannercheck

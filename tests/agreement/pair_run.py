@@ -118,7 +118,7 @@ def compare_two(p: Specimen, r: Specimen, rng: np.random.Generator, tally: Tally
         if len(set(ours)) > 1 or doubtful(truth, theirs, gap, tally):
             truth = judged(Case.of(p.solid, r.solid, pose_p, pose_r), ours, tally)
         tally.table.add(p.solid, r.solid, gap, truth, theirs)
-        if theirs != truth and is_clear(p.solid, r.solid, pose_p, pose_r):
+        if theirs != truth and is_clear(p.solid, r.solid, pose_p, pose_r, gap):
             tally.clear_errors.append(f"{p.solid.name} | {r.solid.name} | gap {gap} | collide {truth}")
 
 
@@ -151,7 +151,12 @@ def judged(case: Case, ours: list[bool], tally: Tally) -> bool:
     return truth
 
 
-def is_clear(p: Solid, r: Solid, pose_p: Points, pose_r: Points) -> bool:
-    """Whether both bodies are wide and the gap between them, or their overlap, is far from 0."""
-    width = min(p.width, r.width)
-    return width > WIDE and contacts.differ_from_contact(p, r, pose_p, pose_r, CLEAR * width)
+def is_clear(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap: float = math.nan) -> bool:
+    """Whether both bodies are wide and the gap between them, or their overlap, is far from 0.
+
+    A known gap below 0 bounds the overlap; one above 0 is the distance.
+    """
+    clear = CLEAR * min(p.width, r.width)
+    if min(p.width, r.width) <= WIDE or abs(gap) <= clear:
+        return False
+    return contacts.differ_from_contact(p, r, pose_p, pose_r, clear)
