@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from plannercheck.errors import PlannercheckError
 
 if TYPE_CHECKING:
-    from plannercheck import ompl as ompl
+    import plannercheck.ompl as ompl
     from plannercheck.certificates import Separation as Separation
     from plannercheck.certificates import SharedPoint as SharedPoint
     from plannercheck.checker import Checker as Checker
@@ -41,7 +41,21 @@ _HOMES = {
 }
 _MODULES = ("ompl",)
 
-__all__ = ["PlannercheckError", "__version__", *sorted(_HOMES), *_MODULES]
+__all__ = [
+    "Checker",
+    "PlannercheckError",
+    "Polytope",
+    "Robot",
+    "Scene",
+    "Separation",
+    "SharedPoint",
+    "ValidityReport",
+    "Verdict",
+    "__version__",
+    "certify",
+    "intersects",
+    "ompl",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -70,10 +70,14 @@ def read(path: Path) -> bytes:
         raise PlannercheckError(f"can't read a body from {path}: {error}") from error
     header = _header()
     if not content.startswith(_MAGIC):
-        raise PlannercheckError(f"{path} is no file of a prepared body: it does not start with {_MAGIC.decode()!r}")
+        raise PlannercheckError(
+            f"{path} is no file of a prepared body: it does not start with {_MAGIC.decode()!r}"
+        )
     if not content.startswith(header):
         found = content[: content.find(b"\n", 0, 80)].decode(errors="replace")
-        raise PlannercheckError(f"{path} is {found!r}, this version reads {header.decode().strip()!r}: prepare it again")
+        raise PlannercheckError(
+            f"{path} is {found!r}, this version reads {header.decode().strip()!r}: prepare it again"
+        )
     digest, data = content[len(header) :][:_HASH_BYTES], content[len(header) + _HASH_BYTES :]
     if hashlib.sha256(data).digest() != digest:
         raise PlannercheckError(f"{path} is cut short or changed: its content does not match its hash")

@@ -76,7 +76,9 @@ class Checker:
             PlannercheckError: If a body has no volume, or an argument is none of those above.
         """
         if padding != 0:
-            raise PlannercheckError(f"padding={padding}: only 0 is supported so far; enlarge the obstacles instead")
+            raise PlannercheckError(
+                f"padding={padding}: only 0 is supported so far; enlarge the obstacles instead"
+            )
         if kinematics not in ("batch", "pinocchio"):
             raise PlannercheckError(f"kinematics must be 'batch' or 'pinocchio', not {kinematics!r}")
         self.robot = robot
@@ -102,7 +104,9 @@ class Checker:
             [polytope.core for polytope in self.polytopes if polytope is not None],
             np.array(links, dtype=np.int32),
             np.array([self.bodies[k].pose for k in live], dtype=np.float64).reshape(-1, 4, 4),
-            np.array([[position[a], position[b]] for a, b in self.pairs.tolist()], dtype=np.int32).reshape(-1, 2),
+            np.array([[position[a], position[b]] for a, b in self.pairs.tolist()], dtype=np.int32).reshape(
+                -1, 2
+            ),
             len(self.robot.link_names),
             options,
             spheres,
@@ -174,7 +178,9 @@ class Checker:
         Returns:
             (n, k) for the k rows of `pairs`.
         """
-        return np.asarray(self._core.all_of_poses(self._link_poses(self.robot.check_configurations(q)))).astype(bool)
+        return np.asarray(
+            self._core.all_of_poses(self._link_poses(self.robot.check_configurations(q)))
+        ).astype(bool)
 
     def body_poses(self, q: ArrayLike) -> Floats:
         """World poses of all bodies, the same bits that the verdicts use.
@@ -216,7 +222,9 @@ class Checker:
         """
         starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
         if starts.shape != ends.shape:
-            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
+            raise PlannercheckError(
+                f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}"
+            )
         if self._kernel is None or not self._sampler.is_vector_space:
             return self._sampler.check(self, starts, ends, resolution)
         steps = self._sampler.steps(starts, ends, resolution)
@@ -263,7 +271,9 @@ class Checker:
         Raises:
             PlannercheckError: Always.
         """
-        raise PlannercheckError("clearance is not available yet; `explain(q, separations=True)` gives gaps of planes")
+        raise PlannercheckError(
+            "clearance is not available yet; `explain(q, separations=True)` gives gaps of planes"
+        )
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far: states, pairs, what settled them, and the pair test's queries."""

@@ -7,6 +7,7 @@ In: vertices in m, with or without faces. Out: `Polytope`, immutable, which can 
 from __future__ import annotations
 
 import contextlib
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -41,7 +42,10 @@ class Polytope:
     source: Ints
 
     def __init__(
-        self, vertices: ArrayLike, faces: Sequence[ArrayLike] | NDArray[np.integer[Any]] | None = None, name: str = "polytope"
+        self,
+        vertices: ArrayLike,
+        faces: Sequence[ArrayLike] | NDArray[np.integer[Any]] | None = None,
+        name: str = "polytope",
     ) -> None:
         """Computes the hull, exactly, or verifies the faces, exactly; then both hierarchies.
 
@@ -62,7 +66,9 @@ class Polytope:
             else:
                 self._adopt(core.Body.from_faces(points, _fans(faces, len(points), name)))
         except core.HullError as error:
-            raise PlannercheckError(f"{name} ({len(points)} points) has no hull to work with: {error}") from error
+            raise PlannercheckError(
+                f"{name} ({len(points)} points) has no hull to work with: {error}"
+            ) from error
 
     def _adopt(self, body: Any) -> None:
         self._core = body
@@ -146,7 +152,9 @@ class Polytope:
         return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
 
 
-def prepared(vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, name: str = "polytope") -> Polytope:
+def prepared(
+    vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, name: str = "polytope"
+) -> Polytope:
     """A `Polytope` through the disk cache: the second preparation of the same points reads a file.
 
     Args:
@@ -181,7 +189,9 @@ def _checked_points(vertices: ArrayLike, name: str) -> Floats:
     try:
         points = np.ascontiguousarray(np.asarray(vertices, dtype=np.float64))
     except (TypeError, ValueError) as error:
-        raise PlannercheckError(f"{name}: vertices must be an array of numbers of shape (n, 3): {error}") from error
+        raise PlannercheckError(
+            f"{name}: vertices must be an array of numbers of shape (n, 3): {error}"
+        ) from error
     if points.ndim != 2 or points.shape[1] != 3:
         raise PlannercheckError(f"{name}: vertices must have shape (n, 3), not {points.shape}")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
@@ -200,8 +210,12 @@ def _fans(faces: Sequence[ArrayLike] | NDArray[np.integer[Any]], points: int, na
     for number, face in enumerate(faces):
         corners = [int(c) for c in np.asarray(face).ravel()]
         if len(corners) < 3 or len(set(corners)) != len(corners):
-            raise PlannercheckError(f"{name}: face {number} is {corners}, it needs at least 3 different corners")
+            raise PlannercheckError(
+                f"{name}: face {number} is {corners}, it needs at least 3 different corners"
+            )
         if min(corners) < 0 or max(corners) >= points:
-            raise PlannercheckError(f"{name}: face {number} names a vertex beyond 0 … {points - 1}: {corners}")
-        triangles += [(corners[0], b, c) for b, c in zip(corners[1:-1], corners[2:], strict=True)]
+            raise PlannercheckError(
+                f"{name}: face {number} names a vertex beyond 0 … {points - 1}: {corners}"
+            )
+        triangles += [(corners[0], b, c) for b, c in itertools.pairwise(corners[1:])]
     return np.array(triangles, dtype=np.int32).reshape(-1, 3)

@@ -38,7 +38,7 @@ class MotionSampler:
         self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
-        """How many steps each motion (n, nq) to (n, nq) needs so that link points move at most `resolution` m a step."""
+        """How many steps each motion (n, nq) to (n, nq) needs: no link point moves over `resolution` m in one."""
         if resolution is None:
             resolution = DEFAULT_RESOLUTION
         if not (np.isfinite(resolution) and resolution > 0):
@@ -50,7 +50,9 @@ class MotionSampler:
         if self._column_levers is not None:
             return np.asarray(np.abs(q1 - q0) @ self._column_levers)
         model = self._robot.model
-        moved = np.array([pin.difference(model, a, b) for a, b in zip(q0, q1, strict=True)]).reshape(-1, model.nv)
+        moved = np.array([pin.difference(model, a, b) for a, b in zip(q0, q1, strict=True)]).reshape(
+            -1, model.nv
+        )
         return np.asarray(np.abs(moved) @ self._levers)
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
@@ -67,7 +69,9 @@ class MotionSampler:
     def check(self, checker: Checker, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.bool_]:
         """Whether all sampled states of each motion (n, nq) to (n, nq) are valid, by batches of states."""
         steps = self.steps(q0, q1, resolution)
-        return np.array([self._is_free(checker, a, b, int(k)) for a, b, k in zip(q0, q1, steps, strict=True)], dtype=bool)
+        return np.array(
+            [self._is_free(checker, a, b, int(k)) for a, b, k in zip(q0, q1, steps, strict=True)], dtype=bool
+        )
 
     def _is_free(self, checker: Checker, q0: Floats, q1: Floats, steps: int) -> bool:
         parameters = _coarse_to_fine(steps)
@@ -116,16 +120,24 @@ def lever_arms(robot: Robot) -> Floats:
         frame = model.frames[model.getBodyId(body.link)]
         points = body.shape.vertices_and_faces()[0] @ body.pose[:3, :3].T + body.pose[:3, 3]
         on_joint = points @ frame.placement.rotation.T + frame.placement.translation
-        reach[frame.parentJoint] = max(reach[frame.parentJoint], float(np.linalg.norm(on_joint, axis=1).max()))
+        reach[frame.parentJoint] = max(
+            reach[frame.parentJoint], float(np.linalg.norm(on_joint, axis=1).max())
+        )
     for joint in range(model.njoints - 1, 0, -1):
         parent = model.parents[joint]
-        carried = reach[joint] + _travel(model, joint) + float(np.linalg.norm(model.jointPlacements[joint].translation))
+        carried = (
+            reach[joint]
+            + _travel(model, joint)
+            + float(np.linalg.norm(model.jointPlacements[joint].translation))
+        )
         reach[parent] = max(reach[parent], carried)
     return np.concatenate([_joint_levers(model, joint, reach[joint]) for joint in range(1, model.njoints)])
 
 
 def _is_prismatic(model: pin.Model, joint: int) -> bool:
-    return "Prismatic" in model.joints[joint].shortname() or model.joints[joint].shortname().startswith("JointModelP")
+    return "Prismatic" in model.joints[joint].shortname() or model.joints[joint].shortname().startswith(
+        "JointModelP"
+    )
 
 
 def _travel(model: pin.Model, joint: int) -> float:
@@ -133,7 +145,9 @@ def _travel(model: pin.Model, joint: int) -> float:
     if not model.joints[joint].shortname().startswith(("JointModelP", "JointModelMimicP")):
         return 0.0
     index, count = model.idx_qs[joint], model.nqs[joint]
-    limits = np.abs([model.lowerPositionLimit[index : index + count], model.upperPositionLimit[index : index + count]])
+    limits = np.abs(
+        [model.lowerPositionLimit[index : index + count], model.upperPositionLimit[index : index + count]]
+    )
     return float(limits[np.isfinite(limits)].max(initial=0.0))
 
 

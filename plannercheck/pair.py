@@ -40,7 +40,11 @@ def pair_options(method: Method = "oracle", cached_plane: bool = True, centre_ax
 
 
 def intersects(
-    P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None, method: Method = "oracle"
+    P: Polytope,
+    R: Polytope,
+    pose_p: ArrayLike | None = None,
+    pose_r: ArrayLike | None = None,
+    method: Method = "oracle",
 ) -> bool:
     """Whether two posed polytopes share a point; touching counts.
 
@@ -62,7 +66,11 @@ def intersects(
 
 
 def certify(
-    P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None, method: Method = "oracle"
+    P: Polytope,
+    R: Polytope,
+    pose_p: ArrayLike | None = None,
+    pose_r: ArrayLike | None = None,
+    method: Method = "oracle",
 ) -> Certificate:
     """The verdict of `intersects` with what proves it.
 

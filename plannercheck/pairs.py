@@ -53,7 +53,8 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
     if acm == "scene":
         links = [body.link or "" for body in robot.bodies]
         own = [(a, b) for a, b in own if not scene.is_allowed(links[a], links[b])]
-    pairs, resting = list(own), []
+    pairs = list(own)
+    resting: list[tuple[int, int]] = []
     fixed = fixed_links(robot)
     for a, body in enumerate(robot.bodies):
         for k, name in enumerate(scene.body_objects):

@@ -13,7 +13,8 @@
 namespace plannercheck {
 
 template <class Number, int... sizes>
-using InputArray = nanobind::ndarray<const Number, nanobind::shape<sizes...>, nanobind::c_contig, nanobind::device::cpu>;
+using InputArray =
+    nanobind::ndarray<const Number, nanobind::shape<sizes...>, nanobind::c_contig, nanobind::device::cpu>;
 
 // From the first three rows of a row-major 4x4 matrix.
 inline Pose pose_from(const double* matrix) {

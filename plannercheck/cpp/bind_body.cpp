@@ -75,7 +75,8 @@ nb::tuple extremes(const Body& body, InputArray<double, -1, 3> directions, bool 
 using PoseRows = InputArray<double, -1, 4, 4>;
 
 // Verdicts for n pairs of poses of the same two bodies; stages and counters of all of them.
-nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b, const PairOptions& options) {
+nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b,
+                          const PairOptions& options) {
   const std::size_t n = std::max(poses_a.shape(0), poses_b.shape(0));
   const bool a_hosts = choose_host(a, b) == 0;
   std::vector<std::uint8_t> shared(n), stages(n);
@@ -115,20 +116,25 @@ void bind_body(nb::module_& m) {
       .value("exact", Solver::kExact);
 
   nb::class_<PairOptions>(m, "PairOptions")
-      .def("__init__", [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis) {
-        new (self) PairOptions{solver, cached_plane, centre_axis};
-      }, nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"));
+      .def(
+          "__init__",
+          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis) {
+            new (self) PairOptions{solver, cached_plane, centre_axis};
+          },
+          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"));
 
   nb::class_<Body>(m, "Body")
       .def_static("from_points", &body_from_points)
       .def_static("from_faces", &body_from_faces)
-      .def_static("parse", [](nb::bytes data) {
-        return std::make_shared<Body>(parse_body(static_cast<const char*>(data.data()), data.size()));
-      })
-      .def("serialise", [](const Body& b) {
-        const std::string data = serialise(b);
-        return nb::bytes(data.data(), data.size());
-      })
+      .def_static("parse",
+                  [](nb::bytes data) {
+                    return std::make_shared<Body>(parse_body(static_cast<const char*>(data.data()), data.size()));
+                  })
+      .def("serialise",
+           [](const Body& b) {
+             const std::string data = serialise(b);
+             return nb::bytes(data.data(), data.size());
+           })
       .def("vertices", [](const Body& b) { return rows_of(b.inner.points); })
       .def("triangles", [](const Body& b) { return rows_of(b.triangles); })
       .def("source", [](const Body& b) { return output_array(b.source, {b.source.size()}); })

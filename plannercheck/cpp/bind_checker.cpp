@@ -23,8 +23,9 @@ using LinkPoses = InputArray<double, -1, -1, 4, 4>;
 // A checker with the workspaces its callers have returned: what they learnt serves the next call.
 class BoundChecker {
  public:
-  BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements,
-               InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count, const PairOptions& options, bool spheres, bool boxes)
+  BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links,
+               InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
+               const PairOptions& options, bool spheres, bool boxes)
       : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, spheres, boxes}) {}
 
   const CheckerCore& core() const { return core_; }
@@ -50,8 +51,11 @@ class BoundChecker {
   // work(first, last, workspace) over parts of n rows.
   template <class Work>
   void in_parallel(std::size_t n, int threads, Work work) {
-    const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)), std::max<std::size_t>(n, 1));
-    const auto part = [&](std::size_t k) { with_workspace([&](auto& w) { work(n * k / count, n * (k + 1) / count, w); }); };
+    const std::size_t count =
+        std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)), std::max<std::size_t>(n, 1));
+    const auto part = [&](std::size_t k) {
+      with_workspace([&](auto& w) { work(n * k / count, n * (k + 1) / count, w); });
+    };
     std::vector<std::thread> others;
     for (std::size_t k = 1; k < count; ++k) others.emplace_back(part, k);
     part(0);
@@ -77,10 +81,11 @@ class BoundChecker {
   std::vector<std::unique_ptr<CheckerCore::Workspace>> spare_;
   CheckerCounters total_;
 
-  static std::vector<MountedBody> mounted(const std::vector<std::shared_ptr<Body>>& bodies, InputArray<std::int32_t, -1> links,
-                                          InputArray<double, -1, 4, 4> placements) {
+  static std::vector<MountedBody> mounted(const std::vector<std::shared_ptr<Body>>& bodies,
+                                          InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements) {
     std::vector<MountedBody> out;
-    for (std::size_t i = 0; i < bodies.size(); ++i) out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
     return out;
   }
 

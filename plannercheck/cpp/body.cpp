@@ -127,7 +127,8 @@ void each_field(Stream& s, H& h) {
 
 template <class Stream, class B>
 void each_body_field(Stream& s, B& b) {
-  s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach), s.value(b.radius), s.value(b.low), s.value(b.high);
+  s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach), s.value(b.radius), s.value(b.low),
+      s.value(b.high);
   each_field(s, b.inner);
   each_field(s, b.polar);
   s.array(b.polar_triangles);
@@ -164,14 +165,15 @@ std::string body_fault(const Body& body) {
   if (!polar.empty()) return "polar: " + polar;
   for (const Triangle& t : body.triangles) {
     const auto& p = body.inner.points;
-    if (orientation(p[at(t[0])], p[at(t[1])], p[at(t[2])], body.centre) >= 0) return "the centre is not strictly inside";
+    if (orientation(p[at(t[0])], p[at(t[1])], p[at(t[2])], body.centre) >= 0)
+      return "the centre is not strictly inside";
   }
   return {};
 }
 
 std::size_t Body::bytes() const {
-  return sizeof *this + triangles.size() * sizeof(Triangle) + source.size() * sizeof(source[0]) +
-         inner.bytes() + polar.bytes() + polar_triangles.size() * sizeof(Triangle);
+  return sizeof *this + triangles.size() * sizeof(Triangle) + source.size() * sizeof(source[0]) + inner.bytes() +
+         polar.bytes() + polar_triangles.size() * sizeof(Triangle);
 }
 
 std::string serialise(const Body& body) {

@@ -21,7 +21,7 @@ inline constexpr double kPolarError = 4 * 0x1p-53;
 inline constexpr int kBodyFormat = 2;
 
 struct Body {
-  std::vector<Triangle> triangles;  // of the hull, outward; indices into inner.points
+  std::vector<Triangle> triangles;   // of the hull, outward; indices into inner.points
   std::vector<std::int32_t> source;  // per vertex: index into the points that were given
   Vec3 centre;                       // strictly inside
   double reach = 0;                  // largest |v| over the vertices: distance from the frame's origin
@@ -30,7 +30,7 @@ struct Body {
   Hierarchy inner;
   Hierarchy polar;
   std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward
-  double polar_radius = 0;           // largest |q| over the polar points, rounded up
+  double polar_radius = 0;                // largest |q| over the polar points, rounded up
   std::int32_t facet_count = 0;
 
   std::size_t bytes() const;

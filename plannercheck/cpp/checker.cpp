@@ -179,7 +179,8 @@ void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q
   for (std::size_t row = 0; row < n; row += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, n - row);
     for (std::size_t c = 0; c < width; ++c) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) w.columns[c][lane] = q[(row + std::min(lane, count - 1)) * width + c];
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        w.columns[c][lane] = q[(row + std::min(lane, count - 1)) * width + c];
     }
     kinematics.link_poses(w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
     const auto pairs = judge((1U << count) - 1, w);
@@ -216,7 +217,8 @@ void CheckerCore::all_collisions(const double* links, std::size_t n, std::uint8_
     pose_bodies(w);
     for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
       const unsigned lanes = collides(pair, (1U << count) - 1, w);
-      for (std::size_t lane = 0; lane < count; ++lane) colliding[(row + lane) * pairs_.size() + pair] = lanes >> lane & 1U;
+      for (std::size_t lane = 0; lane < count; ++lane)
+        colliding[(row + lane) * pairs_.size() + pair] = lanes >> lane & 1U;
     }
   }
 }

@@ -59,12 +59,12 @@ class CoupledWalk {
   const Hierarchy& q_;
   PairCounters& counters_;
   Step step_ = Step::kOn;
-  Star guest_star_, host_star_;            // P*, Q*
+  Star guest_star_, host_star_;                  // P*, Q*
   std::int32_t guest_tip_ = -1, host_tip_ = -1;  // v and k, where the plane and the point are tangent
-  Vec3 plane_, point_;                     // q and x of the invariant that holds
-  std::int32_t p_star_ = -1, q_star_ = -1;  // p*, q*; −1 while that hierarchy is at its top
+  Vec3 plane_, point_;                           // q and x of the invariant that holds
+  std::int32_t p_star_ = -1, q_star_ = -1;       // p*, q*; −1 while that hierarchy is at its top
   Vec3 q_phi_, x_gamma_;
-  Vec3 played_plane_, played_point_;       // what the last game found
+  Vec3 played_plane_, played_point_;  // what the last game found
 
   static std::vector<std::int32_t> unpadded(const std::vector<std::int32_t>& top) {
     std::vector<std::int32_t> ids(top);
@@ -135,7 +135,8 @@ class CoupledWalk {
     star.count = 0;
     star.add(point(v));
     const auto k = static_cast<std::size_t>(v);
-    for (std::int32_t i = h.ring_start[k]; i < h.ring_start[k + 1]; ++i) star.add(point(h.rings[static_cast<std::size_t>(i)]));
+    for (std::int32_t i = h.ring_start[k]; i < h.ring_start[k + 1]; ++i)
+      star.add(point(h.rings[static_cast<std::size_t>(i)]));
   }
 
   // The point of the segment from `from`, which satisfies the invariant but at the star's tip, to `to`, which satisfies
@@ -195,7 +196,8 @@ class CoupledWalk {
       const Vec3 found = separated ? guest_star_.point[furthest(guest_star_, -played_plane_)]
                                    : host_star_.point[furthest(host_star_, played_point_)];
       Star& side = separated ? rows : columns;
-      const bool known = std::find(side.point.begin(), side.point.begin() + side.count, found) != side.point.begin() + side.count;
+      const bool known =
+          std::find(side.point.begin(), side.point.begin() + side.count, found) != side.point.begin() + side.count;
       const bool settled = separated ? dot(played_plane_, found) > 1 : dot(played_point_, found) <= 1;
       if (known || settled || side.count == kDirectGame) return separated;
       side.add(found);

@@ -14,7 +14,9 @@ struct Actives {
   std::array<std::int32_t, kActives> id;
   std::array<Vec3, kActives> point;
 
-  bool holds(std::int32_t vertex) const { return std::find(id.begin(), id.begin() + count, vertex) != id.begin() + count; }
+  bool holds(std::int32_t vertex) const {
+    return std::find(id.begin(), id.begin() + count, vertex) != id.begin() + count;
+  }
 };
 
 class DoubleOracle {
@@ -27,7 +29,8 @@ class DoubleOracle {
     for (int round = 0; round < kMaxRounds; ++round) {
       ++counters_.rounds, ++counters_.games;
       solve(game_, mixture_);
-      const bool done = mixture_.value > 1 ? ask_guest(mixed(columns_, mixture_.column)) : ask_host(mixed(rows_, mixture_.row));
+      const bool done =
+          mixture_.value > 1 ? ask_guest(mixed(columns_, mixture_.column)) : ask_host(mixed(rows_, mixture_.row));
       if (done) break;
     }
     return certificate_;
@@ -91,7 +94,8 @@ class DoubleOracle {
     rows_.id[i] = vertex;
     rows_.point[i] = x;
     game_.rows = rows_.count;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(columns_.count); ++j) game_.payoff[i][j] = dot(columns_.point[j], x);
+    for (std::size_t j = 0; j < static_cast<std::size_t>(columns_.count); ++j)
+      game_.payoff[i][j] = dot(columns_.point[j], x);
   }
 
   void add_column(std::int32_t k, Vec3 q) {

@@ -43,7 +43,8 @@ class Tableau {
       if (basic_[at(j)] < variables_) mixture.row[at(basic_[at(j)])] = larger(0.0, entry(j, variables_));
     }
     for (int i = 0; i < variables_; ++i) {
-      if (free_[at(i)] >= variables_) mixture.column[at(free_[at(i)] - variables_)] = larger(0.0, -entry(constraints_, i));
+      if (free_[at(i)] >= variables_)
+        mixture.column[at(free_[at(i)] - variables_)] = larger(0.0, -entry(constraints_, i));
     }
   }
 

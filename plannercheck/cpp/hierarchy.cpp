@@ -136,7 +136,8 @@ std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& h) {
       const std::string name = "vertex " + std::to_string(v);
       const std::vector<std::int32_t> ring = current.ring(v);
       if (ring.size() > kRemovedDegree) return name + " is removed with degree " + std::to_string(ring.size());
-      std::vector<std::int32_t> stored(h.rings.begin() + h.ring_start[at(v)], h.rings.begin() + h.ring_start[at(v) + 1]);
+      std::vector<std::int32_t> stored(h.rings.begin() + h.ring_start[at(v)],
+                                       h.rings.begin() + h.ring_start[at(v) + 1]);
       if (stored.size() != ring.size()) return name + " has a ring of the wrong length";
       std::rotate(stored.begin(), std::find(stored.begin(), stored.end(), ring.front()), stored.end());
       if (stored != ring) return name + " has a wrong ring";
@@ -156,7 +157,8 @@ std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& h) {
       const Block& block = h.blocks[at(chain.first_block + i / kBlockLanes)];
       const auto lane = at(i % kBlockLanes);
       const std::int32_t child = block.vertex[lane];
-      if (!(h.points[at(child)] == Vec3{block.x[lane], block.y[lane], block.z[lane]})) return "a chain's coordinates differ";
+      if (!(h.points[at(child)] == Vec3{block.x[lane], block.y[lane], block.z[lane]}))
+        return "a chain's coordinates differ";
       if (!stored.empty() && h.level[at(stored.back())] < h.level[at(child)]) return "a chain is out of order";
       stored.push_back(child);
     }

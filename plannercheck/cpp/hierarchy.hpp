@@ -19,10 +19,10 @@
 
 namespace plannercheck {
 
-inline constexpr int kTopVertices = 64;     // below this a scan in lanes beats every hierarchy (measured)
-inline constexpr int kRemovedDegree = 8;    // a planar graph has enough independent vertices of at most this degree
-inline constexpr int kBlockLanes = 4;       // the layout is the same on every instruction set, so that files are too
-inline constexpr int kLongChain = 128;      // entries; longer chains are walked by wedges (32 blocks of scanning)
+inline constexpr int kTopVertices = 64;   // below this a scan in lanes beats every hierarchy (measured)
+inline constexpr int kRemovedDegree = 8;  // a planar graph has enough independent vertices of at most this degree
+inline constexpr int kBlockLanes = 4;     // the layout is the same on every instruction set, so that files are too
+inline constexpr int kLongChain = 128;    // entries; longer chains are walked by wedges (32 blocks of scanning)
 
 // Four neighbours in a chain, coordinates inline. Lanes beyond the chain's end repeat the last entry.
 struct Block {
@@ -38,8 +38,8 @@ struct ChainRange {
 // of the two facets along the edge v r. The node lives from the level where that edge and its facets appear to the
 // level where one of these facets gives way to the hole of a removed vertex.
 struct WedgeNode {
-  std::int32_t rim = -1;                // r
-  std::int32_t left = -1, right = -1;   // the vertices below the facet counter-clockwise of the edge and clockwise
+  std::int32_t rim = -1;               // r
+  std::int32_t left = -1, right = -1;  // the vertices below the facet counter-clockwise of the edge and clockwise
   std::int32_t next_left = -1, next = -1, next_right = -1;  // nodes of (v, left), (v, r), (v, right) one level down
 };
 
@@ -54,14 +54,14 @@ struct Hierarchy {
   std::int32_t depth = 0;                // number of removals; level 0 removes from the full body
   std::vector<std::int32_t> ring_start;  // rings in CSR form, counter-clockwise; empty for top vertices
   std::vector<std::int32_t> rings;
-  std::vector<std::int32_t> top;         // ids, padded to whole blocks by repetition
+  std::vector<std::int32_t> top;  // ids, padded to whole blocks by repetition
   std::vector<double> top_x, top_y, top_z;
   std::vector<ChainRange> chains;
   std::vector<Block> blocks;
-  std::vector<std::int32_t> fan_of;      // per vertex: index into fans, or -1
+  std::vector<std::int32_t> fan_of;  // per vertex: index into fans, or -1
   std::vector<WedgeFan> fans;
   std::vector<WedgeNode> wedges;
-  std::vector<std::int32_t> entries;     // indices into wedges
+  std::vector<std::int32_t> entries;  // indices into wedges
   double largest_coordinate = 0;
 
   std::size_t bytes() const;

@@ -71,7 +71,8 @@ class Quickhull {
     for (const Face& face : faces_) {
       if (!face.alive) continue;
       out.triangles.push_back(face.corner);
-      out.neighbours.push_back({number[at(face.neighbour[0])], number[at(face.neighbour[1])], number[at(face.neighbour[2])]});
+      out.neighbours.push_back(
+          {number[at(face.neighbour[0])], number[at(face.neighbour[1])], number[at(face.neighbour[2])]});
     }
     return out;
   }
@@ -110,16 +111,18 @@ class Quickhull {
   void start() {
     if (points_.empty()) throw HullError("it has no points");
     const int a = furthest([&](int i) { return -point(i).x; });
-    const int b = first_that(furthest([&](int i) { return norm(point(i) - point(a)); }),
-                             [&](int i) { return !(point(i) == point(a)); }, "all its points coincide");
+    const int b = first_that(
+        furthest([&](int i) { return norm(point(i) - point(a)); }), [&](int i) { return !(point(i) == point(a)); },
+        "all its points coincide");
     const Vec3 ab = point(b) - point(a);
-    const int c = first_that(furthest([&](int i) { return norm(cross(ab, point(i) - point(a))); }),
-                             [&](int i) { return !collinear(point(a), point(b), point(i)); },
-                             "all its points lie on a line");
+    const int c = first_that(
+        furthest([&](int i) { return norm(cross(ab, point(i) - point(a))); }),
+        [&](int i) { return !collinear(point(a), point(b), point(i)); }, "all its points lie on a line");
     const Vec3 normal = cross(ab, point(c) - point(a));
     const auto side = [&](int i) { return orientation(point(a), point(b), point(c), point(i)); };
-    const int d = first_that(furthest([&](int i) { return std::fabs(dot(normal, point(i) - point(a))); }),
-                             [&](int i) { return side(i) != 0; }, "all its points lie in a plane");
+    const int d = first_that(
+        furthest([&](int i) { return std::fabs(dot(normal, point(i) - point(a))); }),
+        [&](int i) { return side(i) != 0; }, "all its points lie in a plane");
     if (side(d) > 0) {
       create_tetrahedron(a, c, b, d);
     } else {
@@ -237,7 +240,8 @@ std::vector<Triangle> linked_neighbours(const std::vector<Triangle>& triangles) 
     const auto same_edge = [&](std::size_t other) {
       return other < sides.size() && sides[other].low == sides[k].low && sides[other].high == sides[k].high;
     };
-    const std::string edge = "the edge between vertices " + std::to_string(sides[k].low) + " and " + std::to_string(sides[k].high);
+    const std::string edge =
+        "the edge between vertices " + std::to_string(sides[k].low) + " and " + std::to_string(sides[k].high);
     if (!same_edge(k + 1)) throw HullError("its faces are not closed: " + edge + " has a face on one side only");
     if (same_edge(k + 2) || sides[k].upwards == sides[k + 1].upwards) {
       throw HullError("its faces are not oriented alike: " + edge + " is run along twice in the same direction");
@@ -295,8 +299,8 @@ std::vector<bool> extreme_vertices(const std::vector<Triangle>& triangles,
 }
 
 // Numbers the vertices in use and judges the edges.
-ConvexMesh compact(const std::vector<Vec3>& points, const std::vector<int>& source, const std::vector<Triangle>& triangles,
-                   std::vector<Triangle> neighbours) {
+ConvexMesh compact(const std::vector<Vec3>& points, const std::vector<int>& source,
+                   const std::vector<Triangle>& triangles, std::vector<Triangle> neighbours) {
   ConvexMesh mesh;
   std::vector<int> number(points.size(), -1);
   for (const Triangle& triangle : triangles) {
@@ -332,12 +336,14 @@ ConvexMesh hull_of(const std::vector<Vec3>& points, const std::vector<int>& sour
 // How many triangles the ray from `inside` towards the middle of the first triangle meets (touching counts).
 int triangles_hit(const ConvexMesh& mesh, Vec3 inside) {
   const Triangle& first = mesh.triangles.front();
-  const Vec3 middle = (1.0 / 3.0) * (mesh.vertices[at(first[0])] + mesh.vertices[at(first[1])] + mesh.vertices[at(first[2])]);
+  const Vec3 middle =
+      (1.0 / 3.0) * (mesh.vertices[at(first[0])] + mesh.vertices[at(first[1])] + mesh.vertices[at(first[2])]);
   const Vec3 ray = middle - inside;
   int hits = 0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3 a = mesh.vertices[at(t[0])], b = mesh.vertices[at(t[1])], c = mesh.vertices[at(t[2])];
-    if (cone_side(ray, inside, a, b) >= 0 && cone_side(ray, inside, b, c) >= 0 && cone_side(ray, inside, c, a) >= 0) ++hits;
+    if (cone_side(ray, inside, a, b) >= 0 && cone_side(ray, inside, b, c) >= 0 && cone_side(ray, inside, c, a) >= 0)
+      ++hits;
   }
   return hits;
 }
@@ -353,7 +359,8 @@ Vec3 volume_centre(const ConvexMesh& mesh) {
   Vec3 sum;
   double volume = 0;
   for (const Triangle& t : mesh.triangles) {
-    const Vec3 a = mesh.vertices[at(t[0])] - base, b = mesh.vertices[at(t[1])] - base, c = mesh.vertices[at(t[2])] - base;
+    const Vec3 a = mesh.vertices[at(t[0])] - base, b = mesh.vertices[at(t[1])] - base,
+               c = mesh.vertices[at(t[2])] - base;
     const double part = dot(cross(a, b), c);
     volume += part;
     sum = sum + (part / 4) * (a + b + c);

@@ -12,12 +12,12 @@ namespace {
 //     transpose errs by (1 + 1e-5) δ (r_P + |w|). In all at most 20u (r_P + |w| + |c|) + 1.01 δ (r_P + |w|).
 // (b) Separation by q, |q| <= r_Q (1 + 1e-9). The guest's direction fl(Mᵀq) errs by 5.2u |q|, which moves the least
 //     product by at most 10.4u |q| r_P; a scan may miss it by 14u |q| r_P (kScanError, |.|_1 <= √3 |.|); evaluating q·x
-//     errs by 5.2u |q| |x|. sup over R of q·x is at most 1 + 16u r_Q r_R: polar points err by kPolarError, mixing at most
-//     16 of them by 12u. In all r_Q times (30u (r_P + |shift|) + 16u r_R) besides (a).
+//     errs by 5.2u |q| |x|. sup over R of q·x is at most 1 + 16u r_Q r_R: polar points err by kPolarError, mixing at
+//     most 16 of them by 12u. In all r_Q times (30u (r_P + |shift|) + 16u r_R) besides (a).
 // (c) Containment of x: mixing vertices errs by 12u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by 5.2u r_Q |x|,
 //     polar points by 4u r_Q |x|, with |x| <= r_P + |shift|: r_Q times 36u (r_P + |shift|) besides (a).
 // |shift| <= |w| + |c| up to the rounding above, so one bound serves both.
-constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 56u
+constexpr double kPairError = 64 * 0x1p-53;       // (a) without δ, plus the larger of (b) and (c): at most 56u
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 
 }  // namespace
@@ -51,7 +51,8 @@ bool separates_vertices(const PosedBody& guest, const PosedBody& host, Vec3 d, P
   ++counters.guest_queries, ++counters.host_queries;
   const auto p = static_cast<std::size_t>(extreme(guest.body->inner, -along_guest, counters.queries));
   const auto r = static_cast<std::size_t>(extreme(host.body->inner, along_host, counters.queries));
-  const double gap = (dot(along_guest, guest.body->inner.points[p]) + dot(d, w)) - dot(along_host, host.body->inner.points[r]);
+  const double gap =
+      (dot(along_guest, guest.body->inner.points[p]) + dot(d, w)) - dot(along_host, host.body->inner.points[r]);
   return gap > 32 * 0x1p-53 * norm(d) * (guest.body->reach + host.body->reach + norm_1(w));
 }
 

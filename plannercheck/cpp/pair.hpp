@@ -64,7 +64,8 @@ class PairFrame {
   double error_;
 
   Vec3 map(Vec3 v) const {
-    return {(m_[0] * v.x + m_[1] * v.y) + (m_[2] * v.z + shift_.x), (m_[3] * v.x + m_[4] * v.y) + (m_[5] * v.z + shift_.y),
+    return {(m_[0] * v.x + m_[1] * v.y) + (m_[2] * v.z + shift_.x),
+            (m_[3] * v.x + m_[4] * v.y) + (m_[5] * v.z + shift_.y),
             (m_[6] * v.x + m_[7] * v.y) + (m_[8] * v.z + shift_.z)};
   }
 };

@@ -22,14 +22,13 @@ PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
 
 }  // namespace
 
-int choose_host(const Body& a, const Body& b) {
-  return b.polar_radius * b.radius <= a.polar_radius * a.radius ? 1 : 0;
-}
+int choose_host(const Body& a, const Body& b) { return b.polar_radius * b.radius <= a.polar_radius * a.radius ? 1 : 0; }
 
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters) {
   if (options.solver == Solver::kExact) {
-    return exact_verdict(guest, host, guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre), counters);
+    return exact_verdict(guest, host, guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre),
+                         counters);
   }
   const PairFrame frame(guest, host);
   Certificate certificate;
@@ -44,7 +43,8 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
     certificate = centre_axis(frame, &lowest, counters);
     if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
   }
-  certificate = options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
+  certificate =
+      options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
   if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
   // Too close for the polar's bound: the last plane against the vertices themselves, then exact arithmetic.
   const Vec3 direction = host.pose.rotate(certificate.q);

@@ -89,7 +89,8 @@ int cone_side(Vec3 u, Vec3 o, Vec3 a, Vec3 b) {
 bool collinear(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 n = cross(b - a, c - a), size = absolute_cross(b - a, c - a);
   for (int axis = 0; axis < 3; ++axis) {
-    if (size[axis] > kSmallestTrusted && size[axis] < kLargestTrusted && std::fabs(n[axis]) > 6 * kRoundoff * size[axis])
+    if (size[axis] > kSmallestTrusted && size[axis] < kLargestTrusted &&
+        std::fabs(n[axis]) > 6 * kRoundoff * size[axis])
       return false;
   }
   const DyadicVec3 origin(a);

@@ -96,8 +96,8 @@ bool Triangulation::is_convex() const {
     const auto edge = static_cast<std::int32_t>(h);
     if (corner_[h] < 0) continue;
     const std::int32_t far = corner_[at(before(twin_[h]))];
-    if (orientation(points_[at(corner_[h])], points_[at(corner_[at(after(edge))])], points_[at(corner_[at(before(edge))])],
-                    points_[at(far)]) > 0)
+    if (orientation(points_[at(corner_[h])], points_[at(corner_[at(after(edge))])],
+                    points_[at(corner_[at(before(edge))])], points_[at(far)]) > 0)
       return false;
   }
   return true;

@@ -47,11 +47,16 @@ void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest,
 
 const char* name_of(Stage stage) {
   switch (stage) {
-    case Stage::kCachedPlane: return "cached plane";
-    case Stage::kCentreAxis: return "centre axis";
-    case Stage::kSolver: return "solver";
-    case Stage::kVertices: return "vertices";
-    case Stage::kExact: return "exact";
+    case Stage::kCachedPlane:
+      return "cached plane";
+    case Stage::kCentreAxis:
+      return "centre axis";
+    case Stage::kSolver:
+      return "solver";
+    case Stage::kVertices:
+      return "vertices";
+    case Stage::kExact:
+      return "exact";
   }
   return "";
 }

@@ -51,7 +51,8 @@ class WedgeBuilder {
   Vec3 point(std::int32_t v) const { return h_.points[at(v)]; }
 
   bool is_axis(std::int32_t v, const std::vector<std::int32_t>& ring, Vec3 z) const {
-    return std::all_of(ring.begin(), ring.end(), [&](std::int32_t n) { return compare_along(z, point(v), point(n)) > 0; });
+    return std::all_of(ring.begin(), ring.end(),
+                       [&](std::int32_t n) { return compare_along(z, point(v), point(n)) > 0; });
   }
 
   // Tries the sum of the facets' unit normals and of their area normals. None may pass at a nearly flat vertex, whose
@@ -150,7 +151,8 @@ class WedgeBuilder {
 
 void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Hierarchy& h) {
   h.fan_of.assign(h.points.size(), -1);
-  const bool any = std::any_of(h.chains.begin(), h.chains.end(), [](const ChainRange& c) { return c.length > kLongChain; });
+  const bool any =
+      std::any_of(h.chains.begin(), h.chains.end(), [](const ChainRange& c) { return c.length > kLongChain; });
   if (!any) return;
   WedgeBuilder builder(mesh, coarsest, h);
   for (std::size_t v = 0; v < h.points.size(); ++v) {
@@ -168,7 +170,8 @@ std::string wedge_fault(const ConvexMesh& mesh, const Hierarchy& h) {
     for (const std::int32_t n : ring) {
       if (compare_along(fan.axis, h.points[v], h.points[at(n)]) <= 0) return "the axis is outside the cone" + name;
     }
-    std::vector<std::int32_t> stack(h.entries.begin() + fan.first_entry, h.entries.begin() + fan.first_entry + fan.entries);
+    std::vector<std::int32_t> stack(h.entries.begin() + fan.first_entry,
+                                    h.entries.begin() + fan.first_entry + fan.entries);
     std::vector<bool> seen(h.wedges.size());
     while (!stack.empty()) {
       const std::int32_t w = stack.back();
