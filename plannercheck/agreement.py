@@ -101,9 +101,7 @@ class AgreementReport:
         return not self.against_us and not self.contradictions
 
 
-def compare_with_fcl(
-    checker: Checker, q: Array, progress: Callable[[int], object] | None = None
-) -> AgreementReport:
+def compare_with_fcl(checker: Checker, q: Array, progress: Callable[[int], object] | None = None) -> AgreementReport:
     """Compares every pair verdict of a checker with FCL's.
 
     Args:

@@ -163,9 +163,7 @@ def holds(
         return bool((p @ normal).min() > (r @ normal).max())
     weights = np.array(certificate.weights, dtype=object)
     convex = len(weights) > 0 and bool((weights > 0).all())
-    return (
-        convex and not (weights @ (p[list(certificate.vertices_p)] - r[list(certificate.vertices_r)])).any()
-    )
+    return convex and not (weights @ (p[list(certificate.vertices_p)] - r[list(certificate.vertices_r)])).any()
 
 
 def _posed_fixed_point(vertices: ArrayLike, pose: ArrayLike | None) -> tuple[NDArray[np.object_], int]:

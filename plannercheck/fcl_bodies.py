@@ -44,9 +44,7 @@ class FclBodies:
         """
         self._fcl = _load_fcl()
         self._request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
-        self.vertices = [
-            _UNUSED if body is None else np.asarray(body[0], dtype=np.float64) for body in bodies
-        ]
+        self.vertices = [_UNUSED if body is None else np.asarray(body[0], dtype=np.float64) for body in bodies]
         self._objects: list[Any] = [None if body is None else self._convex(*body) for body in bodies]
         lows = np.array([vertices.min(axis=0) for vertices in self.vertices])
         highs = np.array([vertices.max(axis=0) for vertices in self.vertices])

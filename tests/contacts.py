@@ -204,8 +204,8 @@ def differ_from_contact(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap:
     """Whether two bodies are further than a gap apart, or overlap by more than about that much, m.
 
     Shrinking p towards its centroid moves its supporting planes by at most the gap; so if that separates
-    colliding bodies, they overlap by at most the gap. No plane lies nearer to the centroid than a quarter of the
-    width, so each moves by a fair part of the gap.
+    colliding bodies, they overlap by at most the gap. No plane lies nearer to the centroid than a quarter of
+    the width, so each moves by a fair part of the gap.
     """
     if not exact.intersects(p.vertices, r.vertices, pose_p, pose_r):
         return exact.distance(p.vertices, r.vertices, pose_p, pose_r) > gap

@@ -31,8 +31,7 @@ def verdict(p: Points, r: Points, pose_p: Points | None = None, pose_r: Points |
 def linear_program(p: Points, r: Points, pose_p: Points, pose_r: Points) -> bool:
     """Whether 0 is a convex combination of differences: phase one of the simplex method with Bland's rule."""
     differences = [
-        [a - b for a, b in zip(left, right, strict=True)]
-        for left, right in product(posed(p, pose_p), posed(r, pose_r))
+        [a - b for a, b in zip(left, right, strict=True)] for left, right in product(posed(p, pose_p), posed(r, pose_r))
     ]
     columns = [[*difference, Fraction(1)] for difference in differences]
     rows = [[column[k] for column in columns] + [Fraction(int(k == 3))] for k in range(4)]
@@ -172,9 +171,7 @@ def test_known_gaps_of_round_bodies(gap: float) -> None:
 def test_distance_is_right_to_the_last_digits() -> None:
     apart = shifted(UNIT_BOX, 2, 3, 1)
     assert exact.distance(UNIT_BOX, apart) == pytest.approx(math.sqrt(5), rel=1e-15)
-    assert exact.distance(UNIT_BOX * 1e-200, apart * 1e-200) == pytest.approx(
-        math.sqrt(5) * 1e-200, rel=1e-15
-    )
+    assert exact.distance(UNIT_BOX * 1e-200, apart * 1e-200) == pytest.approx(math.sqrt(5) * 1e-200, rel=1e-15)
 
 
 def test_a_wrong_certificate_does_not_hold() -> None:
@@ -187,9 +184,7 @@ def test_a_wrong_certificate_does_not_hold() -> None:
     assert not exact.holds(exact.ExactSharedPoint((), (), ()), UNIT_BOX, UNIT_BOX)
 
 
-@pytest.mark.parametrize(
-    "vertices", [np.zeros((0, 3)), np.zeros((4, 2)), np.full((4, 3), np.nan), np.zeros(3)]
-)
+@pytest.mark.parametrize("vertices", [np.zeros((0, 3)), np.zeros((4, 2)), np.full((4, 3), np.nan), np.zeros(3)])
 def test_bad_vertices_are_named(vertices: Points) -> None:
     with pytest.raises(PlannercheckError, match="vertices"):
         exact.decide(vertices, UNIT_BOX)

@@ -101,9 +101,7 @@ def specimen(name: str, n: int, scale: float) -> Specimen:
         points = families.family(name, n, seed=n)
     polytope = pc.Polytope(points * scale)
     label = f"{name} {len(polytope.vertices)} vertices, {scale} m"
-    return Specimen(
-        Solid(label, np.asarray(polytope.vertices), np.asarray(polytope.faces, dtype=np.int64)), polytope
-    )
+    return Specimen(Solid(label, np.asarray(polytope.vertices), np.asarray(polytope.faces, dtype=np.int64)), polytope)
 
 
 def compare_two(p: Specimen, r: Specimen, rng: np.random.Generator, tally: Tally) -> None:

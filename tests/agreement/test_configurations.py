@@ -19,9 +19,7 @@ SCENES = sorted(shipped_folder("configs").glob("*.yaml"))
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_no_verdict_of_ours_is_refuted(
-    name: str, states_wanted: int, reports: list[str], tmp_path: Path
-) -> None:
+def test_no_verdict_of_ours_is_refuted(name: str, states_wanted: int, reports: list[str], tmp_path: Path) -> None:
     robot = pc.Robot.load(name)
     each = -(-states_wanted // (len(ROBOTS) * len(SCENES)))
     done: list[AgreementReport] = []
