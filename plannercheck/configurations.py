@@ -257,11 +257,17 @@ def _group_columns(
     return starts, limits, tuple(units)
 
 
+# Beyond this, products of poses could overflow; no joint gets there.
+LARGEST_VALUE = 1e15
+
+
 def _check_finite(rows: Floats) -> None:
-    bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
-    if len(bad):
-        row = int(bad[0])
-        raise PlannercheckError(f"configurations must be finite; row {row} is {rows[row].tolist()}")
+    usable = np.abs(rows) <= LARGEST_VALUE  # false for NaN
+    if not usable.all():
+        row = int(np.flatnonzero(~usable.all(axis=1))[0])
+        raise PlannercheckError(
+            f"configurations must be finite (and at most {LARGEST_VALUE:g}); row {row} is {rows[row].tolist()}"
+        )
 
 
 def _check_unit(rows: Floats, start: int, stop: int) -> None:
