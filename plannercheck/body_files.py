@@ -107,12 +107,12 @@ def cache_folder() -> Path | None:
     return Path(setting) if setting else Path(platformdirs.user_cache_dir("plannercheck"))
 
 
-def cache_file(points: NDArray[np.float64], faces: Sequence[ArrayLike] | None) -> Path | None:
+def cache_file(points: NDArray[np.float64], faces: Sequence[ArrayLike] | None, swell: float) -> Path | None:
     """Where the prepared body of these points is cached; None if the cache is off."""
     folder = cache_folder()
     if folder is None:
         return None
-    key = hashlib.sha256(_header() + np.ascontiguousarray(points).tobytes())
+    key = hashlib.sha256(_header() + np.float64(swell).tobytes() + np.ascontiguousarray(points).tobytes())
     for face in faces if faces is not None else ():
         key.update(b"face" + np.asarray(face, dtype=np.int64).tobytes())
     return folder / f"{key.hexdigest()}.body"

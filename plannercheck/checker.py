@@ -22,7 +22,7 @@ from plannercheck.pairs import Acm, pair_table
 from plannercheck.report import PairVerdict, Verdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
-from plannercheck.shapes import DEFAULT_EXCESS, Body
+from plannercheck.shapes import DEFAULT_EXCESS, Body, hull_and_swell
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -53,6 +53,7 @@ class Checker:
         method: Method = "oracle",
         cached_plane: bool = True,
         centre_axis: bool = True,
+        nearest_points: bool = True,
         spheres: bool = True,
         boxes: bool = True,
     ) -> None:
@@ -69,11 +70,12 @@ class Checker:
             method: The solver of the pair test, see `pair.pair_options`. Verdicts do not depend on it.
             cached_plane: Whether the last separating plane of a pair is tried first.
             centre_axis: Whether the axis between the centres is tried before the solver.
+            nearest_points: Whether nearest points in doubles are tried before exact arithmetic.
             spheres: Whether bounding spheres settle pairs that are far apart.
             boxes: Whether one body's sphere against the other's box does.
 
         Raises:
-            PlannercheckError: If a body has no volume, or an argument is none of those above.
+            PlannercheckError: If an argument is none of those above.
         """
         if padding != 0:
             raise PlannercheckError(
@@ -91,7 +93,7 @@ class Checker:
         self._kernel = robot.kinematics if kinematics == "batch" else None
         used = np.unique(np.concatenate([table.pairs.ravel(), table.resting.ravel()]))
         self.polytopes = _prepare(self.bodies, used.tolist(), excess)
-        self._core = self._build_core(pair_options(method, cached_plane, centre_axis), spheres, boxes)
+        self._core = self._build_core(pair_options(method, cached_plane, centre_axis, nearest_points), spheres, boxes)
         self._sampler = MotionSampler(robot)
         self._warn_of_resting(table.resting)
 
@@ -298,9 +300,9 @@ def _prepare(bodies: Sequence[Body], used: Sequence[int], excess: float) -> tupl
     polytopes: list[Polytope | None] = [None] * len(bodies)
     known: dict[bytes, Polytope] = {}
     for k in used:
-        vertices, faces = bodies[k].shape.vertices_and_faces(excess)
-        key = vertices.tobytes()
+        vertices, faces, swell = hull_and_swell(bodies[k].shape, excess)
+        key = np.float64(swell).tobytes() + vertices.tobytes()
         if key not in known:
-            known[key] = prepared(vertices, faces, f"body {bodies[k].name!r}")
+            known[key] = prepared(vertices, faces, swell, f"body {bodies[k].name!r}")
         polytopes[k] = known[key]
     return tuple(polytopes)

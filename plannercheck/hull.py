@@ -29,9 +29,13 @@ LARGEST_COORDINATE = 1e50
 class Polytope:
     """The convex hull of points, preprocessed for logarithmic queries (paper, section "Polyhedra in 3D space").
 
+    Hulls without volume (a polygon, a segment, a point) are bodies, too. With a swell, the body is the set of points
+    within that distance of the hull: a ball of a point, a capsule of a segment.
+
     Attributes:
         vertices: The extreme points (n, 3) in m, read-only.
-        faces: Triangles (m, 3) of the hull, counter-clockwise seen from outside: indices into `vertices`, read-only.
+        faces: Triangles (m, 3) of the hull, counter-clockwise seen from outside: indices into `vertices`, read-only;
+            none without volume.
         source: Index of each vertex among the points given (n,), read-only.
     """
 
@@ -45,6 +49,7 @@ class Polytope:
         self,
         vertices: ArrayLike,
         faces: Sequence[ArrayLike] | NDArray[np.integer[Any]] | None = None,
+        swell: float = 0.0,
         name: str = "polytope",
     ) -> None:
         """Computes the hull, exactly, or verifies the faces, exactly; then both hierarchies.
@@ -53,18 +58,19 @@ class Polytope:
             vertices: Points (n, 3) in m.
             faces: The hull's faces, if they are known: polygons of indices into `vertices`, counter-clockwise seen
                 from outside; corners of a face must be exactly coplanar or convex in the order of a fan.
+            swell: In m, measured in the world.
             name: What errors call it.
 
         Raises:
-            PlannercheckError: If there are fewer than four points, they lie in a plane, are not finite, or the faces
-                do not bound their hull.
+            PlannercheckError: If there are no points, they are not finite, the faces do not bound their hull, or the
+                swell is negative.
         """
         points = _checked_points(vertices, name)
         try:
             if faces is None:
-                self._adopt(core.Body.from_points(points))
+                self._adopt(core.Body.from_points(points, _checked_swell(swell, name)))
             else:
-                self._adopt(core.Body.from_faces(points, _fans(faces, len(points), name)))
+                self._adopt(core.Body.from_faces(points, _fans(faces, len(points), name), _checked_swell(swell, name)))
         except core.HullError as error:
             raise PlannercheckError(
                 f"{name} ({len(points)} points) has no hull to work with: {error}"
@@ -91,6 +97,16 @@ class Polytope:
     def centre(self) -> Floats:
         """The interior point (3,) in m that the polar is taken about."""
         return np.asarray(self._core.centre()[0])
+
+    @property
+    def dimension(self) -> int:
+        """Of the hull: 3, 2 for a polygon, 1 for a segment, 0 for a point."""
+        return int(self._core.dimension)
+
+    @property
+    def swell(self) -> float:
+        """Distance in m around the hull that belongs to the body."""
+        return float(self._core.swell)
 
     @property
     def nbytes(self) -> int:
@@ -153,24 +169,25 @@ class Polytope:
 
 
 def prepared(
-    vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, name: str = "polytope"
+    vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, swell: float = 0.0, name: str = "polytope"
 ) -> Polytope:
     """A `Polytope` through the disk cache: the second preparation of the same points reads a file.
 
     Args:
         vertices: Points (n, 3) in m.
         faces: As for `Polytope`.
+        swell: As for `Polytope`.
         name: What errors call it.
 
     Returns:
         The prepared body. `PLANNERCHECK_CACHE=0` turns the cache off, another value is the folder to use.
     """
     points = _checked_points(vertices, name)
-    cache = body_files.cache_file(points, faces)
+    cache = body_files.cache_file(points, faces, swell)
     if cache is not None and (data := body_files.read_if_valid(cache)) is not None:
         with contextlib.suppress(PlannercheckError):  # a damaged file is prepared anew
             return Polytope._from_bytes(data)
-    polytope = Polytope(points, faces, name)
+    polytope = Polytope(points, faces, swell, name)
     if cache is not None:
         body_files.write_if_possible(cache, polytope.core.serialise())
     return polytope
@@ -197,11 +214,17 @@ def _checked_points(vertices: ArrayLike, name: str) -> Floats:
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         raise PlannercheckError(f"{name}: vertex {bad[0]} is {points[bad[0]].tolist()}, it must be finite")
-    if len(points) < 4:
-        raise PlannercheckError(f"{name} has {len(points)} points, a body with volume needs at least 4")
+    if len(points) == 0:
+        raise PlannercheckError(f"{name} has no points, a body needs at least one")
     if np.abs(points).max() > LARGEST_COORDINATE:
         raise PlannercheckError(f"{name}: coordinates must be at most {LARGEST_COORDINATE:g} m in size")
     return points
+
+
+def _checked_swell(swell: float, name: str) -> float:
+    if not 0 <= swell <= LARGEST_COORDINATE:
+        raise PlannercheckError(f"{name}: swell must be a length in m of at least 0, not {swell!r}")
+    return float(swell)
 
 
 def _fans(faces: Sequence[ArrayLike] | NDArray[np.integer[Any]], points: int, name: str) -> Ints:

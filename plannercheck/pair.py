@@ -22,7 +22,9 @@ Method: TypeAlias = Literal["oracle", "walk", "exact"]
 METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
 
 
-def pair_options(method: Method = "oracle", cached_plane: bool = True, centre_axis: bool = True) -> Any:
+def pair_options(
+    method: Method = "oracle", cached_plane: bool = True, centre_axis: bool = True, nearest_points: bool = True
+) -> Any:
     """The core's switches for the pair test.
 
     Args:
@@ -30,13 +32,14 @@ def pair_options(method: Method = "oracle", cached_plane: bool = True, centre_ax
             arithmetic alone). Verdicts are the same.
         cached_plane: Try the plane that separated the pair last time first.
         centre_axis: Try the axis between the centres before the method.
+        nearest_points: Try nearest points in doubles before exact arithmetic.
 
     Returns:
         A core.PairOptions.
     """
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
-    return core.PairOptions(getattr(core.Solver, method), cached_plane, centre_axis)
+    return core.PairOptions(getattr(core.Solver, method), cached_plane, centre_axis, nearest_points)
 
 
 def intersects(
@@ -62,7 +65,7 @@ def intersects(
         PlannercheckError: If a pose is not finite or not rigid.
     """
     pose_p, pose_r = checked_pose(pose_p, "pose_p"), checked_pose(pose_r, "pose_r")
-    return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method))["shared"])
+    return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), False)["shared"])
 
 
 def certify(
@@ -88,7 +91,7 @@ def certify(
         PlannercheckError: If a pose is not finite or not rigid.
     """
     pose_p, pose_r = checked_pose(pose_p, "pose_p"), checked_pose(pose_r, "pose_r")
-    found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method))
+    found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), True)
     if found["shared"]:
         return SharedPoint(found["point"])
     return separation(found["normal"], posed(P.vertices, pose_p), posed(R.vertices, pose_r))

@@ -27,8 +27,8 @@ from plannercheck.errors import PlannercheckError
 Points: TypeAlias = NDArray[np.float64]
 Faces: TypeAlias = list[NDArray[np.int64]]
 
-# How far a curved shape's polytope sticks out, as a part of its radius: 0.05 mm for a link of 5 cm.
-DEFAULT_EXCESS = 1e-3
+# How far the polytope of a cylinder or cone sticks out, as a part of its radius: 5 µm for a link of 5 cm.
+DEFAULT_EXCESS = 1e-4
 
 # Longest capsule, in radii, whose rounded end caps surely stay convex facet by facet.
 _MAX_CAPSULE_RATIO = 1e6
@@ -189,6 +189,27 @@ class Hull:
 
 
 Shape: TypeAlias = Box | Sphere | Cylinder | Cone | Capsule | Hull
+
+
+def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None, float]:
+    """What the pair test works with: a hull, and how far around it the body reaches.
+
+    Spheres and capsules are exact: a point and a segment, swollen by the radius. Cylinders and cones are the polytopes
+    around them.
+
+    Args:
+        shape: Any.
+        excess: For cylinders and cones, how far the polytope may stick out, as a part of the radius.
+
+    Returns:
+        Points (n, 3) in m, their hull's faces if known, and the swell in m.
+    """
+    if isinstance(shape, Sphere):
+        return np.zeros((1, 3)), None, shape.radius
+    if isinstance(shape, Capsule):
+        half = shape.length / 2
+        return np.array([[0, 0, -half], [0, 0, half]]), None, shape.radius
+    return *shape.vertices_and_faces(excess), 0.0
 
 
 @dataclass(frozen=True, eq=False)

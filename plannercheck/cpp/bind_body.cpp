@@ -22,18 +22,24 @@ std::vector<Vec3> points_from(InputArray<double, -1, 3> vertices) {
   return points;
 }
 
-std::shared_ptr<Body> body_from_points(InputArray<double, -1, 3> vertices) {
-  const std::vector<Vec3> points = points_from(vertices);
-  nb::gil_scoped_release release;
-  return std::make_shared<Body>(prepare_body(convex_hull(points)));
+std::shared_ptr<Body> swollen(Body body, double swell) {
+  body.swell = swell;
+  return std::make_shared<Body>(std::move(body));
 }
 
-std::shared_ptr<Body> body_from_faces(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> faces) {
+std::shared_ptr<Body> body_from_points(InputArray<double, -1, 3> vertices, double swell) {
+  const std::vector<Vec3> points = points_from(vertices);
+  nb::gil_scoped_release release;
+  return swollen(prepare_body(points), swell);
+}
+
+std::shared_ptr<Body> body_from_faces(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> faces,
+                                      double swell) {
   const std::vector<Vec3> points = points_from(vertices);
   std::vector<Triangle> triangles(faces.shape(0));
   for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
   nb::gil_scoped_release release;
-  return std::make_shared<Body>(prepare_body(verified_hull(points, triangles)));
+  return swollen(prepare_body(verified_hull(points, triangles)), swell);
 }
 
 auto rows_of(const std::vector<Vec3>& points) {
@@ -96,12 +102,17 @@ nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRo
 }
 
 nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body& b, InputArray<double, 4, 4> pose_b,
-                      const PairOptions& options) {
+                      const PairOptions& options, bool explain) {
   const PosedBody pa{&a, pose_from(pose_a.data())}, pb{&b, pose_from(pose_b.data())};
   const bool a_hosts = choose_host(a, b) == 0;
   PairCounters counters;
   const PosedBody &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
-  return verdict_dict(test_pair(guest, host, options, nullptr, counters), guest, host, !a_hosts);
+  PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
+  if (explain && verdict.shared && !verdict.exact) {
+    // The vertices and weights behind a shared point come from the exact stage.
+    verdict.exact = decide_exactly(guest, host, guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre), counters);
+  }
+  return verdict_dict(verdict, guest, host, !a_hosts);
 }
 
 }  // namespace
@@ -118,10 +129,10 @@ void bind_body(nb::module_& m) {
   nb::class_<PairOptions>(m, "PairOptions")
       .def(
           "__init__",
-          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis) {
-            new (self) PairOptions{solver, cached_plane, centre_axis};
+          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool nearest_points) {
+            new (self) PairOptions{solver, cached_plane, centre_axis, nearest_points};
           },
-          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"));
+          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("nearest_points"));
 
   nb::class_<Body>(m, "Body")
       .def_static("from_points", &body_from_points)
@@ -145,6 +156,8 @@ void bind_body(nb::module_& m) {
       .def_ro("facets", &Body::facet_count)
       .def_ro("radius", &Body::radius)
       .def_ro("reach", &Body::reach)
+      .def_ro("dimension", &Body::dimension)
+      .def_ro("swell", &Body::swell)
       .def("bytes", &Body::bytes)
       .def("fault", &body_fault)
       .def("extremes", &extremes);

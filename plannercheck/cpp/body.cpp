@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "double2.hpp"
 #include "dyadic.hpp"
+#include "flat_hull.hpp"
 #include "predicates.hpp"
 
 namespace plannercheck {
@@ -127,7 +129,7 @@ void each_field(Stream& s, H& h) {
 
 template <class Stream, class B>
 void each_body_field(Stream& s, B& b) {
-  s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach), s.value(b.radius), s.value(b.low),
+  s.value(b.dimension), s.value(b.swell), s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach), s.value(b.radius), s.value(b.low),
       s.value(b.high);
   each_field(s, b.inner);
   each_field(s, b.polar);
@@ -156,7 +158,42 @@ Body prepare_body(const ConvexMesh& mesh) {
   return body;
 }
 
+Body prepare_body(const std::vector<Vec3>& points) {
+  const Span span = affine_span(points);
+  if (span.dimension == 3) return prepare_body(convex_hull(points));
+  const FlatHull hull = flat_hull(points, span);
+  Body body;
+  body.dimension = hull.dimension;
+  body.source = hull.source;
+  const double weight = 1 / static_cast<double>(hull.vertices.size());
+  for (const Vec3& v : hull.vertices) body.centre = body.centre + weight * v;
+  body.reach = largest_norm(hull.vertices, {});
+  // The rounded mean may lie off the plane: the sphere about it still holds all vertices.
+  body.radius = largest_norm(hull.vertices, body.centre);
+  enclose(body, hull.vertices);
+  body.inner = build_flat_hierarchy(hull);
+  body.polar_radius = std::numeric_limits<double>::infinity();
+  return body;
+}
+
+namespace {
+
+// Every vertex of a flat body is a corner: it is further out than its neighbours allow.
+std::string flat_fault(const Body& body) {
+  const FlatHull again = flat_hull(body.inner.points, affine_span(body.inner.points));
+  if (again.dimension != body.dimension) return "the dimension is wrong";
+  if (again.vertices.size() != body.inner.points.size()) return "a vertex is no corner";
+  const Hierarchy& h = body.inner;
+  std::size_t chained = 0;
+  for (const ChainRange& chain : h.chains) chained += static_cast<std::size_t>(chain.length);
+  const auto removed = static_cast<std::size_t>(std::count_if(h.level.begin(), h.level.end(), [&](auto l) { return l < h.depth; }));
+  return chained == 2 * removed ? "" : "the chains are incomplete";
+}
+
+}  // namespace
+
 std::string body_fault(const Body& body) {
+  if (body.dimension < 3) return flat_fault(body);
   const ConvexMesh hull = verified_hull(body.inner.points, body.triangles);
   const std::string inner = hierarchy_fault(hull, body.inner);
   if (!inner.empty()) return "hull: " + inner;

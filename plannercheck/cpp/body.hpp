@@ -2,7 +2,9 @@
 //
 // The polar lives in the frame whose origin is `centre`: the facet n·(x − centre) = h becomes the point n / h, so the
 // body is {x : q·(x − centre) <= 1 for all polar points q}. Exactly coplanar triangles are merged before: a cube has
-// six polar points. Polar points are rounded; each errs by at most kPolarError of its length.
+// six polar points. Polar points are rounded; each errs by at most kPolarError of its length. Bodies without volume
+// (polygons, segments, points) have no polar. Any body may be swollen: the set of points within `swell` of the hull,
+// which makes spheres of points and capsules of segments.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +20,14 @@ namespace plannercheck {
 inline constexpr double kPolarError = 4 * 0x1p-53;
 
 // Raise it whenever the fields of Body or Hierarchy, their order or their meaning change: old files are then refused.
-inline constexpr int kBodyFormat = 2;
+inline constexpr int kBodyFormat = 3;
 
 struct Body {
+  std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3
+  double swell = 0;                  // m
   std::vector<Triangle> triangles;   // of the hull, outward; indices into inner.points
   std::vector<std::int32_t> source;  // per vertex: index into the points that were given
-  Vec3 centre;                       // strictly inside
+  Vec3 centre;                       // strictly inside; of bodies without volume the mean of the vertices, rounded
   double reach = 0;                  // largest |v| over the vertices: distance from the frame's origin
   double radius = 0;                 // largest |v − centre|, rounded up
   Vec3 low, high;                    // the box around the vertices, in the body's frame
@@ -37,6 +41,9 @@ struct Body {
 };
 
 Body prepare_body(const ConvexMesh& mesh);
+
+// Of any dimension: the hull of the points, which are not empty.
+Body prepare_body(const std::vector<Vec3>& points);
 
 // Words for the first broken property, empty if there is none: hull and polar convex, hierarchies sound.
 std::string body_fault(const Body& body);

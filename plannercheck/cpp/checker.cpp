@@ -95,7 +95,7 @@ void CheckerCore::bound_body(std::size_t body, Workspace& w) const {
   w.centres[body] = {((m[0] * c.x + m[1] * c.y) + m[2] * c.z) + t.x, ((m[4] * c.x + m[5] * c.y) + m[6] * c.z) + t.y,
                      ((m[8] * c.x + m[9] * c.y) + m[10] * c.z) + t.z};
   w.slack[body] = kCentreError * ((norm_1(w.centres[body]) + norm_1(t)) + 2 * b.reach);
-  w.grown[body] = b.radius * kStretch + w.slack[body];
+  w.grown[body] = (b.radius * kStretch + b.swell * kStretch) + w.slack[body];
 }
 
 unsigned CheckerCore::spheres_meet(std::size_t a, std::size_t b, const Workspace& w) const {
@@ -116,7 +116,7 @@ unsigned CheckerCore::sphere_meets_box(std::size_t sphere, std::size_t box, cons
     return larger(Lanes{}, larger(low - c, c - high));
   };
   const Lanes x = beyond(0, b.low.x, b.high.x), y = beyond(1, b.low.y, b.high.y), z = beyond(2, b.low.z, b.high.z);
-  const Lanes radius = (w.grown[sphere] + w.slack[box]) + kDefect * norm_1(d);
+  const Lanes radius = ((w.grown[sphere] + w.slack[box]) + b.swell * kStretch) + kDefect * norm_1(d);
   return bits((x * x + y * y) + z * z <= radius * radius * kSquareError);
 }
 

@@ -220,7 +220,7 @@ class CoupledWalk {
     if (separated) {
       ++counters_.guest_queries;
       const std::int32_t v = extreme(p_, frame_.guest_direction(plane_), counters_.queries);
-      if (frame_.separates(dot(plane_, frame_.guest_vertex(v)))) certificate.answer = Answer::kSeparated;
+      if (frame_.separates(plane_, dot(plane_, frame_.guest_vertex(v)))) certificate.answer = Answer::kSeparated;
     } else {
       ++counters_.host_queries;
       const std::int32_t k = extreme(q_, point_, counters_.queries);

@@ -59,7 +59,7 @@ class DoubleOracle {
     const std::int32_t v = extreme(frame_.guest().inner, frame_.guest_direction(q), counters_.queries);
     const Vec3 x = frame_.guest_vertex(v);
     certificate_.q = q;
-    if (frame_.separates(dot(q, x))) {
+    if (frame_.separates(q, dot(q, x))) {
       certificate_.answer = Answer::kSeparated;
       return true;
     }

@@ -108,6 +108,17 @@ double Dyadic::to_double() const {
   return sign_ * std::ldexp(value, static_cast<int>(std::clamp<std::int64_t>(scale, -4000, 4000)));
 }
 
+std::string Dyadic::hexadecimal() const {
+  if (sign_ == 0) return "0";
+  std::string digits;
+  for (const std::uint32_t limb : limbs_) {
+    for (int shift = 0; shift < kLimbBits; shift += 4) digits.push_back("0123456789abcdef"[limb >> shift & 15U]);
+  }
+  while (digits.back() == '0') digits.pop_back();
+  if (sign_ < 0) digits.push_back('-');
+  return {digits.rbegin(), digits.rend()};
+}
+
 Dyadic Dyadic::shifted(std::int64_t bits) const {
   Dyadic out = *this;
   if (out.sign_ != 0) out.exponent_ += bits;

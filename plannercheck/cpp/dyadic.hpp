@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "vec.hpp"
@@ -20,6 +21,9 @@ class Dyadic {
   // Exponent of the leading bit; meaningless for 0.
   std::int64_t log2() const;
   Dyadic shifted(std::int64_t bits) const;  // times 2^bits
+  // The number is hexadecimal() · 2^exponent().
+  std::string hexadecimal() const;
+  std::int64_t exponent() const { return exponent_; }
 
   friend Dyadic operator+(const Dyadic& a, const Dyadic& b);
   friend Dyadic operator-(const Dyadic& a, const Dyadic& b) { return a + -b; }

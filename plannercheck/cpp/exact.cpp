@@ -166,28 +166,53 @@ std::int32_t extreme_exactly(const Hierarchy& h, const DyadicVec3& u) {
   return v;
 }
 
-ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters&) {
+namespace {
+
+// Whether the hulls come within the swell at the nearest point so far.
+bool within(const Nearest& nearest, const Dyadic& square_of_swell) {
+  if (is_zero(nearest.direction)) return true;
+  if (square_of_swell.sign() == 0) return false;
+  const Dyadic height = dot(nearest.direction, nearest.corners[0].point);
+  return (height * height - square_of_swell * dot(nearest.direction, nearest.direction)).sign() <= 0;
+}
+
+// Whether all of the difference lies further along the direction than the swell, its least height being given.
+bool beyond(const Dyadic& height, const DyadicVec3& direction, const Dyadic& square_of_swell) {
+  if (height.sign() <= 0) return false;
+  if (square_of_swell.sign() == 0) return true;
+  return (height * height - square_of_swell * dot(direction, direction)).sign() > 0;
+}
+
+ExactAnswer shared_answer(const Nearest& nearest) {
   ExactAnswer answer;
+  answer.shared = true;
+  answer.count = static_cast<int>(nearest.corners.size());
+  for (std::size_t i = 0; i < nearest.corners.size(); ++i) {
+    answer.guest[i] = nearest.corners[i].guest;
+    answer.host[i] = nearest.corners[i].host;
+    answer.weight[i] = nearest.weights[i];
+  }
+  return answer;
+}
+
+}  // namespace
+
+// Ends: unless it answers, a new corner is lower along the direction than the nearest point, which is therefore nearer
+// the next time; and at the true nearest point one of the two tests answers.
+ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters&) {
+  const Dyadic swell = Dyadic(guest.body->swell) + Dyadic(host.body->swell), square = swell * swell;
   DyadicVec3 direction(norm_1(hint) > 0 && std::isfinite(norm_1(hint)) ? hint : Vec3{1, 0, 0});
   std::vector<Corner> corners;
   for (;;) {
     Corner corner = furthest_against(guest, host, direction);
-    if (dot(direction, corner.point).sign() > 0) {
+    if (beyond(dot(direction, corner.point), direction, square)) {
+      ExactAnswer answer;
       answer.direction = direction;
       return answer;
     }
     corners.push_back(std::move(corner));
     Nearest next = nearest(corners);
-    if (is_zero(next.direction)) {
-      answer.shared = true;
-      answer.count = static_cast<int>(next.corners.size());
-      for (std::size_t i = 0; i < next.corners.size(); ++i) {
-        answer.guest[i] = next.corners[i].guest;
-        answer.host[i] = next.corners[i].host;
-        answer.weight[i] = next.weights[i];
-      }
-      return answer;
-    }
+    if (within(next, square)) return shared_answer(next);
     corners = std::move(next.corners);
     direction = std::move(next.direction);
   }

@@ -24,11 +24,6 @@ std::vector<std::int32_t> removable_by_degree(const Triangulation& mesh, const s
   return sorted;
 }
 
-struct Removal {
-  std::int32_t vertex, level;
-  std::vector<std::int32_t> ring;
-};
-
 // Peels levels off until at most kTopVertices are left; `removals` is in the order of removal, fine to coarse.
 std::vector<Removal> peel(Triangulation& mesh, std::vector<std::int32_t>& alive, std::int32_t* depth) {
   std::vector<Removal> removals;
@@ -100,19 +95,28 @@ void lay_out_chains(const std::vector<Removal>& removals, Hierarchy& h) {
 
 }  // namespace
 
-Hierarchy build_hierarchy(const ConvexMesh& mesh) {
+Hierarchy lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
+                  const std::vector<std::int32_t>& top, std::int32_t depth) {
   Hierarchy h;
-  h.points = mesh.vertices;
+  h.points = points;
+  h.depth = depth;
   for (const Vec3& p : h.points) h.largest_coordinate = larger(h.largest_coordinate, norm_max(p));
+  h.level.assign(points.size(), depth);
+  for (const Removal& r : removals) h.level[at(r.vertex)] = r.level;
+  h.fan_of.assign(points.size(), -1);
+  lay_out_rings(removals, h);
+  lay_out_top(top, h);
+  lay_out_chains(removals, h);
+  return h;
+}
+
+Hierarchy build_hierarchy(const ConvexMesh& mesh) {
   Triangulation current(mesh);
   std::vector<std::int32_t> alive(mesh.vertices.size());
   for (std::size_t v = 0; v < alive.size(); ++v) alive[v] = static_cast<std::int32_t>(v);
-  const std::vector<Removal> removals = peel(current, alive, &h.depth);
-  h.level.assign(mesh.vertices.size(), h.depth);
-  for (const Removal& r : removals) h.level[at(r.vertex)] = r.level;
-  lay_out_rings(removals, h);
-  lay_out_top(alive, h);
-  lay_out_chains(removals, h);
+  std::int32_t depth = 0;
+  const std::vector<Removal> removals = peel(current, alive, &depth);
+  Hierarchy h = lay_out(mesh.vertices, removals, alive, depth);
   build_wedges(mesh, current, h);
   return h;
 }

@@ -69,6 +69,15 @@ struct Hierarchy {
 
 Hierarchy build_hierarchy(const ConvexMesh& mesh);
 
+struct Removal {
+  std::int32_t vertex, level;
+  std::vector<std::int32_t> ring;  // its neighbours when it is removed, counter-clockwise
+};
+
+// A hierarchy without wedges from removals in their order, fine to coarse, and the vertices that stay.
+Hierarchy lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
+                  const std::vector<std::int32_t>& top, std::int32_t depth);
+
 // Words for the first broken property of the hierarchy of this mesh, empty if there is none: levels nested, removed
 // vertices independent and of bounded degree, every level convex, chains complete and in order, wedges consistent.
 std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& hierarchy);

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "predicates.hpp"
+#include "span.hpp"
 
 namespace plannercheck {
 namespace {
@@ -89,41 +90,11 @@ class Quickhull {
     return static_cast<int>(faces_.size()) - 1;
   }
 
-  template <class Value>
-  int furthest(Value value) const {
-    int best = 0;
-    for (int i = 1; i < static_cast<int>(points_.size()); ++i) {
-      if (value(i) > value(best)) best = i;
-    }
-    return best;
-  }
-
-  // The first index for which the exact test holds; the guess first.
-  template <class Test>
-  int first_that(int guess, Test test, const char* otherwise) const {
-    if (test(guess)) return guess;
-    for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
-      if (test(i)) return i;
-    }
-    throw HullError(otherwise);
-  }
-
   void start() {
-    if (points_.empty()) throw HullError("it has no points");
-    const int a = furthest([&](int i) { return -point(i).x; });
-    const int b = first_that(
-        furthest([&](int i) { return norm(point(i) - point(a)); }), [&](int i) { return !(point(i) == point(a)); },
-        "all its points coincide");
-    const Vec3 ab = point(b) - point(a);
-    const int c = first_that(
-        furthest([&](int i) { return norm(cross(ab, point(i) - point(a))); }),
-        [&](int i) { return !collinear(point(a), point(b), point(i)); }, "all its points lie on a line");
-    const Vec3 normal = cross(ab, point(c) - point(a));
-    const auto side = [&](int i) { return orientation(point(a), point(b), point(c), point(i)); };
-    const int d = first_that(
-        furthest([&](int i) { return std::fabs(dot(normal, point(i) - point(a))); }),
-        [&](int i) { return side(i) != 0; }, "all its points lie in a plane");
-    if (side(d) > 0) {
+    const Span span = affine_span(points_);
+    if (span.dimension < 3) throw HullError("its points have no volume");
+    const auto [a, b, c, d] = span.index;
+    if (orientation(point(a), point(b), point(c), point(d)) > 0) {
       create_tetrahedron(a, c, b, d);
     } else {
       create_tetrahedron(a, b, c, d);

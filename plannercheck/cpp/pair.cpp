@@ -36,24 +36,12 @@ PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(gue
   const double defect = rigidity_defect(host.pose) + kDefectRounding;
   const double reach = guest.body->reach + norm_1(w) + norm_1(centre) + host.body->radius;
   error_ = host.body->polar_radius * reach * (kPairError + 1.01 * defect);
+  swell_ = (guest.body->swell + host.body->swell) * (1 + 1.01 * defect);
 }
 
 Vec3 PairFrame::guest_direction(Vec3 q) const {
   return {-(m_[0] * q.x + m_[3] * q.y + m_[6] * q.z), -(m_[1] * q.x + m_[4] * q.y + m_[7] * q.z),
           -(m_[2] * q.x + m_[5] * q.y + m_[8] * q.z)};
-}
-
-// fl(Mᵀd) errs by 5.2u |d|, moving a product by 5.2u |d| r; a scan misses by at most 14u |d| r; evaluating d·p errs by
-// 5.2u |d| r; d·w by 6.2u |d| |w|; the last two sums by 2u of everything: below 27u |d| (r_P + r_R + |w|).
-bool separates_vertices(const PosedBody& guest, const PosedBody& host, Vec3 d, PairCounters& counters) {
-  const Vec3 along_guest = guest.pose.rotate_back(d), along_host = host.pose.rotate_back(d);
-  const Vec3 w = guest.pose.translation() - host.pose.translation();
-  ++counters.guest_queries, ++counters.host_queries;
-  const auto p = static_cast<std::size_t>(extreme(guest.body->inner, -along_guest, counters.queries));
-  const auto r = static_cast<std::size_t>(extreme(host.body->inner, along_host, counters.queries));
-  const double gap =
-      (dot(along_guest, guest.body->inner.points[p]) + dot(d, w)) - dot(along_host, host.body->inner.points[r]);
-  return gap > 32 * 0x1p-53 * norm(d) * (guest.body->reach + host.body->reach + norm_1(w));
 }
 
 }  // namespace plannercheck

@@ -4,7 +4,8 @@
 // its centre. The guest P is the hull of vertices M p + t under the relative pose. In that frame the game
 //     v = min over x in P of max over q in conv(polar) of q·x
 // decides: v > 1 is a separation (the plane q·x = 1), v <= 1 a shared point x (Theorem "Polarity of polyhedra" with
-// both polars hidden).
+// both polars hidden). Swollen bodies share a point if their hulls come as near as the sum of both swells, in m of the
+// world.
 #pragma once
 
 #include "body.hpp"
@@ -21,7 +22,7 @@ struct PosedBody {
 enum class Answer { kSeparated, kShared, kUndecided };
 
 // How the answer was found.
-enum class Stage { kCachedPlane, kCentreAxis, kSolver, kVertices, kExact };
+enum class Stage { kCachedPlane, kCentreAxis, kSolver, kNearest, kExact };
 
 // In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
 struct Certificate {
@@ -51,8 +52,9 @@ class PairFrame {
   // The direction in the guest's frame along which to look for the vertex with the least q·x.
   Vec3 guest_direction(Vec3 q) const;
 
-  // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding.
-  bool separates(double value) const { return value > 1 + error_; }
+  // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding. The
+  // distance along q is (value − 1) / |q|.
+  bool separates(Vec3 q, double value) const { return value > 1 + error_ + (swell_ > 0 ? swell_ * norm(q) : 0); }
   // With value = max over polar points of q·x as found by `extreme`, x a mixture of guest vertices or their centre.
   bool contains(double value) const { return value < 1 - error_; }
   double error() const { return error_; }
@@ -62,6 +64,7 @@ class PairFrame {
   double m_[9];  // rows of M_Rᵀ M_P
   Vec3 shift_;   // M_Rᵀ (t_P − t_R) − centre
   double error_;
+  double swell_;  // of both bodies, rounded up and stretched by what the pose may be off rigid
 
   Vec3 map(Vec3 v) const {
     return {(m_[0] * v.x + m_[1] * v.y) + (m_[2] * v.z + shift_.x),
@@ -69,9 +72,5 @@ class PairFrame {
             (m_[6] * v.x + m_[7] * v.y) + (m_[8] * v.z + shift_.z)};
   }
 };
-
-// Whether the world direction d separates the vertices of the two bodies (d·guest > d·host), by a bound that involves
-// neither facets nor the inverse of a pose.
-bool separates_vertices(const PosedBody& guest, const PosedBody& host, Vec3 d, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -1,5 +1,7 @@
 #include "pair_test.hpp"
 
+#include <limits>
+
 namespace plannercheck {
 namespace {
 
@@ -20,15 +22,37 @@ PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
   return verdict;
 }
 
+Vec3 between_centres(const PosedBody& guest, const PosedBody& host) {
+  return guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
+}
+
+// What needs no polar: the nearest points in doubles, then exact arithmetic.
+PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hint, const PairOptions& options,
+                          PairCounters& counters) {
+  if (options.nearest_points) {
+    PairVerdict verdict;
+    verdict.proximity = nearest_points(guest, host, hint, counters);
+    verdict.shared = verdict.proximity.answer == Answer::kShared;
+    verdict.stage = Stage::kNearest;
+    if (verdict.proximity.answer != Answer::kUndecided) return verdict;
+    hint = verdict.proximity.direction;
+  }
+  return exact_verdict(guest, host, hint, counters);
+}
+
+double conditioning(const Body& body) {
+  return body.dimension == 3 ? body.polar_radius * body.radius : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
-int choose_host(const Body& a, const Body& b) { return b.polar_radius * b.radius <= a.polar_radius * a.radius ? 1 : 0; }
+int choose_host(const Body& a, const Body& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
 
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters) {
-  if (options.solver == Solver::kExact) {
-    return exact_verdict(guest, host, guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre),
-                         counters);
+  if (options.solver == Solver::kExact) return exact_verdict(guest, host, between_centres(guest, host), counters);
+  if (host.body->dimension < 3) {
+    return without_polar(guest, host, between_centres(guest, host), options, counters);
   }
   const PairFrame frame(guest, host);
   Certificate certificate;
@@ -46,15 +70,8 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
   certificate =
       options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
   if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
-  // Too close for the polar's bound: the last plane against the vertices themselves, then exact arithmetic.
-  const Vec3 direction = host.pose.rotate(certificate.q);
-  if (norm_1(direction) > 0 && separates_vertices(guest, host, direction, counters)) {
-    PairVerdict verdict;
-    verdict.stage = Stage::kVertices;
-    verdict.direction = direction;
-    return verdict;
-  }
-  return exact_verdict(guest, host, direction, counters);
+  // Too close for the polar's bound, or within the swell of separated hulls.
+  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
 }
 
 }  // namespace plannercheck

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "exact.hpp"
+#include "gjk.hpp"
 #include "solvers.hpp"
 
 namespace plannercheck {
@@ -15,6 +16,7 @@ struct PairOptions {
   Solver solver = Solver::kDoubleOracle;
   bool cached_plane = true;
   bool centre_axis = true;
+  bool nearest_points = true;  // the second filter; without it, exact arithmetic decides what the solver leaves
 };
 
 // The plane that separated a pair last time, in the host's frame.
@@ -26,12 +28,12 @@ struct CachedPlane {
 struct PairVerdict {
   bool shared = false;
   Stage stage = Stage::kSolver;
-  Certificate certificate;           // unless the stage is kExact or kVertices
-  Vec3 direction;                    // stage kVertices: in the world, from host to guest
+  Certificate certificate;           // up to stage kSolver
+  Proximity proximity;               // stage kNearest
   std::optional<ExactAnswer> exact;  // stage kExact
 };
 
-// Of two bodies the one whose polar is better conditioned hosts: 0 for `a`, 1 for `b`.
+// Of two bodies the one whose polar is better conditioned hosts: 0 for `a`, 1 for `b`. Bodies without volume have none.
 int choose_host(const Body& a, const Body& b);
 
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,

@@ -86,6 +86,16 @@ int cone_side(Vec3 u, Vec3 o, Vec3 a, Vec3 b) {
   return dot(cross(DyadicVec3(a) - origin, DyadicVec3(b) - origin), DyadicVec3(u)).sign();
 }
 
+int turn(Vec3 a, Vec3 b, Vec3 c, int axis) {
+  const double value = cross(b - a, c - a)[axis], size = absolute_cross(b - a, c - a)[axis];
+  if (trusted(size, larger(norm_max(b - a), norm_max(c - a))) && std::fabs(value) > 6 * kRoundoff * size) {
+    return sign_of(value);
+  }
+  const DyadicVec3 origin(a);
+  const DyadicVec3 exact = cross(DyadicVec3(b) - origin, DyadicVec3(c) - origin);
+  return (axis == 0 ? exact.x : axis == 1 ? exact.y : exact.z).sign();
+}
+
 bool collinear(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 n = cross(b - a, c - a), size = absolute_cross(b - a, c - a);
   for (int axis = 0; axis < 3; ++axis) {

@@ -20,6 +20,9 @@ int wedge_side(Vec3 z, Vec3 v, Vec3 a, Vec3 b, Vec3 u);
 // Sign of det(u, a − o, b − o): on which side of the plane through o, a, b the direction u points.
 int cone_side(Vec3 u, Vec3 o, Vec3 a, Vec3 b);
 
+// Sign of the component of (b − a) × (c − a) along an axis: the turn a, b, c of the projection along it.
+int turn(Vec3 a, Vec3 b, Vec3 c, int axis);
+
 // Whether a, b, c lie on a line.
 bool collinear(Vec3 a, Vec3 b, Vec3 c);
 

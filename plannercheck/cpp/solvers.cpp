@@ -5,7 +5,7 @@ namespace plannercheck {
 bool still_separates(const PairFrame& frame, Vec3 q, PairCounters& counters) {
   ++counters.guest_queries;
   const std::int32_t p = extreme(frame.guest().inner, frame.guest_direction(q), counters.queries);
-  return frame.separates(dot(q, frame.guest_vertex(p)));
+  return frame.separates(q, dot(q, frame.guest_vertex(p)));
 }
 
 Certificate centre_axis(const PairFrame& frame, std::int32_t* lowest, PairCounters& counters) {
@@ -20,7 +20,7 @@ Certificate centre_axis(const PairFrame& frame, std::int32_t* lowest, PairCounte
   const Body& host = frame.host();
   const auto r = static_cast<std::size_t>(extreme(host.inner, axis, counters.queries));
   const double support = dot(axis, host.inner.points[r] - host.centre);
-  if (!(support > 0) || !frame.separates(below / support)) return certificate;
+  if (!(support > 0) || !frame.separates((1 / support) * axis, below / support)) return certificate;
   certificate.answer = Answer::kSeparated;
   certificate.stage = Stage::kCentreAxis;
   certificate.q = (1 / support) * axis;

@@ -1,6 +1,7 @@
 #include "verdicts.hpp"
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
 
 #include "array_types.hpp"
 
@@ -11,13 +12,16 @@ namespace {
 
 auto row_of(Vec3 v) { return output_array(std::vector<double>{v.x, v.y, v.z}, {std::size_t{3}}); }
 
+nb::tuple exact_number(const Dyadic& number) { return nb::make_tuple(number.hexadecimal(), number.exponent()); }
+
 // Weights as doubles with sum 1; they differ by powers of two too large for doubles, so they are scaled together.
 std::vector<double> weights_of(const ExactAnswer& answer) {
+  const auto count = static_cast<std::size_t>(answer.count);
   std::int64_t top = INT64_MIN;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(answer.count); ++i) top = std::max(top, answer.weight[i].log2());
+  for (std::size_t i = 0; i < count; ++i) top = std::max(top, answer.weight[i].log2());
   std::vector<double> weights;
   double sum = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(answer.count); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     weights.push_back(answer.weight[i].shifted(-top).to_double());
     sum += weights.back();
   }
@@ -25,22 +29,31 @@ std::vector<double> weights_of(const ExactAnswer& answer) {
   return weights;
 }
 
-void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest, bool guest_is_a) {
+Vec3 vertex_in_world(const PosedBody& posed, std::int32_t v) {
+  return posed.pose.apply(posed.body->inner.points[static_cast<std::size_t>(v)]);
+}
+
+void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest, const PosedBody& host, bool guest_is_a) {
   if (!answer.shared) {
-    const Vec3 d = direction_of(answer.direction);
-    out["normal"] = row_of(guest_is_a ? d : -d);
+    const DyadicVec3 d = Dyadic(guest_is_a ? 1.0 : -1.0) * answer.direction;
+    out["normal"] = row_of(direction_of(d));
+    out["exact_normal"] = nb::make_tuple(exact_number(d.x), exact_number(d.y), exact_number(d.z));
     return;
   }
   const std::vector<double> weights = weights_of(answer);
   std::vector<std::int32_t> guests, hosts;
-  Vec3 point;
+  nb::list exact_weights;
+  Vec3 on_guest, on_host;
   for (std::size_t i = 0; i < weights.size(); ++i) {
     guests.push_back(answer.guest[i]);
     hosts.push_back(answer.host[i]);
-    point = point + weights[i] * guest.pose.apply(guest.body->inner.points[static_cast<std::size_t>(answer.guest[i])]);
+    exact_weights.append(exact_number(answer.weight[i]));
+    on_guest = on_guest + weights[i] * vertex_in_world(guest, answer.guest[i]);
+    on_host = on_host + weights[i] * vertex_in_world(host, answer.host[i]);
   }
-  out["point"] = row_of(point);
-  out["weights"] = output_array(weights, {weights.size()});
+  const double swell = guest.body->swell + host.body->swell;
+  out["point"] = row_of(on_guest + (swell > 0 ? guest.body->swell / swell : 0) * (on_host - on_guest));
+  out["exact_weights"] = exact_weights;
   out["vertices_a"] = output_array(guest_is_a ? guests : hosts, {weights.size()});
   out["vertices_b"] = output_array(guest_is_a ? hosts : guests, {weights.size()});
 }
@@ -53,8 +66,8 @@ const char* name_of(Stage stage) {
       return "centre axis";
     case Stage::kSolver:
       return "solver";
-    case Stage::kVertices:
-      return "vertices";
+    case Stage::kNearest:
+      return "nearest points";
     case Stage::kExact:
       return "exact";
   }
@@ -79,11 +92,13 @@ nb::dict verdict_dict(const PairVerdict& verdict, const PosedBody& guest, const 
   out["shared"] = verdict.shared;
   out["stage"] = name_of(verdict.stage);
   if (verdict.exact) {
-    put_exact(out, *verdict.exact, guest, guest_is_a);
+    put_exact(out, *verdict.exact, guest, host, guest_is_a);
   } else if (verdict.shared) {
-    out["point"] = row_of(host.pose.apply(host.body->centre + verdict.certificate.x));
+    const bool nearest = verdict.stage == Stage::kNearest;
+    out["point"] = row_of(nearest ? verdict.proximity.point : host.pose.apply(host.body->centre + verdict.certificate.x));
   } else {
-    const Vec3 d = verdict.stage == Stage::kVertices ? verdict.direction : host.pose.rotate(verdict.certificate.q);
+    const bool nearest = verdict.stage == Stage::kNearest;
+    const Vec3 d = nearest ? verdict.proximity.direction : host.pose.rotate(verdict.certificate.q);
     out["normal"] = row_of(guest_is_a ? d : -d);
   }
   return out;

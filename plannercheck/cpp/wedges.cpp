@@ -150,7 +150,6 @@ class WedgeBuilder {
 }  // namespace
 
 void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Hierarchy& h) {
-  h.fan_of.assign(h.points.size(), -1);
   const bool any =
       std::any_of(h.chains.begin(), h.chains.end(), [](const ChainRange& c) { return c.length > kLongChain; });
   if (!any) return;

@@ -1,0 +1,175 @@
+#include "gjk.hpp"
+
+#include <algorithm>
+
+namespace plannercheck {
+namespace {
+
+constexpr int kMaxRounds = 64;
+
+// A difference fl(M_P p) − fl(M_R r) + fl(t_P − t_R) errs by 5.2u (r_P + r_R) for the products, u |w| for the
+// translations and 2u of everything for the sums: below 9u times the sum of the sizes. A direction d in the world,
+// turned into a body's frame errs by 5.2u |d|, which moves a product by 5.2u |d| r; a scan misses by at most 14u |d| r;
+// evaluating d·w by 5.2u |d| |w|. The length of d is 1 up to 4u. All of it: below 30u times the sum of the sizes.
+constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
+
+struct Corner {
+  Vec3 difference, guest;  // guest vertex − host vertex relative to both translations; the guest vertex in the world
+};
+
+struct Simplex {
+  int count = 0;
+  std::array<Corner, 4> corner;
+  std::array<double, 4> weight;
+
+  Vec3 nearest() const {
+    Vec3 sum;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * corner[i].difference;
+    return sum;
+  }
+  Vec3 on_guest() const {
+    Vec3 sum;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * corner[i].guest;
+    return sum;
+  }
+};
+
+// Weights of the projection of the origin on the span of 2, 3 or 4 corners; false unless all are positive.
+bool project(Simplex& s) {
+  const Vec3 a = s.corner[0].difference, b = s.corner[1].difference;
+  if (s.count == 2) {
+    const Vec3 e = b - a;
+    s.weight = {dot(b, e), -dot(a, e), 0, 0};
+  } else if (s.count == 3) {
+    const Vec3 c = s.corner[2].difference, n = cross(b - a, c - a);
+    s.weight = {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b)), 0};
+  } else {
+    const Vec3 c = s.corner[2].difference, d = s.corner[3].difference;
+    s.weight = {dot(b, cross(c, d)), -dot(a, cross(c, d)), dot(a, cross(b, d)), -dot(a, cross(b, c))};
+    if (s.weight[0] < 0) {
+      for (double& w : s.weight) w = -w;
+    }
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(s.count); ++i) {
+    if (!(s.weight[i] > 0)) return false;
+    sum += s.weight[i];
+  }
+  if (!(sum > 0) || !std::isfinite(sum)) return false;
+  for (double& w : s.weight) w /= sum;
+  return true;
+}
+
+Simplex face_of(const Simplex& all, unsigned chosen) {
+  Simplex face;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(all.count); ++i) {
+    if ((chosen >> i & 1U) != 0) face.corner[static_cast<std::size_t>(face.count++)] = all.corner[i];
+  }
+  return face;
+}
+
+// The face of the simplex that holds the point nearest to the origin, as far as doubles tell: whatever is chosen, its
+// point is a mixture of corners.
+Simplex nearest_face(const Simplex& all) {
+  Simplex best;
+  double least = 0;
+  for (unsigned chosen = 1; chosen < 1U << all.count; ++chosen) {
+    Simplex face = face_of(all, chosen);
+    if (face.count == 1) {
+      face.weight = {1, 0, 0, 0};
+    } else if (!project(face)) {
+      continue;
+    }
+    const Vec3 v = face.nearest();
+    const double square = face.count == 4 ? 0 : dot(v, v);
+    if (best.count == 0 || square < least) best = face, least = square;
+  }
+  return best;
+}
+
+// Whether four differences, each known up to `error`, surely hold the origin strictly inside: all four determinants
+// that weigh the corners have a sure sign, the same after the alternation.
+bool surely_inside(const Simplex& s, double error) {
+  std::array<Vec3, 4> w;
+  double largest = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    w[i] = s.corner[i].difference;
+    largest = larger(largest, norm_1(w[i]));
+  }
+  const double bound = 3 * error * largest * largest * (1 + 1e-6) + 16 * 0x1p-53 * largest * largest * largest;
+  const std::array<double, 4> weights{dot(w[1], cross(w[2], w[3])), -dot(w[0], cross(w[2], w[3])),
+                                      dot(w[0], cross(w[1], w[3])), -dot(w[0], cross(w[1], w[2]))};
+  const bool positive = std::all_of(weights.begin(), weights.end(), [&](double x) { return x > bound; });
+  const bool negative = std::all_of(weights.begin(), weights.end(), [&](double x) { return x < -bound; });
+  return positive || negative;
+}
+
+class NearestPoints {
+ public:
+  NearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
+      : guest_(guest), host_(host), counters_(counters), shift_(guest.pose.translation() - host.pose.translation()) {
+    swell_ = guest.body->swell + host.body->swell;
+    size_ = guest.body->reach + host.body->reach + norm_1(shift_);
+  }
+
+  Proximity run(Vec3 direction) {
+    Proximity out;
+    Simplex simplex;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      ++counters_.rounds;
+      const double length = norm(direction);
+      if (!(length > 0) || !std::isfinite(length)) return out;
+      direction = (1 / length) * direction;
+      out.direction = direction;
+      const Corner corner = furthest_against(direction);
+      const double height = dot(direction, corner.difference);
+      if (height > swell_ * (1 + 4 * 0x1p-53) + kSupport * size_) {
+        out.answer = Answer::kSeparated;
+        return out;
+      }
+      for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+        if (simplex.corner[i].difference == corner.difference) return out;  // as near as doubles tell
+      }
+      simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
+      simplex = nearest_face(simplex);
+      const Vec3 v = simplex.nearest();
+      if (shared(simplex, v, out)) return out;
+      if (simplex.count == 4) return out;
+      direction = v;
+    }
+    return out;
+  }
+
+ private:
+  const PosedBody &guest_, &host_;
+  PairCounters& counters_;
+  Vec3 shift_;
+  double swell_, size_;
+
+  Corner furthest_against(Vec3 d) {
+    ++counters_.guest_queries, ++counters_.host_queries;
+    const auto p = static_cast<std::size_t>(extreme(guest_.body->inner, -guest_.pose.rotate_back(d), counters_.queries));
+    const auto r = static_cast<std::size_t>(extreme(host_.body->inner, host_.pose.rotate_back(d), counters_.queries));
+    const Vec3 turned = guest_.pose.rotate(guest_.body->inner.points[p]);
+    return {(turned - host_.pose.rotate(host_.body->inner.points[r])) + shift_, turned + guest_.pose.translation()};
+  }
+
+  // Mixing four corners errs by 6u of their size besides.
+  bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
+    const double error = kDifference * size_;
+    const bool within = norm(v) * (1 + 8 * 0x1p-53) + 2 * error < swell_;
+    if (!within && !(simplex.count == 4 && surely_inside(simplex, error))) return false;
+    out.answer = Answer::kShared;
+    const double part = swell_ > 0 ? guest_.body->swell / swell_ : 0;
+    out.point = simplex.on_guest() - part * v;
+    return true;
+  }
+};
+
+}  // namespace
+
+Proximity nearest_points(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters) {
+  return NearestPoints(guest, host, counters).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
+}
+
+}  // namespace plannercheck
