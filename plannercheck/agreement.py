@@ -4,7 +4,8 @@ In: a checker and configurations (n, nq). Out: an AgreementReport that counts pa
 disagreement with the verdict of exact arithmetic on the same hulls and poses.
 
 FCL is an independent peer, not the truth: it works to a tolerance and errs near contact and on small or flat
-bodies. So nothing is concluded from FCL alone. Pairs whose world boxes are apart are free without asking FCL.
+bodies. So nothing is concluded from FCL alone. Pairs whose world boxes are apart are free without asking FCL. Bodies
+that FCL has no reliable form for (flat ones, swollen polygons and polytopes) are held against exact arithmetic.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ class Disagreement:
         row: The configuration's row in the given array.
         bodies: Names of the two bodies.
         ours: The checker's verdict, True for a collision.
-        fcl: FCL's verdict; False also where the world boxes are apart and FCL was not asked.
+        fcl: FCL's verdict; False also where the world boxes are apart and FCL was not asked, that of exact arithmetic
+            where FCL can't take a body.
         exact: The verdict of exact arithmetic.
         distance: How far the bodies are apart, m; 0 if they collide.
         indices: The two bodies' places in the checker's bodies.
@@ -67,7 +69,8 @@ class AgreementReport:
     Attributes:
         states: Configurations compared.
         pairs: Verdicts compared: configurations times the checker's pairs.
-        fcl_calls: Pairs that FCL decided; the world boxes of the others are apart.
+        fcl_calls: Pairs that FCL decided.
+        exact_calls: Pairs that exact arithmetic decided instead; the world boxes of the others are apart.
         collisions: Pairs that collide by the checker's verdict.
         disagreements: Every pair on which the two differ, with the exact verdict.
         contradictions: Rows where `check_states` differs from the or of the checker's own pair verdicts.
@@ -76,6 +79,7 @@ class AgreementReport:
     states: int
     pairs: int
     fcl_calls: int
+    exact_calls: int
     collisions: int
     disagreements: tuple[Disagreement, ...]
     contradictions: tuple[int, ...]
@@ -130,6 +134,7 @@ def merged(reports: list[AgreementReport]) -> AgreementReport:
         states=sum(report.states for report in reports),
         pairs=sum(report.pairs for report in reports),
         fcl_calls=sum(report.fcl_calls for report in reports),
+        exact_calls=sum(report.exact_calls for report in reports),
         collisions=sum(report.collisions for report in reports),
         disagreements=tuple(found for report in reports for found in report.disagreements),
         contradictions=tuple(row for report in reports for row in report.contradictions),
@@ -141,18 +146,24 @@ class _Comparison:
 
     def __init__(self, checker: Checker) -> None:
         self._checker = checker
-        self._fcl = FclBodies([_vertices_and_faces(polytope) for polytope in checker.polytopes])
+        self._fcl = FclBodies(
+            [_vertices_and_faces(polytope) for polytope in checker.polytopes],
+            [0.0 if polytope is None else polytope.swell for polytope in checker.polytopes],
+        )
         self._names = [body.name for body in checker.bodies]
 
     def block(self, q: Array, first_row: int) -> AgreementReport:
         """Compares the verdicts on configurations (n, nq) that start at a row of a larger set."""
         poses, ours = self._checker.body_poses(q), self._checker.colliding_pairs(q)
         valid = self._checker.check_states(q)
-        theirs, asked = self._verdicts_of_fcl(poses)
+        near = self._fcl.boxes_meet(poses, self._checker.pairs)
+        known: Flags = np.all(self._fcl.known[self._checker.pairs], axis=1)
+        theirs = self._verdicts_of_others(poses, near, known)
         return AgreementReport(
             states=len(q),
             pairs=ours.size,
-            fcl_calls=int(asked.sum()),
+            fcl_calls=int(near[:, known].sum()),
+            exact_calls=int(near[:, ~known].sum()),
             collisions=int(ours.sum()),
             disagreements=tuple(
                 self._judged(row, pair, poses[row], bool(ours[row, pair]), first_row)
@@ -161,18 +172,25 @@ class _Comparison:
             contradictions=tuple((first_row + np.flatnonzero(valid == ours.any(axis=1))).tolist()),
         )
 
-    def _verdicts_of_fcl(self, poses: Array) -> tuple[Flags, Flags]:
-        """FCL's verdicts (n, pairs), and which of them FCL was asked for."""
-        asked = self._fcl.boxes_meet(poses, self._checker.pairs)
-        verdicts = np.zeros_like(asked)
-        for row, near in enumerate(asked):
-            pairs = np.flatnonzero(near)
+    def _verdicts_of_others(self, poses: Array, near: Flags, known: Flags) -> Flags:
+        """Verdicts (n, pairs): FCL's on near pairs that it knows, those of exact arithmetic on other near pairs."""
+        verdicts = np.zeros_like(near)
+        for row in range(len(near)):
+            pairs = np.flatnonzero(near[row] & known)
             verdicts[row, pairs] = self._fcl.collide_all(poses[row], self._checker.pairs[pairs])
-        return verdicts, asked
+            for pair in np.flatnonzero(near[row] & ~known).tolist():
+                verdicts[row, pair] = exact.intersects(*self._posed(pair, poses[row]))
+        return verdicts
+
+    def _posed(self, pair: int, poses: Array) -> tuple[Array, Array, Array, Array, float, float]:
+        """Vertices, poses and swells of a pair, as exact arithmetic takes them."""
+        p, r = self._checker.pairs[pair].tolist()
+        vertices, swells = self._fcl.vertices, self._fcl.swells
+        return vertices[p], vertices[r], poses[p], poses[r], swells[p], swells[r]
 
     def _judged(self, row: int, pair: int, poses: Array, ours: bool, first_row: int) -> Disagreement:
         p, r = self._checker.pairs[pair].tolist()
-        bodies = self._fcl.vertices[p], self._fcl.vertices[r], poses[p], poses[r]
+        bodies = self._posed(pair, poses)
         certificate = exact.decide(*bodies)
         if not exact.holds(certificate, *bodies):
             raise AssertionError(f"the exact verdict on {self._names[p]} and {self._names[r]} does not hold")

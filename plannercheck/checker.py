@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope, prepared
+from plannercheck.kinematic_rounding import largest_distance
 from plannercheck.motion import MotionSampler
 from plannercheck.pair import Method, certify, intersects, pair_options
 from plannercheck.pairs import Acm, pair_table
@@ -193,7 +194,11 @@ class Checker:
         Returns:
             (n, bodies, 4, 4), m; NaN for bodies that no pair needs.
         """
-        live = self._core.body_poses(self._link_poses(self.robot.check_configurations(q)))
+        return self._placed(self._link_poses(self.robot.check_configurations(q)))
+
+    def _placed(self, link_poses: Floats) -> Floats:
+        """Poses of the bodies (n, bodies, 4, 4) at poses of the links (n, links, 4, 4)."""
+        live = self._core.body_poses(np.ascontiguousarray(link_poses))
         poses = np.full((len(live), len(self.bodies), 4, 4), np.nan)
         poses[:, self._live] = live
         return poses
@@ -251,7 +256,18 @@ class Checker:
             not colliding.any(),
             tuple(v for v in found if v.colliding),
             tuple(v for v in found if not v.colliding),
+            self._kinematic_error(row, poses),
         )
+
+    def _kinematic_error(self, row: Floats, poses: Floats) -> float:
+        """The proven bound for the poses (bodies, 4, 4) of one configuration (1, nq), m.
+
+        Pinocchio's poses are off by no more than the kernel's, and how far the two are apart.
+        """
+        error = self.robot.kinematic_error_at(row[0])
+        if self._kernel is None and self.robot.kinematics is not None:
+            error += largest_distance(self.bodies, poses, self._placed(self.robot.link_poses(row))[0])
+        return error
 
     def _pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
         a, b = (int(i) for i in self.pairs[k])

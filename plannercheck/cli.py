@@ -28,6 +28,7 @@ COMMANDS = {
     "plan": "plan with OMPL, one problem or a whole problem set",
     "demo": "validate a shipped set and plan in a shipped scene",
     "robots": "list the shipped robots",
+    "stress": "hold verdicts on hard pairs of bodies against exact arithmetic",
     "inspect": "show the bodies and pairs of a robot in a scene, and what checking them takes",
 }
 

@@ -108,15 +108,20 @@ class ConfigurationMap:
         their sphere.
         """
         generator = np.random.default_rng(seed)
-        turning = np.isinf(self.lower) & (self.roles_of_columns() != PLAIN)
-        unlimited = np.where(turning, math.pi, _UNLIMITED_RANGE)
-        low = np.where(np.isinf(self.lower), np.minimum(self.upper - 2 * unlimited, -unlimited), self.lower)
-        high = np.where(np.isinf(self.upper), np.maximum(low + 2 * unlimited, unlimited), self.upper)
+        low, high = self.sampled_range()
         q = generator.uniform(low, high, size=(n, self.width))
         for start, stop in self.units:
             unit = generator.standard_normal((n, stop - start))
             q[:, start:stop] = unit / np.linalg.norm(unit, axis=1, keepdims=True)
         return q
+
+    def sampled_range(self) -> tuple[Floats, Floats]:
+        """(nq,) least and largest number of `random`: the limits, and where there are none, a finite range."""
+        turning = np.isinf(self.lower) & (self.roles_of_columns() != PLAIN)
+        unlimited = np.where(turning, math.pi, _UNLIMITED_RANGE)
+        low = np.where(np.isinf(self.lower), np.minimum(self.upper - 2 * unlimited, -unlimited), self.lower)
+        high = np.where(np.isinf(self.upper), np.maximum(low + 2 * unlimited, unlimited), self.upper)
+        return low, high
 
     def roles_of_columns(self) -> Ints:
         """(nq,) a role in which each column of the group's configuration is used."""

@@ -1,12 +1,13 @@
 """Exact verdicts in Python integers, written apart from the compiled core.
 
-In: two sets of vertices (n, 3) in metres with a pose (4, 4) each, every double taken as the exact number it
-is. Out: whether the two convex hulls share a point (touching counts), as a certificate that `holds` checks on
-its own.
+In: two sets of vertices (n, 3) in metres with a pose (4, 4) and a swell each, every double taken as the exact
+number it is; the sets may be flat, segments or points. Out: whether the two bodies share a point (touching
+counts), as a certificate that `holds` checks on its own. A body is all points within its swell, measured in the
+world, of the convex hull.
 
 The idea: GJK on the differences p - r of posed vertices, in integers and so without rounding. Each round
 takes the vertex furthest against the simplex's point nearest to the origin and finds the nearest point of the
-new simplex. The distance falls strictly, so it ends.
+new simplex. The distance falls strictly, so it ends. Lengths are compared by their squares.
 """
 
 from __future__ import annotations
@@ -34,13 +35,17 @@ from plannercheck.integers import (
 
 Differences = list["_Difference"]
 
+# Bits of a root that is to be rounded to a double: 53 and some to spare.
+_ROOT_BITS = 64
+
 
 @dataclass(frozen=True)
 class ExactSeparation:
-    """The proof that two hulls share no point.
+    """The proof that two bodies share no point.
 
     Attributes:
-        direction: Integers d with d·p > d·r for all posed vertices p of the first and r of the second body.
+        direction: Integers d with d·p - d·r > |d| S for all posed vertices p of the first and r of the second body,
+            S being the sum of the swells.
     """
 
     direction: Integers
@@ -48,7 +53,7 @@ class ExactSeparation:
 
 @dataclass(frozen=True)
 class ExactSharedPoint:
-    """The proof that two hulls share a point: the same convex combination of vertices of either body.
+    """The proof that two bodies share a point: convex combinations of vertices no further apart than the swells.
 
     Attributes:
         vertices_p: Indices of vertices of the first body.
@@ -69,19 +74,23 @@ def intersects(
     vertices_r: ArrayLike,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
+    swell_p: float = 0.0,
+    swell_r: float = 0.0,
 ) -> bool:
-    """Says whether two convex hulls share a point.
+    """Says whether two bodies share a point.
 
     Args:
         vertices_p: Points of the first body, (n, 3), m.
         vertices_r: Points of the second body, (m, 3), m.
         pose_p: Pose of the first body, (4, 4), m; the identity if None.
         pose_r: Pose of the second body, (4, 4), m; the identity if None.
+        swell_p: Swell of the first body, m.
+        swell_r: Swell of the second body, m.
 
     Returns:
         True if they share a point, also if they only touch.
     """
-    return isinstance(decide(vertices_p, vertices_r, pose_p, pose_r), ExactSharedPoint)
+    return isinstance(decide(vertices_p, vertices_r, pose_p, pose_r, swell_p, swell_r), ExactSharedPoint)
 
 
 def decide(
@@ -89,22 +98,28 @@ def decide(
     vertices_r: ArrayLike,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
+    swell_p: float = 0.0,
+    swell_r: float = 0.0,
 ) -> Certificate:
-    """Decides whether two convex hulls share a point, and proves it.
+    """Decides whether two bodies share a point, and proves it.
 
     Args:
         vertices_p: Points of the first body, (n, 3), m.
         vertices_r: Points of the second body, (m, 3), m.
         pose_p: Pose of the first body, (4, 4), m; the identity if None.
         pose_r: Pose of the second body, (4, 4), m; the identity if None.
+        swell_p: Swell of the first body, m.
+        swell_r: Swell of the second body, m.
 
     Returns:
         A separating direction, or a shared point.
     """
-    for state in _rounds(*in_common_unit(IntegerHull(vertices_p, pose_p), IntegerHull(vertices_r, pose_r))):
-        if not any(state.direction):
+    p, r = in_common_unit(IntegerHull(vertices_p, pose_p, swell_p), IntegerHull(vertices_r, pose_r, swell_r))
+    swell = p.swell + r.swell
+    for state in _rounds(p, r):
+        if not _exceeds(state.simplex[0], state.direction, swell):
             return _shared_point(state)
-        if dot(state.direction, state.furthest.point) > 0:
+        if _exceeds(state.furthest, state.direction, swell):
             return ExactSeparation(state.direction)
     raise AssertionError("GJK in integers always ends with a certificate")
 
@@ -114,25 +129,30 @@ def distance(
     vertices_r: ArrayLike,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
+    swell_p: float = 0.0,
+    swell_r: float = 0.0,
 ) -> float:
-    """Measures how far two convex hulls are apart.
+    """Measures how far two bodies are apart.
 
     Args:
         vertices_p: Points of the first body, (n, 3), m.
         vertices_r: Points of the second body, (m, 3), m.
         pose_p: Pose of the first body, (4, 4), m; the identity if None.
         pose_r: Pose of the second body, (4, 4), m; the identity if None.
+        swell_p: Swell of the first body, m.
+        swell_r: Swell of the second body, m.
 
     Returns:
         The distance in m, rounded once or twice from the exact one; 0 if they share a point.
     """
-    hull_p, hull_r = in_common_unit(IntegerHull(vertices_p, pose_p), IntegerHull(vertices_r, pose_r))
-    for state in _rounds(hull_p, hull_r):
-        if not any(state.direction):
+    p, r = in_common_unit(IntegerHull(vertices_p, pose_p, swell_p), IntegerHull(vertices_r, pose_r, swell_r))
+    swell = p.swell + r.swell
+    for state in _rounds(p, r):
+        if not _exceeds(state.simplex[0], state.direction, swell):
             return 0.0
         nearest = dot(state.direction, state.simplex[0].point)
         if dot(state.direction, state.furthest.point) >= nearest:
-            return _rounded_root(Fraction(nearest**2, dot(state.direction, state.direction)), hull_p.unit)
+            return _length_beyond(swell, Fraction(nearest**2, dot(state.direction, state.direction)), p.unit)
     raise AssertionError("GJK in integers always ends with a nearest point")
 
 
@@ -142,6 +162,8 @@ def holds(
     vertices_r: ArrayLike,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
+    swell_p: float = 0.0,
+    swell_r: float = 0.0,
 ) -> bool:
     """Checks a certificate from its definition, exactly, with every vertex, without the code that found it.
 
@@ -151,35 +173,36 @@ def holds(
         vertices_r: Points of the second body, (m, 3), m.
         pose_p: Pose of the first body, (4, 4), m; the identity if None.
         pose_r: Pose of the second body, (4, 4), m; the identity if None.
+        swell_p: Swell of the first body, m.
+        swell_r: Swell of the second body, m.
 
     Returns:
         True if the certificate proves its verdict.
     """
-    p, bits_p = _posed_fixed_point(vertices_p, pose_p)
-    r, bits_r = _posed_fixed_point(vertices_r, pose_r)
-    p, r = p * (1 << bits_r), r * (1 << bits_p)
+    p, r = _posed_fractions(vertices_p, pose_p), _posed_fractions(vertices_r, pose_r)
+    swell = Fraction(swell_p) + Fraction(swell_r)
     if isinstance(certificate, ExactSeparation):
         normal = np.array(certificate.direction, dtype=object)
-        return bool((p @ normal).min() > (r @ normal).max())
+        gap = (p @ normal).min() - (r @ normal).max()
+        return bool(gap > 0 and gap * gap > swell * swell * (normal @ normal))
     weights = np.array(certificate.weights, dtype=object)
-    convex = len(weights) > 0 and bool((weights > 0).all())
-    return convex and not (weights @ (p[list(certificate.vertices_p)] - r[list(certificate.vertices_r)])).any()
+    if len(weights) == 0 or not (weights > 0).all():
+        return False
+    apart = weights @ (p[list(certificate.vertices_p)] - r[list(certificate.vertices_r)])
+    return bool(apart @ apart <= (swell * weights.sum()) ** 2)
 
 
-def _posed_fixed_point(vertices: ArrayLike, pose: ArrayLike | None) -> tuple[NDArray[np.object_], int]:
-    """Posed vertices as integers and the number of bits behind their binary point."""
-    points, bits = _fixed_point(np.asarray(vertices, dtype=np.float64))
+def _posed_fractions(vertices: ArrayLike, pose: ArrayLike | None) -> NDArray[np.object_]:
+    points = _fractions(vertices)
     if pose is None:
-        return points, bits
-    matrix, matrix_bits = _fixed_point(np.asarray(pose, dtype=np.float64))
-    return points @ matrix[:3, :3].T + matrix[:3, 3] * (1 << bits), bits + matrix_bits
+        return points
+    matrix = _fractions(pose)
+    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
 
 
-def _fixed_point(values: NDArray[np.float64]) -> tuple[NDArray[np.object_], int]:
-    ratios = [value.as_integer_ratio() for value in values.ravel().tolist()]
-    bits = max(denominator.bit_length() - 1 for _, denominator in ratios)
-    integers = [numerator * ((1 << bits) // denominator) for numerator, denominator in ratios]
-    return np.array(integers, dtype=object).reshape(values.shape), bits
+def _fractions(values: ArrayLike) -> NDArray[np.object_]:
+    array = np.asarray(values, dtype=np.float64)
+    return np.array([Fraction(value) for value in array.ravel().tolist()], dtype=object).reshape(array.shape)
 
 
 @dataclass(frozen=True)
@@ -210,6 +233,12 @@ def _rounds(p: IntegerHull, r: IntegerHull) -> Iterator[_State]:
             furthest = _furthest_difference(p, r, direction)
         yield _State(simplex, weights, direction, furthest)
         simplex, weights, direction = _nearest(simplex, furthest)
+
+
+def _exceeds(difference: _Difference, direction: Integers, swell: int) -> bool:
+    """Whether a difference lies further along a direction than the swell; never for the direction 0."""
+    height = dot(direction, difference.point)
+    return height > 0 and height**2 > swell**2 * dot(direction, direction)
 
 
 def _difference(p: IntegerHull, r: IntegerHull, vertex_p: int, vertex_r: int) -> _Difference:
@@ -279,8 +308,9 @@ def _shared_point(state: _State) -> ExactSharedPoint:
     )
 
 
-def _rounded_root(square: Fraction, unit: int) -> float:
-    """The root of square · 4^unit."""
-    shift = max(0, 2 * 64 - (square.numerator.bit_length() - square.denominator.bit_length())) // 2
-    root = math.isqrt((square.numerator << (2 * shift)) // square.denominator)
-    return float(Fraction(root) * Fraction(2) ** (unit - shift))
+def _length_beyond(swell: int, square: Fraction, unit: int) -> float:
+    """The root of `square`, which is above the swell, less the swell, times 2^unit."""
+    shift = max(0, 2 * _ROOT_BITS - (square.numerator.bit_length() - square.denominator.bit_length())) // 2
+    root = Fraction(math.isqrt((square.numerator << (2 * shift)) // square.denominator), 1 << shift)
+    # The difference of the squares is exact, so nothing cancels.
+    return float((square - swell**2) / (root + swell) * Fraction(2) ** unit)

@@ -8,7 +8,7 @@ say. Also Pinocchio's own poses, which are the truth to compare with and the way
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +18,7 @@ from plannercheck.configurations import COSINE, ConfigurationMap
 from plannercheck.core import core
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
 
 # The kernel's joint kinds (JointKind in cpp/kinematics.hpp), by Pinocchio's name without "JointModel".
 _TURNS = {"RX": 0, "RY": 1, "RZ": 2, "RevoluteUnaligned": 3}
@@ -36,10 +37,38 @@ AGREEMENT = 1e-12
 _CHECKED_CONFIGURATIONS = 8
 
 
-def compiled_kinematics(
+class JointTable(NamedTuple):
+    """What the compiled kernel works with, in the order in which it takes it.
+
+    Attributes:
+        width: Numbers in a configuration.
+        parents: (joints,) an earlier joint each, -1 for the world.
+        kinds: (joints,) JointKind of cpp/kinematics.hpp.
+        axes: (joints, 3).
+        placements: (joints, 3, 4) on the parents, m.
+        columns: (joints, 7) column of the configuration for each number that the joint takes, -1 if held.
+        multipliers: (joints, 7) applied to the column's value.
+        offsets: (joints, 7) added to it.
+        link_joints: (links,) the joint that each link is on, -1 for the world.
+        link_placements: (links, 3, 4) on that joint, m.
+    """
+
+    width: int
+    parents: Ints
+    kinds: Ints
+    axes: Floats
+    placements: Floats
+    columns: Ints
+    multipliers: Floats
+    offsets: Floats
+    link_joints: Ints
+    link_placements: Floats
+
+
+def joint_table(
     model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
-) -> Any | None:
-    """Builds the compiled kinematics of a group.
+) -> JointTable | None:
+    """The kernel's table of a group.
 
     Args:
         model: Pinocchio's.
@@ -47,14 +76,14 @@ def compiled_kinematics(
         frames: Pinocchio's frames of the links.
 
     Returns:
-        A `core.Kinematics`, or None if the model has a joint that the kernel does not know.
+        The table, or None if the model has a joint that the kernel does not know.
     """
     joints = [_joint_row(model, model.joints[i], configurations) for i in range(1, model.njoints)]
     if any(row is None for row in joints):
         return None
     kinds, axes, columns, multipliers, offsets = zip(*joints, strict=True) if joints else ((), (), (), (), ())
     link_frames = [model.frames[i] for i in frames]
-    return core.Kinematics(
+    return JointTable(
         configurations.width,
         np.array([model.parents[i] - 1 for i in range(1, model.njoints)], dtype=np.int32),
         np.array(kinds, dtype=np.int32),
@@ -66,6 +95,18 @@ def compiled_kinematics(
         np.array([frame.parentJoint - 1 for frame in link_frames], dtype=np.int32),
         _placements([frame.placement for frame in link_frames]),
     )
+
+
+def compiled_kinematics(
+    model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
+) -> Any | None:
+    """Builds the compiled kinematics of a group; arguments as of `joint_table`.
+
+    Returns:
+        A `core.Kinematics`, or None if the model has a joint that the kernel does not know.
+    """
+    table = joint_table(model, configurations, frames)
+    return None if table is None else core.Kinematics(*table)
 
 
 def pinocchio_poses(

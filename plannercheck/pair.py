@@ -6,12 +6,23 @@ cpp/pair_test: cached plane, centre axis, the coupled walk or the double oracle,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any, Literal, TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from plannercheck.certificates import Certificate, SharedPoint, separation
+from plannercheck.certificates import (
+    Bodies,
+    Certificate,
+    Point,
+    PosedBody,
+    SharedPoint,
+    UnprovedVerdictError,
+    direction_of,
+    separation,
+    shared_point,
+)
 from plannercheck.core import core
 from plannercheck.errors import unknown_name
 from plannercheck.hull import Polytope
@@ -91,12 +102,42 @@ def certify(
         PlannercheckError: If a pose is not finite or not rigid.
     """
     pose_p, pose_r = checked_pose(pose_p, "pose_p"), checked_pose(pose_r, "pose_r")
-    found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), True)
-    if found["shared"]:
-        return SharedPoint(found["point"])
-    return separation(found["normal"], posed(P.vertices, pose_p), posed(R.vertices, pose_r))
+    bodies = PosedBody(P.vertices, pose_p, P.swell), PosedBody(R.vertices, pose_r, R.swell)
+    for stage in (method, METHODS[-1]):
+        found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
+        certificate = _shared_point(found, bodies) if found["shared"] else _separation(found, bodies)
+        # The plane that convinced a filter is rounded when it goes to the world: close calls take the exact one.
+        if certificate is not None:
+            return certificate
+    raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")
 
 
-def posed(vertices: NDArray[np.float64], pose: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vertices (n, 3) under a pose (4, 4), m."""
-    return vertices @ pose[:3, :3].T + pose[:3, 3]
+def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:
+    certificate = separation(direction_of(found["normal"]), bodies)
+    if certificate is None and "exact_normal" in found:
+        certificate = separation(_vector(found["exact_normal"]), bodies)
+    return certificate
+
+
+def _shared_point(found: dict[str, Any], bodies: Bodies) -> SharedPoint:
+    weights = [_number(weight) for weight in found["exact_weights"]]
+    return shared_point(_merged(found["vertices_a"], weights), _merged(found["vertices_b"], weights), bodies)
+
+
+def _merged(vertices: Sequence[int], weights: Sequence[Fraction]) -> dict[int, Fraction]:
+    """Weights of sum 1 by vertex; a vertex may come more than once."""
+    total, merged = sum(weights), dict.fromkeys(map(int, vertices), Fraction(0))
+    for vertex, weight in zip(vertices, weights, strict=True):
+        merged[int(vertex)] += weight / total
+    return merged
+
+
+def _vector(numbers: Sequence[tuple[str, int]]) -> Point:
+    x, y, z = (_number(number) for number in numbers)
+    return x, y, z
+
+
+def _number(number: tuple[str, int]) -> Fraction:
+    """A hexadecimal integer times a power of two."""
+    digits, exponent = number
+    return int(digits, 16) * Fraction(2) ** exponent

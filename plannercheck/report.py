@@ -39,11 +39,14 @@ class Verdict:
         valid: Whether no pair collides.
         collisions: All colliding pairs, in the order of the checker's pair table.
         separations: All other pairs with their separating planes, if asked for; else empty.
+        kinematic_error: Of posing: no point of a body is further than this from where exact kinematics of the same
+            numbers puts it, in m; infinite if nothing is proven, since Pinocchio itself had to pose.
     """
 
     valid: bool
     collisions: tuple[PairVerdict, ...]
-    separations: tuple[PairVerdict, ...] = ()
+    separations: tuple[PairVerdict, ...]
+    kinematic_error: float
 
 
 @dataclass(frozen=True)

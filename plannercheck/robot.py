@@ -20,7 +20,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.configurations import planning_group, whole_robot
 from plannercheck.errors import unknown_name
-from plannercheck.kinematics import AGREEMENT, compiled_kinematics, disagreement, pinocchio_poses
+from plannercheck.kinematic_rounding import KinematicRounding
+from plannercheck.kinematics import (
+    AGREEMENT,
+    compiled_kinematics,
+    disagreement,
+    joint_table,
+    pinocchio_poses,
+)
 from plannercheck.paths import example_robot_data
 from plannercheck.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.reading import within
@@ -255,6 +262,31 @@ class Robot:
         """World poses of all links by Pinocchio itself; arguments and result as of link_poses."""
         poses = pinocchio_poses(self.model, self._map, self._tree.frames, self._map.checked(q))
         return poses[0] if np.ndim(q) == 1 else poses
+
+    @cached_property
+    def kinematic_error(self) -> float:
+        """No rounding of forward kinematics moves a point of a body further than this, m (proven).
+
+        For configurations within the limits (where there are none, within the range that is sampled). Infinite
+        if Pinocchio itself has to pose: nothing is proven then.
+        """
+        return self._error_within(*self._map.sampled_range())
+
+    def kinematic_error_at(self, q: ArrayLike) -> float:
+        """The same bound at one configuration (nq,), which may be beyond the limits; m."""
+        row = self._map.checked(q)[0]
+        return self._error_within(row, row)
+
+    def _error_within(self, lower: Floats, upper: Floats) -> float:
+        return float("inf") if self._rounding is None else self._rounding.bound(lower, upper)
+
+    @cached_property
+    def _rounding(self) -> KinematicRounding | None:
+        table = joint_table(self.model, self._map, self._tree.frames)
+        if table is None or self.kinematics is None:
+            return None
+        moving = [body for body in self.bodies if body.link is not None]
+        return KinematicRounding(table, moving, [self.link_index(str(body.link)) for body in moving])
 
     def holding(self, values: Mapping[str, float | Sequence[float]]) -> Robot:
         """The same robot with joints held elsewhere (or, for joints of the group, another reference).

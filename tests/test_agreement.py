@@ -5,12 +5,14 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-import families
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
+import plannercheck as pc
 from plannercheck import exact
 from plannercheck.agreement import compare_with_fcl
+from plannercheck.stress import families
 
 VERTICES, FACES = families.degree_doubling(2)
 # Two bodies that move along x, m, and one that stands far off.
@@ -27,7 +29,7 @@ class SlidingBodies:
         scale: float = 1.0,
     ) -> None:
         self.bodies = [SimpleNamespace(name=name) for name in ("left", "right", "far")]
-        self.polytopes = [SimpleNamespace(vertices=VERTICES * scale, faces=FACES)] * 3
+        self.polytopes = [SimpleNamespace(vertices=VERTICES * scale, faces=FACES, swell=0.0)] * 3
         self.pairs = np.array([[0, 1], [0, 2]])
         self._vertices = VERTICES * scale
         self._lies = lies or {}
@@ -101,3 +103,33 @@ def test_progress_counts_every_state() -> None:
     counts: list[int] = []
     compare_with_fcl(SlidingBodies(), np.tile(STATES, (100, 1)), counts.append)
     assert sum(counts) == 400
+
+
+def test_flat_and_swollen_bodies_are_compared_too() -> None:
+    # A plate and a ball that slide along x, and a capsule above.
+    shapes = [
+        ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], 0.0),
+        ([[0, 0.5, 0]], 0.25),
+        ([[0, 0.5, 1], [1, 0.5, 1]], 0.75),
+    ]
+    checker = SlidingBodies()
+    checker.polytopes = [pc.Polytope(np.array(points, dtype=float), swell=swell) for points, swell in shapes]
+    checker.pairs = np.array([[0, 1], [0, 2], [1, 2]])
+    q = np.array([[0.0, -0.25], [0.0, -0.25 - 1e-12], [0.0, 2.0]])
+
+    def poses(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        placed = np.tile(np.eye(4), (len(rows), 3, 1, 1))
+        placed[:, :2, 0, 3] = rows
+        return placed
+
+    verdicts = np.array([[True, False, True], [False, False, True], [False, False, False]])
+    verdicts[:, 2] = np.hypot([0.25, 0.25 + 1e-12, 1.0], 1) <= 1.0
+    checker.body_poses = poses  # type: ignore[method-assign]
+    checker.colliding_pairs = lambda rows: verdicts  # type: ignore[method-assign]
+    report = compare_with_fcl(checker, q)  # type: ignore[arg-type]
+    assert report.passed
+    assert report.disagreements == ()
+    assert (report.pairs, report.exact_calls) == (9, 2)
+    verdicts[1, 0] = True
+    (found,) = compare_with_fcl(checker, q).against_us  # type: ignore[arg-type]
+    assert found.distance == pytest.approx(1e-12, rel=1e-3)

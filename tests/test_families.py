@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import contacts
-import families
 import numpy as np
 import pytest
-from contacts import Solid
 
 from plannercheck import exact
 from plannercheck.integers import IntegerHull, cross, dot, minus
+from plannercheck.stress import contacts, families
+from plannercheck.stress.contacts import Solid
 
 
 def reflex_edges(solid: Solid) -> int:

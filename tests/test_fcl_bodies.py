@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import sys
 
-import contacts
-import families
 import numpy as np
 import pytest
-from contacts import Solid
 
 from plannercheck import exact
 from plannercheck.errors import PlannercheckError
 from plannercheck.fcl_bodies import FclBodies
+from plannercheck.stress import contacts, families
+from plannercheck.stress.contacts import Solid
 
 SOLID = Solid("doubling", *families.degree_doubling(4))
 
@@ -60,3 +59,34 @@ def test_without_fcl_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPa
     monkeypatch.setitem(sys.modules, "fcl", None)
     with pytest.raises(PlannercheckError, match="pip install"):
         FclBodies([(SOLID.vertices, SOLID.faces)])
+
+
+POINT, SEGMENT = np.zeros((1, 3)), np.array([[-1.0, 0.5, 0], [0.5, 0.25, 1]])
+NO_FACES = np.zeros((0, 3), dtype=np.int64)
+
+
+def test_swollen_points_and_segments_are_spheres_and_capsules() -> None:
+    rng = np.random.default_rng(6)
+    hulls, swells = [(POINT + 0.5, NO_FACES), (SEGMENT, NO_FACES), (SOLID.vertices, SOLID.faces)], [0.5, 0.25, 0.0]
+    bodies = FclBodies(hulls, swells)
+    assert bodies.known.all()
+    pairs = np.array([[0, 1], [1, 2], [0, 2], [1, 1], [0, 0]])
+    verdicts = []
+    for pose_p, pose_r in zip(*contacts.random_poses(SOLID, SOLID, 100, rng), strict=True):
+        for p, r in pairs.tolist():
+            truth = exact.intersects(hulls[p][0], hulls[r][0], pose_p, pose_r, swells[p], swells[r])
+            poses = np.stack([pose_p, pose_r])
+            two = FclBodies([hulls[p], hulls[r]], [swells[p], swells[r]])
+            assert two.collide_all(poses, np.array([[0, 1]])) == [truth]
+            assert two.boxes_meet(poses[None], np.array([[0, 1]])).all() or not truth
+            verdicts.append(truth)
+    assert 50 < sum(verdicts) < 450
+
+
+def test_bodies_that_fcl_has_no_form_for_are_left_out() -> None:
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    solid = (SOLID.vertices, SOLID.faces)
+    bodies = FclBodies(
+        [(square, NO_FACES), (SEGMENT, NO_FACES), solid, (square, NO_FACES), solid, None], [0, 0, 0.1, 0.1, 0, 0]
+    )
+    assert bodies.known.tolist() == [False, False, False, False, True, False]

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import HARD, Case
 
 import plannercheck as pc
 from plannercheck import exact
+from plannercheck.stress.cases import Case
 
+HARD = Path(__file__).parent / "hard"
 CASES = sorted(HARD.glob("*.json"))
 
 

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from plannercheck.agreement import AgreementReport, compare_with_fcl
 from plannercheck.agreement import merged as merged_agreement
+from plannercheck.certification import CertificationReport, certify_verdicts
+from plannercheck.certification import merged as merged_certification
 from plannercheck.checker import Checker
 from plannercheck.commands.common import (
     add_checker_arguments,
@@ -39,7 +41,7 @@ _EPILOG = """\
 Files: npy, npz (its only array, or q, or configurations), csv (with or without a header of joint names);
 (n, nq) in the order of the robot's joints, rad and m.
 
-Exit codes: 0 all valid and within the limits, 1 some are not, 2 bad input.
+Exit codes: 0 all valid and within the limits, 1 some are not, 2 bad input, or a verdict that --certify can't prove.
 
 Examples:
   plannercheck validate --robot panda --scene bookshelf samples.npy --output verdicts.npz
@@ -48,6 +50,9 @@ Examples:
 
 # Rows of the table of pairs.
 _SHOWN_PAIRS = 10
+
+# Verdicts without a proof that an error lists.
+_SHOWN_UNPROVED = 5
 
 # Disagreements with the reference that are listed one by one.
 _SHOWN_DISAGREEMENTS = 10
@@ -78,6 +83,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("fcl",),
         help="compare every pair's verdict with FCL's as well, exact arithmetic being the judge (slow)",
     )
+    parser.add_argument(
+        "--certify",
+        action="store_true",
+        help="prove every verdict in exact arithmetic, apart from the compiled core: a shared point for each invalid "
+        "configuration, separation of all pairs for each valid one (slow: some 10 ms a configuration)",
+    )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
 
 
@@ -87,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output is not None and options.output.suffix != ".npz":
         raise PlannercheckError(f"--output must be an npz file, not {str(options.output)!r}")
     checker = load_checker(options)
-    first_pairs, reports, agreements = [], [], []
+    first_pairs, reports, agreements, certifications = [], [], [], []
     for path, chunk in _chunks(options.files, checker):
         with within(f"file {str(path)!r}, rows from {chunk.first_row} on"):
             found = validate(checker, chunk.rows, options.threads, options.pairs == "all")
@@ -95,12 +106,16 @@ def run(options: argparse.Namespace) -> int:
         reports.append(found.report)
         if options.reference:
             agreements.append(_agreement(checker, chunk))
+        if options.certify:
+            certifications.append(_certification(checker, chunk, found.first_pair))
     report = merged(reports)
     agreement = merged_agreement(agreements) if options.reference else None
     if options.output is not None:
         _save(options.output, checker, np.concatenate([np.empty(0, dtype=np.int32), *first_pairs]))
     show = _show_json if options.format == "json" else _show_table
-    show(checker, report, agreement)
+    certification = merged_certification(certifications) if options.certify else None
+    show(checker, report, agreement, certification)
+    _check_proofs(certification)
     return 0 if report.passed and (agreement is None or agreement.passed) else 1
 
 
@@ -120,6 +135,22 @@ def _agreement(checker: Checker, chunk: Chunk) -> AgreementReport:
     )
 
 
+def _certification(checker: Checker, chunk: Chunk, first_pair: NDArray[np.int32]) -> CertificationReport:
+    """The proofs of a chunk's verdicts, with rows as in its file."""
+    report = certify_verdicts(checker, chunk.rows, first_pair)
+    return replace(report, unproved=tuple(replace(u, row=u.row + chunk.first_row) for u in report.unproved))
+
+
+def _check_proofs(certification: CertificationReport | None) -> None:
+    if certification is None or certification.passed:
+        return
+    shown = [f"row {u.row}: {u.first} and {u.second}" for u in certification.unproved[:_SHOWN_UNPROVED]]
+    raise PlannercheckError(
+        f"{len(certification.unproved)} verdicts are not proved, which is a fault of plannercheck and worth a report: "
+        + "; ".join(shown)
+    )
+
+
 def _save(path: Path, checker: Checker, first_pair: NDArray[np.int32]) -> None:
     names = [checker.pair_names(pair) for pair in range(len(checker.pairs))]
     arrays: dict[str, Any] = {
@@ -130,7 +161,12 @@ def _save(path: Path, checker: Checker, first_pair: NDArray[np.int32]) -> None:
     written_aside(path, lambda aside: np.savez(aside, **arrays))
 
 
-def _show_json(checker: Checker, report: ValidityReport, agreement: AgreementReport | None) -> None:
+def _show_json(
+    checker: Checker,
+    report: ValidityReport,
+    agreement: AgreementReport | None,
+    certification: CertificationReport | None,
+) -> None:
     values: dict[str, Any] = {
         "robot": checker.robot.name,
         "scene": checker.scene.name,
@@ -139,10 +175,17 @@ def _show_json(checker: Checker, report: ValidityReport, agreement: AgreementRep
     }
     if agreement is not None:
         values["fcl"] = {**_agreement_counts(agreement), "passed": agreement.passed}
+    if certification is not None:
+        values["certificates"] = {**_proof_counts(certification), "passed": certification.passed}
     print(json.dumps(values, indent=1))
 
 
-def _show_table(checker: Checker, report: ValidityReport, agreement: AgreementReport | None) -> None:
+def _show_table(
+    checker: Checker,
+    report: ValidityReport,
+    agreement: AgreementReport | None,
+    certification: CertificationReport | None,
+) -> None:
     print(f"{checker.robot.name} in {checker.scene.name}, {len(checker.pairs)} pairs of bodies")
     counts = (
         ("configurations", report.states),
@@ -156,6 +199,9 @@ def _show_table(checker: Checker, report: ValidityReport, agreement: AgreementRe
     _show_pairs(report)
     if agreement is not None:
         _show_agreement(agreement)
+    if certification is not None:
+        print("\nProved in exact arithmetic, apart from the compiled core:")
+        print(table(("", "count"), list(_proof_counts(certification).items())))
 
 
 def _show_pairs(report: ValidityReport) -> None:
@@ -174,10 +220,21 @@ def _agreement_counts(agreement: AgreementReport) -> dict[str, int]:
         "configurations": agreement.states,
         "pairs": agreement.pairs,
         "decided by FCL": agreement.fcl_calls,
+        "decided by exact arithmetic instead": agreement.exact_calls,
         "collisions": agreement.collisions,
         "disagreements": len(agreement.disagreements),
         "errors of FCL": len(agreement.errors_of_fcl),
         "against us": len(agreement.against_us),
+    }
+
+
+def _proof_counts(certification: CertificationReport) -> dict[str, int]:
+    return {
+        "configurations": certification.states,
+        "shared points": certification.shared_points,
+        "separating planes": certification.planes,
+        "separate boxes": certification.boxes,
+        "not proved": len(certification.unproved),
     }
 
 

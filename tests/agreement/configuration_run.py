@@ -8,12 +8,12 @@ the border between free and colliding that halving can't bring them closer.
 from __future__ import annotations
 
 import numpy as np
-from cases import Case
-from contacts import Points, Solid
 from pair_run import is_clear
 
 import plannercheck as pc
 from plannercheck.agreement import AgreementReport, Disagreement, compare_with_fcl
+from plannercheck.stress.cases import Case
+from plannercheck.stress.contacts import Points, Solid
 
 # Halvings of a segment between two configurations, at most: from radians to the last bits.
 _HALVINGS = 50

@@ -15,17 +15,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-import contacts
-import families
 import numpy as np
-from cases import Case
-from contacts import Points, Solid
 from table import ErrorTable
 
 import plannercheck as pc
 from plannercheck import exact
 from plannercheck.fcl_bodies import FclBodies
 from plannercheck.pair import Method
+from plannercheck.stress import contacts, families
+from plannercheck.stress.cases import Case
+from plannercheck.stress.contacts import Points, Solid
 
 # Scales in m, about the size of a body; the last two are far below what FCL is made for.
 SCALES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-5)

@@ -16,12 +16,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-import contacts
-import families
-
 import plannercheck as pc
 from plannercheck.core import core
 from plannercheck.pair import pair_options
+from plannercheck.stress import contacts, families
 
 FAMILIES = ("round", "cone", "prism", "doubling", "fan", "needle")
 QUERIES = 1000

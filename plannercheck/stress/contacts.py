@@ -46,7 +46,7 @@ class Solid:
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
         normals = np.cross(b - a, c - a)
         lengths = np.linalg.norm(normals, axis=1)[:, None]
-        return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+        return np.asarray(np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0))
 
     @cached_property
     def across(self) -> Faces:
@@ -71,7 +71,7 @@ class Solid:
         middle = self.vertices.mean(axis=0)
         corners = self.vertices[self.faces] - middle
         volumes = np.linalg.det(corners)
-        return middle + volumes @ corners.sum(axis=1) / (4 * volumes.sum())
+        return np.asarray(middle + volumes @ corners.sum(axis=1) / (4 * volumes.sum()))
 
     @cached_property
     def size(self) -> float:
@@ -144,7 +144,7 @@ def quarter_turns(k: int, rng: np.random.Generator) -> Points:
     """Rotations (k, 3, 3) that permute the axes."""
     turns = np.eye(3)[rng.permuted(np.tile(np.arange(3), (k, 1)), axis=1)] * rng.choice([-1, 1], (k, 3, 1))
     turns[np.linalg.det(turns) < 0, 0] *= -1
-    return turns
+    return np.asarray(turns)
 
 
 def random_features(solid: Solid, k: int, rng: np.random.Generator) -> tuple[Points, Points]:
@@ -186,18 +186,18 @@ def frames(axis: Points) -> Points:
 
 
 def identities(k: int) -> Points:
-    """k identity poses, (k, 4, 4)."""
+    """K identity poses, (k, 4, 4)."""
     return np.tile(np.eye(4), (k, 1, 1))
 
 
 def turned(poses: Points, points: Points) -> Points:
     """Points (k, 3) or (3,) under the rotations of poses."""
-    return np.einsum("kij,kj->ki", poses[:, :3, :3], np.broadcast_to(points, (len(poses), 3)))
+    return np.asarray(np.einsum("kij,kj->ki", poses[:, :3, :3], np.broadcast_to(points, (len(poses), 3))))
 
 
 def unit(vectors: Points) -> Points:
     """Vectors (k, 3) of length 1."""
-    return vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
 
 
 def differ_from_contact(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap: float) -> bool:

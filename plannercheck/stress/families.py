@@ -26,13 +26,13 @@ DOUBLING_SHRINK = 0.6
 
 
 def round_body(n: int, rng: np.random.Generator) -> Points:
-    """n points on a sphere, every one of them a vertex."""
+    """N points on a sphere, every one of them a vertex."""
     points = rng.normal(size=(n, 3))
-    return 0.5 * points / np.linalg.norm(points, axis=1)[:, None]
+    return np.asarray(0.5 * points / np.linalg.norm(points, axis=1)[:, None])
 
 
 def cloud(n: int, rng: np.random.Generator) -> Points:
-    """n points in a ball, of which a small part are vertices."""
+    """N points in a ball, of which a small part are vertices."""
     return round_body(n, rng) * rng.uniform(0, 1, size=(n, 1)) ** (1 / 3)
 
 
@@ -110,14 +110,14 @@ def lattice(n: int, rng: np.random.Generator) -> Points:
 
 
 def rim_points(n: int, phase: float) -> Points:
-    """n points on the unit circle, (n, 2), turned by `phase` of a step."""
+    """N points on the unit circle, (n, 2), turned by `phase` of a step."""
     angles = 2 * np.pi * (np.arange(n) + phase) / n
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def _on_cone(turns: Points, distances: Points) -> Points:
     angles = 2 * np.pi * turns
-    return distances[:, None] * np.stack([np.cos(angles), np.sin(angles), np.ones_like(angles)], axis=1)
+    return np.asarray(distances[:, None] * np.stack([np.cos(angles), np.sin(angles), np.ones_like(angles)], axis=1))
 
 
 def _raised(plane: Points, height: float) -> Points:
@@ -135,6 +135,44 @@ FAMILIES: dict[str, Callable[[int, np.random.Generator], Points]] = {
     "fan": fan,
     "doubling": doubling,
     "lattice": lattice,
+}
+
+
+def plate(n: int, rng: np.random.Generator) -> Points:
+    """A polygon of at most n corners in the plane z = 0: no volume."""
+    return np.asarray(round_body(n, rng) * [1.0, rng.choice([1.0, FLATNESS]), 0.0])
+
+
+def tilted_plate(n: int, rng: np.random.Generator) -> Points:
+    """A polygon in the plane x + y + z = 0, exactly: all coordinates are short."""
+    plane = np.round(rng.uniform(-0.5, 0.5, size=(n, 2)) * 64) / 64
+    return np.column_stack([plane, -plane.sum(axis=1)])
+
+
+def sliver(n: int, rng: np.random.Generator) -> Points:
+    """A polygon in a random plane, as doubles round it: as thin as a body with volume can be."""
+    first, second = round_body(2, rng)
+    return np.asarray(rng.uniform(-1, 1, size=(n, 2)) @ np.stack([first, second]))
+
+
+def segment(n: int, rng: np.random.Generator) -> Points:
+    """A segment along z, or of random direction."""
+    half = np.array([0, 0, 0.5]) if rng.integers(2) else round_body(1, rng)[0]
+    return np.stack([-half, half])
+
+
+def point(n: int, rng: np.random.Generator) -> Points:
+    """A single point, at the origin or anywhere."""
+    return np.asarray(rng.integers(2) * rng.uniform(-0.5, 0.5, size=(1, 3)))
+
+
+# Without volume, or nearly; one that is swollen is a sphere, a capsule or a rounded plate.
+THIN_FAMILIES: dict[str, Callable[[int, np.random.Generator], Points]] = {
+    "plate": plate,
+    "tilted plate": tilted_plate,
+    "sliver": sliver,
+    "segment": segment,
+    "point": point,
 }
 
 # Links of three makers, as the collision meshes are shipped.

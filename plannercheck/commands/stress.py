@@ -1,0 +1,62 @@
+"""`plannercheck stress`: hard pairs of bodies, every verdict held against exact arithmetic."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from plannercheck.commands.common import check_folder
+from plannercheck.errors import PlannercheckError
+from plannercheck.stress.peers import Coal, Fcl, Peer
+from plannercheck.stress.run import StressTally
+from plannercheck.stress.run import run as run_suite
+from plannercheck.stress.tables import lines
+
+_EPILOG = """\
+Families of bodies x size x ratio of sizes x distance from the origin x rotation x gap, drawn at random. Every pair is
+decided by all methods of the core and by exact arithmetic in Python integers. Exit code 1 if a verdict is wrong, an
+exception is thrown, a body is refused or a query takes more than a second.
+"""
+# Pairs between two lines of progress.
+_REPORT_EVERY = 20_000
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's options."""
+    parser.epilog = _EPILOG
+    parser.add_argument("--pairs", type=int, default=10_000, help="how many at least (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
+    parser.add_argument("--peers", action="store_true", help="count the errors of python-fcl and coal, too")
+    parser.add_argument("--cases", type=Path, metavar="FOLDER", help="keep failures, shrunk, as JSON files here")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command."""
+    if options.pairs < 1 or options.seed < 0:
+        raise PlannercheckError(
+            f"--pairs must be at least 1 and --seed at least 0, not {options.pairs}, {options.seed}"
+        )
+    if options.cases is not None:
+        check_folder(options.cases / "case")
+    peers: list[Peer] = [Fcl(), Coal()] if options.peers else []
+    tally = run_suite(options.pairs, options.seed, peers, _Progress())
+    print("\n".join(lines(tally, [peer.name for peer in peers])))
+    for number, case in enumerate(tally.cases):
+        print(f"failed: {case.name}")
+        if options.cases is not None:
+            case.save(options.cases / f"{options.seed}-{number}.json")
+    return 0 if tally.passed else 1
+
+
+class _Progress:
+    """Lines on the error stream now and then."""
+
+    def __init__(self) -> None:
+        self._next = _REPORT_EVERY
+
+    def __call__(self, tally: StressTally) -> None:
+        pairs = tally.pairs.total()
+        if pairs >= self._next:
+            self._next += _REPORT_EVERY
+            print(f"{pairs} pairs, {len(tally.cases)} failures", file=sys.stderr, flush=True)

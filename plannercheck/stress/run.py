@@ -1,0 +1,201 @@
+"""The stress run: every verdict on random draws held against exact arithmetic in Python integers.
+
+In: how many pairs, a seed, peers. Out: a `StressTally`: wrong verdicts, exceptions and timeouts of every contestant by
+family and gap; and a shrunk case for each of the first failures of ours.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck import exact
+from plannercheck.core import core
+from plannercheck.errors import PlannercheckError
+from plannercheck.hull import Polytope
+from plannercheck.pair import METHODS, Method, pair_options
+from plannercheck.stress.cases import Case, shrunk
+from plannercheck.stress.draws import GAPS, Draw, draws
+from plannercheck.stress.peers import Peer
+from plannercheck.stress.specimens import Specimen
+
+Flags = NDArray[np.bool_]
+Outcome = bool | str  # a verdict, or the kind of failure
+
+WRONG, EXCEPTION, TIMEOUT, UNFIT = "wrong", "exception", "timeout", "unfit"
+FAILURES = (WRONG, EXCEPTION, TIMEOUT)
+# Longest time for one query, s: a thousand times what any should take.
+QUERY_LIMIT = 1.0
+# Every so many draws the exact oracle's certificates are verified from their definition.
+VERIFIED_DRAWS = 20
+# Failures that are shrunk and kept; more of the same say nothing new.
+KEPT = 20
+
+Key = tuple[str, str, bool]  # family, gap, whether the bodies share a point
+
+
+@dataclass
+class StressTally:
+    """What a run found.
+
+    Attributes:
+        pairs: By family, gap and truth.
+        failures: By contestant, kind of failure, family, gap and truth.
+        unfit: Pairs that a peer has no shape for, by contestant and family, gap and truth.
+        refused: Bodies that could not be prepared, by message.
+        cases: Failures of ours, shrunk.
+        seconds: Spent by each contestant.
+    """
+
+    pairs: Counter[Key] = field(default_factory=Counter)
+    failures: Counter[tuple[str, str, Key]] = field(default_factory=Counter)
+    unfit: Counter[tuple[str, Key]] = field(default_factory=Counter)
+    refused: Counter[str] = field(default_factory=Counter)
+    cases: list[Case] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing of ours failed."""
+        ours = any(count for (who, _, _), count in self.failures.items() if who in METHODS)
+        return not ours and not self.refused
+
+    def add(self, who: str, key: Key, outcome: Outcome) -> bool:
+        """Counts an outcome of a contestant; whether it is a failure."""
+        if outcome == UNFIT:
+            self.unfit[who, key] += 1
+            return False
+        kind = outcome if isinstance(outcome, str) else WRONG
+        failed = outcome is not key[2]
+        self.failures[who, kind, key] += failed
+        return failed
+
+
+def run(
+    pairs: int, seed: int, peers: Sequence[Peer] = (), progress: Callable[[StressTally], object] | None = None
+) -> StressTally:
+    """Runs the suite.
+
+    Args:
+        pairs: How many to decide at least.
+        seed: Of the random numbers; a run with more pairs starts with those of a shorter one.
+        peers: Other libraries to be counted, too.
+        progress: Called after each draw.
+
+    Returns:
+        The tally.
+    """
+    tally = StressTally()
+    for number, drawn in enumerate(draws(seed, lambda error: tally.refused.update([_reason(error)]))):
+        judge(drawn, tally, peers, verify=number % VERIFIED_DRAWS == 0)
+        if progress is not None:
+            progress(tally)
+        if tally.pairs.total() >= pairs:
+            break
+    return tally
+
+
+def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], verify: bool) -> None:
+    """Counts all outcomes on one draw."""
+    truth = _truth(drawn, verify)
+    keys = [(drawn.family, gap, shared) for gap, shared in zip(GAPS, truth, strict=True)]
+    tally.pairs.update(keys)
+    for method in METHODS:
+        started = time.perf_counter()
+        outcomes = _outcomes(drawn, method)
+        tally.seconds[method] += time.perf_counter() - started
+        for k, outcome in enumerate(outcomes):
+            if tally.add(method, keys[k], outcome) and len(tally.cases) < KEPT:
+                tally.cases.append(_kept(drawn, k, method))
+    for peer in peers:
+        started = time.perf_counter()
+        theirs = peer.outcomes(drawn)
+        tally.seconds[peer.name] += time.perf_counter() - started
+        for key, outcome in zip(keys, theirs, strict=True):
+            tally.add(peer.name, key, outcome)
+
+
+def _reason(error: PlannercheckError) -> str:
+    """An error's words without what it says of the body in question."""
+    return str(error).partition(": ")[2] or str(error)
+
+
+def _truth(drawn: Draw, verify: bool) -> list[bool]:
+    swells = drawn.p.swell, drawn.r.swell
+    verdicts = []
+    for pose_p, pose_r in zip(drawn.poses_p, drawn.poses_r, strict=True):
+        question = (drawn.p.vertices, drawn.r.vertices, pose_p, pose_r, *swells)
+        certificate = exact.decide(*question)
+        if verify and not exact.holds(certificate, *question):
+            raise AssertionError(f"the exact verdict does not hold: {drawn.label}")
+        verdicts.append(isinstance(certificate, exact.ExactSharedPoint))
+    return verdicts
+
+
+def _outcomes(drawn: Draw, method: Method) -> list[Outcome]:
+    """Our outcomes; one by one if all together take too long or throw."""
+    together = _ask(drawn, method, slice(None), QUERY_LIMIT * len(GAPS))
+    if together.seconds < QUERY_LIMIT and not together.failure:
+        return list(together.verdicts)
+    single = (_ask(drawn, method, slice(k, k + 1), QUERY_LIMIT) for k in range(len(GAPS)))
+    return [answer.failure or answer.verdicts[0] for answer in single]
+
+
+@dataclass
+class _Answer:
+    verdicts: list[bool] = field(default_factory=list)
+    failure: str = ""
+    seconds: float = 0.0
+
+
+def _ask(drawn: Draw, method: Method, some: slice, limit: float) -> _Answer:
+    """Verdicts on some poses, from a thread that is left behind when it takes too long."""
+    answer = _Answer(failure=TIMEOUT)
+
+    def work() -> None:
+        started = time.perf_counter()
+        try:
+            p, r = drawn.p.polytope.core, drawn.r.polytope.core
+            found = core.intersect_batch(p, drawn.poses_p[some], r, drawn.poses_r[some], pair_options(method))
+            answer.verdicts, answer.failure = found[0].astype(bool).tolist(), ""
+        except Exception:
+            answer.failure = EXCEPTION
+        answer.seconds = time.perf_counter() - started
+
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    thread.join(limit)
+    return _Answer(list(answer.verdicts), answer.failure, answer.seconds)
+
+
+def _kept(drawn: Draw, k: int, method: Method) -> Case:
+    p, r = drawn.p, drawn.r
+    name = f"{method}, gap {list(GAPS)[k]}, {drawn.label}"
+    case = Case(name, (p.vertices, r.vertices, drawn.poses_p[k], drawn.poses_r[k]), (p.swell, r.swell))
+    return shrunk(case, lambda smaller: fails(smaller, method))
+
+
+def fails(case: Case, method: Method) -> bool:
+    """Whether a method errs on a case; one that can't be prepared does not count.
+
+    Args:
+        case: Two posed bodies.
+        method: See `plannercheck.pair.pair_options`.
+
+    Returns:
+        True if the verdict is wrong, or there is none in time.
+    """
+    p, r, pose_p, pose_r = case.bodies
+    try:
+        bodies = [Polytope(v, swell=s) for v, s in zip((p, r), case.swells, strict=True)]
+    except PlannercheckError:
+        return False
+    first, second = (Specimen("case", body, 1.0) for body in bodies)
+    answer = _ask(Draw("", "", first, second, pose_p[None], pose_r[None]), method, slice(None), QUERY_LIMIT)
+    return bool(answer.failure) or answer.verdicts[0] != exact.intersects(*case.bodies, *case.swells)

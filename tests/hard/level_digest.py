@@ -1,0 +1,64 @@
+"""Hashes of what must not depend on the instruction set: `PLANNERCHECK_LEVEL=v2 python tests/hard/level_digest.py`.
+
+Out: one line of JSON with a hash each of serialised bodies, verdicts and stages on stress pairs, link poses, and
+verdicts on robot states.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+
+import numpy as np
+
+import plannercheck as pc
+from plannercheck.core import core
+from plannercheck.pair import METHODS, pair_options
+from plannercheck.stress.draws import Draw, draws
+
+DRAWS, STATES = 60, 2000
+ROBOTS = ("panda", "ur5", "talos")
+
+
+def stress_draws() -> list[Draw]:
+    return list(itertools.islice(draws(2026), DRAWS))
+
+
+def digest(parts: list[bytes]) -> str:
+    return hashlib.sha256(b"".join(parts)).hexdigest()
+
+
+def of_bodies(drawn: list[Draw]) -> str:
+    return digest([body.polytope.core.serialise() for d in drawn for body in (d.p, d.r)])
+
+
+def of_pairs(drawn: list[Draw]) -> str:
+    parts = []
+    for d in drawn:
+        for method in METHODS:
+            found = core.intersect_batch(
+                d.p.polytope.core, d.poses_p, d.r.polytope.core, d.poses_r, pair_options(method)
+            )
+            parts += [found[0].tobytes(), found[1].tobytes()]
+    return digest(parts)
+
+
+def of_poses() -> str:
+    robots = [pc.Robot.load(name) for name in ROBOTS]
+    return digest([robot.link_poses(robot.random_configurations(STATES, 1)).tobytes() for robot in robots])
+
+
+def of_states() -> str:
+    robot = pc.Robot.load("panda")
+    checker = pc.Checker(robot, pc.Scene.load("bookshelf"))
+    q = robot.random_configurations(STATES, 2)
+    first, pairs = checker.first_colliding_pair(q), checker.colliding_pairs(q)
+    return digest([first.tobytes(), np.packbits(pairs).tobytes()])
+
+
+if __name__ == "__main__":
+    given = stress_draws()
+    print(
+        json.dumps({"bodies": of_bodies(given), "pairs": of_pairs(given), "poses": of_poses(), "states": of_states()})
+    )
