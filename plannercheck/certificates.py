@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# Of evaluating a product of a unit normal and a point in the world, in units of the point's size: three products,
-# two sums and as much for posing the point, each 1.1e-16.
+# Of evaluating a product of a unit normal and a point in the world, in units of the point's size before posing: three
+# products, two sums and as much for posing the point, each 1.1e-16.
 _PLANE_ROUNDING = 16 * 2.0**-53
 
 
@@ -47,19 +47,20 @@ class SharedPoint:
 Certificate: TypeAlias = Separation | SharedPoint
 
 
-def separation(normal: Floats, first: Floats, second: Floats) -> Separation:
+def separation(normal: Floats, first: Floats, second: Floats, size: float) -> Separation:
     """The plane with a given normal between two sets of posed vertices.
 
     Args:
         normal: (3,) in the world, any length, from the second set to the first.
         first: Vertices (n, 3) in the world, m.
         second: Vertices (m, 3) in the world, m.
+        size: Sum of the 1-norms of the largest vertex of either set, before posing, and of both translations, in m:
+            posing rounds in proportion to these, however near to the origin it leads.
 
     Returns:
         The plane, with the gap along its normal rounded down.
     """
     unit = normal / np.linalg.norm(normal)
     low, high = float((first @ unit).min()), float((second @ unit).max())
-    size = float(np.abs(first).sum(axis=1).max() + np.abs(second).sum(axis=1).max())
     gap = (low - high - _PLANE_ROUNDING * size) * (1 - 2.0**-50)
     return Separation(unit, (low + high) / 2, max(gap, 0.0))

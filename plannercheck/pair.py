@@ -91,7 +91,12 @@ def certify(
     found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method))
     if found["shared"]:
         return SharedPoint(found["point"])
-    return separation(found["normal"], posed(P.vertices, pose_p), posed(R.vertices, pose_r))
+    size = sum(_size_before_posing(*body) for body in ((P, pose_p), (R, pose_r)))
+    return separation(found["normal"], posed(P.vertices, pose_p), posed(R.vertices, pose_r), size)
+
+
+def _size_before_posing(polytope: Polytope, pose: NDArray[np.float64]) -> float:
+    return float(np.abs(polytope.vertices).sum(axis=1).max() + np.abs(pose[:3, 3]).sum())
 
 
 def posed(vertices: NDArray[np.float64], pose: NDArray[np.float64]) -> NDArray[np.float64]:
