@@ -70,11 +70,9 @@ def read(path: Path) -> bytes:
         raise PlannercheckError(f"can't read a body from {path}: {error}") from error
     header = _header()
     if not content.startswith(_MAGIC):
-        raise PlannercheckError(
-            f"{path} is no file of a prepared body: it does not start with {_MAGIC.decode()!r}"
-        )
+        raise PlannercheckError(f"{path} is no file of a prepared body: it does not start with {_MAGIC.decode()!r}")
     if not content.startswith(header):
-        found = content[: content.find(b"\n", 0, 80)].decode(errors="replace")
+        found = content[:80].split(b"\n")[0].decode(errors="replace")
         raise PlannercheckError(
             f"{path} is {found!r}, this version reads {header.decode().strip()!r}: prepare it again"
         )

@@ -168,6 +168,7 @@ class Checker:
         rows = self.robot.check_configurations(q)
         if not isinstance(threads, int) or threads < 1:
             raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
+        threads = min(threads, max(len(rows), 1))
         if self._kernel is not None:
             return np.asarray(self._core.first_of_states(self._kernel, rows, threads))
         return np.asarray(self._core.first_of_poses(self._link_poses(rows), threads))

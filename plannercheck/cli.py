@@ -98,12 +98,7 @@ def _joined_vectors(arguments: list[str]) -> list[str]:
     """Joins `--start -0.1,0.2` to `--start=-0.1,0.2`: argparse would take the value for an option."""
     joined: list[str] = []
     for argument in arguments:
-        if (
-            joined
-            and joined[-1] in _VECTOR_OPTIONS
-            and argument[:1] == "-"
-            and argument[1:2] in "0123456789."
-        ):
+        if joined and joined[-1] in _VECTOR_OPTIONS and argument[:1] == "-" and argument[1:2] in "0123456789.":
             joined[-1] += f"={argument}"
         else:
             joined.append(argument)

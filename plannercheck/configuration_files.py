@@ -64,14 +64,10 @@ def read_chunks(path: str | Path, joint_names: Sequence[str], width: int) -> Ite
     path = Path(path)
     with within(f"file {str(path)!r}"):
         if path.suffix.lower() not in _READERS:
-            raise PlannercheckError(
-                f"must be one of {', '.join(_READERS)}, not {path.suffix or 'without suffix'}"
-            )
+            raise PlannercheckError(f"must be one of {', '.join(_READERS)}, not {path.suffix or 'without suffix'}")
         if not path.is_file():
             raise PlannercheckError("is a folder" if path.is_dir() else "does not exist")
-        blocks = (
-            _csv_blocks(path, joint_names, width) if path.suffix.lower() == ".csv" else _blocks(path, width)
-        )
+        blocks = _csv_blocks(path, joint_names, width) if path.suffix.lower() == ".csv" else _blocks(path, width)
         yield from _checked(blocks)
 
 
@@ -119,9 +115,7 @@ def _npz_key(names: list[str]) -> str:
     found = [key for key in _NPZ_KEYS if key in names]
     if not found:
         held = ", ".join(names) or "nothing"
-        raise PlannercheckError(
-            f"must hold one array, or one named {' or '.join(_NPZ_KEYS)}; it holds {held}"
-        )
+        raise PlannercheckError(f"must hold one array, or one named {' or '.join(_NPZ_KEYS)}; it holds {held}")
     return found[0]
 
 
@@ -156,9 +150,7 @@ def _csv_rows(file: TextIO, joint_names: Sequence[str], width: int) -> Iterator[
     while block := pending + list(islice(lines, CHUNK_ROWS - len(pending))):
         rows = _parsed(block, separator, done, len(names))
         if columns is None and rows.shape[1] != width:
-            raise PlannercheckError(
-                f"must have {width} columns ({', '.join(joint_names)}), not {rows.shape[1]}"
-            )
+            raise PlannercheckError(f"must have {width} columns ({', '.join(joint_names)}), not {rows.shape[1]}")
         yield rows if columns is None else rows[:, columns]
         done, pending = done + len(rows), []
 

@@ -72,9 +72,7 @@ class Polytope:
             else:
                 self._adopt(core.Body.from_faces(points, _fans(faces, len(points), name), _checked_swell(swell, name)))
         except core.HullError as error:
-            raise PlannercheckError(
-                f"{name} ({len(points)} points) has no hull to work with: {error}"
-            ) from error
+            raise PlannercheckError(f"{name} ({len(points)} points) has no hull to work with: {error}") from error
 
     def _adopt(self, body: Any) -> None:
         self._core = body
@@ -131,8 +129,11 @@ class Polytope:
 
         Returns:
             Indices into `vertices` (k,); exact for the given doubles.
+
+        Raises:
+            PlannercheckError: If the directions are not finite numbers of shape (k, 3).
         """
-        return np.asarray(self._core.extremes(_rows(directions), False)[0])
+        return np.asarray(self._core.extremes(_checked_directions(directions), False)[0])
 
     def fault(self) -> str:
         """Words for the first broken invariant of hull, polar or hierarchies; empty if all hold (slow)."""
@@ -198,17 +199,23 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def _rows(array: ArrayLike) -> Floats:
-    return np.ascontiguousarray(np.atleast_2d(np.asarray(array, dtype=np.float64)))
+def _checked_directions(directions: ArrayLike) -> Floats:
+    try:
+        rows = np.atleast_2d(np.asarray(directions, dtype=np.float64))
+    except (TypeError, ValueError) as error:
+        raise PlannercheckError(f"directions must be an array of numbers of shape (k, 3): {error}") from error
+    if rows.ndim != 2 or rows.shape[1] != 3 or not np.isfinite(rows).all():
+        raise PlannercheckError(f"directions must be finite and of shape (k, 3), not {rows.shape}: {rows!r:.80}")
+    # Large ones could overflow in products; powers of two change no verdict.
+    exponents = np.maximum(np.frexp(np.abs(rows).max(axis=1, keepdims=True))[1], 0)
+    return np.ascontiguousarray(np.ldexp(rows, -exponents))
 
 
 def _checked_points(vertices: ArrayLike, name: str) -> Floats:
     try:
         points = np.ascontiguousarray(np.asarray(vertices, dtype=np.float64))
     except (TypeError, ValueError) as error:
-        raise PlannercheckError(
-            f"{name}: vertices must be an array of numbers of shape (n, 3): {error}"
-        ) from error
+        raise PlannercheckError(f"{name}: vertices must be an array of numbers of shape (n, 3): {error}") from error
     if points.ndim != 2 or points.shape[1] != 3:
         raise PlannercheckError(f"{name}: vertices must have shape (n, 3), not {points.shape}")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
@@ -233,12 +240,8 @@ def _fans(faces: Sequence[ArrayLike] | NDArray[np.integer[Any]], points: int, na
     for number, face in enumerate(faces):
         corners = [int(c) for c in np.asarray(face).ravel()]
         if len(corners) < 3 or len(set(corners)) != len(corners):
-            raise PlannercheckError(
-                f"{name}: face {number} is {corners}, it needs at least 3 different corners"
-            )
+            raise PlannercheckError(f"{name}: face {number} is {corners}, it needs at least 3 different corners")
         if min(corners) < 0 or max(corners) >= points:
-            raise PlannercheckError(
-                f"{name}: face {number} names a vertex beyond 0 … {points - 1}: {corners}"
-            )
+            raise PlannercheckError(f"{name}: face {number} names a vertex beyond 0 … {points - 1}: {corners}")
         triangles += [(corners[0], b, c) for b, c in itertools.pairwise(corners[1:])]
     return np.array(triangles, dtype=np.int32).reshape(-1, 3)

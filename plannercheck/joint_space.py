@@ -46,9 +46,7 @@ class JointSpace:
             return _bounded(self._lower, self._upper)
         space = base.CompoundStateSpace()
         for k, turning in enumerate(self.continuous.tolist()):
-            part = (
-                base.SO2StateSpace() if turning else _bounded(self._lower[k : k + 1], self._upper[k : k + 1])
-            )
+            part = base.SO2StateSpace() if turning else _bounded(self._lower[k : k + 1], self._upper[k : k + 1])
             space.addSubspace(part, 1.0)
         return space
 
@@ -57,9 +55,7 @@ class JointSpace:
         if not self._turning:
             values: list[float] = state[0 : self._width]
             return values
-        return [
-            state[k].value if turning else state[k][0] for k, turning in enumerate(self.continuous.tolist())
-        ]
+        return [state[k].value if turning else state[k][0] for k, turning in enumerate(self.continuous.tolist())]
 
     def write(self, state: Any, q: Sequence[float] | Floats) -> None:
         """Sets an OMPL state to a configuration (nq,); angles are brought to [-pi, pi)."""

@@ -23,6 +23,9 @@ Floats = NDArray[np.float64]
 # Between two states no link point moves further than this, in m: far below the 3 to 11 cm that planners use by default.
 DEFAULT_RESOLUTION = 1e-3
 
+# More states than this are a mistake in the motion or the resolution: at 5 µs each they would take over an hour.
+MOST_STEPS = 10**9
+
 # States per batch: enough to fill the lanes many times, few enough to stop early.
 _BATCH = 4096
 
@@ -33,8 +36,10 @@ class MotionSampler:
     def __init__(self, robot: Robot) -> None:
         """Computes the lever arms of the robot's joints."""
         self._robot = robot
-        self._levers = lever_arms(robot)
-        self.is_vector_space = robot.group is not None or robot.model.nq == robot.model.nv
+        self._positions = np.maximum(_limits(robot.model), np.abs(robot.expand(robot.reference)))
+        self._levers = lever_arms(robot, self._positions)
+        self._sliding = _sliding_columns(robot)
+        self.is_vector_space = len(robot.joint_names) == robot.nq  # one number a joint: angles and lengths
         self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
@@ -43,17 +48,39 @@ class MotionSampler:
             resolution = DEFAULT_RESOLUTION
         if not (np.isfinite(resolution) and resolution > 0):
             raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
-        return np.maximum(1, np.ceil(self._way(q0, q1) / resolution)).astype(np.int64)
+        if self._robot.group is not None and not self.is_vector_space:
+            raise PlannercheckError(
+                f"motions of the group {self._robot.group!r} can't be sampled: a joint takes several numbers; "
+                "choose a group without it, or the whole robot"
+            )
+        way = self._way(q0, q1)
+        with np.errstate(over="ignore"):  # infinitely many are too many, too
+            steps = np.maximum(1, np.ceil(way / resolution))
+        if not (steps <= MOST_STEPS).all():
+            raise PlannercheckError(
+                f"motion {int(np.argmax(way))} may move link points {way.max():.3g} m, more than {MOST_STEPS:g} "
+                f"steps of {resolution:g} m: choose a coarser resolution or a shorter motion"
+            )
+        return steps.astype(np.int64)
 
     def _way(self, q0: Floats, q1: Floats) -> Floats:
         """(n,) m: no link point travels further on these motions."""
+        levers = self._levers_within(q0, q1)
         if self._column_levers is not None:
-            return np.asarray(np.abs(q1 - q0) @ self._column_levers)
+            columns = self._column_levers if levers is self._levers else _column_levers(self._robot, levers)
+            return np.asarray(np.abs(q1 - q0) @ columns)
         model = self._robot.model
-        moved = np.array([pin.difference(model, a, b) for a, b in zip(q0, q1, strict=True)]).reshape(
-            -1, model.nv
-        )
-        return np.asarray(np.abs(moved) @ self._levers)
+        moved = np.array([pin.difference(model, a, b) for a, b in zip(q0, q1, strict=True)]).reshape(-1, model.nv)
+        return np.asarray(np.abs(moved) @ levers)
+
+    def _levers_within(self, q0: Floats, q1: Floats) -> Floats:
+        """The lever arms; longer than usual if a sliding joint of the group goes beyond its limits."""
+        if not len(self._sliding):
+            return self._levers
+        taken = np.abs(self._robot.expand(np.concatenate([q0, q1]))).max(axis=0, initial=0)
+        if (taken[self._sliding] <= self._positions[self._sliding]).all():
+            return self._levers
+        return lever_arms(self._robot, np.maximum(self._positions, taken))
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """States (k, nq) of one motion at parameters (k,) in [0, 1]; both ends are met exactly."""
@@ -102,15 +129,17 @@ def _coarse_to_fine(steps: int) -> Floats:
     return np.concatenate(order) / steps
 
 
-def lever_arms(robot: Robot) -> Floats:
+def lever_arms(robot: Robot, positions: Floats) -> Floats:
     """How far a point of any body moves at most for one unit of each of Pinocchio's velocities.
 
     Args:
         robot: The robot.
+        positions: (full nq,) how far from 0 each number of Pinocchio's configurations gets at most; sliding joints
+            carry what hangs on them that far away.
 
     Returns:
         (nv,) m for angles in rad (m per rad), 1 for lengths. The way from a joint to a body is bounded by the sum of
-        the lengths between the joints, prismatic joints at their limits.
+        the lengths between the joints, sliding joints at these positions.
     """
     model = robot.model
     reach = np.zeros(model.njoints)  # of what a joint carries, from the joint's own frame
@@ -120,35 +149,42 @@ def lever_arms(robot: Robot) -> Floats:
         frame = model.frames[model.getBodyId(body.link)]
         points = body.shape.vertices_and_faces()[0] @ body.pose[:3, :3].T + body.pose[:3, 3]
         on_joint = points @ frame.placement.rotation.T + frame.placement.translation
-        reach[frame.parentJoint] = max(
-            reach[frame.parentJoint], float(np.linalg.norm(on_joint, axis=1).max())
-        )
+        reach[frame.parentJoint] = max(reach[frame.parentJoint], float(np.linalg.norm(on_joint, axis=1).max()))
     for joint in range(model.njoints - 1, 0, -1):
         parent = model.parents[joint]
         carried = (
             reach[joint]
-            + _travel(model, joint)
+            + float(positions[_sliding_part(model, joint)].sum())
             + float(np.linalg.norm(model.jointPlacements[joint].translation))
         )
         reach[parent] = max(reach[parent], carried)
     return np.concatenate([_joint_levers(model, joint, reach[joint]) for joint in range(1, model.njoints)])
 
 
-def _is_prismatic(model: pin.Model, joint: int) -> bool:
-    return "Prismatic" in model.joints[joint].shortname() or model.joints[joint].shortname().startswith(
-        "JointModelP"
-    )
+def _slides(model: pin.Model, joint: int) -> bool:
+    """Whether a joint is prismatic (along an axis of its own or of the frame) or planar."""
+    return str(model.joints[joint].shortname()).startswith(("JointModelP", "JointModelMimicP"))
 
 
-def _travel(model: pin.Model, joint: int) -> float:
-    """How far a prismatic joint takes its child from where the joint is, in m; 0 for others."""
-    if not model.joints[joint].shortname().startswith(("JointModelP", "JointModelMimicP")):
-        return 0.0
-    index, count = model.idx_qs[joint], model.nqs[joint]
-    limits = np.abs(
-        [model.lowerPositionLimit[index : index + count], model.upperPositionLimit[index : index + count]]
-    )
-    return float(limits[np.isfinite(limits)].max(initial=0.0))
+def _sliding_part(model: pin.Model, joint: int) -> slice:
+    """The numbers of Pinocchio's configurations that are lengths along which a joint slides; may be none."""
+    first, count = model.idx_qs[joint], model.nqs[joint]
+    lengths = min(count, 2) if _slides(model, joint) else 0  # a planar joint has x, y, cosine and sine
+    return slice(first, first + lengths)
+
+
+def _sliding_columns(robot: Robot) -> NDArray[np.int64]:
+    """Numbers of Pinocchio's configurations that are lengths and that the group moves."""
+    model = robot.model
+    lengths = [np.arange(model.nq)[_sliding_part(model, joint)] for joint in range(1, model.njoints)]
+    low, high = (robot.expand(row) for row in robot.random_configurations(2, seed=0))
+    return np.intersect1d(np.concatenate([*lengths, np.zeros(0, dtype=np.int64)]), np.flatnonzero(low != high))
+
+
+def _limits(model: pin.Model) -> Floats:
+    """(full nq,) the limit that is further from 0; 0 where there is none."""
+    limits = np.abs([model.lowerPositionLimit, model.upperPositionLimit])
+    return np.asarray(np.where(np.isfinite(limits), limits, 0.0).max(axis=0))
 
 
 def _joint_levers(model: pin.Model, joint: int, reach: float) -> Floats:
@@ -158,4 +194,4 @@ def _joint_levers(model: pin.Model, joint: int, reach: float) -> Floats:
         return np.array([1.0, 1.0, 1.0, reach, reach, reach])
     if name == "JointModelPlanar":
         return np.array([1.0, 1.0, reach])
-    return np.full(count, 1.0 if _travel(model, joint) or name.startswith("JointModelP") else reach)
+    return np.full(count, 1.0 if _slides(model, joint) else reach)

@@ -110,8 +110,7 @@ class MotionValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bin
 
 
 # Longest motion that a planner tries at once, rad. OMPL's default, a fifth of the space's extent, is 2.6 rad
-# for seven joints: most such motions collide, and checking them to a millimetre is wasted. RRTConnect solved
-# MotionBenchMaker's cages two to three times as fast with this.
+# for seven joints: most such motions collide, and checking them to a millimetre is wasted.
 LONGEST_MOTION = 0.5
 
 
@@ -211,9 +210,7 @@ def _planner(name: str, information: Any, longest_motion: float) -> Any:
     return planner
 
 
-def _search(
-    setup: Any, space: JointSpace, robot: Robot, planner: str, time_limit: float, simplify: bool
-) -> Plan:
+def _search(setup: Any, space: JointSpace, robot: Robot, planner: str, time_limit: float, simplify: bool) -> Plan:
     began = time.perf_counter()
     status = setup.solve(base.timedPlannerTerminationCondition(time_limit))
     found = time.perf_counter()

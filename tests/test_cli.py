@@ -47,9 +47,7 @@ def test_validate_writes_a_verdict_for_each_configuration(tmp_path, capsys, chec
         assert written["valid"].dtype == np.bool_
         assert np.array_equal(written["valid"], np.tile(expected, 2))
         assert np.array_equal(written["first_pair"] < 0, written["valid"])
-        assert [tuple(pair) for pair in written["pairs"]] == [
-            checker.pair_names(k) for k in range(len(checker.pairs))
-        ]
+        assert [tuple(pair) for pair in written["pairs"]] == [checker.pair_names(k) for k in range(len(checker.pairs))]
     assert [path.name for path in tmp_path.iterdir()] == ["v.npz"]
     printed = capsys.readouterr().out
     assert re.search(rf"^valid +{2 * expected.sum()} ", printed, re.MULTILINE)
@@ -64,9 +62,7 @@ def test_validate_as_json(tmp_path, capsys, checker):
         header=",".join(checker.robot.joint_names),
         comments="",
     )
-    main(
-        ["validate", *PANDA, str(tmp_path / "q.csv"), "--format", "json", "--pairs", "all", "--threads", "2"]
-    )
+    main(["validate", *PANDA, str(tmp_path / "q.csv"), "--format", "json", "--pairs", "all", "--threads", "2"])
     values = json.loads(capsys.readouterr().out)
     assert values["states"] == 50
     assert values["valid"] + values["invalid"] == 50
@@ -125,12 +121,8 @@ def test_unknown_names(tmp_path, capsys):
         capsys, "validate", "--robot", "panda", "--scene", "bookshelv", SAMPLES
     )
     assert "RRTConnect" in error_of(capsys, "plan", *PANDA, "--planner", "RRTT")
-    assert "states of scene 'bookshelf' 'ur3'" in error_of(
-        capsys, "plan", "--robot", "ur3", "--scene", "bookshelf"
-    )
-    assert "there is no folder" in error_of(
-        capsys, "validate", *PANDA, SAMPLES, "--output", tmp_path / "no" / "v.npz"
-    )
+    assert "states of scene 'bookshelf' 'ur3'" in error_of(capsys, "plan", "--robot", "ur3", "--scene", "bookshelf")
+    assert "there is no folder" in error_of(capsys, "validate", *PANDA, SAMPLES, "--output", tmp_path / "no" / "v.npz")
     assert "threads" in error_of(capsys, "validate", *PANDA, SAMPLES, "--threads", "0")
 
 
@@ -250,9 +242,7 @@ def test_the_demo_does_the_main_job(capsys):
 
 
 def test_help_imports_nothing_heavy():
-    script = (
-        "import sys; from plannercheck.cli import main; main(['--help']); assert 'numpy' not in sys.modules"
-    )
+    script = "import sys; from plannercheck.cli import main; main(['--help']); assert 'numpy' not in sys.modules"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert "validate" in done.stdout
 
@@ -265,9 +255,7 @@ def test_every_command_has_help(command, capsys):
 
 def test_a_closed_pipe_is_no_traceback():
     script = "import sys; from plannercheck.cli import main; sys.exit(main(['robots', 'panda', 'ur5']))"
-    with subprocess.Popen(
-        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    ) as process:
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None
         process.stdout.close()

@@ -55,9 +55,7 @@ def test_npz(tmp_path, rows, arrays):
 @pytest.mark.parametrize("header", [None, ["c", "time", "a", "b"]])
 def test_csv(tmp_path, rows, monkeypatch, separator, header):
     monkeypatch.setattr(configuration_files, "CHUNK_ROWS", 7)
-    columns = (
-        rows if header is None else np.column_stack([rows[:, 2], rows[:, 0] * 0, rows[:, 0], rows[:, 1]])
-    )
+    columns = rows if header is None else np.column_stack([rows[:, 2], rows[:, 0] * 0, rows[:, 0], rows[:, 1]])
     lines = [separator.join(map(repr, row)) for row in columns.tolist()]
     text = "\n".join(["# a comment", *([separator.join(header)] if header else []), *lines, ""])
     (tmp_path / "q.csv").write_text(text)

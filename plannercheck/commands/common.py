@@ -34,9 +34,7 @@ def add_robot_argument(parser: argparse.ArgumentParser) -> None:
 
 def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: empty") -> None:
     """Adds --scene."""
-    parser.add_argument(
-        "--scene", help=f"name of a shipped scene, or a scene file, also MoveIt's in YAML; {note}"
-    )
+    parser.add_argument("--scene", help=f"name of a shipped scene, or a scene file, also MoveIt's in YAML; {note}")
 
 
 def add_checker_arguments(parser: argparse.ArgumentParser) -> None:
@@ -62,9 +60,7 @@ def vector(text: str, name: str) -> Floats:
 def check_folder(path: Path | None) -> None:
     """Says before long work that an output file can't be written for want of its folder."""
     if path is not None and not path.parent.is_dir():
-        raise PlannercheckError(
-            f"file {str(path)!r} can't be written: there is no folder {str(path.parent)!r}"
-        )
+        raise PlannercheckError(f"file {str(path)!r} can't be written: there is no folder {str(path.parent)!r}")
 
 
 def save_json(path: Path, value: Any) -> None:

@@ -31,9 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_robot_argument(parser)
     add_scene_argument(parser)
     add_checker_arguments(parser)
-    parser.add_argument(
-        "--states", type=int, default=10_000, help="random configurations to check; default: 10000"
-    )
+    parser.add_argument("--states", type=int, default=10_000, help="random configurations to check; default: 10000")
     parser.add_argument("--seed", type=int, default=0, help="of the random configurations; default: 0")
 
 

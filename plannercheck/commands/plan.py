@@ -59,12 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--first", type=int, metavar="N", help="only the first N problems of each set")
     parser.add_argument("--each", action="store_true", help="a line for each problem of a set")
-    parser.add_argument(
-        "--planner", default="RRTConnect", help=f"{', '.join(planner_names())}; default: RRTConnect"
-    )
-    parser.add_argument(
-        "--time", type=float, default=10.0, metavar="S", help="for each search, s; default: 10"
-    )
+    parser.add_argument("--planner", default="RRTConnect", help=f"{', '.join(planner_names())}; default: RRTConnect")
+    parser.add_argument("--time", type=float, default=10.0, metavar="S", help="for each search, s; default: 10")
     parser.add_argument(
         "--range",
         type=float,

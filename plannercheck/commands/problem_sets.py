@@ -61,9 +61,7 @@ def _check(options: argparse.Namespace) -> None:
         if getattr(options, name) is not None:
             raise PlannercheckError(f"--{name} and --problems exclude each other: a problem has its own")
     if options.output is not None and options.output.suffix != ".json":
-        raise PlannercheckError(
-            f"the results of problem sets are written as .json, not {str(options.output)!r}"
-        )
+        raise PlannercheckError(f"the results of problem sets are written as .json, not {str(options.output)!r}")
     if options.first is not None and options.first < 1:
         raise PlannercheckError(f"--first must be at least 1, not {options.first}")
 
@@ -104,9 +102,7 @@ def _show_rejections(results: list[ProblemResult]) -> None:
     beyond: Counter[str] = Counter()
     for result in results:
         beyond.update(
-            f"{name}: {text}"
-            for name, end in (("start", result.start), ("goal", result.goal))
-            for text in end.beyond
+            f"{name}: {text}" for name, end in (("start", result.start), ("goal", result.goal)) for text in end.beyond
         )
     if beyond:
         print("\nBeyond the limits:")

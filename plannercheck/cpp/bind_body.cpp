@@ -9,6 +9,7 @@
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "body.hpp"
+#include "predicates.hpp"
 #include "verdicts.hpp"
 
 namespace nb = nanobind;
@@ -66,13 +67,24 @@ nb::dict shape_of(const Hierarchy& h) {
   return out;
 }
 
-// The extreme vertex along each direction, and the blocks each query visited.
+// A scan on rounded products may have stopped at a vertex that is extreme up to kScanError: compares it with all.
+std::int32_t surely_extreme(const Hierarchy& h, std::int32_t v, Vec3 u) {
+  for (const std::int32_t other : h.top) {
+    if (compare_along(u, h.points[static_cast<std::size_t>(other)], h.points[static_cast<std::size_t>(v)]) > 0)
+      v = other;
+  }
+  return v;
+}
+
+// The extreme vertex along each direction, exactly, and the blocks each query visited.
 nb::tuple extremes(const Body& body, InputArray<double, -1, 3> directions, bool of_polar) {
   const Hierarchy& h = of_polar ? body.polar : body.inner;
   std::vector<std::int32_t> vertices(directions.shape(0)), blocks(directions.shape(0));
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     QueryCounters counters;
-    vertices[i] = extreme(h, {directions(i, 0), directions(i, 1), directions(i, 2)}, counters);
+    const Vec3 u{directions(i, 0), directions(i, 1), directions(i, 2)};
+    vertices[i] = extreme(h, u, counters);
+    if (h.depth == 0) vertices[i] = surely_extreme(h, vertices[i], u);
     blocks[i] = static_cast<std::int32_t>(counters.blocks);
   }
   return nb::make_tuple(output_array(vertices, {vertices.size()}), output_array(blocks, {blocks.size()}));

@@ -4,6 +4,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <exception>
 #include <mutex>
 #include <thread>
 
@@ -19,6 +20,14 @@ namespace {
 
 using Configurations = InputArray<double, -1, -1>;
 using LinkPoses = InputArray<double, -1, -1, 4, 4>;
+
+// Threads that are joined at the end of their scope, also where the system has no more of them and throws.
+struct Joined {
+  std::vector<std::thread> threads;
+  ~Joined() {
+    for (std::thread& thread : threads) thread.join();
+  }
+};
 
 // A checker with the workspaces its callers have returned: what they learnt serves the next call.
 class BoundChecker {
@@ -53,13 +62,21 @@ class BoundChecker {
   void in_parallel(std::size_t n, int threads, Work work) {
     const std::size_t count =
         std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)), std::max<std::size_t>(n, 1));
+    std::exception_ptr failure;  // an exception that leaves a thread would end the process
     const auto part = [&](std::size_t k) {
-      with_workspace([&](auto& w) { work(n * k / count, n * (k + 1) / count, w); });
+      try {
+        with_workspace([&](auto& w) { work(n * k / count, n * (k + 1) / count, w); });
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        failure = std::current_exception();
+      }
     };
-    std::vector<std::thread> others;
-    for (std::size_t k = 1; k < count; ++k) others.emplace_back(part, k);
-    part(0);
-    for (std::thread& thread : others) thread.join();
+    {
+      Joined others;
+      for (std::size_t k = 1; k < count; ++k) others.threads.emplace_back(part, k);
+      part(0);
+    }
+    if (failure) std::rethrow_exception(failure);
   }
 
   nb::dict statistics() {

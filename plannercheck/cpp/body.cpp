@@ -137,6 +137,62 @@ void each_body_field(Stream& s, B& b) {
   s.value(b.polar_radius), s.value(b.facet_count);
 }
 
+void require(bool sound) {
+  if (!sound) throw HullError("the data are damaged");
+}
+
+bool is_below(std::int32_t index, std::size_t end) { return index >= 0 && at(index) < end; }
+
+bool is_below_or_none(std::int32_t index, std::size_t end) { return index == -1 || is_below(index, end); }
+
+bool all_below(const std::vector<std::int32_t>& indices, std::size_t end) {
+  return std::all_of(indices.begin(), indices.end(), [&](std::int32_t i) { return is_below(i, end); });
+}
+
+bool all_corners_below(const std::vector<Triangle>& triangles, std::size_t end) {
+  return std::all_of(triangles.begin(), triangles.end(), [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(), [&](int i) { return is_below(i, end); });
+  });
+}
+
+bool within(std::int32_t first, std::int32_t count, std::size_t end) {
+  return first >= 0 && count >= 0 && at(first) + at(count) <= end;
+}
+
+void require_sound_wedge(const Hierarchy& h, std::size_t w) {
+  const WedgeNode& node = h.wedges[w];
+  const std::size_t n = h.points.size();
+  require(is_below(node.rim, n) && is_below_or_none(node.left, n) && is_below_or_none(node.right, n));
+  for (const std::int32_t next : {node.next_left, node.next, node.next_right}) {
+    require(is_below_or_none(next, h.wedges.size()) && (next < 0 || at(next) > w));
+  }
+  require((node.left < 0) == (node.next_left < 0) && (node.right < 0) == (node.next_right < 0));
+  require(node.next >= 0 || node.left >= 0 || node.right < 0);
+}
+
+// Every index that a query follows stays in its array, and wedges lead on to later ones only: damaged data may give
+// wrong answers, but no query leaves memory or runs forever.
+void require_sound_indices(const Hierarchy& h) {
+  const std::size_t n = h.points.size(), top = h.top.size();
+  for (const Vec3& p : h.points) require(std::isfinite(norm_1(p)));
+  require(n >= 1 && h.level.size() == n && h.chains.size() == n && h.fan_of.size() == n && h.depth >= 0);
+  require(h.ring_start.size() == n + 1 && h.ring_start.front() == 0 && at(h.ring_start.back()) == h.rings.size());
+  require(std::is_sorted(h.ring_start.begin(), h.ring_start.end()) && all_below(h.rings, n));
+  require(top > 0 && top % kBlockLanes == 0 && top <= kTopVertices && all_below(h.top, n));
+  require(h.top_x.size() == top && h.top_y.size() == top && h.top_z.size() == top);
+  for (const ChainRange& c : h.chains) {
+    require(c.length >= 0 &&
+            within(c.first_block, c.length / kBlockLanes + (c.length % kBlockLanes != 0), h.blocks.size()));
+  }
+  for (const Block& block : h.blocks) {
+    for (const std::int32_t v : block.vertex) require(is_below(v, n));
+  }
+  require(all_below(h.entries, h.wedges.size()));
+  for (const std::int32_t fan : h.fan_of) require(is_below_or_none(fan, h.fans.size()));
+  for (const WedgeFan& fan : h.fans) require(fan.entries > 0 && within(fan.first_entry, fan.entries, h.entries.size()));
+  for (std::size_t w = 0; w < h.wedges.size(); ++w) require_sound_wedge(h, w);
+}
+
 }  // namespace
 
 Body prepare_body(const ConvexMesh& mesh) {
@@ -192,12 +248,13 @@ std::string flat_fault(const Body& body) {
 
 }  // namespace
 
-std::string body_fault(const Body& body) {
+std::string body_fault(const Body& body) try {
   if (body.dimension < 3) return flat_fault(body);
-  const ConvexMesh hull = verified_hull(body.inner.points, body.triangles);
+  const ConvexMesh hull = verified_hull(body.inner.points, body.triangles, &body.centre);
   const std::string inner = hierarchy_fault(hull, body.inner);
   if (!inner.empty()) return "hull: " + inner;
-  const ConvexMesh dual = verified_hull(body.polar.points, body.polar_triangles);
+  const Vec3 origin;
+  const ConvexMesh dual = verified_hull(body.polar.points, body.polar_triangles, &origin);
   const std::string polar = hierarchy_fault(dual, body.polar);
   if (!polar.empty()) return "polar: " + polar;
   for (const Triangle& t : body.triangles) {
@@ -206,6 +263,8 @@ std::string body_fault(const Body& body) {
       return "the centre is not strictly inside";
   }
   return {};
+} catch (const HullError& error) {
+  return error.what();
 }
 
 std::size_t Body::bytes() const {
@@ -224,6 +283,12 @@ Body parse_body(const char* data, std::size_t size) {
   Reader reader(data, size);
   each_body_field(reader, body);
   if (!reader.done()) throw HullError("the data go on after the end");
+  require(body.dimension >= 0 && body.dimension <= 3 && body.swell >= 0 && std::isfinite(body.swell));
+  require_sound_indices(body.inner);
+  if (body.dimension == 3) require_sound_indices(body.polar);
+  require(body.source.size() == body.inner.points.size() &&
+          all_corners_below(body.triangles, body.inner.points.size()));
+  require(all_corners_below(body.polar_triangles, body.polar.points.size()));
   return body;
 }
 

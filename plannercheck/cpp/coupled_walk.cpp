@@ -59,7 +59,8 @@ class CoupledWalk {
   const Hierarchy& q_;
   PairCounters& counters_;
   Step step_ = Step::kOn;
-  Star guest_star_, host_star_;                  // P*, Q*
+  long mixtures_ = 0;            // games so far: how deep the points of the invariants are mixed, at most
+  Star guest_star_, host_star_;  // P*, Q*
   std::int32_t guest_tip_ = -1, host_tip_ = -1;  // v and k, where the plane and the point are tangent
   Vec3 plane_, point_;                           // q and x of the invariant that holds
   std::int32_t p_star_ = -1, q_star_ = -1;       // p*, q*; −1 while that hierarchy is at its top
@@ -158,7 +159,7 @@ class CoupledWalk {
 
   // Plays P* against Q*: whether conv(P*) is separated from the polar of Q*; sets the played plane or point.
   bool play() {
-    ++counters_.games;
+    ++counters_.games, ++mixtures_;
     return guest_star_.count <= kDirectGame && host_star_.count <= kDirectGame ? play_directly() : play_by_oracles();
   }
 
@@ -217,14 +218,16 @@ class CoupledWalk {
     Certificate certificate;
     certificate.q = plane_;
     certificate.x = point_;
+    certificate.mixtures = mixtures_;
     if (separated) {
       ++counters_.guest_queries;
       const std::int32_t v = extreme(p_, frame_.guest_direction(plane_), counters_.queries);
-      if (frame_.separates(plane_, dot(plane_, frame_.guest_vertex(v)))) certificate.answer = Answer::kSeparated;
+      const double value = dot(plane_, frame_.guest_vertex(v));
+      if (frame_.separates(plane_, value, mixtures_)) certificate.answer = Answer::kSeparated;
     } else {
       ++counters_.host_queries;
       const std::int32_t k = extreme(q_, point_, counters_.queries);
-      if (frame_.contains(dot(frame_.polar_point(k), point_))) certificate.answer = Answer::kShared;
+      if (frame_.contains(dot(frame_.polar_point(k), point_), mixtures_)) certificate.answer = Answer::kShared;
     }
     return certificate;
   }

@@ -304,11 +304,9 @@ ConvexMesh hull_of(const std::vector<Vec3>& points, const std::vector<int>& sour
   return hull_of(kept, kept_source);
 }
 
-// How many triangles the ray from `inside` towards the middle of the first triangle meets (touching counts).
-int triangles_hit(const ConvexMesh& mesh, Vec3 inside) {
-  const Triangle& first = mesh.triangles.front();
-  const Vec3 middle =
-      (1.0 / 3.0) * (mesh.vertices[at(first[0])] + mesh.vertices[at(first[1])] + mesh.vertices[at(first[2])]);
+// How many triangles the ray from `inside` towards the middle of a triangle meets (touching counts).
+int triangles_hit(const ConvexMesh& mesh, Vec3 inside, const Triangle& aim) {
+  const Vec3 middle = (1.0 / 3.0) * (mesh.vertices[at(aim[0])] + mesh.vertices[at(aim[1])] + mesh.vertices[at(aim[2])]);
   const Vec3 ray = middle - inside;
   int hits = 0;
   for (const Triangle& t : mesh.triangles) {
@@ -317,6 +315,17 @@ int triangles_hit(const ConvexMesh& mesh, Vec3 inside) {
       ++hits;
   }
   return hits;
+}
+
+// A surface that winds k times around a point meets every ray from it at least k times, so one ray with one hit is
+// proof. Rays towards slivers may be rounded onto an edge and hit two triangles: others are tried.
+bool winds_once(const ConvexMesh& mesh, Vec3 inside) {
+  constexpr std::size_t kRays = 16;
+  const std::size_t stride = (mesh.triangles.size() + kRays - 1) / kRays;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += stride) {
+    if (triangles_hit(mesh, inside, mesh.triangles[t]) == 1) return true;
+  }
+  return false;
 }
 
 bool strictly_inside(const ConvexMesh& mesh, Vec3 point) {
@@ -354,7 +363,7 @@ ConvexMesh convex_hull(const std::vector<Vec3>& points) {
   return hull_of(points, source);
 }
 
-ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
+ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles, const Vec3* inside) {
   std::vector<int> source(points.size());
   std::iota(source.begin(), source.end(), 0);
   if (triangles.size() < 4) throw HullError("it has fewer than 4 faces");
@@ -366,7 +375,10 @@ ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Tria
   if (flat != extreme.end()) {
     throw HullError("vertex " + std::to_string(flat - extreme.begin()) + " is no corner of the faces around it");
   }
-  if (triangles_hit(mesh, interior_point(mesh)) != 1) throw HullError("its faces wind around it more than once");
+  const bool known = inside != nullptr && strictly_inside(mesh, *inside);
+  if (!winds_once(mesh, known ? *inside : interior_point(mesh))) {
+    throw HullError("its faces wind around it more than once");
+  }
   return mesh;
 }
 

@@ -36,8 +36,10 @@ class HullError : public std::runtime_error {
 ConvexMesh convex_hull(const std::vector<Vec3>& points);
 
 // Verifies that triangles bound the convex hull of their points; throws HullError if not (Mehlhorn et al. 1999:
-// closed, locally convex, and a ray from an interior point leaves through one triangle only).
-ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
+// closed, locally convex, and a ray from an interior point leaves through one triangle only). `inside`: an interior
+// point, if one is known; else one is looked for.
+ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
+                         const Vec3* inside = nullptr);
 
 // A point strictly inside, near the centre of the volume.
 Vec3 interior_point(const ConvexMesh& mesh);

@@ -12,12 +12,15 @@ namespace {
 //     transpose errs by (1 + 1e-5) δ (r_P + |w|). In all at most 20u (r_P + |w| + |c|) + 1.01 δ (r_P + |w|).
 // (b) Separation by q, |q| <= r_Q (1 + 1e-9). The guest's direction fl(Mᵀq) errs by 5.2u |q|, which moves the least
 //     product by at most 10.4u |q| r_P; a scan may miss it by 14u |q| r_P (kScanError, |.|_1 <= √3 |.|); evaluating q·x
-//     errs by 5.2u |q| |x|. sup over R of q·x is at most 1 + 16u r_Q r_R: polar points err by kPolarError, mixing at
-//     most 16 of them by 12u. In all r_Q times (30u (r_P + |shift|) + 16u r_R) besides (a).
-// (c) Containment of x: mixing vertices errs by 12u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by 5.2u r_Q |x|,
-//     polar points by 4u r_Q |x|, with |x| <= r_P + |shift|: r_Q times 36u (r_P + |shift|) besides (a).
-// |shift| <= |w| + |c| up to the rounding above, so one bound serves both.
-constexpr double kPairError = 64 * 0x1p-53;       // (a) without δ, plus the larger of (b) and (c): at most 56u
+//     errs by 5.2u |q| |x|. sup over R of q·x is at most 1 + 20u r_Q r_R: polar points err by kPolarError, mixing 8 of
+//     them by 16u: 8u in the sum of the weights, which are divided by their rounded sum, 8u in the products and sums.
+//     In all r_Q times (30u (r_P + |shift|) + 20u r_R) besides (a).
+// (c) Containment of x: mixing 8 vertices errs by 16u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by
+//     5.2u r_Q |x|, polar points by 4u r_Q |x|, with |x| <= r_P + |shift|: r_Q times 40u (r_P + |shift|) besides (a).
+// |shift| <= |w| + |c| up to the rounding above, so one bound serves both. The walk mixes 16 points at a time (32u),
+// moves what it got towards another mixture (3u), and may mix that again: kMixtureError for each of its games.
+constexpr double kPairError = 64 * 0x1p-53;       // (a) without δ, plus the larger of (b) and (c): at most 60u
+constexpr double kMixtureError = 40 * 0x1p-53;    // of one more mixture of mixtures
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 
 }  // namespace
@@ -37,6 +40,7 @@ PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(gue
   const double reach = guest.body->reach + norm_1(w) + norm_1(centre) + host.body->radius;
   error_ = host.body->polar_radius * reach * (kPairError + 1.01 * defect);
   swell_ = (guest.body->swell + host.body->swell) * (1 + 1.01 * defect);
+  mixture_error_ = host.body->polar_radius * reach * kMixtureError;
 }
 
 Vec3 PairFrame::guest_direction(Vec3 q) const {

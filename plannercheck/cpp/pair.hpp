@@ -29,6 +29,7 @@ struct Certificate {
   Answer answer = Answer::kUndecided;
   Stage stage = Stage::kSolver;
   Vec3 q, x;
+  long mixtures = 0;  // how deep q and x are mixtures of mixtures; see PairFrame::separates
 };
 
 struct PairCounters {
@@ -52,19 +53,22 @@ class PairFrame {
   // The direction in the guest's frame along which to look for the vertex with the least q·x.
   Vec3 guest_direction(Vec3 q) const;
 
-  // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding. The
-  // distance along q is (value − 1) / |q|.
-  bool separates(Vec3 q, double value) const { return value > 1 + error_ + (swell_ > 0 ? swell_ * norm(q) : 0); }
-  // With value = max over polar points of q·x as found by `extreme`, x a mixture of guest vertices or their centre.
-  bool contains(double value) const { return value < 1 - error_; }
-  double error() const { return error_; }
+  // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding: q is
+  // a mixture of at most 8 polar points, or of mixtures of 16, `mixtures` deep. The distance along q is (value − 1) / |q|.
+  bool separates(Vec3 q, double value, long mixtures = 0) const {
+    return value > 1 + error(mixtures) + (swell_ > 0 ? swell_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
+  }
+  // With value = max over polar points of q·x as found by `extreme`, x a mixture of guest vertices likewise.
+  bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
 
  private:
   PosedBody guest_, host_;
   double m_[9];  // rows of M_Rᵀ M_P
   Vec3 shift_;   // M_Rᵀ (t_P − t_R) − centre
-  double error_;
+  double error_, mixture_error_;
   double swell_;  // of both bodies, rounded up and stretched by what the pose may be off rigid
+
+  double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
 
   Vec3 map(Vec3 v) const {
     return {(m_[0] * v.x + m_[1] * v.y) + (m_[2] * v.z + shift_.x),

@@ -18,7 +18,7 @@ PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
   verdict.certificate = certificate;
   verdict.shared = certificate.answer == Answer::kShared;
   verdict.stage = certificate.stage;
-  if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q};
+  if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q, certificate.mixtures};
   return verdict;
 }
 
@@ -56,7 +56,8 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
   }
   const PairFrame frame(guest, host);
   Certificate certificate;
-  if (options.cached_plane && cache != nullptr && cache->valid && still_separates(frame, cache->q, counters)) {
+  if (options.cached_plane && cache != nullptr && cache->valid &&
+      still_separates(frame, cache->q, cache->mixtures, counters)) {
     certificate.answer = Answer::kSeparated;
     certificate.stage = Stage::kCachedPlane;
     certificate.q = cache->q;

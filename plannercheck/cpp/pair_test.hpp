@@ -23,6 +23,7 @@ struct PairOptions {
 struct CachedPlane {
   bool valid = false;
   Vec3 q;
+  long mixtures = 0;
 };
 
 struct PairVerdict {

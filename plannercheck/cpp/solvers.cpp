@@ -2,10 +2,10 @@
 
 namespace plannercheck {
 
-bool still_separates(const PairFrame& frame, Vec3 q, PairCounters& counters) {
+bool still_separates(const PairFrame& frame, Vec3 q, long mixtures, PairCounters& counters) {
   ++counters.guest_queries;
   const std::int32_t p = extreme(frame.guest().inner, frame.guest_direction(q), counters.queries);
-  return frame.separates(q, dot(q, frame.guest_vertex(p)));
+  return frame.separates(q, dot(q, frame.guest_vertex(p)), mixtures);
 }
 
 Certificate centre_axis(const PairFrame& frame, std::int32_t* lowest, PairCounters& counters) {

@@ -16,6 +16,6 @@ Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, Pai
 Certificate centre_axis(const PairFrame& frame, std::int32_t* lowest, PairCounters& counters);
 
 // Whether q, a separating plane found for other poses of the same pair, still separates.
-bool still_separates(const PairFrame& frame, Vec3 q, PairCounters& counters);
+bool still_separates(const PairFrame& frame, Vec3 q, long mixtures, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -90,13 +90,15 @@ class WedgeWalk {
   std::int32_t rim(std::int32_t entry) const { return h_.wedges[at(h_.entries[at(fan_.first_entry + entry)])].rim; }
 
   // The first wedge: the edge between whose two facet normals u lies. Neighbouring normals are less than half a turn
-  // apart, as the axis is inside the cone.
+  // apart, as the axis is inside the cone. The wedge of an edge within a facet is empty: both its sides are 0 for u on
+  // the far side of the axis, too, so it never is taken; where u is on the facet's normal, its neighbours hold u.
   std::int32_t entry() const {
     const std::int32_t count = fan_.entries;
     int clockwise = side(rim(count - 1), rim(0));
     for (std::int32_t i = 0; i < count; ++i) {
       const int counter_clockwise = side(rim(i), rim((i + 1) % count));
-      if (clockwise >= 0 && counter_clockwise <= 0) return h_.entries[at(fan_.first_entry + i)];
+      const bool empty = clockwise == 0 && counter_clockwise == 0;
+      if (clockwise >= 0 && counter_clockwise <= 0 && !empty) return h_.entries[at(fan_.first_entry + i)];
       clockwise = counter_clockwise;
     }
     return h_.entries[at(fan_.first_entry)];  // u is the axis: every wedge holds it

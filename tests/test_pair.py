@@ -1,0 +1,282 @@
+"""The pair test against exact arithmetic in Python integers: every method, every switch, every kind of contact."""
+
+from __future__ import annotations
+
+import itertools
+from fractions import Fraction
+
+import contacts
+import families
+import numpy as np
+import pytest
+from contacts import Solid
+from families import MESHES, family, mesh_points
+
+import plannercheck as pc
+from plannercheck import exact
+from plannercheck.core import core
+from plannercheck.pair import METHODS, pair_options
+
+# All ways to decide a pair; the first is the default.
+WAYS = list(itertools.product(METHODS, (True, False), (True, False)))
+NEAR = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 0.0, -1e-16, -1e-15, -1e-13, -1e-9, -1e-4, -1e-1)
+UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+
+
+def solid_of(name, n, seed):
+    points = mesh_points(name) if name in MESHES else family(name, n, seed)
+    polytope = pc.Polytope(points)
+    return Solid(f"{name} {n}", polytope.vertices, polytope.faces.astype(np.int64)), polytope
+
+
+def assert_all_ways_agree(first, second, poses_p, poses_r):
+    """All methods and switches, in both orders, against the oracle; returns the verdicts."""
+    truth = np.array(
+        [exact.intersects(first.vertices, second.vertices, p, r) for p, r in zip(poses_p, poses_r, strict=True)]
+    )
+    poses_p, poses_r = np.ascontiguousarray(poses_p), np.ascontiguousarray(poses_r)
+    for way in WAYS:
+        options = pair_options(*way)
+        shared, _, _ = core.intersect_batch(first.core, poses_p, second.core, poses_r, options)
+        np.testing.assert_array_equal(shared.astype(bool), truth, err_msg=f"{way}")
+        shared, _, _ = core.intersect_batch(second.core, poses_r, first.core, poses_p, options)
+        np.testing.assert_array_equal(shared.astype(bool), truth, err_msg=f"{way} swapped")
+    return truth
+
+
+PAIRS = [
+    ("box", "box", 8),
+    ("box", "round", 80),
+    ("round", "round", 30),
+    ("round", "cloud", 200),
+    ("flat", "needle", 40),
+    ("flat", "flat", 100),
+    ("prism", "cone", 60),
+    ("fan", "doubling", 100),
+    ("lattice", "lattice", 60),
+    (MESHES[0], MESHES[2], 0),
+    (MESHES[3], "box", 8),
+]
+
+
+@pytest.mark.parametrize(("first", "second", "n"), PAIRS)
+def test_random_poses(first, second, n):
+    (p, P), (r, R) = solid_of(first, n, 1), solid_of(second, n, 2)
+    truth = assert_all_ways_agree(P, R, *contacts.random_poses(p, r, 24, np.random.default_rng(n)))
+    assert 0 < truth.sum() < len(truth)
+
+
+@pytest.mark.parametrize(("first", "second", "n"), PAIRS)
+def test_near_contact(first, second, n):
+    (p, P), (r, R) = solid_of(first, n, 3), solid_of(second, n, 4)
+    gaps = np.repeat(NEAR, 2)
+    truth = assert_all_ways_agree(P, R, *contacts.contact_poses(p, r, gaps, np.random.default_rng(n)))
+    assert not truth[gaps >= 1e-9].any()
+    assert truth.any()
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "n"), [("box", "box", 8), ("lattice", "lattice", 60), ("lattice", "box", 200)]
+)
+def test_exact_contact(first, second, n):
+    (p, P), (r, R) = solid_of(first, n, 5), solid_of(second, n, 6)
+    truth = assert_all_ways_agree(P, R, *contacts.dyadic_poses(p, r, 40, np.random.default_rng(n)))
+    assert truth.any()
+
+
+def moved(x, y=0.0, z=0.0):
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-3, 1e-12, 1e6])
+@pytest.mark.parametrize("shift", [(1, 0, 0), (1, 0.5, 0.25), (1, 1, 0), (1, 1, 1), (0.25, 1, -0.5)])
+def test_touching_boxes_collide_and_the_next_double_does_not(scale, shift):
+    cube = pc.Polytope(UNIT * scale)
+    shift = np.array(shift) * scale
+    beyond = np.where(shift == scale, np.nextafter(shift, np.inf), shift)
+    for method in METHODS:
+        assert pc.intersects(cube, cube, moved(*shift), method=method)
+        assert not pc.intersects(cube, cube, moved(*beyond), method=method)
+        assert not pc.intersects(cube, cube, None, moved(*-beyond), method=method) or (shift < 0).any()
+
+
+@pytest.mark.parametrize("name", ["box", "round", "flat", "doubling", "lattice"])
+def test_identical_and_nested_bodies_collide(name):
+    points = family(name, 100, seed=1)
+    whole = pc.Polytope(points)
+    centre = whole.centre.ravel()
+    core_of = pc.Polytope(centre + 1e-3 * (points - centre))
+    turned = contacts.random_poses(*[Solid("", whole.vertices, whole.faces)] * 2, 1, np.random.default_rng(1))[0]
+    for method in METHODS:
+        for pose in (None, turned[0]):
+            assert pc.intersects(whole, whole, pose, pose, method)
+            assert pc.intersects(whole, core_of, pose, pose, method)
+            assert pc.intersects(core_of, whole, pose, pose, method)
+
+
+def test_a_common_vertex_edge_or_facet_is_a_contact():
+    corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    first = pc.Polytope(corner)
+    for mirrored in itertools.product((1, -1), repeat=3):
+        second = pc.Polytope(corner * mirrored)
+        for method in METHODS:
+            assert pc.intersects(first, second, method=method)
+
+
+@pytest.mark.parametrize("thickness", [1e-6, 1e-10, 1e-13])
+def test_thin_bodies(thickness):
+    sheet = pc.Polytope(family("box", 8, 1) * [1, 1, thickness])
+    solid = Solid("sheet", sheet.vertices, sheet.faces.astype(np.int64))
+    gaps = np.array([1e-3, thickness, thickness * 1e-3, 1e-16, 0, -thickness * 0.5])
+    assert_all_ways_agree(sheet, sheet, *contacts.contact_poses(solid, solid, gaps, np.random.default_rng(2)))
+
+
+@pytest.mark.parametrize("distance", [1e3, 1e6, 1e12])
+def test_far_from_the_origin(distance):
+    (p, P), (r, R) = solid_of("round", 40, 7), solid_of("box", 8, 8)
+    rng = np.random.default_rng(3)
+    poses_p, poses_r = contacts.contact_poses(p, r, np.array([1e-1, 1e-3, 0, -1e-3, -1e-1] * 3), rng)
+    away = rng.normal(size=3) * distance
+    poses_p[:, :3, 3] += away
+    poses_r[:, :3, 3] += away
+    assert_all_ways_agree(P, R, poses_p, poses_r)
+
+
+def test_vertices_far_from_their_own_origin():
+    rng = np.random.default_rng(4)
+    offset = np.array([1e6, -3e5, 2e6])
+    P, R = pc.Polytope(family("round", 80, 1) + offset), pc.Polytope(family("box", 8, 2))
+    p, r = (Solid("", b.vertices, b.faces.astype(np.int64)) for b in (P, R))
+    assert_all_ways_agree(P, R, *contacts.contact_poses(p, r, np.array([1e-1, 1e-8, 0, -1e-8, -1e-2] * 3), rng))
+
+
+@pytest.mark.parametrize("defect", [1e-12, 1e-9, 9e-7])
+def test_poses_off_rigid_are_the_affine_maps_that_they_are(defect):
+    (p, P), (r, R) = solid_of("round", 100, 9), solid_of("lattice", 40, 9)
+    rng = np.random.default_rng(5)
+    gaps = np.concatenate([[1e-2, 3 * defect, defect, 1e-16, 0, -defect, -1e-2]] * 2)
+    poses_p, poses_r = contacts.contact_poses(p, r, gaps, rng)
+    for poses in (poses_p, poses_r):
+        poses[:, :3, :3] += rng.uniform(-1, 1, (len(gaps), 3, 3)) * defect / 8
+    assert_all_ways_agree(P, R, poses_p, poses_r)
+    for pose_p, pose_r in zip(poses_p, poses_r, strict=True):
+        assert pc.intersects(P, R, pose_p, pose_r) == exact.intersects(P.vertices, R.vertices, pose_p, pose_r)
+
+
+@pytest.mark.parametrize("name", ["cone", "prism", "doubling", "round"])
+def test_large_bodies(name):
+    points = families.degree_doubling(10)[0] if name == "doubling" else family(name, 3000, 1)
+    (r, R) = solid_of("round", 300, 2)
+    P = pc.Polytope(points)
+    p = Solid(name, P.vertices, P.faces.astype(np.int64))
+    gaps = np.array([1e-1, 1e-4, 1e-8, 1e-12, 0, -1e-12, -1e-6, -1e-2])
+    assert_all_ways_agree(P, R, *contacts.contact_poses(p, r, gaps, np.random.default_rng(6)))
+
+
+def test_neighbouring_poses_use_the_cached_plane_and_agree():
+    (_, P), (_, R) = solid_of("round", 200, 1), solid_of("round", 200, 2)
+    steps = np.linspace(1.05, 0.9, 200)
+    poses = np.tile(np.eye(4), (200, 1, 1))
+    poses[:, 0, 3], poses[:, 1, 3] = steps, 0.3 * np.sin(9 * steps)
+    verdicts = {}
+    for way in WAYS:
+        shared, stages, _ = core.intersect_batch(P.core, poses, R.core, np.eye(4)[None], pair_options(*way))
+        verdicts[way] = shared.tolist()
+        assert (0 in stages) == (way[0] != "exact" and way[1])
+    assert len({tuple(v) for v in verdicts.values()}) == 1
+
+
+def test_methods_use_their_own_means():
+    (_, P), (_, R) = solid_of("round", 1000, 1), solid_of("round", 1000, 2)
+    pose = moved(0.5, 0.5, 0.5)[None]
+    counters = {
+        method: core.intersect_batch(P.core, pose, R.core, np.eye(4)[None], pair_options(method, centre_axis=False))[2]
+        for method in METHODS
+    }
+    assert counters["exact"]["games"] == 0
+    assert counters["oracle"]["games"] > 0
+    assert 0 < counters["walk"]["rounds"] <= P.statistics()["inner"]["levels"] + R.statistics()["polar"]["levels"] + 2
+
+
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [
+        (np.eye(4) * np.nan, "pose_p.*not finite"),
+        (moved(np.inf), "pose_p.*not finite"),
+        (np.eye(3), r"pose_p.*\(4, 4\)"),
+        (np.diag([1.0, 1, 1 + 1e-5, 1]), "pose_p.*not rigid"),
+        (np.diag([1.0, 1, -1, 1]), "pose_p"),
+        (np.diag([2.0, 2, 2, 1]), "pose_p.*not rigid"),
+        (np.diag([1.0, 1, 1, 2]), "pose_p.*last row"),
+        ("up", "pose_p"),
+    ],
+)
+def test_bad_poses_are_refused(pose, message):
+    cube = pc.Polytope(UNIT)
+    for test in (pc.intersects, pc.certify):
+        with pytest.raises(pc.PlannercheckError, match=message):
+            test(cube, cube, pose)
+        with pytest.raises(pc.PlannercheckError, match=message.replace("pose_p", "pose_r")):
+            test(cube, cube, None, pose)
+
+
+def test_unknown_methods_are_named():
+    cube = pc.Polytope(UNIT)
+    with pytest.raises(pc.PlannercheckError, match="unknown method 'wlak': did you mean 'walk'"):
+        pc.intersects(cube, cube, method="wlak")
+
+
+def posed_fractions(vertices, pose):
+    matrix = [[Fraction(x) for x in row] for row in pose.tolist()]
+    return [
+        [sum(m * Fraction(x) for m, x in zip(row, v, strict=False)) + row[3] for row in matrix[:3]]
+        for v in vertices.tolist()
+    ]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("first", "second", "n"), PAIRS[:9])
+def test_certificates_prove_their_verdicts(first, second, n, method):
+    (p, P), (r, R) = solid_of(first, n, 11), solid_of(second, n, 12)
+    for pose_p, pose_r in zip(*contacts.contact_poses(p, r, np.array(NEAR), np.random.default_rng(n)), strict=True):
+        certificate = pc.certify(P, R, pose_p, pose_r, method)
+        truth = exact.intersects(P.vertices, R.vertices, pose_p, pose_r)
+        assert isinstance(certificate, pc.SharedPoint) == truth
+        if truth:
+            assert_shared(certificate.point, P, R, pose_p, pose_r)
+        else:
+            assert_separates(certificate, P, R, pose_p, pose_r)
+
+
+def assert_separates(plane, P, R, pose_p, pose_r):
+    normal = [Fraction(x) for x in plane.normal.tolist()]
+    above = min(sum(a * b for a, b in zip(normal, v, strict=True)) for v in posed_fractions(P.vertices, pose_p))
+    below = max(sum(a * b for a, b in zip(normal, v, strict=True)) for v in posed_fractions(R.vertices, pose_r))
+    length_squared = sum(x * x for x in normal)
+    assert abs(float(length_squared) - 1) < 1e-15
+    assert plane.gap >= 0
+    if plane.gap > 0:
+        assert above > below
+        assert (above - below) ** 2 >= Fraction(plane.gap) ** 2 * length_squared
+        assert below <= Fraction(plane.offset) <= above
+    assert plane.gap <= exact.distance(P.vertices, R.vertices, pose_p, pose_r)
+
+
+def assert_shared(point, P, R, pose_p, pose_r):
+    """The point is in both bodies, up to the rounding of posing and mixing it."""
+    for body, pose in ((P, pose_p), (R, pose_r)):
+        size = np.abs(body.vertices).max() + np.abs(pose[:3, 3]).max()
+        ball = 1e-14 * size * (UNIT * 2 - 1)
+        assert exact.intersects(point + ball, body.vertices, None, pose)
+
+
+def test_a_separations_normal_points_from_second_to_first():
+    cube = pc.Polytope(UNIT)
+    for method in METHODS:
+        plane = pc.certify(cube, cube, moved(3), None, method)
+        assert plane.normal[0] > 0.5
+        assert 1.0 < plane.offset < 3.0
+        assert 0 < plane.gap <= 2.0
+        assert pc.certify(cube, cube, None, moved(3), method).normal[0] < -0.5
