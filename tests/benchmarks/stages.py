@@ -1,0 +1,164 @@
+"""Which stage decides, and what each costs: `python tests/benchmarks/stages.py [--states 20000]`.
+
+Three kinds of queries: bodies at random poses, bodies near touching, and states of a robot in the shipped scenes (random
+ones, and ones next to the border between free and colliding). For each stage the share of queries that it decides and
+the mean time of those, earlier stages included. Last what the stages behind the filter cost on robot states: the time
+of all states against that of the states that the filter settles alone, taken in turns.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+import plannercheck as pc
+from plannercheck.core import core
+from plannercheck.pair import pair_options
+from plannercheck.stress import contacts, families
+
+STAGES = ("cached plane", "centre axis", "solver", "nearest points", "exact")
+FAMILIES = ("round", "box", "cone", "needle", "mesh")
+POSES, VERTICES, SEED = 400, 150, 1
+# Relative gaps of poses near touching: any magnitude from 1 % to far below rounding, and none at all.
+SMALLEST, LARGEST = -17.0, -2.0
+HALVINGS, REPETITIONS = 48, 5
+SCENES = tuple(sorted(path.stem for path in (Path(__file__).parents[2] / "configs").glob("*.yaml")))
+# The filter of numbers.py's scenes ends with the solver: what is left to nearest points and exact arithmetic is fallback.
+FALLBACK = STAGES[3:]
+
+
+def solids() -> Iterator[tuple[contacts.Solid, pc.Polytope]]:
+    """Bodies about 1 m across."""
+    for name in FAMILIES:
+        points = families.mesh_points(families.MESHES[0]) if name == "mesh" else families.family(name, VERTICES, SEED)
+        body = pc.Polytope(points)
+        yield contacts.Solid(name, np.asarray(body.vertices), np.asarray(body.faces, dtype=np.int64)), body
+
+
+def near_touching(
+    p: contacts.Solid, r: contacts.Solid, rng: np.random.Generator
+) -> tuple[contacts.Points, contacts.Points]:
+    """Poses with gaps of all magnitudes, one in ten without a gap."""
+    gaps = rng.choice([-1, 1], POSES) * 10 ** rng.uniform(SMALLEST, LARGEST, POSES) * (rng.uniform(size=POSES) > 0.1)
+    return contacts.contact_poses(p, r, gaps * min(p.size, r.size), rng)
+
+
+def random(p: contacts.Solid, r: contacts.Solid, rng: np.random.Generator) -> tuple[contacts.Points, contacts.Points]:
+    """Poses of which about half collide."""
+    return contacts.random_poses(p, r, POSES, rng)
+
+
+def show_pairs(name: str, posed: Callable[..., tuple[contacts.Points, contacts.Points]]) -> None:
+    """Prints shares and costs over all pairs of bodies; each query comes alone, so that no plane is cached."""
+    rng = np.random.default_rng(SEED)
+    counts, spent = np.zeros(5), np.zeros(5)
+    bodies = list(solids())
+    options = pair_options(cached_plane=False)
+    for p, body_p in bodies:
+        for r, body_r in bodies:
+            poses = posed(p, r, rng)
+            stages = core.intersect_batch(body_p.core, poses[0], body_r.core, poses[1], options)[1]
+            for stage in np.unique(stages):
+                chosen = [np.ascontiguousarray(pose[stages == stage]) for pose in poses]
+                counts[stage] += len(chosen[0])
+                spent[stage] += best_time(
+                    lambda c=chosen, p=body_p, r=body_r: core.intersect_batch(p.core, c[0], r.core, c[1], options)
+                )
+    show(name, counts, spent)
+
+
+def best_time(work: Callable[[], object]) -> float:
+    """Least seconds of a few runs."""
+    times = []
+    for _ in range(REPETITIONS):
+        start = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def show(name: str, counts: np.ndarray, spent: np.ndarray | None = None) -> None:
+    """Prints one line a stage."""
+    print(f"\n{name}: {int(counts.sum())} queries that bounds leave")
+    for k, stage in enumerate(STAGES):
+        share = 100 * counts[k] / counts.sum()
+        cost = f"{1e6 * spent[k] / counts[k]:10.2f} us" if spent is not None and counts[k] else ""
+        print(f"  {stage:15} {share:10.5f} %{cost}")
+
+
+def border_states(checker: pc.Checker, q: np.ndarray) -> np.ndarray:
+    """Configurations as near to the border between free and colliding as doubles get, from random pairs (n, nq)."""
+    half = len(q) // 2
+    start, end = q[:half], q[half : 2 * half]
+    valid = checker.check_states(start)
+    rows = valid != checker.check_states(end)
+    start, end, valid = start[rows], end[rows], valid[rows]
+    for k in range(HALVINGS):
+        middle = (start + end) / 2
+        stay = (np.arange(len(middle)) % HALVINGS < k)[:, None]  # some rows stop early: all distances occur
+        same = (checker.check_states(middle) == valid)[:, None]
+        start, end = np.where(same & ~stay, middle, start), np.where(same | stay, end, middle)
+    return np.asarray(start)
+
+
+def stage_counts(checker: pc.Checker, before: dict[str, int]) -> np.ndarray:
+    """Queries that each stage decided since the counters were taken."""
+    now = checker.statistics()
+    names = [stage.replace(" ", "_") for stage in STAGES]
+    return np.array([now[name] - before[name] for name in names], dtype=float)
+
+
+def fallback_ratio(checker: pc.Checker, q: np.ndarray) -> tuple[int, float]:
+    """States that need the fallback, and the time a state with them over that without, least of runs in turns."""
+    needs = np.zeros(len(q), dtype=bool)
+    for k in range(0, len(q), 64):
+        before = checker.statistics()
+        checker.check_states(q[k : k + 64])
+        needs[k : k + 64] = stage_counts(checker, before)[3:].any()
+    others = np.ascontiguousarray(q[~needs])
+    times = [
+        (best_time(lambda: checker.check_states(q)), best_time(lambda: checker.check_states(others))) for _ in range(3)
+    ]
+    all_states, without = np.min(times, axis=0) / [len(q), len(others)]
+    return int(needs.sum()), float(all_states / without)
+
+
+def show_states(states: int) -> None:
+    """Prints shares on robot states, random ones and near the border, and the cost of the fallback."""
+    robot = pc.Robot.load("panda")
+    checkers = [pc.Checker(robot, pc.Scene.load(name)) for name in SCENES]
+    for kind in ("random", "near the border"):
+        counts, total, pairs, ratios = np.zeros(5), 0, 0, []
+        for seed, checker in enumerate(checkers):
+            q = robot.random_configurations(states, seed)
+            if kind != "random":
+                q = border_states(checker, q)
+            before = checker.statistics()
+            checker.check_states(q)
+            counts += stage_counts(checker, before)
+            total += len(q)
+            pairs += checker.statistics()["pairs"] - before["pairs"]
+            if kind == "random":
+                ratios.append(fallback_ratio(checker, q))
+        show(f"{total} {kind} states of the Panda, {pairs} pairs", counts)
+        print(f"  settled without the fallback: {100 - 100 * counts[3:].sum() / pairs:.6f} % of the pairs")
+        for scene, (needs, ratio) in zip(SCENES, ratios, strict=False):
+            print(f"  {scene:10} {needs} states in batches with a fallback; time with them over without: {ratio:.3f}")
+
+
+def main() -> None:
+    """Runs all three."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--states", type=int, default=20_000, help="robot states a scene")
+    states = parser.parse_args().states
+    show_pairs("random poses", random)
+    show_pairs("near touching", near_touching)
+    show_states(states)
+
+
+if __name__ == "__main__":
+    main()
