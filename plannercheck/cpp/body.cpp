@@ -195,22 +195,48 @@ void require_sound_indices(const Hierarchy& h) {
 
 }  // namespace
 
+namespace {
+
+// The polar about a point strictly inside. False if doubles can't hold it: the body is thinner than their grid, or so
+// small that its polar overflows.
+bool add_polar(const ConvexMesh& mesh, Body& body) try {
+  body.centre = interior_point(mesh);
+  const std::vector<Vec3> points = polar_points(mesh, body.centre);
+  body.polar_radius = largest_norm(points, {});
+  if (!std::isfinite(body.polar_radius)) return false;
+  const ConvexMesh polar = convex_hull(points);
+  body.facet_count = static_cast<std::int32_t>(points.size());
+  body.polar_triangles = polar.triangles;
+  body.polar = build_hierarchy(polar);
+  return true;
+} catch (const HullError&) {
+  return false;
+}
+
+// Without a polar the centre only aims and bounds: the mean of the vertices will do, rounded.
+void do_without_polar(Body& body) {
+  const std::vector<Vec3>& vertices = body.inner.points;
+  const double weight = 1 / static_cast<double>(vertices.size());
+  body.centre = {};
+  for (const Vec3& v : vertices) body.centre = body.centre + weight * v;
+  body.polar_radius = std::numeric_limits<double>::infinity();
+}
+
+void measure(Body& body) {
+  body.reach = largest_norm(body.inner.points, {});
+  body.radius = largest_norm(body.inner.points, body.centre);
+  enclose(body, body.inner.points);
+}
+
+}  // namespace
+
 Body prepare_body(const ConvexMesh& mesh) {
   Body body;
   body.triangles = mesh.triangles;
   body.source = mesh.source;
-  body.centre = interior_point(mesh);
-  body.reach = largest_norm(mesh.vertices, {});
-  body.radius = largest_norm(mesh.vertices, body.centre);
-  enclose(body, mesh.vertices);
   body.inner = build_hierarchy(mesh);
-  const std::vector<Vec3> points = polar_points(mesh, body.centre);
-  body.facet_count = static_cast<std::int32_t>(points.size());
-  body.polar_radius = largest_norm(points, {});
-  if (!std::isfinite(body.polar_radius)) throw HullError("it is too thin for doubles");
-  const ConvexMesh polar = convex_hull(points);
-  body.polar_triangles = polar.triangles;
-  body.polar = build_hierarchy(polar);
+  if (!add_polar(mesh, body)) do_without_polar(body);
+  measure(body);
   return body;
 }
 
@@ -221,14 +247,9 @@ Body prepare_body(const std::vector<Vec3>& points) {
   Body body;
   body.dimension = hull.dimension;
   body.source = hull.source;
-  const double weight = 1 / static_cast<double>(hull.vertices.size());
-  for (const Vec3& v : hull.vertices) body.centre = body.centre + weight * v;
-  body.reach = largest_norm(hull.vertices, {});
-  // The rounded mean may lie off the plane: the sphere about it still holds all vertices.
-  body.radius = largest_norm(hull.vertices, body.centre);
-  enclose(body, hull.vertices);
   body.inner = build_flat_hierarchy(hull);
-  body.polar_radius = std::numeric_limits<double>::infinity();
+  do_without_polar(body);
+  measure(body);
   return body;
 }
 
@@ -250,6 +271,7 @@ std::string flat_fault(const Body& body) {
 
 std::string body_fault(const Body& body) try {
   if (body.dimension < 3) return flat_fault(body);
+  if (!body.has_polar()) return hierarchy_fault(convex_hull(body.inner.points), body.inner);
   const ConvexMesh hull = verified_hull(body.inner.points, body.triangles, &body.centre);
   const std::string inner = hierarchy_fault(hull, body.inner);
   if (!inner.empty()) return "hull: " + inner;
@@ -285,7 +307,7 @@ Body parse_body(const char* data, std::size_t size) {
   if (!reader.done()) throw HullError("the data go on after the end");
   require(body.dimension >= 0 && body.dimension <= 3 && body.swell >= 0 && std::isfinite(body.swell));
   require_sound_indices(body.inner);
-  if (body.dimension == 3) require_sound_indices(body.polar);
+  if (body.has_polar()) require_sound_indices(body.polar);
   require(body.source.size() == body.inner.points.size() &&
           all_corners_below(body.triangles, body.inner.points.size()));
   require(all_corners_below(body.polar_triangles, body.polar.points.size()));

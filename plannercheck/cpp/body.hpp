@@ -27,7 +27,7 @@ struct Body {
   double swell = 0;                  // m
   std::vector<Triangle> triangles;   // of the hull, outward; indices into inner.points
   std::vector<std::int32_t> source;  // per vertex: index into the points that were given
-  Vec3 centre;                       // strictly inside; of bodies without volume the mean of the vertices, rounded
+  Vec3 centre;                       // strictly inside; without a polar the mean of the vertices, rounded
   double reach = 0;                  // largest |v| over the vertices: distance from the frame's origin
   double radius = 0;                 // largest |v − centre|, rounded up
   Vec3 low, high;                    // the box around the vertices, in the body's frame
@@ -37,6 +37,8 @@ struct Body {
   double polar_radius = 0;                // largest |q| over the polar points, rounded up
   std::int32_t facet_count = 0;
 
+  // Bodies without volume have none, nor have those that are thinner than the grid of doubles.
+  bool has_polar() const { return !polar.points.empty(); }
   std::size_t bytes() const;
 };
 

@@ -41,7 +41,7 @@ PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hi
 }
 
 double conditioning(const Body& body) {
-  return body.dimension == 3 ? body.polar_radius * body.radius : std::numeric_limits<double>::infinity();
+  return body.has_polar() ? body.polar_radius * body.radius : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ int choose_host(const Body& a, const Body& b) { return conditioning(b) <= condit
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters) {
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, between_centres(guest, host), counters);
-  if (host.body->dimension < 3) {
+  if (!host.body->has_polar()) {
     return without_polar(guest, host, between_centres(guest, host), options, counters);
   }
   const PairFrame frame(guest, host);
