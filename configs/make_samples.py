@@ -24,9 +24,7 @@ NEAR = 400
 SPREAD = 0.25
 
 
-def samples(
-    robot: Robot, start: NDArray[np.float64], goal: NDArray[np.float64], seed: int
-) -> NDArray[np.float64]:
+def samples(robot: Robot, start: NDArray[np.float64], goal: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
     """Makes the samples (UNIFORM + NEAR, nq) for one robot in one scene."""
     rng = np.random.default_rng(seed)
     along = rng.uniform(size=(NEAR, 1))

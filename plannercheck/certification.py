@@ -22,7 +22,7 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
 from plannercheck.integers import IntegerHull, Integers
 from plannercheck.pair import certify
-from plannercheck.shapes import DEFAULT_EXCESS, Body, hull_and_swell
+from plannercheck.shapes import Body, hull_and_swell
 
 Floats = NDArray[np.float64]
 Box = tuple[Integers, Integers]
@@ -76,24 +76,21 @@ class CertificationReport:
         return not self.unproved
 
 
-def certify_verdicts(
-    checker: Checker, q: Floats, first_pair: NDArray[np.int32], excess: float = DEFAULT_EXCESS
-) -> CertificationReport:
+def certify_verdicts(checker: Checker, q: Floats, first_pair: NDArray[np.int32]) -> CertificationReport:
     """Proves the verdicts on a set of configurations.
 
     Args:
         checker: The checker that gave them.
         q: Configurations (n, nq), rad and m.
         first_pair: Row of `checker.pairs` that collides (n,), -1 for a valid configuration.
-        excess: What the checker was built with.
 
     Returns:
         The report; `report.passed` says whether all were proved.
 
     Raises:
-        PlannercheckError: If the checker's bodies are not made of its shapes' points, as with another excess.
+        PlannercheckError: If the checker's bodies are not made of its shapes' points.
     """
-    certification = _Certification(checker, excess)
+    certification = _Certification(checker)
     reports = []
     for start in range(0, len(q), _BLOCK):
         poses = checker.body_poses(q[start : start + _BLOCK])
@@ -118,10 +115,10 @@ def merged(reports: list[CertificationReport]) -> CertificationReport:
 class _Certification:
     """A checker, the points that its bodies were made of, and their boxes at the poses seen last."""
 
-    def __init__(self, checker: Checker, excess: float) -> None:
+    def __init__(self, checker: Checker) -> None:
         self._checker = checker
         self._given = [
-            None if polytope is None else _given_body(body, polytope, excess)
+            None if polytope is None else _given_body(body, polytope, checker.excess)
             for body, polytope in zip(checker.bodies, checker.polytopes, strict=True)
         ]
         self._boxes: dict[int, tuple[bytes, Box]] = {}
@@ -194,10 +191,7 @@ def _given_body(body: Body, polytope: Polytope, excess: float) -> PosedBody:
     points, _, swell = hull_and_swell(body.shape, excess)
     source = polytope.source
     if swell != polytope.swell or source.max() >= len(points) or not np.array_equal(points[source], polytope.vertices):
-        raise PlannercheckError(
-            f"body {body.name!r} is not made of the points of its shape with excess={excess:g}: "
-            "give the excess that the checker was built with"
-        )
+        raise PlannercheckError(f"body {body.name!r} is not made of the points of its shape with excess={excess:g}")
     return PosedBody(points, np.eye(4), swell)
 
 

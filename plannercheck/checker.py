@@ -39,6 +39,8 @@ class Checker:
         bodies: The robot's collision bodies, then the scene's.
         pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
         polytopes: The prepared body of each of `bodies`; None where no pair needs it.
+        excess: How far polytopes of cylinders and cones stick out, as a part of the radius.
+        motion_sampler: Says how many states a motion needs, and interpolates them.
     """
 
     def __init__(
@@ -79,12 +81,11 @@ class Checker:
             PlannercheckError: If an argument is none of those above.
         """
         if padding != 0:
-            raise PlannercheckError(
-                f"padding={padding}: only 0 is supported so far; enlarge the obstacles instead"
-            )
+            raise PlannercheckError(f"padding={padding}: only 0 is supported so far; enlarge the obstacles instead")
         if kinematics not in ("batch", "pinocchio"):
             raise PlannercheckError(f"kinematics must be 'batch' or 'pinocchio', not {kinematics!r}")
         self.robot = robot
+        self.excess = excess
         self.scene = scene if scene is not None else Scene("empty")
         self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
         table = pair_table(robot, self.scene, self_collision, acm)
@@ -95,7 +96,7 @@ class Checker:
         used = np.unique(np.concatenate([table.pairs.ravel(), table.resting.ravel()]))
         self.polytopes = _prepare(self.bodies, used.tolist(), excess)
         self._core = self._build_core(pair_options(method, cached_plane, centre_axis, nearest_points), spheres, boxes)
-        self._sampler = MotionSampler(robot)
+        self.motion_sampler = MotionSampler(robot, excess)
         self._warn_of_resting(table.resting)
 
     def _build_core(self, options: Any, spheres: bool, boxes: bool) -> Any:
@@ -107,9 +108,7 @@ class Checker:
             [polytope.core for polytope in self.polytopes if polytope is not None],
             np.array(links, dtype=np.int32),
             np.array([self.bodies[k].pose for k in live], dtype=np.float64).reshape(-1, 4, 4),
-            np.array([[position[a], position[b]] for a, b in self.pairs.tolist()], dtype=np.int32).reshape(
-                -1, 2
-            ),
+            np.array([[position[a], position[b]] for a, b in self.pairs.tolist()], dtype=np.int32).reshape(-1, 2),
             len(self.robot.link_names),
             options,
             spheres,
@@ -182,9 +181,7 @@ class Checker:
         Returns:
             (n, k) for the k rows of `pairs`.
         """
-        return np.asarray(
-            self._core.all_of_poses(self._link_poses(self.robot.check_configurations(q)))
-        ).astype(bool)
+        return np.asarray(self._core.all_of_poses(self._link_poses(self.robot.check_configurations(q)))).astype(bool)
 
     def body_poses(self, q: ArrayLike) -> Floats:
         """World poses of all bodies, the same bits that the verdicts use.
@@ -230,12 +227,10 @@ class Checker:
         """
         starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
         if starts.shape != ends.shape:
-            raise PlannercheckError(
-                f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}"
-            )
-        if self._kernel is None or not self._sampler.is_vector_space:
-            return self._sampler.check(self, starts, ends, resolution)
-        steps = self._sampler.steps(starts, ends, resolution)
+            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
+        if self._kernel is None or not self.motion_sampler.is_vector_space:
+            return self.motion_sampler.check(self, starts, ends, resolution)
+        steps = self.motion_sampler.steps(starts, ends, resolution)
         return np.asarray(self._core.motions_are_free(self._kernel, starts, ends, steps)).astype(bool)
 
     def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
@@ -290,9 +285,7 @@ class Checker:
         Raises:
             PlannercheckError: Always.
         """
-        raise PlannercheckError(
-            "clearance is not available yet; `explain(q, separations=True)` gives gaps of planes"
-        )
+        raise PlannercheckError("clearance is not available yet; `explain(q, separations=True)` gives gaps of planes")
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far: states, pairs, what settled them, and the pair test's queries."""

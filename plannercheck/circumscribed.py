@@ -69,9 +69,7 @@ def _octahedron_corners(divisions: int) -> NDArray[np.int64]:
     i, j = np.meshgrid(np.arange(divisions), np.arange(divisions), indexing="ij")
     upright = np.column_stack([i[i + j < divisions], j[i + j < divisions]])
     inverted = np.column_stack([i[i + j < divisions - 1], j[i + j < divisions - 1]])
-    cells = np.concatenate(
-        [upright[:, None] + [[1, 0], [0, 1], [0, 0]], inverted[:, None] + [[1, 0], [1, 1], [0, 1]]]
-    )
+    cells = np.concatenate([upright[:, None] + [[1, 0], [0, 1], [0, 0]], inverted[:, None] + [[1, 0], [1, 1], [0, 1]]])
     octant = np.concatenate([cells, divisions - cells.sum(axis=2, keepdims=True)], axis=2)
     signs = [np.array([x, y, z]) for x in (1, -1) for y in (1, -1) for z in (1, -1)]
     return np.concatenate([(octant if s.prod() > 0 else octant[:, ::-1]) * s for s in signs])

@@ -87,9 +87,7 @@ class ConfigurationMap:
         try:
             array = np.ascontiguousarray(q, dtype=np.float64)
         except (TypeError, ValueError):
-            raise PlannercheckError(
-                f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}"
-            ) from None
+            raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}") from None
         if array.ndim not in (1, 2) or array.shape[-1] != self.width:
             raise PlannercheckError(
                 f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "
@@ -139,9 +137,7 @@ def whole_robot(model: pin.Model) -> ConfigurationMap:
     zeros = np.zeros(full)
     roles = np.zeros(full, dtype=np.int32)
     columns = np.arange(full, dtype=np.int32)
-    return ConfigurationMap(
-        tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, tuple(units)
-    )
+    return ConfigurationMap(tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, tuple(units))
 
 
 def planning_group(

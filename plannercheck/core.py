@@ -46,9 +46,7 @@ def load() -> ModuleType:
     levels = available_levels()
     wanted = os.environ.get("PLANNERCHECK_LEVEL")
     if wanted and wanted not in levels:
-        raise PlannercheckError(
-            f"PLANNERCHECK_LEVEL={wanted!r}: this machine and build have {', '.join(levels)}"
-        )
+        raise PlannercheckError(f"PLANNERCHECK_LEVEL={wanted!r}: this machine and build have {', '.join(levels)}")
     if not levels:
         raise ImportError("plannercheck's compiled core is missing: reinstall with a C++20 compiler at hand")
     return importlib.import_module(f"plannercheck._core_{wanted or levels[0]}")

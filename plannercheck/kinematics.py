@@ -65,9 +65,7 @@ class JointTable(NamedTuple):
     link_placements: Floats
 
 
-def joint_table(
-    model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
-) -> JointTable | None:
+def joint_table(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> JointTable | None:
     """The kernel's table of a group.
 
     Args:
@@ -97,9 +95,7 @@ def joint_table(
     )
 
 
-def compiled_kinematics(
-    model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
-) -> Any | None:
+def compiled_kinematics(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> Any | None:
     """Builds the compiled kinematics of a group; arguments as of `joint_table`.
 
     Returns:
@@ -109,9 +105,7 @@ def compiled_kinematics(
     return None if table is None else core.Kinematics(*table)
 
 
-def pinocchio_poses(
-    model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int], q: Floats
-) -> Floats:
+def pinocchio_poses(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int], q: Floats) -> Floats:
     """World poses of the links by Pinocchio itself.
 
     Args:
@@ -132,9 +126,7 @@ def pinocchio_poses(
     return poses
 
 
-def disagreement(
-    kinematics: Any, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]
-) -> float:
+def disagreement(kinematics: Any, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> float:
     """Largest difference between the kernel's and Pinocchio's poses on a few random configurations.
 
     Positions count relative to the reach, if that is more than 1 m.
@@ -184,12 +176,7 @@ def _axis_of(joint: pin.JointModel) -> Floats:
 def _aligned(kind: int, axis: Floats, columns: Any, multipliers: Floats, offsets: Floats) -> Any:
     """Turns about -x, -y or -z become turns about x, y or z by the opposite angle, which is cheaper."""
     negative = np.flatnonzero(axis == -1.0)
-    if (
-        kind % _UNIT_TURN_OFFSET != _UNALIGNED
-        or kind >= _SLIDE
-        or len(negative) == 0
-        or np.abs(axis).sum() != 1.0
-    ):
+    if kind % _UNIT_TURN_OFFSET != _UNALIGNED or kind >= _SLIDE or len(negative) == 0 or np.abs(axis).sum() != 1.0:
         return kind, axis, columns, multipliers, offsets
     sign = np.ones(_MOST_VALUES)
     sign[0 if kind < _UNIT_TURN_OFFSET else 1] = -1.0  # the angle, or the sine
@@ -197,6 +184,4 @@ def _aligned(kind: int, axis: Floats, columns: Any, multipliers: Floats, offsets
 
 
 def _placements(placements: Sequence[Any]) -> Floats:
-    return np.ascontiguousarray(
-        np.reshape([p.homogeneous[:3] for p in placements], (-1, 3, 4)), dtype=np.float64
-    )
+    return np.ascontiguousarray(np.reshape([p.homogeneous[:3] for p in placements], (-1, 3, 4)), dtype=np.float64)

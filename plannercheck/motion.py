@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
+from plannercheck.shapes import DEFAULT_EXCESS, hull_and_swell
 
 if TYPE_CHECKING:
     from plannercheck.checker import Checker
@@ -33,11 +34,11 @@ _BATCH = 4096
 class MotionSampler:
     """Interpolates motions of one robot and says how many states a motion needs."""
 
-    def __init__(self, robot: Robot) -> None:
-        """Computes the lever arms of the robot's joints."""
-        self._robot = robot
+    def __init__(self, robot: Robot, excess: float = DEFAULT_EXCESS) -> None:
+        """Computes the lever arms of the robot's joints; `excess` as the checker's."""
+        self._robot, self._excess = robot, excess
         self._positions = np.maximum(_limits(robot.model), np.abs(robot.expand(robot.reference)))
-        self._levers = lever_arms(robot, self._positions)
+        self._levers = lever_arms(robot, self._positions, excess)
         self._sliding = _sliding_columns(robot)
         self.is_vector_space = len(robot.joint_names) == robot.nq  # one number a joint: angles and lengths
         self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
@@ -80,7 +81,7 @@ class MotionSampler:
         taken = np.abs(self._robot.expand(np.concatenate([q0, q1]))).max(axis=0, initial=0)
         if (taken[self._sliding] <= self._positions[self._sliding]).all():
             return self._levers
-        return lever_arms(self._robot, np.maximum(self._positions, taken))
+        return lever_arms(self._robot, np.maximum(self._positions, taken), self._excess)
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """States (k, nq) of one motion at parameters (k,) in [0, 1]; both ends are met exactly."""
@@ -129,13 +130,14 @@ def _coarse_to_fine(steps: int) -> Floats:
     return np.concatenate(order) / steps
 
 
-def lever_arms(robot: Robot, positions: Floats) -> Floats:
+def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) -> Floats:
     """How far a point of any body moves at most for one unit of each of Pinocchio's velocities.
 
     Args:
         robot: The robot.
         positions: (full nq,) how far from 0 each number of Pinocchio's configurations gets at most; sliding joints
             carry what hangs on them that far away.
+        excess: How far polytopes of cylinders and cones stick out, as a part of the radius.
 
     Returns:
         (nv,) m for angles in rad (m per rad), 1 for lengths. The way from a joint to a body is bounded by the sum of
@@ -147,9 +149,11 @@ def lever_arms(robot: Robot, positions: Floats) -> Floats:
         if body.link is None:
             continue
         frame = model.frames[model.getBodyId(body.link)]
-        points = body.shape.vertices_and_faces()[0] @ body.pose[:3, :3].T + body.pose[:3, 3]
+        hull, _, swell = hull_and_swell(body.shape, excess)
+        points = hull @ body.pose[:3, :3].T + body.pose[:3, 3]
         on_joint = points @ frame.placement.rotation.T + frame.placement.translation
-        reach[frame.parentJoint] = max(reach[frame.parentJoint], float(np.linalg.norm(on_joint, axis=1).max()))
+        furthest = float(np.linalg.norm(on_joint, axis=1).max()) + swell
+        reach[frame.parentJoint] = max(reach[frame.parentJoint], furthest)
     for joint in range(model.njoints - 1, 0, -1):
         parent = model.parents[joint]
         carried = (

@@ -58,9 +58,7 @@ def motion_request(document: Node) -> MotionRequest:
     with within("start_state"):
         joints = _joint_state(mapping(required(start, "joint_state"), "'joint_state'"))
     group = text(document.get("group_name") or "", "group_name")
-    return MotionRequest(
-        group, joints, tuple(_joint_goal(mapping(g, "a goal"), k) for k, g in enumerate(goals))
-    )
+    return MotionRequest(group, joints, tuple(_joint_goal(mapping(g, "a goal"), k) for k, g in enumerate(goals)))
 
 
 def _joint_state(node: Node) -> dict[str, float]:
@@ -79,8 +77,7 @@ def _joint_goal(node: Node, index: int) -> dict[str, float]:
                 raise PlannercheckError(f"{key} are not supported, goals are joint_constraints")
         constraints = [mapping(c, "a constraint") for c in sequence(node.get("joint_constraints"), "they")]
         goal = {
-            text(required(c, "joint_name"), "joint_name"): number(c.get("position"), "position")
-            for c in constraints
+            text(required(c, "joint_name"), "joint_name"): number(c.get("position"), "position") for c in constraints
         }
         if not goal or len(goal) != len(constraints):
             raise PlannercheckError(

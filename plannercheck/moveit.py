@@ -92,9 +92,7 @@ def planning_scene(document: Node, folder: Path, package_dirs: Sequence[Path] = 
     _refuse_octomap(mapping(world.get("octomap"), "'octomap'"))
     frames = _fixed_frames(document)
     for k, item in enumerate(sequence(world.get("collision_objects"), "'collision_objects'")):
-        _add_object(
-            scene, mapping(item, f"collision object {k}"), k, frames, _mesh_finder(folder, package_dirs)
-        )
+        _add_object(scene, mapping(item, f"collision object {k}"), k, frames, _mesh_finder(folder, package_dirs))
     with within("allowed_collision_matrix"):
         scene.allowed = _allowed(mapping(document.get("allowed_collision_matrix"), "it"))
     return scene
@@ -110,9 +108,7 @@ def check_robot_state(state: Node, what: str) -> None:
             raise PlannercheckError(
                 f"the {what}'s virtual joint {name!r} moves the robot: only the identity is supported"
             )
-    attached = [
-        mapping(a, "an attached object") for a in sequence(state.get("attached_collision_objects"), "they")
-    ]
+    attached = [mapping(a, "an attached object") for a in sequence(state.get("attached_collision_objects"), "they")]
     if attached:
         ids = (str(mapping(a.get("object"), "'object'").get("id")) for a in attached)
         warnings.warn(f"attached objects are not supported yet, left out: {', '.join(ids)}", stacklevel=2)
@@ -152,9 +148,7 @@ def _add_object(
     with within(f"collision object {name!r}"):
         check_keys(node, _OBJECT_KEYS)
         if sequence(node.get("planes"), "'planes'"):
-            raise PlannercheckError(
-                "planes are not supported: give a box as thick as the robot's reach instead"
-            )
+            raise PlannercheckError("planes are not supported: give a box as thick as the robot's reach instead")
         if node.get("operation") not in _ADD:
             raise PlannercheckError(f"operation must be 0 (add) in a whole scene, not {node['operation']!r}")
         pose = _frame_of(node, frames) @ _object_pose(mapping(node.get("pose"), "'pose'"))
@@ -181,9 +175,7 @@ def _posed(node: Node, shapes: str, poses: str) -> list[tuple[Node, Matrix]]:
     items = [mapping(item, f"an entry of {shapes!r}") for item in sequence(node.get(shapes), repr(shapes))]
     given = [mapping(item, f"an entry of {poses!r}") for item in sequence(node.get(poses), repr(poses))]
     if given and len(given) != len(items):
-        raise PlannercheckError(
-            f"{len(items)} {shapes}, but {len(given)} {poses}: one pose for each is needed"
-        )
+        raise PlannercheckError(f"{len(items)} {shapes}, but {len(given)} {poses}: one pose for each is needed")
     with within(poses):
         matrices = [_pose(item) for item in given] or [np.eye(4)] * len(items)
     return list(zip(items, matrices, strict=True))
@@ -202,9 +194,7 @@ def _primitive_kind(value: Any) -> str:
     for kind, (code, _, _) in _PRIMITIVES.items():
         if str(value).lower() in (kind, str(code)):
             return kind
-    raise unknown_name(
-        "primitive type", str(value), [f"{code} ({kind})" for kind, (code, _, _) in _PRIMITIVES.items()]
-    )
+    raise unknown_name("primitive type", str(value), [f"{code} ({kind})" for kind, (code, _, _) in _PRIMITIVES.items()])
 
 
 def _mesh(node: Node, find_mesh: Callable[[str], Path]) -> Hull:
@@ -225,9 +215,7 @@ def _used(node: Node, count: int) -> NDArray[np.int64]:
     rows = [row.get("vertex_indices") if isinstance(row, dict) else row for row in rows]
     used = sorted({int(i) for row in rows for i in numbers(row, "triangles", 3)})
     if used and not (used[0] >= 0 and used[-1] < count):
-        raise PlannercheckError(
-            f"triangles use vertices {used[0]} to {used[-1]}, but there are {count} vertices"
-        )
+        raise PlannercheckError(f"triangles use vertices {used[0]} to {used[-1]}, but there are {count} vertices")
     return np.array(used or range(count), dtype=np.int64)
 
 
@@ -282,9 +270,7 @@ def _allowed(node: Node) -> AllowedCollisions:
     names = [text(n, "entry_names") for n in sequence(node.get("entry_names"), "'entry_names'")]
     rows = [_flags(row) for row in sequence(node.get("entry_values"), "'entry_values'")]
     if len(set(names)) != len(names) or [len(r) for r in rows] != [len(names)] * len(names):
-        raise PlannercheckError(
-            f"entry_values must be one row and column for each of {len(names)} different names"
-        )
+        raise PlannercheckError(f"entry_values must be one row and column for each of {len(names)} different names")
     pairs = [(i, j) for i in range(len(names)) for j in range(i)]
     for a, b in ((names[i], names[j]) for i, j in pairs if rows[i][j] != rows[j][i]):
         raise PlannercheckError(f"entry_values of {a!r} with {b!r} and of {b!r} with {a!r} differ")

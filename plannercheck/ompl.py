@@ -22,7 +22,7 @@ from plannercheck.checker import Checker
 from plannercheck.end_states import checked_end, judged
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.joint_space import JointSpace
-from plannercheck.motion import DEFAULT_RESOLUTION, MotionSampler
+from plannercheck.motion import DEFAULT_RESOLUTION
 from plannercheck.plans import Plan, joint_length
 from plannercheck.robot import Robot
 
@@ -44,7 +44,7 @@ class MotionValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bin
         self._checker = checker
         self._space = space
         self._resolution = resolution
-        self._sampler = MotionSampler(checker.robot)
+        self._sampler = checker.motion_sampler
         self.resetMotionCounter()
 
     def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from plannercheck.agreement import AgreementReport, compare_with_fcl, merged
 from plannercheck.checker import Checker
 from plannercheck.joint_space import JointSpace
-from plannercheck.motion import DEFAULT_RESOLUTION, MotionSampler
+from plannercheck.motion import DEFAULT_RESOLUTION
 
 Floats = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def resampled(checker: Checker, path: Floats, resolution: float, denser: int = 1
     Yields:
         (steps + 1, nq) for each motion.
     """
-    sampler, space = MotionSampler(checker.robot), JointSpace(checker.robot)
+    sampler, space = checker.motion_sampler, JointSpace(checker.robot)
     for q0, q1 in pairwise(path):
         end = q0 + space.differences(q0, q1)
         steps = int(sampler.steps(q0[None], end[None], resolution)[0]) * denser

@@ -21,18 +21,11 @@ from plannercheck.urdf import LinkTree, Mimic, mimic_joints
 def usable_mimics(model: pin.Model, urdf: Path) -> dict[str, Mimic]:
     """Mimic joints of the URDF whose leader moves; both must be joints of one value."""
     names = set(model.names)
-    mimics = {
-        name: mimic for name, mimic in mimic_joints(urdf).items() if name in names and mimic.leader in names
-    }
+    mimics = {name: mimic for name, mimic in mimic_joints(urdf).items() if name in names and mimic.leader in names}
     for name in mimics:
         followed(name, mimics, ())  # raises if they go in a circle
-        if (
-            joint_width(joint_by_name(model, name)) != 1
-            or joint_width(joint_by_name(model, mimics[name].leader)) != 1
-        ):
-            raise PlannercheckError(
-                f"joint {name!r} mimics {mimics[name].leader!r}: both must be joints of one value"
-            )
+        if joint_width(joint_by_name(model, name)) != 1 or joint_width(joint_by_name(model, mimics[name].leader)) != 1:
+            raise PlannercheckError(f"joint {name!r} mimics {mimics[name].leader!r}: both must be joints of one value")
     return mimics
 
 

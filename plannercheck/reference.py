@@ -25,9 +25,7 @@ Floats = NDArray[np.float64]
 _LIMIT_SLACK = 1e-6
 
 
-def given_values(
-    model: pin.Model, reference: Mapping[str, Any] | Sequence[float] | Floats | None
-) -> dict[str, Floats]:
+def given_values(model: pin.Model, reference: Mapping[str, Any] | Sequence[float] | Floats | None) -> dict[str, Floats]:
     """Values of a reference state by joint name, within the limits.
 
     Args:
@@ -56,16 +54,12 @@ def checked_values(model: pin.Model, given: Mapping[str, Any]) -> dict[str, Floa
         except (TypeError, ValueError):
             array = np.array([math.nan])
         if array.shape != (width,) or not np.isfinite(array).all():
-            raise PlannercheckError(
-                f"joint {name!r} needs {width} finite value{'s' * (width > 1)}, not {value!r:.80}"
-            )
+            raise PlannercheckError(f"joint {name!r} needs {width} finite value{'s' * (width > 1)}, not {value!r:.80}")
         values[name] = array
     return values
 
 
-def all_values(
-    model: pin.Model, given: Mapping[str, Floats], mimics: Mapping[str, Mimic]
-) -> dict[str, Floats]:
+def all_values(model: pin.Model, given: Mapping[str, Floats], mimics: Mapping[str, Mimic]) -> dict[str, Floats]:
     """A value for every joint of the model: given, implied by the joint it mimics, or neutral."""
     neutral = pin.neutral(model)
     values = {}
@@ -112,9 +106,7 @@ def _split(model: pin.Model, q: Sequence[float] | Floats) -> dict[str, Floats]:
 
 
 def _check_limits(model: pin.Model, name: str, value: Floats) -> None:
-    for number, (lower, upper) in zip(
-        value.tolist(), joint_limits(model, joint_by_name(model, name)), strict=True
-    ):
+    for number, (lower, upper) in zip(value.tolist(), joint_limits(model, joint_by_name(model, name)), strict=True):
         if not lower - _LIMIT_SLACK <= number <= upper + _LIMIT_SLACK:
             raise PlannercheckError(
                 f"reference of joint {name!r} is {number!r}, beyond its limits {lower!r} to {upper!r}"

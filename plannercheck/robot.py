@@ -87,9 +87,7 @@ class Robot:
         self._values = values
         self._joints = joints
         everywhere = all_values(model, values, mimics)
-        self._map = (
-            whole_robot(model) if joints is None else planning_group(model, joints, everywhere, mimics)
-        )
+        self._map = whole_robot(model) if joints is None else planning_group(model, joints, everywhere, mimics)
         self.reference = _frozen(reference_of(model, joints, everywhere))
         self.kinematics = self._checked_kinematics()
 

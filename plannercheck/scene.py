@@ -152,18 +152,14 @@ class Scene:
     def add(self, name: str, parts: Iterable[Part]) -> None:
         """Adds an object of one or several posed shapes; its bodies are "name", or "name/0", "name/1", ..."""
         if name in self._bodies:
-            raise PlannercheckError(
-                f"object {name!r} exists already: remove it first, or choose another name"
-            )
+            raise PlannercheckError(f"object {name!r} exists already: remove it first, or choose another name")
         parts = tuple(parts)
         if not name or not parts:
             raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
         names = [name] if len(parts) == 1 else [f"{name}/{k}" for k in range(len(parts))]
         taken = self._body_names.intersection(names)
         if taken:
-            raise PlannercheckError(
-                f"object {name!r}: another object is named {min(taken)!r}, as its part would be"
-            )
+            raise PlannercheckError(f"object {name!r}: another object is named {min(taken)!r}, as its part would be")
         posed = (checked_pose(part.pose, f"object {n!r}") for n, part in zip(names, parts, strict=True))
         bodies = tuple(Body(n, None, pose, p.shape) for n, pose, p in zip(names, posed, parts, strict=True))
         self._bodies[name], self._parts[name] = bodies, parts

@@ -167,9 +167,7 @@ def _pose(node: Node) -> NDArray[np.float64]:
     if "matrix" in node:
         if any(key in node for key in _POSE_KEYS[:-1]):
             raise PlannercheckError("'matrix' stands alone: leave out position, quaternion and rpy")
-        return checked_pose(
-            [numbers(row, "matrix row", 4) for row in sequence(node["matrix"], "'matrix'")], "matrix"
-        )
+        return checked_pose([numbers(row, "matrix row", 4) for row in sequence(node["matrix"], "'matrix'")], "matrix")
     position = numbers(node["position"], "position", 3) if "position" in node else [0.0, 0.0, 0.0]
     if "quaternion" in node and "rpy" in node:
         raise PlannercheckError("'quaternion' and 'rpy' say the same: leave one out")
@@ -190,9 +188,7 @@ def _read_allowed(scene: Scene, document: Node) -> None:
             scene.allow(names[0], names[1], allowed)
     for name, allowed in mapping(document.get("allowed_by_default"), "'allowed_by_default'").items():
         if not isinstance(allowed, bool):
-            raise PlannercheckError(
-                f"'allowed_by_default' of {name!r} must be true or false, not {allowed!r}"
-            )
+            raise PlannercheckError(f"'allowed_by_default' of {name!r} must be true or false, not {allowed!r}")
         scene.allowed.defaults[name] = allowed
 
 

@@ -150,9 +150,7 @@ class Capsule:
         upper, lower = np.flatnonzero(height >= 0), np.flatnonzero(height <= 0)
         points = self.radius * ball.points[np.concatenate([upper, lower])]
         shift = np.repeat([self.length / 2, -self.length / 2], [len(upper), len(lower)])
-        points[:, 2] = np.nextafter(
-            points[:, 2] + shift, shift * np.inf
-        )  # rounded away from the centre: contains
+        points[:, 2] = np.nextafter(points[:, 2] + shift, shift * np.inf)  # rounded away from the centre: contains
         known = self.length <= _MAX_CAPSULE_RATIO * self.radius
         return points, _capsule_faces(ball, upper, lower) if known else None
 
@@ -172,15 +170,11 @@ class Hull:
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise PlannercheckError(f"hull vertices must have shape (n, 3), not {vertices.shape}")
         if len(vertices) < 4:
-            raise PlannercheckError(
-                f"hull vertices: a body needs at least 4 points, here are {len(vertices)}"
-            )
+            raise PlannercheckError(f"hull vertices: a body needs at least 4 points, here are {len(vertices)}")
         bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
         if len(bad):
             row = int(bad[0])
-            raise PlannercheckError(
-                f"hull vertices: row {row} is {vertices[row].tolist()}, coordinates must be finite"
-            )
+            raise PlannercheckError(f"hull vertices: row {row} is {vertices[row].tolist()}, coordinates must be finite")
         object.__setattr__(self, "vertices", _frozen(vertices))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:

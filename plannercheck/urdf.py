@@ -97,9 +97,7 @@ def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) ->
     with _collected_messages() as messages:
         try:
             loader = coal.CachedMeshLoader(_BOUNDS)
-            geometry = pin.buildGeomFromUrdf(
-                model, str(urdf), pin.COLLISION, package_dirs=folders, mesh_loader=loader
-            )
+            geometry = pin.buildGeomFromUrdf(model, str(urdf), pin.COLLISION, package_dirs=folders, mesh_loader=loader)
             _check_complete(model, geometry, urdf, messages())
             return geometry
         except PlannercheckError:
@@ -190,9 +188,7 @@ def _hull_of(geometry: pin.GeometryObject) -> Hull:
     try:
         return Hull(points)
     except PlannercheckError as error:
-        raise PlannercheckError(
-            f"collision geometry {geometry.name!r} ({geometry.meshPath}): {error}"
-        ) from None
+        raise PlannercheckError(f"collision geometry {geometry.name!r} ({geometry.meshPath}): {error}") from None
 
 
 def _points_of(shape: Any) -> NDArray[np.float64] | None:

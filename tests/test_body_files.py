@@ -9,12 +9,12 @@ import sys
 
 import numpy as np
 import pytest
-from families import family
 
 import plannercheck as pc
 from plannercheck import body_files, hull
 from plannercheck.hull import prepared
 from plannercheck.shapes import Cylinder
+from plannercheck.stress.families import family
 
 POINTS = family("round", 200, seed=1)
 

@@ -13,8 +13,6 @@ import plannercheck as pc
 from plannercheck.certificates import PosedBody
 from plannercheck.certification import _Certification, certify_verdicts, exact_box
 from plannercheck.cli import main
-from plannercheck.errors import PlannercheckError
-from plannercheck.shapes import DEFAULT_EXCESS
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +52,7 @@ def test_wrong_verdicts_are_not_proved(checker: pc.Checker) -> None:
 def test_a_hull_without_one_of_its_points_does_not_pass(checker: pc.Checker) -> None:
     q = checker.robot.random_configurations(20, seed=5)
     q = q[checker.check_states(q)][:3]
-    certification = _Certification(checker, DEFAULT_EXCESS)
+    certification = _Certification(checker)
     index = next(k for k, body in enumerate(checker.bodies) if body.name.startswith("table"))
     given = certification._given[index]
     assert given is not None
@@ -64,7 +62,7 @@ def test_a_hull_without_one_of_its_points_does_not_pass(checker: pc.Checker) -> 
     assert all(report.unproved for report in reports)
 
 
-def test_another_excess_is_named() -> None:
+def test_another_excess_is_certified_too() -> None:
     scene = pc.Scene()
     pose = np.eye(4)
     pose[0, 3] = 0.5
@@ -72,9 +70,7 @@ def test_another_excess_is_named() -> None:
     checker = pc.Checker(pc.Robot.load("panda"), scene, excess=0.01)
     q = checker.robot.random_configurations(2, seed=7)
     first = checker.first_colliding_pair(q)
-    assert certify_verdicts(checker, q, first, excess=0.01).passed
-    with pytest.raises(PlannercheckError, match="excess"):
-        certify_verdicts(checker, q, first)
+    assert certify_verdicts(checker, q, first).passed
 
 
 def test_boxes_are_exact_outward_to_the_grid() -> None:

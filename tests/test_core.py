@@ -18,7 +18,8 @@ from plannercheck.core import LEVELS, available_levels, core
 PROBE = """
 import hashlib, json, sys
 sys.path.insert(0, {tests!r})
-import contacts, families, numpy as np
+import numpy as np
+from plannercheck.stress import contacts, families
 import plannercheck as pc
 from plannercheck.core import core
 from plannercheck.pair import METHODS, pair_options

@@ -134,9 +134,7 @@ def test_scenes_with_lists_load(tmp_path):
     (can,) = scene.bodies
     assert (scene.name, can.name) == ("scene0001", "Can1")
     assert can.shape == Cylinder(radius=0.03, length=0.14)
-    expected = pinocchio.XYZQUATToSE3(
-        np.array([0.25, -1.07, 0.3, 0, 0, -0.5233762232815127, 0.8521017127688338])
-    )
+    expected = pinocchio.XYZQUATToSE3(np.array([0.25, -1.07, 0.3, 0, 0, -0.5233762232815127, 0.8521017127688338]))
     assert np.allclose(can.pose, expected.homogeneous, atol=1e-15)
     assert scene.allowed_pairs == {frozenset(("Can1", "panda_hand"))}
 

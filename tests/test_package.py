@@ -62,7 +62,7 @@ def test_public_callables_take_what_they_should(name):
 def test_public_attributes():
     assert [name for name in PROPERTIES if not hasattr(pc.Robot.load("panda"), name)] == []
     separation = pc.certify(*[pc.Polytope([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])] * 2, pose_p=_away()).__dict__
-    assert set(separation) == {"normal", "offset", "gap"}
+    assert {"normal", "offset", "gap"} <= set(separation)
     assert issubclass(pc.PlannercheckError, ValueError)
 
 

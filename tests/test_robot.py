@@ -228,9 +228,7 @@ def test_shapes_that_only_coal_knows():
 
 def test_collision_shapes_that_urdfdom_drops_are_an_error(arm):
     arm[0].write_text(ARM.replace('<sphere radius="0.4"/>', '<capsule radius="0.4" length="1"/>'))
-    with pytest.raises(
-        PlannercheckError, match=r"0 of 1 .*link 'lower' could be read; .*Could not parse collision"
-    ):
+    with pytest.raises(PlannercheckError, match=r"0 of 1 .*link 'lower' could be read; .*Could not parse collision"):
         Robot.from_urdf(arm[0])
 
 
@@ -434,9 +432,7 @@ def test_unknown_robots_and_files():
 
 
 def test_missing_meshes_name_the_file_and_where_it_was_sought():
-    with pytest.raises(
-        PlannercheckError, match=r"panda\.urdf.*link0\.stl.*package_dirs searched: none given"
-    ):
+    with pytest.raises(PlannercheckError, match=r"panda\.urdf.*link0\.stl.*package_dirs searched: none given"):
         Robot.from_urdf(PANDA)
     with pytest.raises(PlannercheckError, match="package_dirs searched: /nowhere"):
         Robot.from_urdf(PANDA, package_dirs="/nowhere")
@@ -490,8 +486,8 @@ def test_bad_references_and_srdfs(arm):
         (1.0, r"not \(\)"),
         ("left", "must be numbers"),
         ([[0.0] * 7, [0.0] * 6], "must be numbers"),
-        (np.where(np.eye(3, 7, 2) > 0, np.nan, 0.0), "finite; row 0"),
-        (np.where(np.eye(3, 7, -2) > 0, np.inf, 0.0), "finite; row 2"),
+        (np.where(np.eye(3, 7, 2) > 0, np.nan, 0.0), "finite.*; row 0"),
+        (np.where(np.eye(3, 7, -2) > 0, np.inf, 0.0), "finite.*; row 2"),
     ],
 )
 def test_bad_configurations(shipped, q, message):

@@ -317,7 +317,5 @@ def test_shapes_lie_as_coal_has_them():
     cone.computeLocalAABB()
     assert points[:, 2].min() == pytest.approx(cone.aabb_local.min_[2])
     probe, at_top = coal.Sphere(0.01), coal.Transform3s(np.eye(3), np.array([0.08, 0.0, 0.19]))
-    distance = coal.distance(
-        cone, coal.Transform3s(), probe, at_top, coal.DistanceRequest(), coal.DistanceResult()
-    )
+    distance = coal.distance(cone, coal.Transform3s(), probe, at_top, coal.DistanceRequest(), coal.DistanceResult())
     assert distance > 0.01

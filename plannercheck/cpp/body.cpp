@@ -129,8 +129,8 @@ void each_field(Stream& s, H& h) {
 
 template <class Stream, class B>
 void each_body_field(Stream& s, B& b) {
-  s.value(b.dimension), s.value(b.swell), s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach), s.value(b.radius), s.value(b.low),
-      s.value(b.high);
+  s.value(b.dimension), s.value(b.swell), s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach),
+      s.value(b.radius), s.value(b.low), s.value(b.high);
   each_field(s, b.inner);
   each_field(s, b.polar);
   s.array(b.polar_triangles);
@@ -263,7 +263,8 @@ std::string flat_fault(const Body& body) {
   const Hierarchy& h = body.inner;
   std::size_t chained = 0;
   for (const ChainRange& chain : h.chains) chained += static_cast<std::size_t>(chain.length);
-  const auto removed = static_cast<std::size_t>(std::count_if(h.level.begin(), h.level.end(), [&](auto l) { return l < h.depth; }));
+  const auto removed =
+      static_cast<std::size_t>(std::count_if(h.level.begin(), h.level.end(), [&](auto l) { return l < h.depth; }));
   return chained == 2 * removed ? "" : "the chains are incomplete";
 }
 

@@ -1,8 +1,9 @@
 // The decision in exact arithmetic, for what the filters leave over.
 //
 // Wolfe's algorithm for the point of conv(P) − conv(R) nearest to the origin, on dyadic numbers: vertices, poses
-// and swells are taken as the exact numbers that their doubles are. Every step is exact, so the distance falls strictly, no set of
-// vertices comes back, and it ends. Needs no interior point: flat bodies, segments and points are decided as well.
+// and swells are taken as the exact numbers that their doubles are. Every step is exact, so the distance falls
+// strictly, no set of vertices comes back, and it ends. Needs no interior point: flat bodies, segments and points are
+// decided as well.
 #pragma once
 
 #include <array>
@@ -17,8 +18,8 @@ struct ExactAnswer {
   // Separated: a direction from host to guest; the least direction·(p − r) over the hulls exceeds |direction| times the
   // sum of the swells.
   DyadicVec3 direction;
-  // Shared: the points Σ weight (guest vertex) and Σ weight (host vertex) in the world are no further apart than the sum
-  // of the swells; weights > 0, not normalised.
+  // Shared: the points Σ weight (guest vertex) and Σ weight (host vertex) in the world are no further apart than the
+  // sum of the swells; weights > 0, not normalised.
   int count = 0;
   std::array<std::int32_t, 4> guest, host;
   std::array<Dyadic, 4> weight;

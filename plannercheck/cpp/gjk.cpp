@@ -148,7 +148,8 @@ class NearestPoints {
 
   Corner furthest_against(Vec3 d) {
     ++counters_.guest_queries, ++counters_.host_queries;
-    const auto p = static_cast<std::size_t>(extreme(guest_.body->inner, -guest_.pose.rotate_back(d), counters_.queries));
+    const auto p =
+        static_cast<std::size_t>(extreme(guest_.body->inner, -guest_.pose.rotate_back(d), counters_.queries));
     const auto r = static_cast<std::size_t>(extreme(host_.body->inner, host_.pose.rotate_back(d), counters_.queries));
     const Vec3 turned = guest_.pose.rotate(guest_.body->inner.points[p]);
     return {(turned - host_.pose.rotate(host_.body->inner.points[r])) + shift_, turned + guest_.pose.translation()};

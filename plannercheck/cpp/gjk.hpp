@@ -1,6 +1,6 @@
 // The point of conv(P) − conv(R) nearest to the origin, in doubles, with certificates of its own (Gilbert, Johnson and
-// Keerthi 1988, on the hierarchies' extreme vertices). Needs no interior point, so it serves flat and swollen bodies, and
-// as the second filter after the game: its bounds involve neither facets nor the inverse of a pose.
+// Keerthi 1988, on the hierarchies' extreme vertices). Needs no interior point, so it serves flat and swollen bodies,
+// and as the second filter after the game: its bounds involve neither facets nor the inverse of a pose.
 #pragma once
 
 #include "pair.hpp"

@@ -54,7 +54,8 @@ class PairFrame {
   Vec3 guest_direction(Vec3 q) const;
 
   // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding: q is
-  // a mixture of at most 8 polar points, or of mixtures of 16, `mixtures` deep. The distance along q is (value − 1) / |q|.
+  // a mixture of at most 8 polar points, or of mixtures of 16, `mixtures` deep. The distance along q is (value − 1) /
+  // |q|.
   bool separates(Vec3 q, double value, long mixtures = 0) const {
     return value > 1 + error(mixtures) + (swell_ > 0 ? swell_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
   }

@@ -27,7 +27,8 @@ inline constexpr double kHalfPiLow = 0x1.3198a2e037073p-69;  // the rest, rounde
 inline constexpr double kRoundToInteger = 0x1.8p52;          // adding it leaves the nearest integer in the low bits
 
 // Interpolants at Chebyshev nodes of z = r^2 in [0, (pi/4)^2], computed in 60 decimal digits:
-// sin r = r + r z S(z), error of S 2.1e-17; cos r = 1 - z/2 + z^2 C(z), error of C 1.3e-18.
+// sin r = r + r z S(z), error of S 3.2e-17; cos r = 1 - z/2 + z^2 C(z), error of C 2.4e-18
+// (with rounded coefficients, on a grid of 3,000 points).
 inline constexpr double kSin[6] = {-0x1.5555555555555p-3, 0x1.1111111110bb2p-7,   -0x1.a01a019e83816p-13,
                                    0x1.71de379654304p-19, -0x1.ae600aca92c64p-26, 0x1.5e0b05bff20f2p-33};
 inline constexpr double kCos[6] = {0x1.5555555555555p-5,   -0x1.6c16c16c16967p-10, 0x1.a01a019f4e9b4p-16,

@@ -33,7 +33,8 @@ Vec3 vertex_in_world(const PosedBody& posed, std::int32_t v) {
   return posed.pose.apply(posed.body->inner.points[static_cast<std::size_t>(v)]);
 }
 
-void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest, const PosedBody& host, bool guest_is_a) {
+void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest, const PosedBody& host,
+               bool guest_is_a) {
   if (!answer.shared) {
     const DyadicVec3 d = Dyadic(guest_is_a ? 1.0 : -1.0) * answer.direction;
     out["normal"] = row_of(direction_of(d));
@@ -95,7 +96,8 @@ nb::dict verdict_dict(const PairVerdict& verdict, const PosedBody& guest, const 
     put_exact(out, *verdict.exact, guest, host, guest_is_a);
   } else if (verdict.shared) {
     const bool nearest = verdict.stage == Stage::kNearest;
-    out["point"] = row_of(nearest ? verdict.proximity.point : host.pose.apply(host.body->centre + verdict.certificate.x));
+    out["point"] =
+        row_of(nearest ? verdict.proximity.point : host.pose.apply(host.body->centre + verdict.certificate.x));
   } else {
     const bool nearest = verdict.stage == Stage::kNearest;
     const Vec3 d = nearest ? verdict.proximity.direction : host.pose.rotate(verdict.certificate.q);

@@ -80,7 +80,12 @@ class Solid:
 
     @cached_property
     def width(self) -> float:
-        """The least extent along a facet's normal, m: at least the true width, and equal to it for a box."""
+        """The least extent along a facet's normal, m: at least the true width, and equal to it for a box.
+
+        0 for bodies without facets, swollen or not.
+        """
+        if len(self.faces) == 0:
+            return 0.0
         directions = np.unique(np.round(self.normals[np.any(self.normals != 0, axis=1)], 6), axis=0)
         some = directions[:: max(1, len(directions) // 2000)]
         blocks = np.array_split(some, 1 + len(some) // BLOCK)

@@ -46,7 +46,9 @@ world:
       primitive_poses:
         - {position: [0.25, -1.07, 0.3], orientation: [0, 0, -0.5, 0.8660254037844386]}
         - {position: {x: 1, y: 2, z: 3}, orientation: {x: 0, y: 0, z: 0, w: 1}}
-      meshes: [{vertices: [{x: 0, y: 0, z: 0}, {x: 1, y: 0, z: 0}, {x: 0, y: 1, z: 0}, {x: 0, y: 0, z: 1}], triangles: []}]
+      meshes:
+        - vertices: [{x: 0, y: 0, z: 0}, {x: 1, y: 0, z: 0}, {x: 0, y: 1, z: 0}, {x: 0, y: 0, z: 1}]
+          triangles: []
       mesh_poses: [{position: [0, 0, 0], orientation: [0, 0, 0, 1]}]
 """
 REQUEST = """start_state:

@@ -29,9 +29,7 @@ GAPS = np.array([1e-3, -1e-3, 1e-6, -1e-6, 1e-1, -1e-1])
 def directions(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Half of them random, half close to vertices, where the walk has most to tell apart."""
     towards = points[rng.integers(len(points), size=QUERIES // 2)]
-    return np.concatenate(
-        [rng.normal(size=(QUERIES // 2, 3)), towards + 1e-3 * rng.normal(size=towards.shape)]
-    )
+    return np.concatenate([rng.normal(size=(QUERIES // 2, 3)), towards + 1e-3 * rng.normal(size=towards.shape)])
 
 
 def worst_walk(body: pc.Polytope, name: str, rng: np.random.Generator) -> dict[str, int]:

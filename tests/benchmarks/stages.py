@@ -1,9 +1,9 @@
 """Which stage decides, and what each costs: `python tests/benchmarks/stages.py [--states 20000]`.
 
-Three kinds of queries: bodies at random poses, bodies near touching, and states of a robot in the shipped scenes (random
-ones, and ones next to the border between free and colliding). For each stage the share of queries that it decides and
-the mean time of those, earlier stages included. Last what the stages behind the filter cost on robot states: the time
-of all states against that of the states that the filter settles alone, taken in turns.
+Three kinds of queries: bodies at random poses, bodies near touching, and states of a robot in the shipped scenes
+(random ones, and ones next to the border between free and colliding). For each stage the share of queries that it
+decides and the mean time of those, earlier stages included. Last what the stages behind the filter cost on robot
+states: the time of all states against that of the states that the filter settles alone, taken in turns.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ POSES, VERTICES, SEED = 400, 150, 1
 SMALLEST, LARGEST = -17.0, -2.0
 HALVINGS, REPETITIONS = 48, 5
 SCENES = tuple(sorted(path.stem for path in (Path(__file__).parents[2] / "configs").glob("*.yaml")))
-# The filter of numbers.py's scenes ends with the solver: what is left to nearest points and exact arithmetic is fallback.
+# The filter ends with the solver: what is left to nearest points and exact arithmetic is fallback.
 FALLBACK = STAGES[3:]
 
 
