@@ -11,6 +11,7 @@ import argparse
 import faulthandler
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -46,7 +47,9 @@ world:
       primitive_poses:
         - {position: [0.25, -1.07, 0.3], orientation: [0, 0, -0.5, 0.8660254037844386]}
         - {position: {x: 1, y: 2, z: 3}, orientation: {x: 0, y: 0, z: 0, w: 1}}
-      meshes: [{vertices: [{x: 0, y: 0, z: 0}, {x: 1, y: 0, z: 0}, {x: 0, y: 1, z: 0}, {x: 0, y: 0, z: 1}], triangles: []}]
+      meshes:
+        - vertices: [{x: 0, y: 0, z: 0}, {x: 1, y: 0, z: 0}, {x: 0, y: 1, z: 0}, {x: 0, y: 0, z: 1}]
+          triangles: []
       mesh_poses: [{position: [0, 0, 0], orientation: [0, 0, 0, 1]}]
 """
 REQUEST = """start_state:
@@ -260,8 +263,6 @@ class Fuzzer:
 
     def mutated(self, text: bytes) -> bytes:
         """A text with some tokens replaced, lines dropped, doubled or indented, or bytes changed."""
-        import re
-
         for _ in range(int(self.rng.integers(1, 4))):
             kind = self.rng.integers(10)
             if kind < 6:
