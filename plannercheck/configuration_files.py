@@ -9,6 +9,7 @@ name the columns: then the joints' columns are found by name, in any order, and 
 
 from __future__ import annotations
 
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
@@ -92,7 +93,7 @@ def _npy(path: Path) -> NDArray[Any]:
         if path.stat().st_size == 0:
             raise PlannercheckError("is empty")
         return np.lib.format.open_memmap(path, mode="r")
-    except (OSError, ValueError, EOFError) as error:
+    except (OSError, ValueError, EOFError, tokenize.TokenError) as error:  # the last for a broken header
         if isinstance(error, PlannercheckError):
             raise
         raise PlannercheckError(f"is no whole npy file of numbers: {error}") from None
@@ -102,7 +103,15 @@ def _npz(path: Path) -> NDArray[Any]:
     try:
         with np.load(path, allow_pickle=False) as archive:
             return np.asarray(archive[_npz_key(list(archive.files))])
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+    except (
+        OSError,
+        ValueError,
+        EOFError,
+        NotImplementedError,  # of zipfile, for an unknown compression
+        tokenize.TokenError,
+        zipfile.BadZipFile,
+        zlib.error,
+    ) as error:
         if isinstance(error, PlannercheckError):
             raise
         raise PlannercheckError(f"is no whole npz file of numbers: {error}") from None

@@ -22,6 +22,6 @@ def unknown_name(kind: str, name: str, valid: Iterable[str]) -> PlannercheckErro
         An error that lists the closest and then all valid names.
     """
     names = list(valid)
-    close = get_close_matches(name, names, n=3)
+    close = get_close_matches(str(name), names, n=3)  # a name read from a file may be anything
     hint = f"did you mean {' or '.join(repr(c) for c in close)}? " if close else ""
     return PlannercheckError(f"unknown {kind} {name!r}: {hint}valid are {', '.join(names) or 'none'}")

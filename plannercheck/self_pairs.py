@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.errors import unknown_name
+from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.robot_files import DisabledPair
 from plannercheck.shapes import Body
 from plannercheck.urdf import LinkTree
@@ -32,7 +32,10 @@ def self_pairs(
     """Index pairs (k, 2) into the robot's bodies, in Pinocchio's order."""
     geometry.addAllCollisionPairs()
     if srdf is not None:
-        pin.removeCollisionPairs(model, geometry, str(srdf), False)
+        try:
+            pin.removeCollisionPairs(model, geometry, str(srdf), False)
+        except RuntimeError as error:
+            raise PlannercheckError(f"SRDF {srdf}: its disabled collisions can't be read: {error}") from None
     left_out = _disabled_links(disabled, tree)
     if srdf is None:
         left_out |= {frozenset(pair) for pair in tree.parents.items()}

@@ -113,7 +113,7 @@ def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) ->
 def _check_complete(model: pin.Model, geometry: pin.GeometryModel, urdf: Path, messages: str) -> None:
     """Raises if a collision element got lost: urdfdom drops those that it does not know."""
     loaded = Counter(model.frames[each.parentFrame].name for each in geometry.geometryObjects)
-    for link in ElementTree.parse(urdf).getroot().findall("link"):
+    for link in _root(urdf).findall("link"):
         name, wanted = link.get("name", ""), len(link.findall("collision"))
         if loaded[name] != wanted:
             raise PlannercheckError(
@@ -145,7 +145,7 @@ def link_tree(model: pin.Model) -> LinkTree:
 def mimic_joints(urdf: Path) -> dict[str, Mimic]:
     """The joints that a URDF lets follow others, by name."""
     mimics = {}
-    for joint in ElementTree.parse(urdf).getroot().iter("joint"):
+    for joint in _root(urdf).iter("joint"):
         tag = joint.find("mimic")
         if tag is not None:
             multiplier, offset = float(tag.get("multiplier", 1)), float(tag.get("offset", 0))
@@ -196,6 +196,14 @@ def _points_of(shape: Any) -> NDArray[np.float64] | None:
     if isinstance(shape, coal.ConvexBase):
         return np.asarray(shape.points(), dtype=np.float64)
     return np.array(shape.vertices(), dtype=np.float64) if hasattr(shape, "vertices") else None
+
+
+def _root(urdf: Path) -> ElementTree.Element:
+    """The XML's root; urdfdom reads some files that are no XML."""
+    try:
+        return ElementTree.parse(urdf).getroot()
+    except ElementTree.ParseError as error:
+        raise PlannercheckError(f"URDF {urdf} is not well-formed XML: {error}") from None
 
 
 def _one_line(*messages: str) -> str:

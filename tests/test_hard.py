@@ -9,6 +9,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck import exact
+from plannercheck.pair import METHODS
 from plannercheck.stress.cases import Case
 
 HARD = Path(__file__).parent / "hard"
@@ -17,11 +18,14 @@ CASES = sorted(HARD.glob("*.json"))
 
 @pytest.mark.parametrize("path", CASES, ids=[path.stem for path in CASES])
 def test_kept_case(path: Path) -> None:
-    p, r, pose_p, pose_r = Case.load(path).bodies
-    truth = exact.intersects(p, r, pose_p, pose_r)
-    first, second = pc.Polytope(p), pc.Polytope(r)
-    assert pc.intersects(first, second, pose_p, pose_r) == truth
-    assert pc.intersects(second, first, pose_r, pose_p) == truth
+    case = Case.load(path)
+    p, r, pose_p, pose_r = case.bodies
+    truth = exact.intersects(*case.bodies, *case.swells)
+    first, second = pc.Polytope(p, swell=case.swells[0]), pc.Polytope(r, swell=case.swells[1])
+    assert (first.fault(), second.fault()) == ("", "")
+    for method in METHODS:
+        assert pc.intersects(first, second, pose_p, pose_r, method=method) == truth
+        assert pc.intersects(second, first, pose_r, pose_p, method=method) == truth
 
 
 def test_a_case_keeps_every_bit(tmp_path: Path) -> None:

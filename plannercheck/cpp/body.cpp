@@ -197,15 +197,17 @@ void require_sound_indices(const Hierarchy& h) {
 
 namespace {
 
-// The polar about a point strictly inside. False if doubles can't hold it: the body is thinner than their grid, or so
-// small that its polar overflows.
+// The polar about a point strictly inside. False, and nothing changed, if doubles can't hold it: the body is thinner
+// than their grid, or so small that its polar overflows.
 bool add_polar(const ConvexMesh& mesh, Body& body) try {
-  body.centre = interior_point(mesh);
-  const std::vector<Vec3> points = polar_points(mesh, body.centre);
-  body.polar_radius = largest_norm(points, {});
-  if (!std::isfinite(body.polar_radius)) return false;
+  const std::optional<Vec3> inside = interior_point(mesh);
+  if (!inside) return false;
+  const std::vector<Vec3> points = polar_points(mesh, *inside);
+  const double radius = largest_norm(points, {});
+  if (!std::isfinite(radius)) return false;
   const ConvexMesh polar = convex_hull(points);
-  body.facet_count = static_cast<std::int32_t>(points.size());
+  body.centre = *inside;
+  body.polar_radius = radius;
   body.polar_triangles = polar.triangles;
   body.polar = build_hierarchy(polar);
   return true;
@@ -235,6 +237,7 @@ Body prepare_body(const ConvexMesh& mesh) {
   body.triangles = mesh.triangles;
   body.source = mesh.source;
   body.inner = build_hierarchy(mesh);
+  facets(mesh, &body.facet_count);
   if (!add_polar(mesh, body)) do_without_polar(body);
   measure(body);
   return body;
@@ -272,10 +275,10 @@ std::string flat_fault(const Body& body) {
 
 std::string body_fault(const Body& body) try {
   if (body.dimension < 3) return flat_fault(body);
-  if (!body.has_polar()) return hierarchy_fault(convex_hull(body.inner.points), body.inner);
   const ConvexMesh hull = verified_hull(body.inner.points, body.triangles, &body.centre);
   const std::string inner = hierarchy_fault(hull, body.inner);
   if (!inner.empty()) return "hull: " + inner;
+  if (!body.has_polar()) return {};
   const Vec3 origin;
   const ConvexMesh dual = verified_hull(body.polar.points, body.polar_triangles, &origin);
   const std::string polar = hierarchy_fault(dual, body.polar);

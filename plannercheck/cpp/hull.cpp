@@ -328,6 +328,15 @@ bool winds_once(const ConvexMesh& mesh, Vec3 inside) {
   return false;
 }
 
+// For bodies too thin for rays from an interior point: every vertex against every face.
+bool no_vertex_outside(const ConvexMesh& mesh) {
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+    return std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [&](Vec3 v) {
+      return orientation(mesh.vertices[at(t[0])], mesh.vertices[at(t[1])], mesh.vertices[at(t[2])], v) <= 0;
+    });
+  });
+}
+
 bool strictly_inside(const ConvexMesh& mesh, Vec3 point) {
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
     return orientation(mesh.vertices[at(t[0])], mesh.vertices[at(t[1])], mesh.vertices[at(t[2])], point) < 0;
@@ -376,17 +385,18 @@ ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Tria
     throw HullError("vertex " + std::to_string(flat - extreme.begin()) + " is no corner of the faces around it");
   }
   const bool known = inside != nullptr && strictly_inside(mesh, *inside);
-  if (!winds_once(mesh, known ? *inside : interior_point(mesh))) {
+  const std::optional<Vec3> origin = known ? *inside : interior_point(mesh);
+  if (!(origin && winds_once(mesh, *origin)) && !no_vertex_outside(mesh)) {
     throw HullError("its faces wind around it more than once");
   }
   return mesh;
 }
 
-Vec3 interior_point(const ConvexMesh& mesh) {
+std::optional<Vec3> interior_point(const ConvexMesh& mesh) {
   for (const Vec3 candidate : {volume_centre(mesh), vertex_mean(mesh)}) {
     if (std::isfinite(norm_1(candidate)) && strictly_inside(mesh, candidate)) return candidate;
   }
-  throw HullError("no point of double precision lies strictly inside: it is thinner than rounding");
+  return {};
 }
 
 std::vector<int> facets(const ConvexMesh& mesh, int* count) {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -41,8 +42,8 @@ ConvexMesh convex_hull(const std::vector<Vec3>& points);
 ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
                          const Vec3* inside = nullptr);
 
-// A point strictly inside, near the centre of the volume.
-Vec3 interior_point(const ConvexMesh& mesh);
+// A point strictly inside, near the centre of the volume; none if the body is thinner than the grid of doubles.
+std::optional<Vec3> interior_point(const ConvexMesh& mesh);
 
 // The facet of each triangle: triangles that are exactly coplanar share a number, counted from 0.
 std::vector<int> facets(const ConvexMesh& mesh, int* count);

@@ -101,13 +101,19 @@ def _swollen_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Call
 def _outcomes(
     drawn: Draw, shape_of: Callable[[Specimen], Any], collide: Callable[[Any, Any, Any, Any], bool]
 ) -> list[bool | str]:
-    try:
-        p, r = shape_of(drawn.p), shape_of(drawn.r)
-    except Exception:
-        return ["exception"] * len(drawn.poses_p)
-    if p is None or r is None:
-        return ["unfit"] * len(drawn.poses_p)
+    p, r = (_shape(shape_of, body) for body in (drawn.p, drawn.r))
+    for reason in ("unfit", "exception"):
+        if reason in (p, r):
+            return [reason] * len(drawn.poses_p)
     return [_outcome(collide, p, a, r, b) for a, b in zip(drawn.poses_p, drawn.poses_r, strict=True)]
+
+
+def _shape(shape_of: Callable[[Specimen], Any], body: Specimen) -> Any:
+    """The peer's shape, or why there is none."""
+    try:
+        return shape_of(body) or "unfit"
+    except Exception:
+        return "exception"
 
 
 def _outcome(collide: Callable[[Any, Any, Any, Any], bool], p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool | str:

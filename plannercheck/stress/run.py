@@ -16,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck import exact
+from plannercheck.certificates import SharedPoint
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
-from plannercheck.pair import METHODS, Method, pair_options
+from plannercheck.pair import METHODS, Method, certify, pair_options
 from plannercheck.stress.cases import Case, shrunk
+from plannercheck.stress.contacts import Points
 from plannercheck.stress.draws import GAPS, Draw, draws
 from plannercheck.stress.peers import Peer
 from plannercheck.stress.specimens import Specimen
@@ -34,6 +36,10 @@ FAILURES = (WRONG, EXCEPTION, TIMEOUT)
 QUERY_LIMIT = 1.0
 # Every so many draws the exact oracle's certificates are verified from their definition.
 VERIFIED_DRAWS = 20
+# Every so many draws the core's certificates are asked for and verified, apart from the core.
+CERTIFIED_DRAWS = 4
+CERTIFICATE = "certificate"
+OURS = (*METHODS, CERTIFICATE)
 # Failures that are shrunk and kept; more of the same say nothing new.
 KEPT = 20
 
@@ -63,7 +69,7 @@ class StressTally:
     @property
     def passed(self) -> bool:
         """Whether nothing of ours failed."""
-        ours = any(count for (who, _, _), count in self.failures.items() if who in METHODS)
+        ours = any(count for (who, _, _), count in self.failures.items() if who in OURS)
         return not ours and not self.refused
 
     def add(self, who: str, key: Key, outcome: Outcome) -> bool:
@@ -93,7 +99,7 @@ def run(
     """
     tally = StressTally()
     for number, drawn in enumerate(draws(seed, lambda error: tally.refused.update([_reason(error)]))):
-        judge(drawn, tally, peers, verify=number % VERIFIED_DRAWS == 0)
+        judge(drawn, tally, peers, number)
         if progress is not None:
             progress(tally)
         if tally.pairs.total() >= pairs:
@@ -101,9 +107,9 @@ def run(
     return tally
 
 
-def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], verify: bool) -> None:
-    """Counts all outcomes on one draw."""
-    truth = _truth(drawn, verify)
+def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], number: int) -> None:
+    """Counts all outcomes on one draw, the `number`-th."""
+    truth = _truth(drawn, verify=number % VERIFIED_DRAWS == 0)
     keys = [(drawn.family, gap, shared) for gap, shared in zip(GAPS, truth, strict=True)]
     tally.pairs.update(keys)
     for method in METHODS:
@@ -113,12 +119,15 @@ def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], verify: bool) 
         for k, outcome in enumerate(outcomes):
             if tally.add(method, keys[k], outcome) and len(tally.cases) < KEPT:
                 tally.cases.append(_kept(drawn, k, method))
-    for peer in peers:
+    others = {peer.name: peer.outcomes for peer in peers}
+    if number % CERTIFIED_DRAWS == 0:
+        others[CERTIFICATE] = _certified
+    for name, ask in others.items():
         started = time.perf_counter()
-        theirs = peer.outcomes(drawn)
-        tally.seconds[peer.name] += time.perf_counter() - started
-        for key, outcome in zip(keys, theirs, strict=True):
-            tally.add(peer.name, key, outcome)
+        outcomes = ask(drawn)
+        tally.seconds[name] += time.perf_counter() - started
+        for key, outcome in zip(keys, outcomes, strict=True):
+            tally.add(name, key, outcome)
 
 
 def _reason(error: PlannercheckError) -> str:
@@ -136,6 +145,19 @@ def _truth(drawn: Draw, verify: bool) -> list[bool]:
             raise AssertionError(f"the exact verdict does not hold: {drawn.label}")
         verdicts.append(isinstance(certificate, exact.ExactSharedPoint))
     return verdicts
+
+
+def _certified(drawn: Draw) -> list[Outcome]:
+    """What the core's certificates prove."""
+    return [_proved(drawn, a, b) for a, b in zip(drawn.poses_p, drawn.poses_r, strict=True)]
+
+
+def _proved(drawn: Draw, pose_p: Points, pose_r: Points) -> Outcome:
+    try:
+        certificate = certify(drawn.p.polytope, drawn.r.polytope, pose_p, pose_r)
+        return isinstance(certificate, SharedPoint) if certificate.verify() else EXCEPTION
+    except Exception:
+        return EXCEPTION
 
 
 def _outcomes(drawn: Draw, method: Method) -> list[Outcome]:

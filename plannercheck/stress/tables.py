@@ -7,13 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from plannercheck.pair import METHODS
 from plannercheck.stress.draws import FAMILY_NAMES, GAPS
-from plannercheck.stress.run import EXCEPTION, FAILURES, WRONG, Key, StressTally
+from plannercheck.stress.run import EXCEPTION, FAILURES, OURS, WRONG, Key, StressTally
 
 # Columns of the tables by family and gap: every other magnitude keeps them on a page.
 GAP_COLUMNS = ("1e-2", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12", "1e-14", "1e-16", "1e-18", "1 ulp", "0")
-_OURS = ", ".join(METHODS)
 
 Belongs = Callable[[Key], bool]
 
@@ -29,7 +27,8 @@ def lines(tally: StressTally, peers: Sequence[str]) -> list[str]:
         Lines of text.
     """
     families = [family for family in FAMILY_NAMES if any(key[0] == family for key in tally.pairs)]
-    out = [f"{tally.pairs.total()} pairs, {_sum(tally, lambda key: key[2])} of them share a point; ours: {_OURS}", ""]
+    sharing = _sum(tally, lambda key: key[2])
+    out = [f"{tally.pairs.total()} pairs, {sharing} of them share a point; ours: {', '.join(OURS)}", ""]
     out += _counts(tally, peers, "family", [(name, _of_family(name)) for name in families])
     out += ["", *_counts(tally, peers, "gap", [(name, _of_gap(name)) for name in GAPS])]
     for peer in peers:
@@ -74,7 +73,7 @@ def _counts(tally: StressTally, peers: Sequence[str], what: str, rows: Sequence[
 
 
 def _count_line(tally: StressTally, peers: Sequence[str], name: str, belongs: Belongs) -> str:
-    ours = [_failed(tally, METHODS, kind, belongs) for kind in FAILURES]
+    ours = [_failed(tally, OURS, kind, belongs) for kind in FAILURES]
     sharing = _sum(tally, lambda key: key[2] and belongs(key))
     line = f"{name:18} {_sum(tally, belongs):8} {sharing:8} {ours[0]:6} {ours[1]:7} {ours[2]:8}"
     for peer in peers:

@@ -11,6 +11,7 @@ import argparse
 import faulthandler
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -262,8 +263,6 @@ class Fuzzer:
 
     def mutated(self, text: bytes) -> bytes:
         """A text with some tokens replaced, lines dropped, doubled or indented, or bytes changed."""
-        import re
-
         for _ in range(int(self.rng.integers(1, 4))):
             kind = self.rng.integers(10)
             if kind < 6:
