@@ -17,12 +17,18 @@ pytestmark = [pytest.mark.agreement, pytest.mark.filterwarnings("ignore:.*fixed 
 ROBOTS = sorted(path.stem for path in shipped_folder("robots").glob("*.yaml"))
 SCENES = sorted(shipped_folder("configs").glob("*.yaml"))
 
+# Errors of FCL, all of which exact arithmetic decides against it, where bodies are wider than 1 cm and the gap is over
+# 1e-3 of that. It has a few: it misses overlaps of up to 1.6 mm of tiago's finger tips (64 vertices, 3 cm), one of them
+# only until the two bodies are swapped. More than this part of the calls would mean that we err.
+CLEAR_ERRORS = 1e-4
+
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_no_verdict_of_ours_is_refuted(name: str, states_wanted: int, reports: list[str], tmp_path: Path) -> None:
     robot = pc.Robot.load(name)
     each = -(-states_wanted // (len(ROBOTS) * len(SCENES)))
     done: list[AgreementReport] = []
+    clear: list[str] = []
     for seed, path in enumerate(SCENES):
         checker = pc.Checker(robot, pc.Scene.load(path))
         report = compare(checker, robot, each, seed)
@@ -31,9 +37,11 @@ def test_no_verdict_of_ours_is_refuted(name: str, states_wanted: int, reports: l
             case_of(checker, found).save(tmp_path / f"{path.stem}-{number}.json")
         assert not report.against_us, f"in {path.stem}, cases saved in {tmp_path}: {report.against_us[:5]}"
         assert not report.contradictions, f"check_states contradicts the pairs in {path.stem}"
-        assert not clear_errors(checker, report), clear_errors(checker, report)
+        clear += clear_errors(checker, report)
     total = merged(done)
     reports.append(line_of(name, total))
+    reports += [f"            FCL errs at a clear gap: {error}" for error in clear]
+    assert len(clear) <= CLEAR_ERRORS * total.fcl_calls + 1
     assert total.states == each * len(SCENES)
 
 
