@@ -6,8 +6,10 @@
 from __future__ import annotations
 
 import importlib
+import importlib.metadata
 import os
 import platform
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -34,10 +36,28 @@ def _processor_flags() -> frozenset[str]:
     return frozenset()
 
 
+def _core_folder() -> Path:
+    """Where the extensions are: beside this file, or with the installed package if this is a checkout.
+
+    Python run in a checkout finds the checkout's files first, which have no core.
+    """
+    here = Path(__file__).resolve().parent
+    if not any(here.glob("_core_*")):
+        try:
+            installed = Path(str(importlib.metadata.distribution("plannercheck").locate_file("plannercheck")))
+        except importlib.metadata.PackageNotFoundError:
+            return here
+        package_path = sys.modules["plannercheck"].__path__
+        if str(installed) not in package_path:
+            package_path.append(str(installed))
+        return installed
+    return here
+
+
 def available_levels() -> list[str]:
     """The levels that are built and that this processor runs, best first."""
     flags = _processor_flags()
-    built = {p.name.split(".")[0].removeprefix("_core_") for p in Path(__file__).parent.glob("_core_*")}
+    built = {p.name.split(".")[0].removeprefix("_core_") for p in _core_folder().glob("_core_*")}
     return [level for level in LEVELS if level in built and flags.issuperset(_NEEDS[level])]
 
 

@@ -68,7 +68,9 @@ def contenders(checker: pc.Checker, q: np.ndarray) -> dict[str, Callable[[], lis
     return {
         "plannercheck, batch": lambda: checker.check_states(q).tolist(),
         "plannercheck, one by one": lambda: [checker.is_valid(row) for row in q],
-        "Pinocchio + coal, AABB tree": lambda: [not pin.computeCollisions(model, data, tree, row, True) for row in full],
+        "Pinocchio + coal, AABB tree": lambda: [
+            not pin.computeCollisions(model, data, tree, row, True) for row in full
+        ],
         "Pinocchio + coal, all pairs": lambda: [
             not pin.computeCollisions(model, data, geometry, geometry_data, row, True) for row in full
         ],
