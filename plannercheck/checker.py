@@ -84,6 +84,11 @@ class Checker:
             raise PlannercheckError(f"padding={padding}: only 0 is supported so far; enlarge the obstacles instead")
         if kinematics not in ("batch", "pinocchio"):
             raise PlannercheckError(f"kinematics must be 'batch' or 'pinocchio', not {kinematics!r}")
+        if not isinstance(robot, Robot) or not isinstance(scene, Scene | None):
+            raise PlannercheckError(
+                "Checker takes a Robot and a Scene: Checker(Robot.load('panda'), Scene.load('bookshelf')), "
+                f"not {type(robot).__name__} and {type(scene).__name__}"
+            )
         self.robot = robot
         self.excess = excess
         self.scene = scene if scene is not None else Scene("empty")

@@ -70,7 +70,7 @@ def read_scene(path: Path, package_dirs: Sequence[Path] = ()) -> Scene:
 def _scene(document: Node, folder: Path) -> Scene:
     check_keys(document, _SCENE_KEYS)
     scene = Scene(text(document.get("name", ""), "name"))
-    for k, item in enumerate(sequence(document.get("objects"), "'objects'")):
+    for k, item in enumerate(sequence(required(document, "objects"), "'objects'")):
         _add_object(scene, mapping(item, f"object {k}"), k, folder)
     _read_allowed(scene, document)
     for robot, item in mapping(document.get("states"), "'states'").items():
@@ -185,6 +185,11 @@ def _read_allowed(scene: Scene, document: Node) -> None:
             names = [text(name, key) for name in sequence(pair, f"an entry of {key!r}")]
             if len(names) != 2:
                 raise PlannercheckError(f"an entry of {key!r} must be two names, not {names}")
+            if not set(names) & set(scene.object_names):
+                raise PlannercheckError(
+                    f"{key!r} names {' and '.join(names)}, none of which is an object: objects are "
+                    f"{', '.join(scene.object_names) or 'none'}"
+                )
             scene.allow(names[0], names[1], allowed)
     for name, allowed in mapping(document.get("allowed_by_default"), "'allowed_by_default'").items():
         if not isinstance(allowed, bool):

@@ -8,6 +8,7 @@ either case.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -31,11 +32,18 @@ def self_pairs(
 ) -> NDArray[np.int64]:
     """Index pairs (k, 2) into the robot's bodies, in Pinocchio's order."""
     geometry.addAllCollisionPairs()
+    before = len(geometry.collisionPairs)
     if srdf is not None:
         try:
             pin.removeCollisionPairs(model, geometry, str(srdf), False)
         except RuntimeError as error:
             raise PlannercheckError(f"SRDF {srdf}: its disabled collisions can't be read: {error}") from None
+        if len(geometry.collisionPairs) == before:
+            warnings.warn(
+                f"SRDF {srdf} disables no pair of links: adjacent ones, which usually touch, are tested as well",
+                RuntimeWarning,
+                stacklevel=5,
+            )
     left_out = _disabled_links(disabled, tree)
     if srdf is None:
         left_out |= {frozenset(pair) for pair in tree.parents.items()}

@@ -76,10 +76,21 @@ def read_model(urdf: Path, floating: bool = False) -> pin.Model:
         raise PlannercheckError(f"URDF {urdf} does not exist")
     with _collected_messages() as messages:
         try:
-            return pin.buildModelFromUrdf(str(urdf), *([pin.JointModelFreeFlyer()] if floating else []))
+            model = pin.buildModelFromUrdf(str(urdf), *([pin.JointModelFreeFlyer()] if floating else []))
         except (ValueError, RuntimeError, IndexError) as error:
-            reason = _one_line(messages(), str(error))
-    raise PlannercheckError(f"URDF {urdf} does not parse: {reason}")
+            raise PlannercheckError(f"URDF {urdf} does not parse: {_one_line(messages(), str(error))}") from None
+    _check_limits(model, urdf)
+    return model
+
+
+def _check_limits(model: pin.Model, urdf: Path) -> None:
+    for name, joint in zip(model.names[1:], list(model.joints)[1:], strict=True):
+        entries = slice(joint.idx_q, joint.idx_q + joint.nq)
+        lower, upper = model.lowerPositionLimit[entries], model.upperPositionLimit[entries]
+        if not (lower <= upper).all():
+            raise PlannercheckError(
+                f"URDF {urdf}: joint {name!r} has a lower limit {lower.tolist()} above its upper one {upper.tolist()}"
+            )
 
 
 def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) -> pin.GeometryModel:

@@ -342,3 +342,8 @@ def test_touching_obstacles_count_as_collisions():
         checker = pc.Checker(robot, scene, method=method)
         near = np.array([[1.0], [np.nextafter(1, 2)], [-1.0], [np.nextafter(-1, -2)], [0.0], [3.0]])
         assert checker.check_states(near).tolist() == [False, True, False, True, False, True]
+
+
+def test_a_name_is_no_scene(panda):
+    with pytest.raises(pc.PlannercheckError, match=r"Scene\.load"):
+        pc.Checker(panda, "cage")

@@ -516,3 +516,14 @@ def test_self_pairs_leave_nothing_else_out(arm):
     robot = Robot.from_urdf(arm[0])
     pairs = self_pairs(model, geometry, robot.bodies, arm[1], robot._tree, ())
     assert len(pairs) == 10 - 2 - 1  # of five bodies: two pairs on one joint each, one disabled
+
+
+def test_limits_the_wrong_way_round_are_named(tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(
+        '<robot name="arm"><link name="base"/><link name="hand"/><joint name="elbow" type="revolute">'
+        '<parent link="base"/><child link="hand"/><axis xyz="0 0 1"/>'
+        '<limit lower="1" upper="-1" effort="1" velocity="1"/></joint></robot>'
+    )
+    with pytest.raises(PlannercheckError, match=r"elbow.*lower limit"):
+        Robot.from_urdf(urdf)

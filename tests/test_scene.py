@@ -255,9 +255,9 @@ def test_quaternions_and_rotations_agree_with_pinocchio():
         ("objects: [{name: a, hull: {file: no.npy}}]", r"no\.npy' can't be read as npy"),
         ("objects: {a: 1}", "'objects' must be a list"),
         ("obstacles: []", "unknown key 'obstacles': .*valid are name, objects"),
-        ("allowed: [[a]]", "'allowed' must be two names"),
-        ("states: {panda: {begin: [1]}}", "states of 'panda': unknown key 'begin'"),
-        ("states: {panda: {start: [1, 2], goal: [1]}}", "start has 2 values, goal has 1"),
+        ("objects: []\nallowed: [[a]]", "'allowed' must be two names"),
+        ("objects: []\nstates: {panda: {begin: [1]}}", "states of 'panda': unknown key 'begin'"),
+        ("objects: []\nstates: {panda: {start: [1, 2], goal: [1]}}", "start has 2 values, goal has 1"),
         ("- just a list", "must be a mapping"),
         ("a: [1", "no valid YAML"),
     ],
@@ -319,3 +319,21 @@ def test_shapes_lie_as_coal_has_them():
     probe, at_top = coal.Sphere(0.01), coal.Transform3s(np.eye(3), np.array([0.08, 0.0, 0.19]))
     distance = coal.distance(cone, coal.Transform3s(), probe, at_top, coal.DistanceRequest(), coal.DistanceResult())
     assert distance > 0.01
+
+
+@pytest.mark.parametrize(
+    ("document", "message"),
+    [
+        ("", "objects"),
+        ("name: nothing", "objects"),
+        (
+            "objects: [{name: table, box: {size: [1, 1, 1]}}]\nallowed: [[panda_link0, tabel]]",
+            "tabel.*objects are table",
+        ),
+    ],
+)
+def test_scene_files_that_say_too_little_are_refused(tmp_path, document, message):
+    path = tmp_path / "scene.yaml"
+    path.write_text(document)
+    with pytest.raises(PlannercheckError, match=message):
+        Scene.load(path)
