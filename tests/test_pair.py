@@ -276,3 +276,34 @@ def test_a_separations_normal_points_from_second_to_first():
         assert 1.0 < plane.offset < 3.0
         assert 0 < plane.gap <= 2.0
         assert pc.certify(cube, cube, None, moved(3), method).normal[0] < -0.5
+
+
+NEAREST_POINTS, EXACT = 3, 4  # numbers of stages in cpp/pair.hpp
+
+ROUNDED_AND_FLAT = [
+    (pc.Polytope([[0.0, 0, 0]], swell=0.5), pc.Polytope([[0.0, 0, -1], [0, 0, 1]], swell=0.25)),
+    (pc.Polytope([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), pc.Polytope([[0.0, 0, 0], [0, 0, 1], [0, 1, 1]])),
+    (pc.Polytope(family("round", 60, 3), swell=0.1), pc.Polytope(family("flat", 60, 4))),
+]
+
+
+@pytest.mark.parametrize(("P", "R"), ROUNDED_AND_FLAT)
+def test_nearest_points_change_no_verdict(P, R):
+    rng = np.random.default_rng(5)
+    turns = contacts.frames(contacts.random_directions(200, rng))
+    poses = np.tile(np.eye(4), (200, 1, 1))
+    poses[:, :3, :3] = turns
+    poses[:, :3, 3] = rng.normal(size=(200, 3))
+    still = np.eye(4)[None]
+    verdicts, stages = {}, {}
+    for on in (True, False):
+        verdicts[on], stages[on], _ = core.intersect_batch(
+            P.core, poses, R.core, still, pair_options("oracle", nearest_points=on)
+        )
+    assert (stages[True] == NEAREST_POINTS).any()
+    assert not (stages[False] == NEAREST_POINTS).any()
+    assert (stages[False] == EXACT).any()
+    assert (verdicts[True] == verdicts[False]).all()
+    truth = [exact.intersects(P.vertices, R.vertices, p, still[0], swell_p=P.swell, swell_r=R.swell) for p in poses]
+    assert verdicts[True].astype(bool).tolist() == truth
+    assert 0 < sum(truth) < len(truth)
