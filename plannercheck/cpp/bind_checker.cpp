@@ -41,7 +41,7 @@ class BoundChecker {
 
   template <class Work>
   void with_workspace(Work work) {
-    std::unique_ptr<CheckerCore::Workspace> workspace;
+    std::shared_ptr<CheckerCore::Workspace> workspace;
     {
       const std::lock_guard lock(mutex_);
       if (!spare_.empty()) {
@@ -49,11 +49,10 @@ class BoundChecker {
         spare_.pop_back();
       }
     }
-    if (!workspace) workspace = std::make_unique<CheckerCore::Workspace>(core_);
+    if (!workspace) workspace = core_.new_workspace();
     work(*workspace);
     const std::lock_guard lock(mutex_);
-    add(workspace->counters);
-    workspace->counters = {};
+    add(CheckerCore::take_counters(*workspace));
     spare_.push_back(std::move(workspace));
   }
 
@@ -95,7 +94,7 @@ class BoundChecker {
  private:
   CheckerCore core_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<CheckerCore::Workspace>> spare_;
+  std::vector<std::shared_ptr<CheckerCore::Workspace>> spare_;
   CheckerCounters total_;
 
   static std::vector<MountedBody> mounted(const std::vector<std::shared_ptr<Body>>& bodies,

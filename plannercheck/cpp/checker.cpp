@@ -1,9 +1,23 @@
 #include "checker.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "kinematics_lanes.hpp"
 
 namespace plannercheck {
 namespace {
+
+// kLanes configurations at once: vectors and poses with one configuration a lane.
+struct LaneVec3 {
+  Lanes x, y, z;
+};
+
+struct LanePose {
+  std::array<Lanes, 12> m;  // rows of the 3x4 matrix
+};
+
+using LaneIndices = std::array<std::int32_t, kLanes>;
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
@@ -42,6 +56,17 @@ constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
 }  // namespace
 
+struct CheckerCore::Workspace {
+  explicit Workspace(const CheckerCore& checker);
+
+  CheckerCounters counters;
+  std::vector<LanePose> poses;      // of the bodies, in the world
+  std::vector<LaneVec3> centres;    // of the bodies, in the world
+  std::vector<Lanes> slack, grown;  // rounding of posing a body; its radius enlarged by that
+  std::vector<CachedPlane> planes;  // per pair
+  std::vector<Lanes> columns, links, scratch;
+};
+
 CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
                          std::int32_t links, CheckerOptions options)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
@@ -70,6 +95,12 @@ CheckerCore::Workspace::Workspace(const CheckerCore& checker)
     checker.bound_body(b, *this);
   }
 }
+
+std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
+  return std::make_shared<Workspace>(*this);
+}
+
+CheckerCounters CheckerCore::take_counters(Workspace& w) { return std::exchange(w.counters, {}); }
 
 Pose CheckerCore::body_pose(std::size_t body, const double* links) const {
   const MountedBody& mounted = bodies_[body];
@@ -152,24 +183,22 @@ unsigned CheckerCore::collides(std::size_t pair, unsigned open, Workspace& w) co
   return colliding;
 }
 
-std::array<std::int32_t, kLanes> CheckerCore::judge(unsigned open, Workspace& w) const {
-  std::array<std::int32_t, kLanes> first;
-  first.fill(-1);
+void CheckerCore::judge(unsigned open, std::int32_t* first, Workspace& w) const {
+  std::fill_n(first, kLanes, -1);
   w.counters.states += __builtin_popcount(open);
   pose_bodies(w);
   for (std::size_t pair = 0; pair < pairs_.size() && open != 0; ++pair) {
     const unsigned colliding = collides(pair, open, w);
     open &= ~colliding;
     for (unsigned left = colliding; left != 0; left &= left - 1) {
-      first[static_cast<std::size_t>(__builtin_ctz(left))] = static_cast<std::int32_t>(pair);
+      first[__builtin_ctz(left)] = static_cast<std::int32_t>(pair);
     }
   }
-  return first;
 }
 
 void CheckerCore::reserve_lanes(const Kinematics& kinematics, Workspace& w) const {
   w.columns.resize(at(kinematics.width()));
-  w.scratch.resize(at(kinematics.scratch_size()));
+  w.scratch.resize(scratch_size(kinematics));
 }
 
 void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
@@ -182,8 +211,9 @@ void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q
       for (std::size_t lane = 0; lane < kLanes; ++lane)
         w.columns[c][lane] = q[(row + std::min(lane, count - 1)) * width + c];
     }
-    kinematics.link_poses(w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
-    const auto pairs = judge((1U << count) - 1, w);
+    link_poses(kinematics, w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
+    LaneIndices pairs;
+    judge((1U << count) - 1, pairs.data(), w);
     std::copy_n(pairs.begin(), count, first + row);
   }
 }
@@ -204,7 +234,8 @@ void CheckerCore::first_collisions(const double* links, std::size_t n, std::int3
   for (std::size_t row = 0; row < n; row += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, n - row);
     load_links(links + row * at(links_) * kPoseStride, count, w);
-    const auto pairs = judge((1U << count) - 1, w);
+    LaneIndices pairs;
+    judge((1U << count) - 1, pairs.data(), w);
     std::copy_n(pairs.begin(), count, first + row);
   }
 }
@@ -234,8 +265,9 @@ bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0,
         const double t = static_cast<double>(step) / static_cast<double>(steps);
         for (std::size_t c = 0; c < w.columns.size(); ++c) w.columns[c][lane] = (1 - t) * q0[c] + t * q1[c];
       }
-      kinematics.link_poses(w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
-      const auto pairs = judge((1U << count) - 1, w);
+      link_poses(kinematics, w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
+      LaneIndices pairs;
+      judge((1U << count) - 1, pairs.data(), w);
       if (std::any_of(pairs.begin(), pairs.end(), [](std::int32_t pair) { return pair >= 0; })) return false;
     }
     return true;

@@ -2,10 +2,12 @@
 //
 // In: posed links (from the kinematics kernel or given), bodies on links, pairs of bodies. Out: for each configuration
 // whether some pair shares a point, and which. Immutable: each thread brings a workspace, which holds what is learnt.
+// Free of lanes, whose number differs between instruction sets: those are checker.cpp's own.
 #pragma once
 
 #include <array>
-#include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -32,33 +34,16 @@ struct CheckerOptions {
   bool boxes = true;
 };
 
-// kLanes configurations at once: vectors and poses with one configuration a lane.
-struct LaneVec3 {
-  Lanes x, y, z;
-};
-
-struct LanePose {
-  std::array<Lanes, 12> m;  // rows of the 3x4 matrix
-};
-
 class CheckerCore {
  public:
   CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
               CheckerOptions options);
 
-  class Workspace {
-   public:
-    explicit Workspace(const CheckerCore& checker);
-    CheckerCounters counters;
-
-   private:
-    friend class CheckerCore;
-    std::vector<LanePose> poses;      // of the bodies, in the world
-    std::vector<LaneVec3> centres;    // of the bodies, in the world
-    std::vector<Lanes> slack, grown;  // rounding of posing a body; its radius enlarged by that
-    std::vector<CachedPlane> planes;  // per pair
-    std::vector<Lanes> columns, links, scratch;
-  };
+  // What one thread poses, bounds, learns and counts.
+  struct Workspace;
+  std::shared_ptr<Workspace> new_workspace() const;
+  // What has been counted since the last call.
+  static CheckerCounters take_counters(Workspace& workspace);
 
   std::size_t body_count() const { return bodies_.size(); }
   std::size_t pair_count() const { return pairs_.size(); }
@@ -100,8 +85,8 @@ class CheckerCore {
   unsigned sphere_meets_box(std::size_t sphere, std::size_t box, const Workspace& workspace) const;
   // Lanes of `open` in which the pair shares a point.
   unsigned collides(std::size_t pair, unsigned open, Workspace& workspace) const;
-  // The first colliding pair of each lane of `open`.
-  std::array<std::int32_t, kLanes> judge(unsigned open, Workspace& workspace) const;
+  // first: for each lane, of `open` the first colliding pair, or −1.
+  void judge(unsigned open, std::int32_t* first, Workspace& workspace) const;
 };
 
 }  // namespace plannercheck
