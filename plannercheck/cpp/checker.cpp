@@ -6,7 +6,6 @@
 #include "kinematics_lanes.hpp"
 
 namespace plannercheck {
-namespace {
 
 // kLanes configurations at once: vectors and poses with one configuration a lane.
 struct LaneVec3 {
@@ -17,9 +16,9 @@ struct LanePose {
   std::array<Lanes, 12> m;  // rows of the 3x4 matrix
 };
 
-using LaneIndices = std::array<std::int32_t, kLanes>;
+namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+using LaneIndices = std::array<std::int32_t, kLanes>;
 
 // Poses stretch by 1e-6 at most, and posing a centre errs by about 10u of its distance: this covers both.
 constexpr double kStretch = 1 + 2e-6;
