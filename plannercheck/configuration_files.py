@@ -108,6 +108,7 @@ def _npz(path: Path) -> NDArray[Any]:
         ValueError,
         EOFError,
         NotImplementedError,  # of zipfile, for an unknown compression
+        RuntimeError,  # of zipfile, for encryption
         tokenize.TokenError,
         zipfile.BadZipFile,
         zlib.error,

@@ -79,8 +79,17 @@ def read_model(urdf: Path, floating: bool = False) -> pin.Model:
             model = pin.buildModelFromUrdf(str(urdf), *([pin.JointModelFreeFlyer()] if floating else []))
         except (ValueError, RuntimeError, IndexError) as error:
             raise PlannercheckError(f"URDF {urdf} does not parse: {_one_line(messages(), str(error))}") from None
+    _check_names(model, urdf)
     _check_limits(model, urdf)
     return model
+
+
+def _check_names(model: pin.Model, urdf: Path) -> None:
+    """Raises for names that are no UTF-8; other bytes may stand in comments."""
+    try:
+        _ = [*model.names, *(frame.name for frame in model.frames)]
+    except UnicodeDecodeError as error:
+        raise PlannercheckError(f"URDF {urdf}: the name of a link or joint is not UTF-8: {error.object!r}") from None
 
 
 def _check_limits(model: pin.Model, urdf: Path) -> None:

@@ -78,6 +78,15 @@ def test_a_truncated_npy(tmp_path, rows, kept):
         read(tmp_path / "q.npy")
 
 
+def test_an_npz_that_calls_itself_encrypted(tmp_path, rows):
+    np.savez(tmp_path / "q.npz", rows)
+    content = bytearray((tmp_path / "q.npz").read_bytes())
+    content[content.rindex(b"PK\x01\x02") + 8] |= 1  # the flag in the central directory
+    (tmp_path / "q.npz").write_bytes(content)
+    with pytest.raises(PlannercheckError, match=r"q\.npz.*encrypted"):
+        read(tmp_path / "q.npz")
+
+
 @pytest.mark.parametrize("kept", [0, 5, 60, 400])
 def test_a_truncated_npz(tmp_path, rows, kept):
     np.savez(tmp_path / "q.npz", rows)

@@ -444,6 +444,12 @@ def test_a_malformed_urdf_is_named_and_nothing_is_printed(capfd):
     assert capfd.readouterr() == ("", "")
 
 
+def test_names_that_are_no_text(arm):
+    arm[0].write_bytes(arm[0].read_bytes().replace(b'"turn"', b'"t\xffrn"'))
+    with pytest.raises(PlannercheckError, match=r"arm\.urdf: the name of a link or joint is not UTF-8"):
+        Robot.from_urdf(arm[0])
+
+
 def test_loading_prints_nothing(capfd):
     Robot.from_urdf(PR2, PR2_SRDF, SHARE, group="right_arm")
     assert capfd.readouterr() == ("", "")
