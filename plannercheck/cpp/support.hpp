@@ -12,7 +12,7 @@ namespace plannercheck {
 
 // What a query touched; costs an increment each, and shows the logarithm.
 struct QueryCounters {
-  long blocks = 0;  // blocks of four vertices compared, the wedge tests of one node counting as one
+  long blocks = 0;  // blocks of four vertices compared, the wedge tests of one node counting as one, of an entry four
   long exact = 0;   // comparisons that the filter left over
 };
 
