@@ -19,6 +19,7 @@ from plannercheck.stress.families import MESHES, family, mesh_points
 # All ways to decide a pair; the first is the default.
 WAYS = list(itertools.product(METHODS, (True, False), (True, False)))
 NEAR = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 0.0, -1e-16, -1e-15, -1e-13, -1e-9, -1e-4, -1e-1)
+EXACT_STAGE = 4  # its number in cpp/pair.hpp
 UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 
 
@@ -185,6 +186,17 @@ def test_neighbouring_poses_use_the_cached_plane_and_agree():
         verdicts[way] = shared.tolist()
         assert (0 in stages) == (way[0] != "exact" and way[1])
     assert len({tuple(v) for v in verdicts.values()}) == 1
+
+
+@pytest.mark.parametrize("name", ["cone", "doubling"])
+def test_the_walk_decides_flat_stars_itself(name):
+    """Coplanar vertices make degenerate games; the walk leaves none of these gaps to exact arithmetic."""
+    solid, polytope = solid_of(name, 1000, 0)
+    gaps = np.tile([1e-3, -1e-3], 1000)
+    poses = contacts.contact_poses(solid, solid, gaps, np.random.default_rng(1))
+    options = pair_options("walk", cached_plane=False, centre_axis=False, nearest_points=False)
+    _, stages, _ = core.intersect_batch(polytope.core, poses[0], polytope.core, poses[1], options)
+    assert EXACT_STAGE not in stages
 
 
 def test_methods_use_their_own_means():

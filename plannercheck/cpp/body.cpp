@@ -119,10 +119,16 @@ class Reader {
 
 // The fields in the order of the format, once for reading and writing.
 template <class Stream, class H>
-void each_field(Stream& s, H& h) {
+void each_level_field(Stream& s, H& h) {
   s.array(h.points), s.array(h.level), s.value(h.depth), s.array(h.ring_start), s.array(h.rings), s.array(h.top);
   s.array(h.top_x), s.array(h.top_y), s.array(h.top_z), s.array(h.chains), s.array(h.blocks), s.array(h.fan_of);
   s.array(h.fans), s.array(h.wedges), s.array(h.entries), s.value(h.largest_coordinate);
+}
+
+template <class Stream, class H>
+void each_field(Stream& s, H& h) {
+  each_level_field(s, h);
+  each_level_field(s, h.crown);
 }
 
 template <class Stream, class B>
@@ -157,7 +163,7 @@ bool within(std::int32_t first, std::int32_t count, std::size_t end) {
   return first >= 0 && count >= 0 && at(first) + at(count) <= end;
 }
 
-void require_sound_wedge(const Hierarchy& h, std::size_t w) {
+void require_sound_wedge(const Levels& h, std::size_t w) {
   const WedgeNode& node = h.wedges[w];
   const std::size_t n = h.points.size();
   require(is_below(node.rim, n) && is_below_or_none(node.left, n) && is_below_or_none(node.right, n));
@@ -170,13 +176,13 @@ void require_sound_wedge(const Hierarchy& h, std::size_t w) {
 
 // Every index that a query follows stays in its array, and wedges lead on to later ones only: damaged data may give
 // wrong answers, but no query leaves memory or runs forever.
-void require_sound_indices(const Hierarchy& h) {
+void require_sound_levels(const Levels& h) {
   const std::size_t n = h.points.size(), top = h.top.size();
   for (const Vec3& p : h.points) require(std::isfinite(norm_1(p)));
   require(n >= 1 && h.level.size() == n && h.chains.size() == n && h.fan_of.size() == n && h.depth >= 0);
   require(h.ring_start.size() == n + 1 && h.ring_start.front() == 0 && at(h.ring_start.back()) == h.rings.size());
   require(std::is_sorted(h.ring_start.begin(), h.ring_start.end()) && all_below(h.rings, n));
-  require(top > 0 && top % kBlockLanes == 0 && top <= kTopVertices && all_below(h.top, n));
+  require(top > 0 && top % kBlockLanes == 0 && top <= kScannedVertices && all_below(h.top, n));
   require(h.top_x.size() == top && h.top_y.size() == top && h.top_z.size() == top);
   for (const ChainRange& c : h.chains) {
     require(c.length >= 0 &&
@@ -187,8 +193,22 @@ void require_sound_indices(const Hierarchy& h) {
   }
   require(all_below(h.entries, h.wedges.size()));
   for (const std::int32_t fan : h.fan_of) require(is_below_or_none(fan, h.fans.size()));
-  for (const WedgeFan& fan : h.fans) require(fan.entries > 0 && within(fan.first_entry, fan.entries, h.entries.size()));
+  for (const WedgeFan& fan : h.fans) {
+    require(fan.entries > 0 && within(fan.first_entry, fan.entries, h.entries.size()));
+    require(fan.first_half >= 1 && fan.first_half <= fan.entries);
+  }
   for (std::size_t w = 0; w < h.wedges.size(); ++w) require_sound_wedge(h, w);
+}
+
+void require_sound_indices(const Hierarchy& h) {
+  require_sound_levels(h);
+  require_sound_levels(h.crown);
+  require(std::is_sorted(h.top.begin(), h.top.end()) && h.crown.points.size() <= h.top.size());
+  for (std::size_t v = 0; v < h.points.size(); ++v) {
+    if (h.level[v] != h.depth) continue;
+    const auto place = std::lower_bound(h.top.begin(), h.top.end(), static_cast<std::int32_t>(v));
+    require(at(static_cast<std::int32_t>(place - h.top.begin())) < h.crown.points.size());
+  }
 }
 
 }  // namespace
@@ -261,12 +281,13 @@ std::string flat_fault(const Body& body) {
   const FlatHull again = flat_hull(body.inner.points, affine_span(body.inner.points));
   if (again.dimension != body.dimension) return "the dimension is wrong";
   if (again.vertices.size() != body.inner.points.size()) return "a vertex is no corner";
-  const Hierarchy& h = body.inner;
-  std::size_t chained = 0;
-  for (const ChainRange& chain : h.chains) chained += static_cast<std::size_t>(chain.length);
-  const auto removed =
-      static_cast<std::size_t>(std::count_if(h.level.begin(), h.level.end(), [&](auto l) { return l < h.depth; }));
-  return chained == 2 * removed ? "" : "the chains are incomplete";
+  for (const Levels* h : {static_cast<const Levels*>(&body.inner), &body.inner.crown}) {
+    std::size_t chained = 0;
+    for (const ChainRange& chain : h->chains) chained += at(chain.length);
+    const auto removed = std::count_if(h->level.begin(), h->level.end(), [&](auto l) { return l < h->depth; });
+    if (chained != 2 * static_cast<std::size_t>(removed)) return "the chains are incomplete";
+  }
+  return {};
 }
 
 }  // namespace
@@ -293,7 +314,7 @@ std::string body_fault(const Body& body) try {
 
 std::size_t Body::bytes() const {
   return sizeof *this + triangles.size() * sizeof(Triangle) + source.size() * sizeof(source[0]) + inner.bytes() +
-         polar.bytes() + polar_triangles.size() * sizeof(Triangle);
+         inner.crown.bytes() + polar.bytes() + polar.crown.bytes() + polar_triangles.size() * sizeof(Triangle);
 }
 
 std::string serialise(const Body& body) {

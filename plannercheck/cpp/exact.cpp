@@ -144,7 +144,7 @@ Corner furthest_against(const PosedBody& guest, const PosedBody& host, const Dya
 
 }  // namespace
 
-std::int32_t extreme_exactly(const Hierarchy& h, const DyadicVec3& u) {
+std::int32_t extreme_exactly(const Levels& h, const DyadicVec3& u) {
   const ExactComparison comparison(u);
   std::int32_t v = h.top.front();
   for (const std::int32_t candidate : h.top) {

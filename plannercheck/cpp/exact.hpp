@@ -29,6 +29,6 @@ struct ExactAnswer {
 ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters);
 
 // The vertex that maximises u·v, exactly.
-std::int32_t extreme_exactly(const Hierarchy& hierarchy, const DyadicVec3& u);
+std::int32_t extreme_exactly(const Levels& levels, const DyadicVec3& u);
 
 }  // namespace plannercheck

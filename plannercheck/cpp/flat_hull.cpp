@@ -64,23 +64,36 @@ FlatHull flat_hull(const std::vector<Vec3>& points, const Span& span) {
   return pick(points, 2, polygon_corners(points, span));
 }
 
-Hierarchy build_flat_hierarchy(const FlatHull& hull) {
-  std::vector<std::int32_t> alive(hull.vertices.size());
-  std::iota(alive.begin(), alive.end(), 0);
+namespace {
+
+// Removes every other corner until at most `most` are left.
+std::vector<Removal> halve(std::vector<std::int32_t>& alive, std::size_t most, std::int32_t* depth) {
   std::vector<Removal> removals;
-  std::int32_t depth = 0;
-  for (; alive.size() > static_cast<std::size_t>(kTopVertices); ++depth) {
+  for (*depth = 0; alive.size() > most; ++*depth) {
     std::vector<std::int32_t> kept;
     for (std::size_t i = 0; i < alive.size(); ++i) {
       if (i % 2 == 0) {
         kept.push_back(alive[i]);
       } else {
-        removals.push_back({alive[i], depth, {alive[i - 1], alive[(i + 1) % alive.size()]}});
+        removals.push_back({alive[i], *depth, {alive[i - 1], alive[(i + 1) % alive.size()]}});
       }
     }
     alive = std::move(kept);
   }
-  return lay_out(hull.vertices, removals, alive, depth);
+  return removals;
+}
+
+}  // namespace
+
+Hierarchy build_flat_hierarchy(const FlatHull& hull) {
+  std::vector<std::int32_t> alive(hull.vertices.size());
+  std::iota(alive.begin(), alive.end(), 0);
+  std::int32_t depth = 0;
+  const std::vector<Removal> removals = halve(alive, kScannedVertices, &depth);
+  Hierarchy h{lay_out(hull.vertices, removals, alive, depth), {}};
+  const std::vector<Removal> further = halve(alive, kCrownTop, &depth);
+  h.crown = lay_out_crown(h, further, alive, depth);
+  return h;
 }
 
 }  // namespace plannercheck

@@ -9,6 +9,10 @@
 namespace plannercheck {
 namespace {
 
+// A pivot so much smaller than others of its column is what rounding left of 0: a row through a degenerate corner would
+// be chosen for it, and the tableau lost.
+constexpr double kPivotRounding = 1e-11;
+
 // maximise Σ z_i over Σ_i (a_ij + shift) z_i <= 1 for every column j, z >= 0: with the payoffs shifted to be positive
 // the optimum is 1 / (value + shift), z is proportional to the rows' weights and the prices to the columns'.
 // Rows are padded to blocks of four: a pivot is a few vector operations.
@@ -81,13 +85,18 @@ class Tableau {
     return best;
   }
 
+  // The row that bounds the column first; among equals, which flat stars have, the one with the largest pivot.
   int leaving(int column) const {
+    double largest = 0;
+    for (int j = 0; j < constraints_; ++j) largest = larger(largest, entry(j, column));
+    const double smallest_pivot = larger(kPivotRounding * largest, 1e-300);
     int best = -1;
     double smallest = 0;
     for (int j = 0; j < constraints_; ++j) {
-      if (!(entry(j, column) > 1e-300)) continue;
+      if (!(entry(j, column) > smallest_pivot)) continue;
       const double ratio = entry(j, variables_) / entry(j, column);
-      if (best < 0 || ratio < smallest) smallest = ratio, best = j;
+      const bool first = best < 0 || ratio < smallest;
+      if (first || (ratio == smallest && entry(j, column) > entry(best, column))) smallest = ratio, best = j;
     }
     return best;
   }

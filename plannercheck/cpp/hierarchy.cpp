@@ -1,8 +1,8 @@
 #include "hierarchy.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
-#include <unordered_map>
 
 #include "predicates.hpp"
 #include "triangulation.hpp"
@@ -22,19 +22,33 @@ std::vector<std::int32_t> removable_by_degree(const Triangulation& mesh, const s
   return sorted;
 }
 
-// Peels levels off until at most kTopVertices are left; `removals` is in the order of removal, fine to coarse.
-std::vector<Removal> peel(Triangulation& mesh, std::vector<std::int32_t>& alive, std::int32_t* depth) {
+// Whether all vertices of a ring, no three of them collinear, lie in a plane.
+bool coplanar(const std::vector<Vec3>& points, const std::vector<std::int32_t>& ring) {
+  return std::all_of(ring.begin(), ring.end(), [&](std::int32_t n) {
+    return orientation(points[at(ring[0])], points[at(ring[1])], points[at(ring[2])], points[at(n)]) == 0;
+  });
+}
+
+// Peels levels off until `most` vertices are left; the last level removes no more than that takes, so that bodies of
+// all sizes have equal tops. An apex over what would be flat without it stays. The removals are in
+// their order, fine to coarse.
+std::vector<Removal> peel(Triangulation& mesh, std::vector<std::int32_t>& alive, std::size_t most,
+                          std::int32_t* depth) {
   std::vector<Removal> removals;
-  std::vector<std::int32_t> blocked(alive.size(), -1);
+  std::vector<std::int32_t> blocked(at(alive.back()) + 1, -1);
   *depth = 0;
-  while (alive.size() > static_cast<std::size_t>(kTopVertices)) {
+  while (alive.size() > most) {
     const std::int32_t level = *depth;
+    std::size_t left = alive.size();
     for (const std::int32_t v : removable_by_degree(mesh, alive)) {
+      if (left == most) break;
       if (blocked[at(v)] == level) continue;
       Removal removal{v, level, mesh.ring(v)};
+      if (removal.ring.size() + 1 == left && coplanar(mesh.points(), removal.ring)) continue;
       for (const std::int32_t n : removal.ring) blocked[at(n)] = level;
       mesh.remove(v, removal.ring);
       removals.push_back(std::move(removal));
+      --left;
     }
     std::erase_if(alive, [&](std::int32_t v) { return !mesh.contains(v); });
     ++*depth;
@@ -42,7 +56,7 @@ std::vector<Removal> peel(Triangulation& mesh, std::vector<std::int32_t>& alive,
   return removals;
 }
 
-void lay_out_rings(const std::vector<Removal>& removals, Hierarchy& h) {
+void lay_out_rings(const std::vector<Removal>& removals, Levels& h) {
   const std::size_t n = h.points.size();
   h.ring_start.assign(n + 1, 0);
   for (const Removal& r : removals) h.ring_start[at(r.vertex) + 1] = static_cast<std::int32_t>(r.ring.size());
@@ -53,7 +67,7 @@ void lay_out_rings(const std::vector<Removal>& removals, Hierarchy& h) {
   }
 }
 
-void lay_out_top(const std::vector<std::int32_t>& alive, Hierarchy& h) {
+void lay_out_top(const std::vector<std::int32_t>& alive, Levels& h) {
   h.top = alive;
   while (h.top.size() % kBlockLanes != 0) h.top.push_back(h.top.back());
   for (const std::int32_t v : h.top) {
@@ -63,7 +77,7 @@ void lay_out_top(const std::vector<std::int32_t>& alive, Hierarchy& h) {
   }
 }
 
-void put(Hierarchy& h, const ChainRange& chain, std::int32_t position, std::int32_t vertex) {
+void put(Levels& h, const ChainRange& chain, std::int32_t position, std::int32_t vertex) {
   Block& block = h.blocks[at(chain.first_block + position / kBlockLanes)];
   const Vec3 p = h.points[at(vertex)];
   for (std::int32_t lane = position % kBlockLanes; lane < kBlockLanes; ++lane) {
@@ -74,7 +88,7 @@ void put(Hierarchy& h, const ChainRange& chain, std::int32_t position, std::int3
   }
 }
 
-void lay_out_chains(const std::vector<Removal>& removals, Hierarchy& h) {
+void lay_out_chains(const std::vector<Removal>& removals, Levels& h) {
   h.chains.assign(h.points.size(), {});
   for (const Removal& r : removals) {
     for (const std::int32_t n : r.ring) ++h.chains[at(n)].length;
@@ -93,9 +107,9 @@ void lay_out_chains(const std::vector<Removal>& removals, Hierarchy& h) {
 
 }  // namespace
 
-Hierarchy lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
-                  const std::vector<std::int32_t>& top, std::int32_t depth) {
-  Hierarchy h;
+Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
+               const std::vector<std::int32_t>& top, std::int32_t depth) {
+  Levels h;
   h.points = points;
   h.depth = depth;
   for (const Vec3& p : h.points) h.largest_coordinate = larger(h.largest_coordinate, norm_max(p));
@@ -108,25 +122,47 @@ Hierarchy lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& r
   return h;
 }
 
+Levels lay_out_crown(const Levels& levels, std::vector<Removal> removals, std::vector<std::int32_t> stay,
+                     std::int32_t depth) {
+  std::vector<Vec3> points;
+  std::vector<std::int32_t> position(levels.points.size(), -1);
+  for (const std::int32_t v : levels.top) {
+    if (position[at(v)] >= 0) continue;
+    position[at(v)] = static_cast<std::int32_t>(points.size());
+    points.push_back(levels.points[at(v)]);
+  }
+  for (std::int32_t& v : stay) v = position[at(v)];
+  for (Removal& r : removals) {
+    r.vertex = position[at(r.vertex)];
+    for (std::int32_t& n : r.ring) n = position[at(n)];
+  }
+  return lay_out(points, removals, stay, depth);
+}
+
 Hierarchy build_hierarchy(const ConvexMesh& mesh) {
   Triangulation current(mesh);
   std::vector<std::int32_t> alive(mesh.vertices.size());
   for (std::size_t v = 0; v < alive.size(); ++v) alive[v] = static_cast<std::int32_t>(v);
+  const std::size_t top = at(alive.size() > at(kScannedVertices) ? kTopVertices : kScannedVertices);
   std::int32_t depth = 0;
-  const std::vector<Removal> removals = peel(current, alive, &depth);
-  Hierarchy h = lay_out(mesh.vertices, removals, alive, depth);
+  const std::vector<Removal> removals = peel(current, alive, top, &depth);
+  Hierarchy h{lay_out(mesh.vertices, removals, alive, depth), {}};
   build_wedges(mesh, current, h);
+  const std::vector<Removal> further = peel(current, alive, at(kCrownTop), &depth);
+  h.crown = lay_out_crown(h, further, alive, depth);
   return h;
 }
 
-std::size_t Hierarchy::bytes() const {
+std::size_t Levels::bytes() const {
   const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
   return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_x) * 3 + size(chains) +
          size(blocks) + size(fan_of) + size(fans) + size(wedges) + size(entries);
 }
 
-std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& h) {
-  Triangulation current(mesh);
+namespace {
+
+// Removes the levels from `current`, whose vertex ids[i] is vertex i of the levels.
+std::string levels_fault(Triangulation& current, const std::vector<std::int32_t>& ids, const Levels& h) {
   std::vector<std::vector<std::int32_t>> by_level(at(h.depth));
   for (std::size_t v = 0; v < h.level.size(); ++v) {
     if (h.level[v] < h.depth) by_level[at(h.level[v])].push_back(static_cast<std::int32_t>(v));
@@ -136,19 +172,21 @@ std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& h) {
     if (removed.empty()) return "a level removes nothing";
     for (const std::int32_t v : removed) {
       const std::string name = "vertex " + std::to_string(v);
-      const std::vector<std::int32_t> ring = current.ring(v);
+      const std::vector<std::int32_t> ring = current.ring(ids[at(v)]);
       if (ring.size() > kRemovedDegree) return name + " is removed with degree " + std::to_string(ring.size());
-      std::vector<std::int32_t> stored(h.rings.begin() + h.ring_start[at(v)],
-                                       h.rings.begin() + h.ring_start[at(v) + 1]);
+      const std::vector<std::int32_t> own(h.rings.begin() + h.ring_start[at(v)],
+                                          h.rings.begin() + h.ring_start[at(v) + 1]);
+      std::vector<std::int32_t> stored;
+      for (const std::int32_t n : own) stored.push_back(ids[at(n)]);
       if (stored.size() != ring.size()) return name + " has a ring of the wrong length";
       std::rotate(stored.begin(), std::find(stored.begin(), stored.end(), ring.front()), stored.end());
       if (stored != ring) return name + " has a wrong ring";
-      for (const std::int32_t n : ring) {
+      for (const std::int32_t n : own) {
         if (h.level[at(n)] == h.level[at(v)]) return name + " is removed together with its neighbour";
         chains[at(n)].push_back(v);
       }
     }
-    for (const std::int32_t v : removed) current.remove(v, current.ring(v));
+    for (const std::int32_t v : removed) current.remove(ids[at(v)], current.ring(ids[at(v)]));
     if (!current.is_convex()) return "a level is not convex";
   }
   for (std::size_t v = 0; v < chains.size(); ++v) {
@@ -167,6 +205,22 @@ std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& h) {
     std::sort(stored.begin(), stored.end());
     std::sort(chains[v].begin(), chains[v].end());
     if (stored != chains[v]) return "a chain holds the wrong vertices at vertex " + std::to_string(v);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& h) {
+  Triangulation current(mesh);
+  std::vector<std::int32_t> ids(h.points.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  const std::string main = levels_fault(current, ids, h);
+  if (!main.empty()) return main;
+  const std::string crown = levels_fault(current, h.top, h.crown);
+  if (!crown.empty()) return "crown: " + crown;
+  for (std::size_t i = 0; i < h.crown.points.size(); ++i) {
+    if (!(h.crown.points[i] == h.points[at(h.top[i])])) return "the crown's coordinates differ";
   }
   return wedge_fault(mesh, h);
 }

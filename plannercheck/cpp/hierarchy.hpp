@@ -19,10 +19,12 @@
 
 namespace plannercheck {
 
-inline constexpr int kTopVertices = 64;   // below this a scan in lanes beats every hierarchy (measured)
-inline constexpr int kRemovedDegree = 8;  // a planar graph has enough independent vertices of at most this degree
-inline constexpr int kBlockLanes = 4;     // the layout is the same on every instruction set, so that files are too
-inline constexpr int kLongChain = 128;    // entries; longer chains are walked by wedges (32 blocks of scanning)
+inline constexpr int kScannedVertices = 64;  // up to this many a scan in lanes beats every hierarchy (measured)
+inline constexpr int kTopVertices = 48;      // left at the top of the hierarchies of larger bodies
+inline constexpr int kCrownTop = 8;          // so few a side make the coupled walk's first game as small as its others
+inline constexpr int kRemovedDegree = 8;     // a planar graph has enough independent vertices of at most this degree
+inline constexpr int kBlockLanes = 4;        // the layout is the same on every instruction set, so that files are too
+inline constexpr int kLongChain = 64;        // entries; longer chains are walked by wedges (16 blocks of scanning)
 
 // Four neighbours in a chain, coordinates inline. Lanes beyond the chain's end repeat the last entry.
 struct Block {
@@ -46,9 +48,13 @@ struct WedgeNode {
 struct WedgeFan {
   Vec3 axis;  // z_v: strictly inside v's normal cone in the finest level, verified exactly
   std::int32_t first_entry = 0, entries = 0;  // nodes of v's edges at the level where v appears, counter-clockwise
+  // How many entries follow before the normals of the facets clockwise of them have turned by half a turn about z_v
+  // from the first one's, 1 to `entries`; rounded, so what a search finds by it has to be verified.
+  std::int32_t first_half = 1;
+  std::int32_t padding = 0;  // files hold no undefined bytes
 };
 
-struct Hierarchy {
+struct Levels {
   std::vector<Vec3> points;
   std::vector<std::int32_t> level;       // at which the vertex is removed; `depth` for those that stay
   std::int32_t depth = 0;                // number of removals; level 0 removes from the full body
@@ -67,6 +73,12 @@ struct Hierarchy {
   std::size_t bytes() const;
 };
 
+// Extreme vertices are sought from the top on, where a scan is fastest. The coupled walk, which starts with a game of
+// all vertices of a level, starts higher up: the crown is a hierarchy of the top vertices, vertex i of it is top[i].
+struct Hierarchy : Levels {
+  Levels crown;
+};
+
 Hierarchy build_hierarchy(const ConvexMesh& mesh);
 
 struct Removal {
@@ -74,12 +86,17 @@ struct Removal {
   std::vector<std::int32_t> ring;  // its neighbours when it is removed, counter-clockwise
 };
 
-// A hierarchy without wedges from removals in their order, fine to coarse, and the vertices that stay.
-Hierarchy lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
-                  const std::vector<std::int32_t>& top, std::int32_t depth);
+// Levels without wedges from removals in their order, fine to coarse, and the vertices that stay, in ascending order.
+Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
+               const std::vector<std::int32_t>& top, std::int32_t depth);
+
+// The crown from further removals: those of top vertices down to the vertices that stay.
+Levels lay_out_crown(const Levels& levels, std::vector<Removal> removals, std::vector<std::int32_t> stay,
+                     std::int32_t depth);
 
 // Words for the first broken property of the hierarchy of this mesh, empty if there is none: levels nested, removed
-// vertices independent and of bounded degree, every level convex, chains complete and in order, wedges consistent.
+// vertices independent and of bounded degree, every level convex, chains complete and in order, wedges consistent; the
+// crown likewise.
 std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& hierarchy);
 
 }  // namespace plannercheck

@@ -54,9 +54,11 @@ inline Beyond compare_block(const Block& block, Vec3 v, Vec3 u) {
   return {quad_bits(value > error), quad_bits(absolute(value) <= error)};
 }
 
+constexpr std::int32_t kScannedEntries = 8;  // more are searched by bisection; removed vertices have no more
+
 class WedgeWalk {
  public:
-  WedgeWalk(const Hierarchy& h, std::int32_t v, Vec3 u, QueryCounters& counters)
+  WedgeWalk(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters)
       : h_(h), v_(v), corner_(h.points[at(v)]), u_(u), fan_(h.fans[at(h.fan_of[at(v)])]), counters_(counters) {}
 
   // A vertex beyond the plane through v, at the coarsest level that has one; or -1.
@@ -74,7 +76,7 @@ class WedgeWalk {
   }
 
  private:
-  const Hierarchy& h_;
+  const Levels& h_;
   const std::int32_t v_;
   const Vec3 corner_, u_;
   const WedgeFan& fan_;
@@ -87,19 +89,49 @@ class WedgeWalk {
 
   std::int32_t rim(std::int32_t entry) const { return h_.wedges[at(h_.entries[at(fan_.first_entry + entry)])].rim; }
 
+  // The side of u on the facet clockwise of entry i; the one counter-clockwise is that of entry i + 1.
+  int facet_side(std::int32_t i) const {
+    const std::int32_t count = fan_.entries;
+    return side(rim((i + count - 1) % count), rim(i % count));
+  }
+
   // The first wedge: the edge between whose two facet normals u lies. Neighbouring normals are less than half a turn
   // apart, as the axis is inside the cone. The wedge of an edge within a facet is empty: both its sides are 0 for u on
   // the far side of the axis, too, so it never is taken; where u is on the facet's normal, its neighbours hold u.
   std::int32_t entry() const {
-    const std::int32_t count = fan_.entries;
-    int clockwise = side(rim(count - 1), rim(0));
-    for (std::int32_t i = 0; i < count; ++i) {
-      const int counter_clockwise = side(rim(i), rim((i + 1) % count));
+    std::int32_t tests = 0;
+    std::int32_t found = fan_.entries > kScannedEntries ? search_entries(&tests) : -1;
+    if (found < 0) found = scan_entries(&tests);
+    counters_.blocks += (tests + kBlockLanes - 1) / kBlockLanes;
+    return h_.entries[at(fan_.first_entry + found)];
+  }
+
+  std::int32_t scan_entries(std::int32_t* tests) const {
+    int clockwise = facet_side(0);
+    *tests += 1;
+    for (std::int32_t i = 0; i < fan_.entries; ++i) {
+      const int counter_clockwise = facet_side(i + 1);
+      *tests += 1;
       const bool empty = clockwise == 0 && counter_clockwise == 0;
-      if (clockwise >= 0 && counter_clockwise <= 0 && !empty) return h_.entries[at(fan_.first_entry + i)];
+      if (clockwise >= 0 && counter_clockwise <= 0 && !empty) return i;
       clockwise = counter_clockwise;
     }
-    return h_.entries[at(fan_.first_entry)];  // u is the axis: every wedge holds it
+    return 0;  // u is the axis: every wedge holds it
+  }
+
+  // By bisection in the half turn from the first normal, or in the other; -1 if the wedge found does not hold u, which
+  // takes u in the plane of the axis and the first normal, or a normal just about opposite to that.
+  std::int32_t search_entries(std::int32_t* tests) const {
+    const bool first_half = facet_side(0) >= 0;
+    std::int32_t low = first_half ? 0 : fan_.first_half - 1, high = first_half ? fan_.first_half : fan_.entries;
+    *tests += 3;
+    for (; high - low > 1; *tests += 1) {
+      const std::int32_t middle = (low + high) / 2;
+      (facet_side(middle) >= 0 ? low : high) = middle;
+    }
+    const int clockwise = facet_side(low), counter_clockwise = facet_side(low + 1);
+    const bool holds = clockwise >= 0 && counter_clockwise <= 0 && (clockwise != 0 || counter_clockwise != 0);
+    return holds ? low : -1;
   }
 
   std::int32_t next(const WedgeNode& node) const {
@@ -110,7 +142,7 @@ class WedgeWalk {
   }
 };
 
-std::int32_t scan_chain(const Hierarchy& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
+std::int32_t scan_chain(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
   const ChainRange chain = h.chains[at(v)];
   const Vec3 corner = h.points[at(v)];
   for (std::int32_t i = 0; i < chain.length; i += kBlockLanes) {
@@ -129,10 +161,16 @@ std::int32_t scan_chain(const Hierarchy& h, std::int32_t v, Vec3 u, QueryCounter
   return -1;
 }
 
+// From a vertex that is extreme where it appears to the one that is extreme in the finest level.
+std::int32_t descend(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
+  for (std::int32_t child = v; child >= 0; child = next_beyond(h, v, u, counters)) v = child;
+  return v;
+}
+
 }  // namespace
 
-std::int32_t extreme_at_top(const Hierarchy& h, Vec3 u, QueryCounters& counters) {
-  std::array<double, kTopVertices> values;
+std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
+  std::array<double, kScannedVertices> values;
   const std::size_t count = h.top.size();
   Quad best = Quad{} - __builtin_inf();
   for (std::size_t i = 0; i < count; i += kBlockLanes) {
@@ -162,15 +200,30 @@ std::int32_t extreme_at_top(const Hierarchy& h, Vec3 u, QueryCounters& counters)
   return found < 0 ? h.top.front() : found;
 }
 
-std::int32_t next_beyond(const Hierarchy& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
+std::int32_t next_beyond(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
   if (h.fan_of[at(v)] >= 0) return WedgeWalk(h, v, u, counters).run();
   return scan_chain(h, v, u, counters);
 }
 
-std::int32_t extreme(const Hierarchy& h, Vec3 u, QueryCounters& counters) {
-  std::int32_t v = extreme_at_top(h, u, counters);
-  for (std::int32_t child = v; child >= 0; child = next_beyond(h, v, u, counters)) v = child;
-  return v;
+std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
+  const std::int32_t first = h.ring_start[at(v)], end = h.ring_start[at(v) + 1];
+  counters.blocks += (end - first + kBlockLanes - 1) / kBlockLanes;
+  std::int32_t best = v;
+  for (std::int32_t i = first; i < end; ++i) {
+    const std::int32_t n = h.rings[at(i)];
+    if (compare_along(u, h.points[at(n)], h.points[at(best)]) > 0) best = n;
+  }
+  return best == v ? -1 : best;
+}
+
+std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
+  return descend(h, extreme_at_top(h, u, counters), u, counters);
+}
+
+std::int32_t extreme_from(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
+  for (std::int32_t coarser = v; coarser >= 0; coarser = beyond_in_ring(h, v, u, counters)) v = coarser;
+  if (h.level[at(v)] == h.depth) v = extreme_at_top(h, u, counters);
+  return descend(h, v, u, counters);
 }
 
 }  // namespace plannercheck

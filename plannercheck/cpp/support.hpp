@@ -2,7 +2,7 @@
 //
 // Every comparison of the walk is on the difference of two vertices, filtered with its own error bound and exact where
 // the filter fails: a walk that compares rounded products can stop far from the extreme vertex. Bodies of at most
-// kTopVertices are scanned on rounded products; the vertex found is then extreme up to kScanError.
+// kScannedVertices are scanned on rounded products; the vertex found is then extreme up to kScanError.
 #pragma once
 
 #include "hierarchy.hpp"
@@ -12,7 +12,7 @@ namespace plannercheck {
 
 // What a query touched; costs an increment each, and shows the logarithm.
 struct QueryCounters {
-  long blocks = 0;  // blocks of four vertices compared, the wedge tests of one node counting as one
+  long blocks = 0;  // blocks of four vertices compared, the wedge tests of one node counting as one, of an entry four
   long exact = 0;   // comparisons that the filter left over
 };
 
@@ -20,13 +20,21 @@ struct QueryCounters {
 inline constexpr double kScanError = 4 * 0x1p-53;
 
 // Index of a vertex that maximises u·p over all points, exact for the given doubles (but see the scan above).
-std::int32_t extreme(const Hierarchy& hierarchy, Vec3 u, QueryCounters& counters);
+std::int32_t extreme(const Levels& levels, Vec3 u, QueryCounters& counters);
+
+// The same from any vertex v: up by rings to a vertex that is extreme at the level where it appears, and down from
+// there. Each ring leads to a coarser level, so this is O(log n) wherever it starts.
+std::int32_t extreme_from(const Levels& levels, std::int32_t v, Vec3 u, QueryCounters& counters);
+
+// The furthest along u of v's neighbours at the level where v appears, or -1 if v itself is, exactly: v is then extreme
+// at that level. Top vertices have no ring.
+std::int32_t beyond_in_ring(const Levels& levels, std::int32_t v, Vec3 u, QueryCounters& counters);
 
 // The vertex beyond the plane through v with normal u at the coarsest level below v's that has one; or -1. `v` must be
 // extreme along u at the level where it appears (or among the top vertices).
-std::int32_t next_beyond(const Hierarchy& hierarchy, std::int32_t v, Vec3 u, QueryCounters& counters);
+std::int32_t next_beyond(const Levels& levels, std::int32_t v, Vec3 u, QueryCounters& counters);
 
 // As `extreme`, among the top vertices only.
-std::int32_t extreme_at_top(const Hierarchy& hierarchy, Vec3 u, QueryCounters& counters);
+std::int32_t extreme_at_top(const Levels& levels, Vec3 u, QueryCounters& counters);
 
 }  // namespace plannercheck

@@ -14,6 +14,7 @@ class Triangulation {
  public:
   explicit Triangulation(const ConvexMesh& mesh);
 
+  const std::vector<Vec3>& points() const { return points_; }
   std::int32_t degree(std::int32_t v) const { return degree_[static_cast<std::size_t>(v)]; }
   bool contains(std::int32_t v) const { return degree(v) > 0; }
   // The neighbours of v, counter-clockwise, from the one with the lowest index on.

@@ -21,7 +21,7 @@ struct Rim {
 
 class WedgeBuilder {
  public:
-  WedgeBuilder(const ConvexMesh& mesh, const Triangulation& coarsest, Hierarchy& h)
+  WedgeBuilder(const ConvexMesh& mesh, const Triangulation& coarsest, Levels& h)
       : finest_(mesh), coarsest_(coarsest), h_(h), rim_(mesh.vertices.size()) {}
 
   void build(std::int32_t v) {
@@ -35,6 +35,7 @@ class WedgeBuilder {
       open(ring[i]);
       h_.entries.push_back(rim_.wedge[at(ring[i])]);
     }
+    fan.first_half = first_half(v, ring, fan.axis);
     refine(v);
     h_.fan_of[at(v)] = static_cast<std::int32_t>(h_.fans.size());
     h_.fans.push_back(fan);
@@ -43,7 +44,7 @@ class WedgeBuilder {
  private:
   Triangulation finest_;
   const Triangulation& coarsest_;
-  Hierarchy& h_;
+  Levels& h_;
   Rim rim_;
 
   Vec3 point(std::int32_t v) const { return h_.points[at(v)]; }
@@ -70,6 +71,16 @@ class WedgeBuilder {
       }
     }
     return false;
+  }
+
+  std::int32_t first_half(std::int32_t v, const std::vector<std::int32_t>& ring, Vec3 axis) const {
+    const auto normal = [&](std::size_t i) {
+      return cross(point(ring[(i + ring.size() - 1) % ring.size()]) - point(v), point(ring[i]) - point(v));
+    };
+    const Vec3 beside = cross(axis, normal(0));
+    std::size_t i = 1;
+    while (i < ring.size() && dot(beside, normal(i)) >= 0) ++i;
+    return static_cast<std::int32_t>(i);
   }
 
   std::vector<std::int32_t> first_ring(std::int32_t v) const {
@@ -147,7 +158,7 @@ class WedgeBuilder {
 
 }  // namespace
 
-void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Hierarchy& h) {
+void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Levels& h) {
   const bool any =
       std::any_of(h.chains.begin(), h.chains.end(), [](const ChainRange& c) { return c.length > kLongChain; });
   if (!any) return;
@@ -157,7 +168,7 @@ void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Hierarc
   }
 }
 
-std::string wedge_fault(const ConvexMesh& mesh, const Hierarchy& h) {
+std::string wedge_fault(const ConvexMesh& mesh, const Levels& h) {
   const Triangulation finest(mesh);
   for (std::size_t v = 0; v < h.points.size(); ++v) {
     if (h.fan_of[v] < 0) continue;

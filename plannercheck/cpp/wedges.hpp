@@ -1,4 +1,4 @@
-// Wedge refinement at vertices of large degree: builds and checks Hierarchy::fans, wedges and entries.
+// Wedge refinement at vertices of large degree: builds and checks Levels::fans, wedges and entries.
 //
 // Why one edge is enough: let u lie in v's normal cone at some level, in the wedge of the edge v r (spanned by the
 // axis z_v and the normals of the two facets along the edge). A vertex c of the next finer level lies beyond the plane
@@ -16,8 +16,8 @@
 namespace plannercheck {
 
 // `coarsest` is the triangulation of the top vertices.
-void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Hierarchy& hierarchy);
+void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Levels& levels);
 
-std::string wedge_fault(const ConvexMesh& mesh, const Hierarchy& hierarchy);
+std::string wedge_fault(const ConvexMesh& mesh, const Levels& levels);
 
 }  // namespace plannercheck
