@@ -86,7 +86,7 @@ class BoundChecker {
     out["pairs"] = total_.pairs;
     out["spheres"] = total_.spheres;
     out["boxes"] = total_.boxes;
-    const char* names[] = {"cached_plane", "centre_axis", "solver", "nearest_points", "exact"};
+    const char* names[] = {"cached_plane", "centre_axis", "solver", "nearest_points", "double_double", "exact"};
     for (std::size_t i = 0; i < total_.stages.size(); ++i) out[names[i]] = total_.stages[i];
     out["queries"] = counters_dict(total_.pair);
     return out;

@@ -15,6 +15,7 @@ constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
 
 struct Corner {
   Vec3 difference, guest;  // guest vertex − host vertex relative to both translations; the guest vertex in the world
+  std::int32_t guest_vertex, host_vertex;
 };
 
 struct Simplex {
@@ -113,8 +114,24 @@ class NearestPoints {
   }
 
   Proximity run(Vec3 direction) {
-    Proximity out;
     Simplex simplex;
+    Proximity out = search(direction, simplex);
+    out.count = simplex.count;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+      out.guest[i] = simplex.corner[i].guest_vertex;
+      out.host[i] = simplex.corner[i].host_vertex;
+    }
+    return out;
+  }
+
+ private:
+  const PosedBody &guest_, &host_;
+  PairCounters& counters_;
+  Vec3 shift_;
+  double swell_, size_;
+
+  Proximity search(Vec3 direction, Simplex& simplex) {
+    Proximity out;
     for (int round = 0; round < kMaxRounds; ++round) {
       ++counters_.rounds;
       const double length = norm(direction);
@@ -140,19 +157,14 @@ class NearestPoints {
     return out;
   }
 
- private:
-  const PosedBody &guest_, &host_;
-  PairCounters& counters_;
-  Vec3 shift_;
-  double swell_, size_;
-
   Corner furthest_against(Vec3 d) {
     ++counters_.guest_queries, ++counters_.host_queries;
     const auto p =
         static_cast<std::size_t>(extreme(guest_.body->inner, -guest_.pose.rotate_back(d), counters_.queries));
     const auto r = static_cast<std::size_t>(extreme(host_.body->inner, host_.pose.rotate_back(d), counters_.queries));
     const Vec3 turned = guest_.pose.rotate(guest_.body->inner.points[p]);
-    return {(turned - host_.pose.rotate(host_.body->inner.points[r])) + shift_, turned + guest_.pose.translation()};
+    return {(turned - host_.pose.rotate(host_.body->inner.points[r])) + shift_, turned + guest_.pose.translation(),
+            static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
   }
 
   // Mixing four corners errs by 6u of their size besides.
