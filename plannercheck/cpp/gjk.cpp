@@ -1,6 +1,7 @@
 #include "gjk.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace plannercheck {
 namespace {
@@ -69,23 +70,24 @@ Simplex face_of(const Simplex& all, unsigned chosen) {
   return face;
 }
 
-// The face of the simplex that holds the point nearest to the origin, as far as doubles tell: whatever is chosen, its
-// point is a mixture of corners.
-Simplex nearest_face(const Simplex& all) {
+// The face that holds the newest corner and the point nearest to the origin, as far as doubles tell: whatever is chosen,
+// its point is a mixture of corners. False if it is no nearer than `square`, which becomes its squared distance.
+bool reduce_to_nearest_face(Simplex& simplex, double& square) {
+  const unsigned newest = 1U << (simplex.count - 1);
   Simplex best;
-  double least = 0;
-  for (unsigned chosen = 1; chosen < 1U << all.count; ++chosen) {
-    Simplex face = face_of(all, chosen);
+  for (unsigned others = 0; others < newest; ++others) {
+    Simplex face = face_of(simplex, others | newest);
     if (face.count == 1) {
       face.weight = {1, 0, 0, 0};
     } else if (!project(face)) {
       continue;
     }
     const Vec3 v = face.nearest();
-    const double square = face.count == 4 ? 0 : dot(v, v);
-    if (best.count == 0 || square < least) best = face, least = square;
+    const double found = face.count == 4 ? 0 : dot(v, v);
+    if (found < square) best = face, square = found;
   }
-  return best;
+  if (best.count > 0) simplex = best;
+  return best.count > 0;
 }
 
 // Whether four differences, each known up to `error`, surely hold the origin strictly inside: all four determinants
@@ -132,6 +134,7 @@ class NearestPoints {
 
   Proximity search(Vec3 direction, Simplex& simplex) {
     Proximity out;
+    double square = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kMaxRounds; ++round) {
       ++counters_.rounds;
       const double length = norm(direction);
@@ -148,7 +151,10 @@ class NearestPoints {
         if (simplex.corner[i].difference == corner.difference) return out;  // as near as doubles tell
       }
       simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
-      simplex = nearest_face(simplex);
+      if (!reduce_to_nearest_face(simplex, square)) {
+        --simplex.count;  // no progress: as near as doubles tell
+        return out;
+      }
       const Vec3 v = simplex.nearest();
       if (shared(simplex, v, out)) return out;
       if (simplex.count == 4) return out;
