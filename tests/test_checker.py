@@ -82,7 +82,7 @@ def test_switches_do_something(checker, samples):
     checker.check_states(samples)
     statistics = checker.statistics()
     assert all(statistics[switch] > 0 for switch in (*SWITCHES, "solver", "states", "pairs"))
-    settled = sum(statistics[k] for k in (*SWITCHES, "solver", "exact"))
+    settled = sum(statistics[k] for k in (*SWITCHES, "solver", "double_double", "exact"))
     assert settled == statistics["pairs"]
 
 

@@ -22,7 +22,7 @@ struct MountedBody {
 
 struct CheckerCounters {
   long states = 0, pairs = 0, spheres = 0, boxes = 0;  // pairs considered, and settled by bounds
-  std::array<long, kStages> stages{};                       // pairs settled by each Stage
+  std::array<long, kStages> stages{};                  // pairs settled by each Stage
   PairCounters pair;
 };
 

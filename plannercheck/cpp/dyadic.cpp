@@ -8,9 +8,9 @@ namespace {
 
 __extension__ using Wide = unsigned __int128;
 constexpr int kLimbBits = 64;
-constexpr int kMantissaBits = 52;      // stored ones
-constexpr std::int64_t kBias = 1075;   // of a double's exponent, its mantissa read as an integer
-constexpr std::int64_t kExtreme = 4000;  // powers of two beyond are 0 or infinity as doubles
+constexpr int kMantissaBits = 52;              // stored ones
+constexpr std::int64_t kBias = 1075;           // of a double's exponent, its mantissa read as an integer
+constexpr std::int64_t kExtreme = 4000;        // powers of two beyond are 0 or infinity as doubles
 constexpr double kSmallestWithLow = 0x1p-900;  // the low part of smaller entries would underflow
 
 std::int64_t floor_limbs(std::int64_t bits) { return bits >> 6; }

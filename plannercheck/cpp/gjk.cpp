@@ -70,8 +70,9 @@ Simplex face_of(const Simplex& all, unsigned chosen) {
   return face;
 }
 
-// The face that holds the newest corner and the point nearest to the origin, as far as doubles tell: whatever is chosen,
-// its point is a mixture of corners. False if it is no nearer than `square`, which becomes its squared distance.
+// The face that holds the newest corner and the point nearest to the origin, as far as doubles tell: whatever is
+// chosen, its point is a mixture of corners. False if it is no nearer than `square`, which becomes its squared
+// distance.
 bool reduce_to_nearest_face(Simplex& simplex, double& square) {
   const unsigned newest = 1U << (simplex.count - 1);
   Simplex best;

@@ -35,8 +35,8 @@ struct Corner {
 // The hull of some corners with the weights of its point nearest to the origin.
 struct Face {
   unsigned set = 0;
-  std::array<Double2, 4> weight{};  // in the order of the corners of the set
-  Double2Vec3 towards;              // along the nearest point, of any length
+  std::array<Double2, 4> weight{};                          // in the order of the corners of the set
+  Double2Vec3 towards;                                      // along the nearest point, of any length
   double square = std::numeric_limits<double>::infinity();  // of the distance, about
 };
 

@@ -1,4 +1,4 @@
-// Nearest points as in gjk.hpp, in double-double: decides gaps and depths down to about 2^-95 of the bodies' reach.
+// Nearest points as in gjk.hpp, in double-double: decides gaps and depths down to about 2^-92 of the bodies' reach.
 #pragma once
 
 #include "gjk.hpp"

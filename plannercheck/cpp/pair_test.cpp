@@ -45,7 +45,7 @@ PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hi
                           PairCounters& counters) {
 #ifdef PLANNERCHECK_NO_FALLBACK
   static_cast<void>(guest), static_cast<void>(host), static_cast<void>(options), static_cast<void>(counters);
-  return near_verdict({.answer = Answer::kShared, .direction = hint}, Stage::kSolver);
+  return near_verdict(along(hint), Stage::kSolver);
 #else
   Proximity found = along(hint);
   if (options.nearest_points) {
