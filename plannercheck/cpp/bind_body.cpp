@@ -122,9 +122,8 @@ nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body
   PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
   if (explain && verdict.shared && !verdict.exact) {
     // The vertices and weights behind a shared point come from the exact stage.
-    Proximity start;
-    start.direction = guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
-    verdict.exact = decide_exactly(guest, host, start);
+    const Vec3 apart = guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
+    verdict.exact = decide_exactly(guest, host, nearest_points(guest, host, apart, counters));
   }
   return verdict_dict(verdict, guest, host, !a_hosts);
 }

@@ -14,7 +14,7 @@ struct Proximity {
   Vec3 direction;      // in the world, from host to guest: of a separating plane, or the best found
   Vec3 direction_low;  // what double-double adds to it; 0 if found in doubles
   Vec3 point;          // in the world: of both bodies if they share one
-  // Undecided: pairs of vertices whose differences mix the nearest point found.
+  // Pairs of vertices whose differences mix the nearest point found, or one of both bodies.
   int count = 0;
   std::array<std::int32_t, 4> guest, host;
 };

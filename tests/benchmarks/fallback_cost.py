@@ -3,7 +3,8 @@
 FOLDER holds a core that is built without nearest points, double-double and exact arithmetic, whose verdicts are guesses
 where the solver does not decide:
 
-    cmake -S plannercheck/cpp -B FOLDER -G Ninja -DPLANNERCHECK_NO_FALLBACK=ON -DPLANNERCHECK_LEVELS=v3 && ninja -C FOLDER
+    cmake -S plannercheck/cpp -B FOLDER -DPLANNERCHECK_NO_FALLBACK=ON -DPLANNERCHECK_LEVELS=v3
+    cmake --build FOLDER
 
 One process loads that core and the usual one and lets them judge the same random states of the Panda in blocks, in
 turns (A B C, C B A); of each block the least time counts. C is a second checker of the usual core: its ratio shows the
@@ -39,7 +40,8 @@ def preload(folder: Path, name: str) -> None:
     """Loads an extension module from a folder under the name by which the package imports its own."""
     file = next(folder.glob(f"{name}.*"))
     spec = importlib.util.spec_from_file_location(f"plannercheck.{name}", file)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     sys.modules[f"plannercheck.{name}"] = module

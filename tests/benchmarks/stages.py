@@ -154,7 +154,7 @@ def main() -> None:
     states = parser.parse_args().states
     show_pairs("random poses", random)
     show_pairs("near touching", near_touching)
-    # show_states(states)
+    show_states(states)
 
 
 if __name__ == "__main__":
