@@ -34,7 +34,12 @@ METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
 
 
 def pair_options(
-    method: Method = "oracle", cached_plane: bool = True, centre_axis: bool = True, nearest_points: bool = True
+    method: Method = "oracle",
+    cached_plane: bool = True,
+    centre_axis: bool = True,
+    nearest_points: bool = True,
+    double_double: bool = True,
+    warm_start: bool = True,
 ) -> Any:
     """The core's switches for the pair test.
 
@@ -43,14 +48,17 @@ def pair_options(
             arithmetic alone). Verdicts are the same.
         cached_plane: Try the plane that separated the pair last time first.
         centre_axis: Try the axis between the centres before the method.
-        nearest_points: Try nearest points in doubles before exact arithmetic.
+        nearest_points: Try nearest points in doubles where the method does not decide.
+        double_double: Try nearest points in double-double before exact arithmetic.
+        warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.
 
     Returns:
         A core.PairOptions.
     """
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
-    return core.PairOptions(getattr(core.Solver, method), cached_plane, centre_axis, nearest_points)
+    solver = getattr(core.Solver, method)
+    return core.PairOptions(solver, cached_plane, centre_axis, nearest_points, double_double, warm_start)
 
 
 def intersects(

@@ -84,7 +84,7 @@ def test_switches_do_something(checker, samples):
     checker.check_states(samples)
     statistics = checker.statistics()
     assert all(statistics[switch] > 0 for switch in (*COUNTED, "solver", "states", "pairs", "skipped"))
-    settled = sum(statistics[k] for k in (*COUNTED, "solver", "nearest_points", "exact", "skipped"))
+    settled = sum(statistics[k] for k in (*COUNTED, "solver", "nearest_points", "double_double", "exact", "skipped"))
     assert settled == statistics["pairs"]
 
 

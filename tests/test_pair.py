@@ -290,7 +290,7 @@ def test_a_separations_normal_points_from_second_to_first():
         assert pc.certify(cube, cube, None, moved(3), method).normal[0] < -0.5
 
 
-NEAREST_POINTS, EXACT = 3, 4  # numbers of stages in cpp/pair.hpp
+NEAREST_POINTS, DOUBLE_DOUBLE, EXACT = 3, 4, 5  # numbers of stages in cpp/pair.hpp
 
 ROUNDED_AND_FLAT = [
     (pc.Polytope([[0.0, 0, 0]], swell=0.5), pc.Polytope([[0.0, 0, -1], [0, 0, 1]], swell=0.25)),
@@ -310,7 +310,7 @@ def test_nearest_points_change_no_verdict(P, R):
     verdicts, stages = {}, {}
     for on in (True, False):
         verdicts[on], stages[on], _ = core.intersect_batch(
-            P.core, poses, R.core, still, pair_options("oracle", nearest_points=on)
+            P.core, poses, R.core, still, pair_options("oracle", nearest_points=on, double_double=False)
         )
     assert (stages[True] == NEAREST_POINTS).any()
     assert not (stages[False] == NEAREST_POINTS).any()
@@ -319,3 +319,99 @@ def test_nearest_points_change_no_verdict(P, R):
     truth = [exact.intersects(P.vertices, R.vertices, p, still[0], swell_p=P.swell, swell_r=R.swell) for p in poses]
     assert verdicts[True].astype(bool).tolist() == truth
     assert 0 < sum(truth) < len(truth)
+
+
+# What stands behind the filter: nearest points in doubles, in double-double, and where these begin.
+BEHIND = list(itertools.product((True, False), repeat=3))
+
+
+def assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r):
+    """All switches against the oracle, in both orders; returns the stages by (double_double, warm_start)."""
+    truth = [
+        exact.intersects(P.vertices, R.vertices, p, r, P.swell, R.swell) for p, r in zip(poses_p, poses_r, strict=True)
+    ]
+    stages = {}
+    for nearest, fine, warm in BEHIND:
+        options = pair_options(nearest_points=nearest, double_double=fine, warm_start=warm)
+        shared, found, _ = core.intersect_batch(P.core, poses_p, R.core, poses_r, options)
+        assert shared.astype(bool).tolist() == truth
+        shared, _, _ = core.intersect_batch(R.core, poses_r, P.core, poses_p, options)
+        assert shared.astype(bool).tolist() == truth
+        assert fine or not (found == DOUBLE_DOUBLE).any()
+        stages[fine, warm] = found
+    return stages
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "n", "swell"),
+    [
+        ("box", "round", 80, 0.0),
+        ("cone", "needle", 200, 0.0),
+        ("flat", "doubling", 300, 0.0),
+        ("round", "box", 40, 0.25),
+    ],
+)
+def test_stages_behind_the_filter_change_no_verdict(first, second, n, swell):
+    (p, P), (r, R) = solid_of(first, n, 21), solid_of(second, n, 22)
+    gaps = np.repeat([1e-13, 1e-15, 1e-17, 0.0, -1e-17, -1e-15, -1e-13], 4)
+    poses_p, poses_r = contacts.contact_poses(p, r, gaps + swell, np.random.default_rng(n))
+    if swell:
+        P = pc.Polytope(P.vertices, swell=swell)
+    stages = assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r)
+    assert (stages[True, True] == DOUBLE_DOUBLE).any()
+    assert (stages[False, True] == EXACT).any()
+
+
+@pytest.mark.parametrize(("first", "second"), [("box", "box"), ("lattice", "lattice"), ("lattice", "box")])
+def test_exact_contacts_are_decided_from_the_vertices_that_filters_found(first, second):
+    (p, P), (r, R) = solid_of(first, 60, 23), solid_of(second, 60, 24)
+    poses_p, poses_r = contacts.dyadic_poses(p, r, 60, np.random.default_rng(25))
+    stages = assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r)
+    assert (stages[True, True] == EXACT).any()
+
+
+@pytest.mark.parametrize("power", [-60, -90, -120, -1000])
+@pytest.mark.parametrize("unit", [1.0, 2.0**-40, 2.0**150])
+def test_gaps_far_below_a_double_between_touching_boxes(power, unit):
+    # A pose can hold a gap of any size beside a plane through the origin.
+    cube, plate = pc.Polytope(UNIT * unit), pc.Polytope(UNIT[UNIT[:, 0] == 0] * unit)
+    gap = unit * 2.0**power
+    for other in (cube, plate):
+        for sign in (1, 0, -1):
+            poses = moved(sign * gap)[None], moved(-unit)[None] if other is cube else np.eye(4)[None]
+            stages = assert_stages_behind_the_filter_agree(cube, other, *poses)
+            if unit == 1.0 and sign > 0 and power >= -90:
+                assert (stages[True, True] == DOUBLE_DOUBLE).all()
+            if sign == 0:
+                assert (stages[True, True] == EXACT).all()
+
+
+@pytest.mark.parametrize("power", [-60, -85, -500])
+def test_balls_and_capsules_whose_gaps_are_far_below_a_double(power):
+    ball, capsule = pc.Polytope([[0.0, 0, 0]], swell=3.0), pc.Polytope([[0.0, -1, 0], [0, 1, 0]], swell=2.0)
+    for sign in (1, 0, -1):
+        capsule_poses = moved(-5.0)[None]
+        stages = assert_stages_behind_the_filter_agree(ball, capsule, moved(sign * 2.0**power)[None], capsule_poses)
+        assert (stages[True, True] == (DOUBLE_DOUBLE if sign != 0 and power > -90 else EXACT)).all()
+
+
+@pytest.mark.parametrize("power", [-60, -90, -300])
+def test_certificates_of_gaps_far_below_a_double(power):
+    cube = pc.Polytope(UNIT)
+    slanted = np.eye(4)
+    slanted[:3, :3] = contacts.frames(np.array([[1.0, 2.0, 3.0]]) / np.sqrt(14))[0]
+    for turn in (np.eye(4), slanted):
+        for sign in (1, 0, -1):
+            certificate = pc.certify(cube, cube, turn @ moved(sign * 2.0**power), turn @ moved(-1.0))
+            assert certificate.verify()
+            if turn is not slanted:
+                assert isinstance(certificate, pc.Separation) == (sign > 0)
+
+
+@pytest.mark.parametrize("power", [-60, -90])
+def test_the_plane_of_double_double_is_exact(power):
+    cube = pc.Polytope(UNIT)
+    found = core.certify_pair(cube.core, moved(2.0**power), cube.core, moved(-1.0), pair_options(), True)
+    assert found["stage"] == "double-double"
+    assert not found["shared"]
+    assert len(found["exact_normal"]) == 3

@@ -122,8 +122,8 @@ nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body
   PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
   if (explain && verdict.shared && !verdict.exact) {
     // The vertices and weights behind a shared point come from the exact stage.
-    verdict.exact = decide_exactly(guest, host,
-                                   guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre), counters);
+    const Vec3 apart = guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
+    verdict.exact = decide_exactly(guest, host, nearest_points(guest, host, apart, counters));
   }
   return verdict_dict(verdict, guest, host, !a_hosts);
 }
@@ -142,10 +142,12 @@ void bind_body(nb::module_& m) {
   nb::class_<PairOptions>(m, "PairOptions")
       .def(
           "__init__",
-          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool nearest_points) {
-            new (self) PairOptions{solver, cached_plane, centre_axis, nearest_points};
+          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool nearest_points,
+             bool double_double, bool warm_start) {
+            new (self) PairOptions{solver, cached_plane, centre_axis, nearest_points, double_double, warm_start};
           },
-          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("nearest_points"));
+          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("nearest_points"),
+          nb::arg("double_double"), nb::arg("warm_start"));
 
   nb::class_<Body>(m, "Body")
       .def_static("from_points", &body_from_points)

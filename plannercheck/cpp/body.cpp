@@ -27,9 +27,9 @@ Vec3 polar_point(Vec3 centre, Vec3 a, Vec3 b, Vec3 c) {
   const DyadicVec3 normal = cross(DyadicVec3(b) - corner, DyadicVec3(c) - corner);
   const Dyadic exact_height = dot(normal, corner - DyadicVec3(centre));
   const std::int64_t scale = -exact_height.log2();
-  const double divisor = exact_height.shifted(scale).to_double();
-  return {normal.x.shifted(scale).to_double() / divisor, normal.y.shifted(scale).to_double() / divisor,
-          normal.z.shifted(scale).to_double() / divisor};
+  const double divisor = exact_height.to_double(scale);
+  return {normal.x.to_double(scale) / divisor, normal.y.to_double(scale) / divisor,
+          normal.z.to_double(scale) / divisor};
 }
 
 double squared_area(const ConvexMesh& mesh, const Triangle& t) {

@@ -54,6 +54,11 @@ struct Double2Vec3 {
 inline Double2Vec3 difference(Vec3 a, Vec3 b) { return {two_sum(a.x, -b.x), two_sum(a.y, -b.y), two_sum(a.z, -b.z)}; }
 inline Double2Vec3 widen(Vec3 a) { return {{a.x, 0}, {a.y, 0}, {a.z, 0}}; }
 
+inline Double2Vec3 operator+(const Double2Vec3& a, const Double2Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Double2Vec3 operator-(const Double2Vec3& a, const Double2Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Double2Vec3 operator-(const Double2Vec3& a) { return {-a.x, -a.y, -a.z}; }
+inline Double2Vec3 operator*(Double2 s, const Double2Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
+
 inline Double2Vec3 cross(const Double2Vec3& a, const Double2Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

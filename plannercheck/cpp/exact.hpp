@@ -3,12 +3,14 @@
 // Wolfe's algorithm for the point of conv(P) − conv(R) nearest to the origin, on dyadic numbers: vertices, poses
 // and swells are taken as the exact numbers that their doubles are. Every step is exact, so the distance falls
 // strictly, no set of vertices comes back, and it ends. Needs no interior point: flat bodies, segments and points are
-// decided as well.
+// decided as well. It begins where a filter gave up: bodies that touch in the vertices found there are decided by
+// looking at these alone.
 #pragma once
 
 #include <array>
 
 #include "dyadic.hpp"
+#include "gjk.hpp"
 #include "pair.hpp"
 
 namespace plannercheck {
@@ -25,10 +27,8 @@ struct ExactAnswer {
   std::array<Dyadic, 4> weight;
 };
 
-// `hint`: a world direction, any; the better it separates, the sooner the answer.
-ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters);
-
-// The vertex that maximises u·v, exactly.
-std::int32_t extreme_exactly(const Levels& levels, const DyadicVec3& u);
+// `start`: an undecided answer of a filter, or just a world direction; any will do. The nearer its vertices are, or the
+// better the direction separates, the sooner the answer.
+ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, const Proximity& start);
 
 }  // namespace plannercheck

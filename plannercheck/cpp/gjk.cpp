@@ -1,6 +1,7 @@
 #include "gjk.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace plannercheck {
 namespace {
@@ -15,6 +16,7 @@ constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
 
 struct Corner {
   Vec3 difference, guest;  // guest vertex − host vertex relative to both translations; the guest vertex in the world
+  std::int32_t guest_vertex, host_vertex;
 };
 
 struct Simplex {
@@ -68,23 +70,25 @@ Simplex face_of(const Simplex& all, unsigned chosen) {
   return face;
 }
 
-// The face of the simplex that holds the point nearest to the origin, as far as doubles tell: whatever is chosen, its
-// point is a mixture of corners.
-Simplex nearest_face(const Simplex& all) {
+// The face that holds the newest corner and the point nearest to the origin, as far as doubles tell: whatever is
+// chosen, its point is a mixture of corners. False if it is no nearer than `square`, which becomes its squared
+// distance.
+bool reduce_to_nearest_face(Simplex& simplex, double& square) {
+  const unsigned newest = 1U << (simplex.count - 1);
   Simplex best;
-  double least = 0;
-  for (unsigned chosen = 1; chosen < 1U << all.count; ++chosen) {
-    Simplex face = face_of(all, chosen);
+  for (unsigned others = 0; others < newest; ++others) {
+    Simplex face = face_of(simplex, others | newest);
     if (face.count == 1) {
       face.weight = {1, 0, 0, 0};
     } else if (!project(face)) {
       continue;
     }
     const Vec3 v = face.nearest();
-    const double square = face.count == 4 ? 0 : dot(v, v);
-    if (best.count == 0 || square < least) best = face, least = square;
+    const double found = face.count == 4 ? 0 : dot(v, v);
+    if (found < square) best = face, square = found;
   }
-  return best;
+  if (best.count > 0) simplex = best;
+  return best.count > 0;
 }
 
 // Whether four differences, each known up to `error`, surely hold the origin strictly inside: all four determinants
@@ -113,8 +117,25 @@ class NearestPoints {
   }
 
   Proximity run(Vec3 direction) {
-    Proximity out;
     Simplex simplex;
+    Proximity out = search(direction, simplex);
+    out.count = simplex.count;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+      out.guest[i] = simplex.corner[i].guest_vertex;
+      out.host[i] = simplex.corner[i].host_vertex;
+    }
+    return out;
+  }
+
+ private:
+  const PosedBody &guest_, &host_;
+  PairCounters& counters_;
+  Vec3 shift_;
+  double swell_, size_;
+
+  Proximity search(Vec3 direction, Simplex& simplex) {
+    Proximity out;
+    double square = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kGjkRounds; ++round) {
       ++counters_.rounds;
       const double length = norm(direction);
@@ -131,7 +152,10 @@ class NearestPoints {
         if (simplex.corner[i].difference == corner.difference) return out;  // as near as doubles tell
       }
       simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
-      simplex = nearest_face(simplex);
+      if (!reduce_to_nearest_face(simplex, square)) {
+        --simplex.count;  // no progress: as near as doubles tell
+        return out;
+      }
       const Vec3 v = simplex.nearest();
       if (shared(simplex, v, out)) return out;
       if (simplex.count == 4) return out;
@@ -140,19 +164,14 @@ class NearestPoints {
     return out;
   }
 
- private:
-  const PosedBody &guest_, &host_;
-  PairCounters& counters_;
-  Vec3 shift_;
-  double swell_, size_;
-
   Corner furthest_against(Vec3 d) {
     ++counters_.guest_queries, ++counters_.host_queries;
     const auto p =
         static_cast<std::size_t>(extreme(guest_.body->inner, -guest_.pose.rotate_back(d), counters_.queries));
     const auto r = static_cast<std::size_t>(extreme(host_.body->inner, host_.pose.rotate_back(d), counters_.queries));
     const Vec3 turned = guest_.pose.rotate(guest_.body->inner.points[p]);
-    return {(turned - host_.pose.rotate(host_.body->inner.points[r])) + shift_, turned + guest_.pose.translation()};
+    return {(turned - host_.pose.rotate(host_.body->inner.points[r])) + shift_, turned + guest_.pose.translation(),
+            static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
   }
 
   // Mixing four corners errs by 6u of their size besides.

@@ -22,9 +22,8 @@ struct PosedBody {
 enum class Answer { kSeparated, kShared, kUndecided };
 
 // How the answer was found.
-enum class Stage { kCachedPlane, kCentreAxis, kSolver, kNearest, kExact };
-
-inline constexpr std::size_t kStages = 5;
+enum class Stage { kCachedPlane, kCentreAxis, kSolver, kNearest, kDouble2, kExact };
+inline constexpr std::size_t kStages = 6;
 
 // In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
 struct Certificate {

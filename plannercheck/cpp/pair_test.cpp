@@ -5,11 +5,19 @@
 namespace plannercheck {
 namespace {
 
-PairVerdict exact_verdict(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters) {
+PairVerdict exact_verdict(const PosedBody& guest, const PosedBody& host, const Proximity& start) {
   PairVerdict verdict;
-  verdict.exact = decide_exactly(guest, host, hint, counters);
+  verdict.exact = decide_exactly(guest, host, start);
   verdict.shared = verdict.exact->shared;
   verdict.stage = Stage::kExact;
+  return verdict;
+}
+
+PairVerdict near_verdict(const Proximity& proximity, Stage stage) {
+  PairVerdict verdict;
+  verdict.proximity = proximity;
+  verdict.shared = proximity.answer == Answer::kShared;
+  verdict.stage = stage;
   return verdict;
 }
 
@@ -26,18 +34,31 @@ Vec3 between_centres(const PosedBody& guest, const PosedBody& host) {
   return guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
 }
 
-// What needs no polar: the nearest points in doubles, then exact arithmetic.
+Proximity along(Vec3 direction) {
+  Proximity start;
+  start.direction = direction;
+  return start;
+}
+
+// What needs no polar: the nearest points in doubles and in double-double, then exact arithmetic.
 PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hint, const PairOptions& options,
                           PairCounters& counters) {
+#ifdef PLANNERCHECK_NO_FALLBACK
+  static_cast<void>(guest), static_cast<void>(host), static_cast<void>(options), static_cast<void>(counters);
+  return near_verdict(along(hint), Stage::kSolver);
+#else
+  Proximity found = along(hint);
   if (options.nearest_points) {
-    PairVerdict verdict;
-    verdict.proximity = nearest_points(guest, host, hint, counters);
-    verdict.shared = verdict.proximity.answer == Answer::kShared;
-    verdict.stage = Stage::kNearest;
-    if (verdict.proximity.answer != Answer::kUndecided) return verdict;
-    hint = verdict.proximity.direction;
+    found = nearest_points(guest, host, hint, counters);
+    if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kNearest);
   }
-  return exact_verdict(guest, host, hint, counters);
+  if (!options.warm_start) found = along(found.direction);
+  if (options.double_double) {
+    found = nearest_points_double2(guest, host, found, counters);
+    if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kDouble2);
+  }
+  return exact_verdict(guest, host, options.warm_start ? found : along(found.direction));
+#endif
 }
 
 double conditioning(const Body& body) {
@@ -55,7 +76,7 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
 
 PairVerdict test_pair(const PairFrame& frame, const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
   const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
-  if (options.solver == Solver::kExact) return exact_verdict(guest, host, between_centres(guest, host), counters);
+  if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(between_centres(guest, host)));
   if (!host.body->has_polar()) {
     return without_polar(guest, host, between_centres(guest, host), options, counters);
   }

@@ -5,6 +5,7 @@
 
 #include "exact.hpp"
 #include "gjk.hpp"
+#include "gjk_double2.hpp"
 #include "solvers.hpp"
 
 namespace plannercheck {
@@ -16,7 +17,9 @@ struct PairOptions {
   Solver solver = Solver::kDoubleOracle;
   bool cached_plane = true;
   bool centre_axis = true;
-  bool nearest_points = true;  // the second filter; without it, exact arithmetic decides what the solver leaves
+  bool nearest_points = true;  // the second filter
+  bool double_double = true;   // the third filter; without both, exact arithmetic decides what the solver leaves
+  bool warm_start = true;      // whether each of these begins with the vertices where the one before gave up
 };
 
 // The plane that separated a pair last time, in the host's frame.
@@ -30,7 +33,7 @@ struct PairVerdict {
   bool shared = false;
   Stage stage = Stage::kSolver;
   Certificate certificate;           // up to stage kSolver
-  Proximity proximity;               // stage kNearest
+  Proximity proximity;               // stages kNearest and kDouble2
   std::optional<ExactAnswer> exact;  // stage kExact
 };
 

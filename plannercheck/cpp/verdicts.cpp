@@ -14,6 +14,10 @@ auto row_of(Vec3 v) { return output_array(std::vector<double>{v.x, v.y, v.z}, {s
 
 nb::tuple exact_number(const Dyadic& number) { return nb::make_tuple(number.hexadecimal(), number.exponent()); }
 
+nb::tuple exact_vector(const DyadicVec3& v) {
+  return nb::make_tuple(exact_number(v.x), exact_number(v.y), exact_number(v.z));
+}
+
 // Weights as doubles with sum 1; they differ by powers of two too large for doubles, so they are scaled together.
 std::vector<double> weights_of(const ExactAnswer& answer) {
   const auto count = static_cast<std::size_t>(answer.count);
@@ -22,7 +26,7 @@ std::vector<double> weights_of(const ExactAnswer& answer) {
   std::vector<double> weights;
   double sum = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    weights.push_back(answer.weight[i].shifted(-top).to_double());
+    weights.push_back(answer.weight[i].to_double(-top));
     sum += weights.back();
   }
   for (double& w : weights) w /= sum;
@@ -37,8 +41,9 @@ void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest,
                bool guest_is_a) {
   if (!answer.shared) {
     const DyadicVec3 d = Dyadic(guest_is_a ? 1.0 : -1.0) * answer.direction;
-    out["normal"] = row_of(direction_of(d));
-    out["exact_normal"] = nb::make_tuple(exact_number(d.x), exact_number(d.y), exact_number(d.z));
+    const Double2Vec3 near = direction_of(d);
+    out["normal"] = row_of({near.x.high, near.y.high, near.z.high});
+    out["exact_normal"] = exact_vector(d);
     return;
   }
   const std::vector<double> weights = weights_of(answer);
@@ -69,6 +74,8 @@ const char* name_of(Stage stage) {
       return "solver";
     case Stage::kNearest:
       return "nearest points";
+    case Stage::kDouble2:
+      return "double-double";
     case Stage::kExact:
       return "exact";
   }
@@ -94,14 +101,18 @@ nb::dict verdict_dict(const PairVerdict& verdict, const PosedBody& guest, const 
   out["stage"] = name_of(verdict.stage);
   if (verdict.exact) {
     put_exact(out, *verdict.exact, guest, host, guest_is_a);
-  } else if (verdict.shared) {
-    const bool nearest = verdict.stage == Stage::kNearest;
-    out["point"] =
-        row_of(nearest ? verdict.proximity.point : host.pose.apply(host.body->centre + verdict.certificate.x));
-  } else {
-    const bool nearest = verdict.stage == Stage::kNearest;
-    const Vec3 d = nearest ? verdict.proximity.direction : host.pose.rotate(verdict.certificate.q);
-    out["normal"] = row_of(guest_is_a ? d : -d);
+    return out;
+  }
+  const bool near = verdict.stage == Stage::kNearest || verdict.stage == Stage::kDouble2;
+  if (verdict.shared) {
+    out["point"] = row_of(near ? verdict.proximity.point : host.pose.apply(host.body->centre + verdict.certificate.x));
+    return out;
+  }
+  const Vec3 d = near ? verdict.proximity.direction : host.pose.rotate(verdict.certificate.q);
+  out["normal"] = row_of(guest_is_a ? d : -d);
+  if (verdict.stage == Stage::kDouble2) {
+    const DyadicVec3 fine = DyadicVec3(d) + DyadicVec3(verdict.proximity.direction_low);
+    out["exact_normal"] = exact_vector(guest_is_a ? fine : -fine);
   }
   return out;
 }

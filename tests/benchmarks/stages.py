@@ -20,7 +20,7 @@ from plannercheck.core import core
 from plannercheck.pair import pair_options
 from plannercheck.stress import contacts, families
 
-STAGES = ("cached plane", "centre axis", "solver", "nearest points", "exact")
+STAGES = ("cached plane", "centre axis", "solver", "nearest points", "double-double", "exact")
 FAMILIES = ("round", "box", "cone", "needle", "mesh")
 POSES, VERTICES, SEED = 400, 150, 1
 # Relative gaps of poses near touching: any magnitude from 1 % to far below rounding, and none at all.
@@ -55,7 +55,7 @@ def random(p: contacts.Solid, r: contacts.Solid, rng: np.random.Generator) -> tu
 def show_pairs(name: str, posed: Callable[..., tuple[contacts.Points, contacts.Points]]) -> None:
     """Prints shares and costs over all pairs of bodies; each query comes alone, so that no plane is cached."""
     rng = np.random.default_rng(SEED)
-    counts, spent = np.zeros(5), np.zeros(5)
+    counts, spent = np.zeros(len(STAGES)), np.zeros(len(STAGES))
     bodies = list(solids())
     options = pair_options(cached_plane=False)
     for p, body_p in bodies:
@@ -108,7 +108,7 @@ def border_states(checker: pc.Checker, q: np.ndarray) -> np.ndarray:
 def stage_counts(checker: pc.Checker, before: dict[str, int]) -> np.ndarray:
     """Queries that each stage decided since the counters were taken."""
     now = checker.statistics()
-    names = [stage.replace(" ", "_") for stage in STAGES]
+    names = [stage.replace(" ", "_").replace("-", "_") for stage in STAGES]
     return np.array([now[name] - before[name] for name in names], dtype=float)
 
 
@@ -130,7 +130,7 @@ def show_states(states: int) -> None:
     robot = pc.Robot.load("panda")
     checkers = {name: pc.Checker(robot, pc.Scene.load(name)) for name in SCENES}
     for kind in ("random", "near the border"):
-        counts, total, pairs, ratios = np.zeros(5), 0, 0, {}
+        counts, total, pairs, ratios = np.zeros(len(STAGES)), 0, 0, {}
         for seed, (scene, checker) in enumerate(checkers.items()):
             q = robot.random_configurations(states, seed)
             if kind != "random":
