@@ -182,10 +182,11 @@ class Hull:
         return self.vertices, None
 
 
+HullAndSwell: TypeAlias = tuple[Points, Faces | None, float]
 Shape: TypeAlias = Box | Sphere | Cylinder | Cone | Capsule | Hull
 
 
-def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None, float]:
+def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> HullAndSwell:
     """What the pair test works with: a hull, and how far around it the body reaches.
 
     Spheres and capsules are exact: a point and a segment, swollen by the radius. Cylinders and cones are the polytopes
