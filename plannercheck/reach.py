@@ -202,13 +202,21 @@ def _clear_in_cells(chains: Chains, cut: Cut, end: End, obstacles: Ints) -> Bool
     sway = sum(end.levers[column] * width for column, width in zip(cut, half, strict=True))
     extent = end.radius + sway + np.linalg.norm(centres, axis=1).max()
     box, pose = chains.boxes.of(obstacles), chains.poses_in_world[obstacles]
-    size = np.linalg.norm(pose[:, :3, 3], axis=1) + np.linalg.norm(np.maximum(-box.low, box.high), axis=1) + box.swell
+    size = np.linalg.norm(pose[:, :3, 3], axis=1) + np.linalg.norm(box.centre, axis=1) + box.radius + box.swell
     room = end.radius + sway + box.swell + MARGIN + RELATIVE * (extent + size)
     clear = np.isfinite(room)
-    for part in np.split(np.arange(len(q)), _PARTS):
+    for part in np.split(centres, _PARTS):
         left = np.flatnonzero(clear)
         if len(left) and len(part):
-            away = centres[part, None] - pose[left, :3, 3]
-            inside = np.einsum("nji,cnj->cni", pose[left, :3, :3], away)
-            clear[left] = (_from_box(inside, box.of(left)) > room[left]).all(axis=0)
+            clear[left] = (_squared_distances(part, box.of(left), pose[left]) > room[left] ** 2).all(axis=0)
     return np.asarray(clear)
+
+
+def _squared_distances(points: Floats, box: Boxes, poses: Floats) -> Floats:
+    """(c, n) of points (c, 3) in the world from n posed boxes; one product of matrices brings all into all frames."""
+    offset = np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3]) + box.centre
+    beyond = points @ poses[:, :3, :3].transpose(1, 0, 2).reshape(3, -1) - offset.ravel()
+    np.abs(beyond, out=beyond)
+    beyond -= (0.5 * (box.high - box.low)).ravel()
+    np.maximum(beyond, 0.0, out=beyond)
+    return np.asarray(np.square(beyond, out=beyond).reshape(len(points), -1, 3).sum(axis=2))
