@@ -6,24 +6,28 @@ kinematics computes in doubles. Everything is a thin wrapper of one batch call i
 
 from __future__ import annotations
 
+import threading
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.compiled_pairs import CompiledPairs, Preparation, added
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
-from plannercheck.hull import Polytope, prepared
+from plannercheck.hull import Polytope
 from plannercheck.kinematic_rounding import largest_distance
 from plannercheck.motion import MotionSampler
-from plannercheck.pair import Method, certify, intersects, pair_options
+from plannercheck.pair import Method, certify, pair_options
 from plannercheck.pairs import Acm, pair_table
+from plannercheck.reach import reach as reach_of
+from plannercheck.reach import stays_apart
 from plannercheck.report import PairVerdict, Verdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
-from plannercheck.shapes import DEFAULT_EXCESS, Body, hull_and_swell
+from plannercheck.shapes import DEFAULT_EXCESS, Body
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -38,7 +42,9 @@ class Checker:
         scene: The scene, as it was when the checker was built.
         bodies: The robot's collision bodies, then the scene's.
         pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
-        polytopes: The prepared body of each of `bodies`; None where no pair needs it.
+        unreachable: (k,) which of the pairs can't collide at any configuration within the limits, by proof; they are
+            tested only beyond the limits, and where all pairs are asked for.
+        resting: (k,) which of the pairs no joint of the group moves relative to each other.
         excess: How far polytopes of cylinders and cones stick out, as a part of the radius.
         motion_sampler: Says how many states a motion needs, and interpolates them.
     """
@@ -60,6 +66,7 @@ class Checker:
         bounds: bool = True,
         boxes: bool = True,
         learning: bool = True,
+        reach: bool = True,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
 
@@ -78,6 +85,7 @@ class Checker:
             bounds: Whether bounding balls and a tree of the obstacles settle pairs that are far apart.
             boxes: Whether planes along the faces of the bodies' boxes do.
             learning: Whether the pair that collided most often comes first where any collision will do.
+            reach: Whether pairs that can't meet within the limits are left out there.
 
         Raises:
             PlannercheckError: If an argument is none of those above.
@@ -97,48 +105,78 @@ class Checker:
         self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
         table = pair_table(robot, self.scene, self_collision, acm)
         self.pairs = table.pairs
-        self._self_count = table.self_count
         self._labels = (*(b.link or b.name for b in robot.bodies), *self.scene.body_objects)
         self._row_shape = (robot.nq,)
         self._kernel = robot.kinematics if kinematics == "batch" else None
-        used = np.unique(np.concatenate([table.pairs.ravel(), table.resting.ravel()]))
-        self.polytopes = _prepare(self.bodies, used.tolist(), excess)
-        self._core = self._build_core(
-            pair_options(method, cached_plane, centre_axis, nearest_points), bounds, boxes, learning
-        )
+        self._options = pair_options(method, cached_plane, centre_axis, nearest_points), bounds, boxes, learning
+        self._preparation = Preparation(self.bodies, excess)
+        candidates = np.concatenate([table.pairs, table.resting])
+        apart, resting = self._never_meeting(candidates) if reach else np.zeros((2, len(candidates)), dtype=bool)
+        self.unreachable, self.resting = apart[: len(self.pairs)], resting[: len(self.pairs)]
+        self._limits = (robot.lower, robot.upper) if self.unreachable.any() else None
+        self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
+        self._whole: CompiledPairs | None = None
+        self._lock = threading.Lock()
         self.motion_sampler = MotionSampler(robot, excess)
-        self._warn_of_resting(table.resting)
+        self._warn_of_resting(table.resting[~apart[len(self.pairs) :]])
 
-    def _build_core(self, options: Any, *switches: bool) -> Any:
-        live = [k for k, polytope in enumerate(self.polytopes) if polytope is not None]
-        position = {body: k for k, body in enumerate(live)}
-        links = [self._link_of(self.bodies[k]) for k in live]
-        self._live = np.array(live, dtype=np.int64)
-        return core.Checker(
-            [polytope.core for polytope in self.polytopes if polytope is not None],
-            np.array(links, dtype=np.int32),
-            np.array([self.bodies[k].pose for k in live], dtype=np.float64).reshape(-1, 4, 4),
-            np.array([[position[a], position[b]] for a, b in self.pairs.tolist()], dtype=np.int32).reshape(-1, 2),
-            len(self.robot.link_names),
-            options,
-            *switches,
-        )
+    def _never_meeting(self, pairs: Ints) -> tuple[Bools, Bools]:
+        """Which pairs never meet within the limits, and which rest relative to each other; see reach.py."""
+        found = reach_of(self.robot, self.bodies, pairs, self._preparation.hulls)
+        if self._kernel is None or not found.is_proved:
+            return np.zeros(len(pairs), dtype=bool), found.resting
+        apart, prepared = found.apart.copy(), self._preparation.polytope
+        near = np.flatnonzero(found.resting & ~apart)
+        poses = self._poses_at_reference() if len(near) else None
+        for k in near.tolist():
+            assert poses is not None
+            a, b = pairs[k].tolist()
+            apart[k] = stays_apart(prepared(a), prepared(b), poses[a], poses[b])
+        return apart, found.resting
 
-    def _link_of(self, body: Body) -> int:
-        return -1 if body.link is None else self.robot.link_index(body.link)
+    def _poses_at_reference(self) -> Floats:
+        """(bodies, 4, 4) up to rounding, m."""
+        links = self.robot.link_poses(self.robot.reference)
+        on_links = [links[self.robot.link_index(str(body.link))] @ body.pose for body in self.robot.bodies]
+        return np.array([*on_links, *(body.pose for body in self.scene.bodies)])
+
+    def _compiled(self, pairs: Ints, rows: NDArray[np.int64], limits: tuple[Floats, Floats] | None) -> CompiledPairs:
+        return CompiledPairs(self.robot, self.bodies, self._preparation, pairs, rows, limits, self._options)
+
+    @property
+    def _all(self) -> CompiledPairs:
+        """All pairs, for configurations beyond the limits and for given poses; compiled when first needed."""
+        if self._limits is None:
+            return self._live
+        with self._lock:
+            if self._whole is None:
+                self._whole = self._compiled(self.pairs, np.arange(len(self.pairs)), None)
+            return self._whole
+
+    @property
+    def polytopes(self) -> tuple[Polytope | None, ...]:
+        """The prepared body of each of `bodies`; None where no pair needs it."""
+        _ = self._all
+        return self._preparation.so_far()
+
+    @property
+    def prepared(self) -> tuple[Polytope | None, ...]:
+        """The same as far as bodies have been needed: those of unreachable pairs are prepared late."""
+        return self._preparation.so_far()
 
     def _warn_of_resting(self, resting: Ints) -> None:
-        poses = self.body_poses(self.robot.reference)[0] if len(resting) else None
-        for a, b in resting.tolist():
-            assert poses is not None
-            p, r = self.polytopes[a], self.polytopes[b]
-            if p is not None and r is not None and intersects(p, r, poses[a], poses[b]):
-                warnings.warn(
-                    f"{self._labels[a]!r} of {self.robot.name}, which is fixed to the world, touches obstacle "
-                    f"{self._labels[b]!r}; this pair is not counted at any configuration",
-                    RuntimeWarning,
-                    stacklevel=3,
-                )
+        if not len(resting):
+            return
+        touching = self._compiled(resting, np.arange(len(resting)), None).colliding(
+            self._link_poses(self.robot.reference[None])
+        )
+        for a, b in resting[touching[0]].tolist():
+            warnings.warn(
+                f"{self._labels[a]!r} of {self.robot.name}, which is fixed to the world, touches obstacle "
+                f"{self._labels[b]!r}; this pair is not counted at any configuration",
+                RuntimeWarning,
+                stacklevel=3,
+            )
 
     def is_valid(self, q: ArrayLike) -> bool:
         """Whether one configuration is free of collision.
@@ -150,7 +188,7 @@ class Checker:
             True if no pair shares a point.
         """
         if self._kernel is not None and type(q) is np.ndarray and q.shape == self._row_shape:
-            known = self._core.is_valid(self._kernel, q)
+            known = self._live.core.is_valid(self._kernel, q)
             if known is not None:
                 return bool(known)
         return bool(self.check_states(self._single(q))[0])
@@ -162,7 +200,7 @@ class Checker:
         """
         if self._kernel is None:
             return None
-        judge: Callable[[Any], bool] = core.state_validity(self._core, self._kernel)
+        judge: Callable[[Any], bool] = core.state_validity(self._live.core, self._kernel, self.is_valid)
         return judge
 
     def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
@@ -178,8 +216,8 @@ class Checker:
         rows = self.robot.check_configurations(q)
         threads = _useful_threads(threads, len(rows))
         if self._kernel is None:
-            return np.asarray(self._core.first_of_poses(self._link_poses(rows), threads) < 0)
-        return np.asarray(self._core.check_states(self._kernel, rows, threads)).view(bool)
+            return np.asarray(self._all.core.first_of_poses(self._link_poses(rows), threads) < 0)
+        return self._judged(lambda table, part: table.core.check_states(self._kernel, part, threads).view(bool), rows)
 
     def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
         """The first colliding pair of each configuration, in the order of `pairs`.
@@ -193,9 +231,41 @@ class Checker:
         """
         rows = self.robot.check_configurations(q)
         threads = _useful_threads(threads, len(rows))
-        if self._kernel is not None:
-            return np.asarray(self._core.first_of_states(self._kernel, rows, threads))
-        return np.asarray(self._core.first_of_poses(self._link_poses(rows), threads))
+        if self._kernel is None:
+            return self._all.named(self._all.core.first_of_poses(self._link_poses(rows), threads))
+        return self._judged(
+            lambda table, part: table.named(table.core.first_of_states(self._kernel, part, threads)), rows
+        )
+
+    def _judged(self, judge: Callable[..., NDArray[Any]], *rows: NDArray[Any]) -> NDArray[Any]:
+        """Rows judged with the pairs that count for them.
+
+        Args:
+            judge: Gets compiled pairs and some of the rows, gives an array (n,).
+            rows: Arrays (n, …), which judge gets; a row counts as within the limits if its configurations are.
+
+        Returns:
+            (n,).
+        """
+        beyond = self._beyond_limits(*rows)
+        if not beyond.any():
+            return np.asarray(judge(self._live, *rows))
+        if beyond.all():
+            return np.asarray(judge(self._all, *rows))
+        within = judge(self._live, *(array[~beyond] for array in rows))
+        out = np.empty(len(beyond), dtype=within.dtype)
+        out[~beyond], out[beyond] = within, judge(self._all, *(array[beyond] for array in rows))
+        return out
+
+    def _beyond_limits(self, *rows: NDArray[Any]) -> Bools:
+        """(n,) whether some configuration of each row is; False where all pairs are tested anyway."""
+        beyond = np.zeros(len(rows[0]), dtype=bool)
+        for q in rows:
+            if self._limits is not None and q.ndim == 2:
+                outside = (q < self._limits[0]) | (q > self._limits[1])
+                if outside.any():
+                    beyond |= outside.any(axis=1)
+        return beyond
 
     def colliding_pairs(self, q: ArrayLike) -> Bools:
         """Which pairs collide, without stopping at the first.
@@ -206,7 +276,7 @@ class Checker:
         Returns:
             (n, k) for the k rows of `pairs`.
         """
-        return np.asarray(self._core.all_of_poses(self._link_poses(self.robot.check_configurations(q)))).astype(bool)
+        return self._all.colliding(self._link_poses(self.robot.check_configurations(q)))
 
     def body_poses(self, q: ArrayLike) -> Floats:
         """World poses of all bodies, the same bits that the verdicts use.
@@ -217,14 +287,7 @@ class Checker:
         Returns:
             (n, bodies, 4, 4), m; NaN for bodies that no pair needs.
         """
-        return self._placed(self._link_poses(self.robot.check_configurations(q)))
-
-    def _placed(self, link_poses: Floats) -> Floats:
-        """Poses of the bodies (n, bodies, 4, 4) at poses of the links (n, links, 4, 4)."""
-        live = self._core.body_poses(np.ascontiguousarray(link_poses))
-        poses = np.full((len(live), len(self.bodies), 4, 4), np.nan)
-        poses[:, self._live] = live
-        return poses
+        return self._all.body_poses(self._link_poses(self.robot.check_configurations(q)))
 
     def check_motion(self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None) -> bool:
         """Whether a motion is free at sampled states, both ends included (what lies between is not proved).
@@ -256,7 +319,10 @@ class Checker:
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)
-        return np.asarray(self._core.motions_are_free(self._kernel, starts, ends, steps)).astype(bool)
+        # Of states between two within the limits, rounding puts none further beyond than the proof's margin allows.
+        return self._judged(
+            lambda table, *part: table.core.motions_are_free(self._kernel, *part).view(bool), starts, ends, steps
+        )
 
     def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
         """The verdict of one configuration with the names and certificates behind it.
@@ -287,15 +353,12 @@ class Checker:
         """
         error = self.robot.kinematic_error_at(row[0])
         if self._kernel is None and self.robot.kinematics is not None:
-            error += largest_distance(self.bodies, poses, self._placed(self.robot.link_poses(row))[0])
+            error += largest_distance(self.bodies, poses, self._all.body_poses(self.robot.link_poses(row))[0])
         return error
 
     def _pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
         a, b = (int(i) for i in self.pairs[k])
-        p, r = self.polytopes[a], self.polytopes[b]
-        assert p is not None
-        assert r is not None
-        certificate = certify(p, r, poses[a], poses[b])
+        certificate = certify(self._preparation.polytope(a), self._preparation.polytope(b), poses[a], poses[b])
         first, second = self.pair_names(k)
         return PairVerdict(first, second, self.bodies[a].name, self.bodies[b].name, colliding, certificate)
 
@@ -313,8 +376,16 @@ class Checker:
         raise PlannercheckError("clearance is not available yet; `explain(q, separations=True)` gives gaps of planes")
 
     def statistics(self) -> dict[str, Any]:
-        """Counters of all calls so far: states, pairs, what settled them, and the pair test's queries."""
-        return dict(self._core.statistics())
+        """Counters of all calls so far: states, pairs, what settled them, and the pair test's queries.
+
+        Every pair of every state is counted once: as unreachable, or by what settled it.
+        """
+        counted = dict(self._live.core.statistics())
+        unreachable = int(self.unreachable.sum()) * counted["states"]
+        counted["pairs"] += unreachable
+        if self._whole is not None:
+            counted = added(counted, self._whole.core.statistics())
+        return {"states": counted.pop("states"), "pairs": counted.pop("pairs"), "unreachable": unreachable, **counted}
 
     def _link_poses(self, rows: Floats) -> Floats:
         poses = self.robot.pinocchio_link_poses(rows) if self._kernel is None else self.robot.link_poses(rows)
@@ -334,16 +405,3 @@ def _useful_threads(threads: int, rows: int) -> int:
     if not isinstance(threads, int) or threads < 1:
         raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
     return min(threads, max(rows, 1))
-
-
-def _prepare(bodies: Sequence[Body], used: Sequence[int], excess: float) -> tuple[Polytope | None, ...]:
-    """Prepares the bodies that some pair needs; equal shapes share one."""
-    polytopes: list[Polytope | None] = [None] * len(bodies)
-    known: dict[bytes, Polytope] = {}
-    for k in used:
-        vertices, faces, swell = hull_and_swell(bodies[k].shape, excess)
-        key = np.float64(swell).tobytes() + vertices.tobytes()
-        if key not in known:
-            known[key] = prepared(vertices, faces, swell, f"body {bodies[k].name!r}")
-        polytopes[k] = known[key]
-    return tuple(polytopes)

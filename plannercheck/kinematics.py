@@ -29,6 +29,9 @@ _SLIDE = 8
 _OTHERS = {"Planar": 9, "Spherical": 10, "FreeFlyer": 11}
 _UNALIGNED = 3
 
+# What a moving joint does to its frame with one number: turns it about its origin, or slides it.
+TURNS, SLIDE = frozenset(_TURNS.values()), _SLIDE
+
 # Most numbers that a joint takes in Pinocchio's q.
 _MOST_VALUES = 7
 

@@ -13,6 +13,7 @@ are flat exactly: their corners share a coordinate or form a parallelogram.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -182,10 +183,11 @@ class Hull:
         return self.vertices, None
 
 
+HullAndSwell: TypeAlias = tuple[Points, Faces | None, float]
 Shape: TypeAlias = Box | Sphere | Cylinder | Cone | Capsule | Hull
 
 
-def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None, float]:
+def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> HullAndSwell:
     """What the pair test works with: a hull, and how far around it the body reaches.
 
     Spheres and capsules are exact: a point and a segment, swollen by the radius. Cylinders and cones are the polytopes
@@ -299,9 +301,17 @@ def _checked_excess(excess: float) -> float:
 
 def _prism_faces(k: int) -> Faces:
     """Faces of a prism: points 0 to k - 1 are the lower polygon, counter-clockwise from above."""
+    return list(_read_only_prism_faces(k))
+
+
+@functools.lru_cache(maxsize=16)
+def _read_only_prism_faces(k: int) -> tuple[NDArray[np.int64], ...]:
     low = np.arange(k)
     following = np.roll(low, -1)
-    return [low[::-1].copy(), low + k, *np.column_stack([low, following, following + k, low + k])]
+    faces = low[::-1].copy(), low + k, *np.column_stack([low, following, following + k, low + k])
+    for face in faces:
+        face.setflags(write=False)
+    return faces
 
 
 def _capsule_faces(ball: Ball, upper: NDArray[np.int64], lower: NDArray[np.int64]) -> Faces:

@@ -14,7 +14,7 @@ import plannercheck as pc
 from plannercheck import exact
 
 COUNTED = ("bounds", "boxes", "cached_plane", "centre_axis")
-SWITCHES = (*COUNTED, "learning")
+SWITCHES = (*COUNTED, "learning", "reach")
 
 
 @pytest.fixture(scope="module")
@@ -83,8 +83,9 @@ def test_every_switch_leaves_the_verdicts(panda, scene, checker, samples, method
 def test_switches_do_something(checker, samples):
     checker.check_states(samples)
     statistics = checker.statistics()
-    assert all(statistics[switch] > 0 for switch in (*COUNTED, "solver", "states", "pairs", "skipped"))
-    settled = sum(statistics[k] for k in (*COUNTED, "solver", "nearest_points", "double_double", "exact", "skipped"))
+    assert all(statistics[switch] > 0 for switch in (*COUNTED, "solver", "states", "pairs", "skipped", "unreachable"))
+    stages = ("solver", "nearest_points", "double_double", "exact")
+    settled = sum(statistics[k] for k in ("unreachable", *COUNTED, *stages, "skipped"))
     assert settled == statistics["pairs"]
 
 

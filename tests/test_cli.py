@@ -230,6 +230,9 @@ def test_robots_and_inspect_print_tables(capsys):
     printed = capsys.readouterr().out
     assert "panda_link0" in printed
     assert "100 random configurations" in printed
+    assert "68 pairs that cannot reach each other, and 0 of the 0" in printed
+    assert main(["inspect", *PANDA, "--states", "20", "--without"]) == 0
+    assert "pairs that limits keep apart" in capsys.readouterr().out
 
 
 def test_the_demo_does_the_main_job(capsys):

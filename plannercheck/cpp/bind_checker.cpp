@@ -35,10 +35,21 @@ class BoundChecker {
  public:
   BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
-               const PairOptions& options, bool bounds, bool boxes, bool learning)
-      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, bounds, boxes, learning}) {}
+               InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
+               bool boxes, bool learning)
+      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, bounds, boxes, learning}),
+        lower_(lower.data(), lower.data() + lower.shape(0)),
+        upper_(upper.data(), upper.data() + upper.shape(0)) {}
 
   const CheckerCore& core() const { return core_; }
+
+  // Whether a configuration is finite and within the limits that hold for this checker's choice of pairs.
+  bool may_judge(const double* q) const {
+    bool may = true;
+    for (std::size_t i = 0; i < lower_.size(); ++i)
+      may &= std::isfinite(q[i]) && lower_[i] <= q[i] && q[i] <= upper_[i];
+    return may;
+  }
 
   template <class Work>
   void with_workspace(Work work) {
@@ -95,6 +106,7 @@ class BoundChecker {
 
  private:
   CheckerCore core_;
+  std::vector<double> lower_, upper_;
   std::mutex mutex_;
   std::vector<std::shared_ptr<CheckerCore::Workspace>> spare_;
   CheckerCounters total_;
@@ -137,12 +149,10 @@ auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Config
   return output_array(first, {first.size()});
 }
 
-// One configuration without the detour over sets; None if it is not finite, for the caller to say so.
+// One configuration without the detour over sets; None if it is not finite or beyond the limits, for the caller to see
+// to.
 nb::object is_valid(BoundChecker& checker, const Kinematics& kinematics, InputArray<double, -1> q) {
-  if (q.shape(0) != static_cast<std::size_t>(kinematics.width())) return nb::none();
-  for (std::size_t i = 0; i < q.shape(0); ++i) {
-    if (!std::isfinite(q(i))) return nb::none();
-  }
+  if (q.shape(0) != static_cast<std::size_t>(kinematics.width()) || !checker.may_judge(q.data())) return nb::none();
   std::uint8_t valid = 0;
   checker.with_workspace([&](auto& w) { checker.core().check_states(kinematics, q.data(), 1, &valid, w); });
   return nb::bool_(valid != 0);
@@ -150,13 +160,14 @@ nb::object is_valid(BoundChecker& checker, const Kinematics& kinematics, InputAr
 
 // A function that OMPL calls with states of a RealVectorStateSpace: `state[:width]` is a list of floats. OMPL's own
 // classes have no headers to build against; this asks them as Python would, and skips all else that Python would do.
-nb::object state_validity(nb::object checker, nb::object kinematics) {
+// States beyond the limits go to `elsewhere`, a function of an array.
+nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<Py_ssize_t>(kernel->width());
   const nb::object numbers = nb::steal(PySlice_New(nb::int_(0).ptr(), nb::int_(width).ptr(), nullptr));
   const auto q = std::make_shared<std::vector<double>>(width);  // shared by all calls: the GIL is held in each
-  const auto is_free = [checker, kinematics, numbers, judge, kernel, width, q](nb::handle state) {
+  const auto is_free = [checker, kinematics, elsewhere, numbers, judge, kernel, width, q](nb::handle state) {
     const nb::object row = nb::steal(PyObject_GetItem(state.ptr(), numbers.ptr()));
     if (!row.is_valid()) throw nb::python_error();
     if (!PyList_CheckExact(row.ptr()) || PyList_GET_SIZE(row.ptr()) != width) throw nb::type_error("not such a state");
@@ -164,6 +175,7 @@ nb::object state_validity(nb::object checker, nb::object kinematics) {
       (*q)[static_cast<std::size_t>(i)] = PyFloat_AsDouble(PyList_GET_ITEM(row.ptr(), i));
       if (!std::isfinite((*q)[static_cast<std::size_t>(i)])) return false;  // OMPL's spaces hold no such state
     }
+    if (!judge->may_judge(q->data())) return nb::cast<bool>(elsewhere(row));
     std::uint8_t valid = 0;
     judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q->data(), 1, &valid, w); });
     return valid != 0;
@@ -242,7 +254,8 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
 void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
-                    InputArray<std::int32_t, -1, 2>, std::int32_t, const PairOptions&, bool, bool, bool>())
+                    InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
+                    const PairOptions&, bool, bool, bool>())
       .def("first_of_states", &first_of_states)
       .def("is_valid", &is_valid)
       .def("check_states", &check_states)
@@ -251,7 +264,7 @@ void bind_checker(nb::module_& m) {
       .def("all_of_poses", &all_of_poses)
       .def("body_poses", &body_poses)
       .def("statistics", &BoundChecker::statistics);
-  m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"));
+  m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"));
 }
 
 }  // namespace plannercheck

@@ -1,0 +1,126 @@
+"""Pairs of bodies, compiled: what the core judges configurations with.
+
+In: a robot, bodies, some of a checker's pairs. Out: `CompiledPairs`, the core's checker of just these pairs and just
+the bodies in them. Bodies are prepared when a table first needs them (`Preparation`), so that what no configuration
+within the limits can touch costs nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.core import core
+from plannercheck.hull import Polytope, prepared
+from plannercheck.robot import Robot
+from plannercheck.shapes import Body, HullAndSwell, hull_and_swell
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# Points up to which a body is prepared faster than a file of the cache is found, read and checked.
+_FEW_POINTS = 32
+
+
+class Preparation:
+    """The bodies of a checker, prepared one by one as they are needed; equal shapes share one.
+
+    Attributes:
+        hulls: Points, faces and swell of each body.
+    """
+
+    def __init__(self, bodies: Sequence[Body], excess: float) -> None:
+        """Computes points and faces; `excess` says how far polytopes of curved shapes may stick out."""
+        self._bodies = bodies
+        self.hulls: list[HullAndSwell] = [hull_and_swell(body.shape, excess) for body in bodies]
+        self._polytopes: list[Polytope | None] = [None] * len(bodies)
+        self._known: dict[bytes, Polytope] = {}
+
+    def polytope(self, body: int) -> Polytope:
+        """The prepared body."""
+        found = self._polytopes[body]
+        if found is None:
+            points, faces, swell = self.hulls[body]
+            key = np.float64(swell).tobytes() + points.tobytes()
+            if key not in self._known:
+                prepare = Polytope if len(points) <= _FEW_POINTS else prepared
+                self._known[key] = prepare(points, faces, swell, f"body {self._bodies[body].name!r}")
+            found = self._polytopes[body] = self._known[key]
+        return found
+
+    def so_far(self) -> tuple[Polytope | None, ...]:
+        """The bodies that are prepared, None for the others."""
+        return tuple(self._polytopes)
+
+
+class CompiledPairs:
+    """The core's checker of some pairs.
+
+    Attributes:
+        rows: (k,) which of the checker's pairs these are, ascending.
+        core: The compiled checker of these pairs.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        bodies: Sequence[Body],
+        preparation: Preparation,
+        pairs: Ints,
+        rows: NDArray[np.int64],
+        limits: tuple[Floats, Floats] | None,
+        options: Sequence[Any],
+    ) -> None:
+        """Prepares the bodies and compiles.
+
+        Args:
+            robot: The robot.
+            bodies: All bodies.
+            preparation: Of these bodies.
+            pairs: (n, 2) indices of bodies.
+            rows: Which of the pairs to take.
+            limits: Configurations (nq,) between which the core may judge one; None for any.
+            options: The core's: of the pair test, and switches.
+        """
+        self.rows = rows
+        self._count = len(bodies)
+        self._used = np.unique(pairs[rows])
+        links = [-1 if bodies[k].link is None else robot.link_index(str(bodies[k].link)) for k in self._used]
+        lower, upper = limits or (np.full(robot.nq, -np.inf), np.full(robot.nq, np.inf))
+        self.core = core.Checker(
+            [preparation.polytope(k).core for k in self._used.tolist()],
+            np.array(links, dtype=np.int32),
+            np.array([bodies[k].pose for k in self._used], dtype=np.float64).reshape(-1, 4, 4),
+            np.searchsorted(self._used, pairs[rows]).astype(np.int32).reshape(-1, 2),
+            len(robot.link_names),
+            lower,
+            upper,
+            *options,
+        )
+
+    def named(self, first: Ints) -> Ints:
+        """Indices of these pairs (n,) as indices of the checker's, −1 kept."""
+        if not len(self.rows):
+            return first
+        return np.where(first < 0, first, self.rows[first]).astype(np.int32)
+
+    def colliding(self, link_poses: Floats) -> NDArray[np.bool_]:
+        """(n, k) which of these pairs collide at poses of the links (n, links, 4, 4), m."""
+        return np.asarray(self.core.all_of_poses(np.ascontiguousarray(link_poses))).astype(bool)
+
+    def body_poses(self, link_poses: Floats) -> Floats:
+        """(n, bodies, 4, 4) at poses of the links (n, links, 4, 4), m; NaN for bodies of none of these pairs."""
+        poses = np.full((len(link_poses), self._count, 4, 4), np.nan)
+        poses[:, self._used] = self.core.body_poses(np.ascontiguousarray(link_poses))
+        return poses
+
+
+def added(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
+    """The sum of two tables of counters, nested ones included."""
+    return {
+        name: added(value, second[name]) if isinstance(value, Mapping) else value + second[name]
+        for name, value in first.items()
+    }

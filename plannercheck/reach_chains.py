@@ -1,0 +1,249 @@
+"""Lengths and poses along a robot's chains of joints, for bounds on where its bodies can get.
+
+In: a robot and its bodies' hulls. Out: `Chains`, which says where a body is once some columns of the configuration are
+known: in a ball whose centre is posed, and how far the centre moves at most for one unit of a column (its lever). What
+a joint that is not known carries stays in a ball around that joint's origin: its radius is the sum of the lengths
+between the following joints, of what they slide, and of the furthest point of the body.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.configurations import LARGEST_VALUE
+from plannercheck.core import core
+from plannercheck.kinematics import SLIDE, TURNS, JointTable
+from plannercheck.robot import Robot
+from plannercheck.shapes import Body, HullAndSwell
+
+Floats = NDArray[np.float64]
+Cut = tuple[int, ...]
+Joints = tuple[int, ...]
+
+# Largest error of a computed pose, m, and largest defect of a placement or axis, that the margins of reach.py cover.
+LARGEST_ERROR = 1e-7
+RIGID = 1e-9
+
+# Cells by how many columns are cut: a turn of a whole circle moves a point at 1 m by 2.5 cm within one of 128 cells.
+# Twice as many drop less than 1 % more pairs, and take four times as long.
+CELLS = {0: 1, 1: 128, 2: 24}
+MOST_COLUMNS = max(CELLS)
+
+
+class End(NamedTuple):
+    """Where a body is once some columns are known.
+
+    Attributes:
+        frame: A frame of `Chains` that these columns pose.
+        centre: (3,) in that frame, m: of a ball that holds the body whatever the other columns are.
+        radius: Of that ball, m; may be infinite.
+        levers: How far one unit of each column moves the centre at most, m.
+        ball_levers: The same for all points of the ball.
+        posed: Whether the frame is the body's own, so that its box may be used.
+    """
+
+    frame: int
+    centre: Floats
+    radius: float
+    levers: dict[int, float]
+    ball_levers: dict[int, float]
+    posed: bool
+
+
+class Boxes(NamedTuple):
+    """Bodies in their own frames.
+
+    Attributes:
+        low: (n, 3) of the box around each hull, m.
+        high: (n, 3).
+        centre: (n, 3) of the box.
+        radius: (n,) of the ball around the centre that holds the hull, m.
+        swell: (n,) how far around the hull the body reaches, m.
+    """
+
+    low: Floats
+    high: Floats
+    centre: Floats
+    radius: Floats
+    swell: Floats
+
+    def of(self, chosen: Any) -> Boxes:
+        """Some of them."""
+        return Boxes(*(array[chosen] for array in self))
+
+
+def boxes_of(hulls: Sequence[HullAndSwell]) -> Boxes:
+    """The boxes and balls around hulls, see `shapes.hull_and_swell`."""
+    low = np.array([points.min(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
+    high = np.array([points.max(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
+    centre = 0.5 * (low + high)
+    squares = [((points - c) ** 2).sum(axis=1).max() for (points, _, _), c in zip(hulls, centre, strict=True)]
+    return Boxes(low, high, centre, np.sqrt(squares), np.array([swell for _, _, swell in hulls]))
+
+
+class Chains:
+    """The moving joints that bodies hang on, lengths between them, and poses of their frames.
+
+    Frames are, for each of the n joints, the one before its motion (k) and after it (n + k), then those of the bodies
+    (2 n + b). Lengths along chains that no joint of the group changes are measured in one configuration.
+    """
+
+    def __init__(self, robot: Robot, table: JointTable, bodies: Sequence[Body], boxes: Boxes) -> None:
+        """Digests the joint table; `boxes` are those of `bodies`, the robot's first."""
+        self._robot, self._table, self._joints = robot, table, len(table.kinds)
+        self.boxes = boxes
+        self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
+        self._kernel = _kernel_of_frames(robot, table)
+        self._moving = [bool((columns >= 0).any()) for columns in table.columns]
+        self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]
+        spans = robot.upper - robot.lower
+        self._can_be_cut = [
+            self._moving[k] and math.isfinite(self._slides[k]) and math.isfinite(spans[self._column(k)])
+            for k in range(self._joints)
+        ]
+        links = [int(table.link_joints[robot.link_index(str(body.link))]) for body in robot.bodies]
+        self._chains = [self._chain(joint) for joint in links]
+        self._base = np.array(robot.reference)
+        at_base = self.poses(self._base[None], range(2 * self._joints + len(links)))[0]
+        origins = at_base[:, :3, 3].tolist()
+        self._origins, self._moved_origins = origins[: self._joints], origins[self._joints : 2 * self._joints]
+        centres = np.column_stack([self.boxes.centre[: len(links)], np.ones(len(links))])
+        self._centres = np.einsum("bij,bj->bi", at_base[2 * self._joints :, :3], centres).tolist()
+        self._ends: dict[tuple[int, int, Cut], End] = {}
+
+    def _chain(self, joint: int) -> Joints:
+        """The moving joints from the world to this one."""
+        chain: list[int] = []
+        while joint >= 0:
+            if self._moving[joint]:
+                chain.append(joint)
+            joint = int(self._table.parents[joint])
+        return tuple(reversed(chain))
+
+    def _column(self, joint: int) -> int:
+        """Of the group's configuration, for the first number that a moving joint takes; -1 if that one is held."""
+        return int(self._table.columns[joint][0])
+
+    def is_proved(self) -> bool:
+        """Whether the margins cover all rounding within the limits."""
+        robot, table = self._robot, self._table
+        low, high = (np.clip(limit, -LARGEST_VALUE, LARGEST_VALUE) for limit in (robot.lower, robot.upper))
+        if not robot.kinematic_error_within(low, high) <= LARGEST_ERROR:
+            return False
+        rotations = np.concatenate([table.placements, table.link_placements])[:, :, :3]
+        defect = np.abs(rotations.transpose(0, 2, 1) @ rotations - np.eye(3)).max(initial=0.0)
+        lengths = np.linalg.norm(table.axes, axis=1)
+        return bool(defect <= RIGID and (np.abs(lengths[lengths > 0] - 1) <= RIGID).all())
+
+    def poses(self, q: Floats, frames: Iterable[int]) -> Floats:
+        """(n, all frames, 4, 4) at configurations (n, nq); only the frames asked for are posed."""
+        needed = np.zeros(2 * self._joints + len(self._chains), dtype=np.uint8)
+        needed[list(frames)] = 1
+        return np.asarray(self._kernel.link_poses(q, needed))
+
+    def branches(self, a: int, b: int) -> tuple[Joints, Joints]:
+        """The moving joints of two bodies from their fork outwards."""
+        first, second = self._chains[a], self._chains[b]
+        common = 0
+        while common < min(len(first), len(second)) and first[common] == second[common]:
+            common += 1
+        return first[common:], second[common:]
+
+    def chain(self, body: int) -> Joints:
+        """The moving joints from the world to a body."""
+        return self._chains[body]
+
+    def columns_between(self, a: int, b: int) -> bool:
+        """Whether some joint of the group moves two bodies relative to each other."""
+        return any(self.branches(a, b))
+
+    def columns(self, branch: Joints) -> list[int]:
+        """The first columns that can be cut, in their order along a branch; up to the first joint that can't be."""
+        found: list[int] = []
+        for joint in branch:
+            if not self._can_be_cut[joint] or len(found) == MOST_COLUMNS:
+                break
+            if self._column(joint) not in found:
+                found.append(self._column(joint))
+        return found
+
+    def end(self, body: int, branch: Joints, cut: Cut) -> End:
+        """Where a body is once the columns of a cut are known."""
+        key = body, len(branch), cut
+        if key not in self._ends:
+            self._ends[key] = self._new_end(body, branch, cut)
+        return self._ends[key]
+
+    def _new_end(self, body: int, branch: Joints, cut: Cut) -> End:
+        known = 0
+        while known < len(branch) and self._can_be_cut[branch[known]] and self._column(branch[known]) in cut:
+            known += 1
+        posed = known == len(branch)
+        if posed:
+            frame, centre, following = 2 * self._joints + body, self.boxes.centre[body], self._centres[body]
+        else:
+            frame, centre, following = branch[known], np.zeros(3), self._origins[branch[known]]
+        radius = self._room_beyond(body, branch[known:])
+        levers: dict[int, float] = dict.fromkeys(cut, 0.0)
+        ball_levers = dict(levers)
+        length = 0.0
+        for joint in reversed(branch[:known]):
+            length += math.dist(following, self._moved_origins[joint])
+            column, rate = self._column(joint), abs(float(self._table.multipliers[joint][0]))
+            slides = self._table.kinds[joint] == SLIDE
+            levers[column] += rate * (1.0 if slides else length)
+            ball_levers[column] += rate * (1.0 if slides else length + radius)
+            length += self._slides[joint]
+            following = self._origins[joint]
+        return End(frame, centre, radius, levers, ball_levers, posed)
+
+    def _room_beyond(self, body: int, branch: Sequence[int]) -> float:
+        """How far from the origin of the first joint of a branch its body gets, m; the body's ball without a branch."""
+        room = float(self.boxes.radius[body] + self.boxes.swell[body])
+        following = self._centres[body]
+        for joint in reversed(branch):
+            room += self._slides[joint] + math.dist(following, self._moved_origins[joint])
+            following = self._origins[joint]
+        return room
+
+    def cells(self, cut: Cut) -> tuple[Floats, Floats]:
+        """Middles (cells, nq) of the cells of a cut, in random order, and half their widths (columns of the cut,)."""
+        count = CELLS[len(cut)]
+        low, high = self._robot.lower[list(cut)], self._robot.upper[list(cut)]
+        half = np.maximum(high - low, 0.0) / (2 * count)
+        steps = np.array(list(itertools.product(range(count), repeat=len(cut))))
+        q = np.tile(self._base, (len(steps), 1))
+        q[:, list(cut)] = low + half * (2 * steps + 1)
+        return np.random.default_rng(0).permutation(q), half
+
+
+def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> float:
+    """How far a moving joint takes its frame from where it hangs, m; infinite if several numbers move it."""
+    kind, column = int(table.kinds[joint]), int(table.columns[joint][0])
+    if kind in TURNS:
+        return 0.0
+    if kind != SLIDE:
+        return np.inf
+    ends = np.array([lower[column], upper[column]]) * table.multipliers[joint][0] + table.offsets[joint][0]
+    return float(np.abs(ends).max())
+
+
+def _kernel_of_frames(robot: Robot, table: JointTable) -> Any:
+    """Compiled kinematics of the joints' frames, before and after their motion, and of the robot's bodies."""
+    joints = np.arange(len(table.kinds), dtype=np.int32)
+    links = [robot.link_index(str(body.link)) for body in robot.bodies]
+    on_links = np.array([body.pose for body in robot.bodies]).reshape(-1, 4, 4)
+    on_joints = table.link_placements[links] @ on_links
+    identities = np.tile(np.eye(4)[:3], (len(joints), 1, 1))
+    return core.Kinematics(
+        *table._replace(
+            link_joints=np.concatenate([table.parents, joints, table.link_joints[links]]),
+            link_placements=np.ascontiguousarray(np.concatenate([table.placements, identities, on_joints])),
+        )
+    )

@@ -1,0 +1,74 @@
+"""Nothing is allocated while configurations are judged, however many: counted by a library that replaces malloc.
+
+Exact arithmetic may allocate: of a whole pair, and of two vertices that are equally far along a direction even for
+doubled precision (the boxes of Baxter's torso meet such ties, once in some hundred states). The states here need none.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+COUNTED = """
+import ctypes
+import json
+import sys
+import numpy as np
+import plannercheck as pc
+
+counter = ctypes.CDLL(None).allocations_so_far
+counter.restype = ctypes.c_long
+robot = pc.Robot.load(sys.argv[1])
+checker = pc.Checker(robot, pc.Scene.load(sys.argv[2]))
+core, kernel = checker._live.core, robot.kinematics
+q = robot.random_configurations(1000, 1)
+few, ends, steps = q[:8].copy(), q + 0.01, np.full(1000, 10)
+
+
+def allocated(call, *arguments):
+    call(*arguments)  # warms up
+    before = counter()
+    call(*arguments)
+    return counter() - before
+
+
+found = {
+    "check_states": [allocated(core.check_states, kernel, rows, 1) for rows in (few, q)],
+    "first_of_states": [allocated(core.first_of_states, kernel, rows, 1) for rows in (few, q)],
+    "motions": [allocated(core.motions_are_free, kernel, q[:n], ends[:n], steps[:n]) for n in (8, 1000)],
+    "is_valid": [allocated(lambda: any(core.is_valid(kernel, row) is None for row in rows)) for rows in (few, q)],
+}
+counted = checker.statistics()
+assert counted["exact"] == 0, counted
+assert counted["solver"] > 0, counted
+print(json.dumps(found))
+"""
+
+
+@pytest.fixture(scope="module")
+def counter(tmp_path_factory):
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None or not sys.platform.startswith("linux"):
+        pytest.skip("needs a C compiler and glibc")
+    library = tmp_path_factory.mktemp("counter") / "malloc_counter.so"
+    source = Path(__file__).with_name("malloc_counter.c")
+    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", str(library), str(source)], check=True)
+    return library
+
+
+@pytest.mark.parametrize(("robot", "scene"), [("panda", "bookshelf"), ("ur5", "kitchen"), ("talos", "empty")])
+def test_a_thousand_states_allocate_no_more_than_eight(counter, robot, scene):
+    environment = {**os.environ, "LD_PRELOAD": str(counter)}
+    run = subprocess.run(
+        [sys.executable, "-c", COUNTED, robot, scene], env=environment, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    for call, (few, many) in json.loads(run.stdout).items():
+        assert few <= (0 if call == "is_valid" else 2), call  # the result: the core's and NumPy's
+        assert many == few, call
