@@ -28,6 +28,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Side: TypeAlias = Literal["zero", "infinity"]
 
+# Simplices that qhull cuts off a facet of the polar with no volume, up to rounding of unit normals.
+_NO_VOLUME = 1e-12
+
 
 @dataclass(frozen=True)
 class Halfspaces:
@@ -170,10 +173,8 @@ class ShellSimplices:
             The row of `simplices` whose normals span a cone that holds `normal`.
         """
         corners = self.normals[self.simplices].transpose(0, 2, 1)
-        shares = np.linalg.solve(
-            corners, np.broadcast_to(_floats(normal)[:, None], (len(corners), corners.shape[1], 1))
-        )
-        return int(np.argmax(shares[:, :, 0].min(axis=1)))
+        shares = np.linalg.inv(corners) @ _floats(normal)
+        return int(np.argmax(shares.min(axis=1)))
 
 
 def shell_simplices(vertices: ArrayLike) -> ShellSimplices:
@@ -186,7 +187,10 @@ def shell_simplices(vertices: ArrayLike) -> ShellSimplices:
         At most O(n^⌊d/2⌋) shell simplices.
     """
     polars = facet_polars(vertices)
-    return ShellSimplices(polars, convex_hull(polars).simplices)
+    simplices = convex_hull(polars).simplices
+    lengths = np.linalg.norm(polars, axis=1)
+    volumes = np.abs(np.linalg.det((polars / lengths[:, None])[simplices]))
+    return ShellSimplices(polars, simplices[volumes > _NO_VOLUME])
 
 
 def _floats(values: ArrayLike) -> Floats:

@@ -25,6 +25,9 @@ from plannercheck.ndim.posed import Exact, ExactRows, ExactVertices, in_common_u
 
 Floats = NDArray[np.float64]
 
+# Bodies with so few vertices are active whole: one large game of vertices is cheaper than many small ones.
+_FEW = 40
+
 
 @dataclass(frozen=True)
 class ExactSeparation:
@@ -107,6 +110,8 @@ def _unique(indices: Iterable[int]) -> list[int]:
 def _vertices_and_vertices(
     p: ExactVertices, r: ExactVertices, active_p: list[int], active_r: list[int]
 ) -> tuple[ExactCertificate, int]:
+    if len(active_p) == len(active_r) == 1:  # nothing is known
+        active_p, active_r = ([*range(len(body))] if len(body) <= _FEW else [0] for body in (p, r))
     games = 0
     while True:
         games += 1

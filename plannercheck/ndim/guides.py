@@ -37,6 +37,7 @@ class Hint:
         point: To try as a common point, in the world (d,).
         weights_p: That mix the point from vertices of the body that is given by them, by index; empty if none is.
         weights_r: Multipliers of the other body's halfspaces if they separate; empty if not known.
+        multipliers_p: The same of the first body's, if both are given by halfspaces.
         rounds: Of the method.
         visited: Vertices and halfspaces looked at.
         method: "oracle" or "linear program".
@@ -48,6 +49,7 @@ class Hint:
     point: Floats
     weights_p: dict[int, float]
     weights_r: dict[int, float]
+    multipliers_p: dict[int, float]
     rounds: int
     visited: int
     method: str
@@ -80,6 +82,7 @@ def game_hint(p: Polytope, r: Polytope, pose_p: Affine, pose_r: Affine) -> Hint:
         point=pose_r.of((played.x + r.centre)[None])[0],
         weights_p=played.weights_p,
         weights_r=multipliers if played.separates else {},
+        multipliers_p={},
         rounds=played.rounds,
         visited=(played.rounds + 1) * (len(points) + len(depths)),
         method="oracle",
@@ -116,6 +119,7 @@ class _Program:
         self.d = dimension
         self.rows: list[tuple[Floats, Floats]] = []
         self.vertices: list[Floats] = []
+        self.sizes: list[Floats] = []
         self.bodies: list[tuple[str, int]] = []
 
     def add(self, body: Polytope, pose: Affine) -> None:
@@ -128,6 +132,7 @@ class _Program:
         normals = body.normals @ np.linalg.inv(pose.matrix)
         sizes = lengths(normals)
         offsets = body.offsets + normals @ pose.shift
+        self.sizes.append(sizes)
         self.rows.append((normals / sizes[:, None], offsets / sizes))
         self.bodies.append(("rows", len(offsets)))
 
@@ -145,7 +150,7 @@ class _Program:
             cost, A_ub=upper, b_ub=np.concatenate([b for _, b in self.rows]), A_eq=equal, b_eq=right, bounds=bounds
         )
         if answer.x is None:
-            return Hint(True, (0,), (0,), np.zeros(self.d), {}, {}, 0, 0, "linear program")
+            return Hint(True, (0,), (0,), np.zeros(self.d), {}, {}, {}, 0, 0, "linear program")
         return self._hint(answer.x, -np.asarray(answer.ineqlin.marginals))
 
     def _size(self) -> float:
@@ -168,14 +173,21 @@ class _Program:
     def _hint(self, solution: Floats, prices: Floats) -> Hint:
         shares = bool(solution[self.d] >= 0)
         masses = solution[self.d + 1 :]
-        parts, weights = [], []
+        parts: list[tuple[int, ...]] = []
+        weights: list[dict[int, float]] = []
+        multipliers: list[dict[int, float]] = []
         for kind, size in self.bodies:
             values, rest = (prices, prices[size:]) if kind == "rows" else (masses, masses[size:])
             values = values[:size]
             prices, masses = (rest, masses) if kind == "rows" else (prices, rest)
-            active = np.flatnonzero(values > _ACTIVE * max(float(values.max()), 0.0))
-            parts.append(tuple(active.tolist()))
-            weights.append({int(k): float(values[k]) for k in active} if kind == "vertices" else {})
+            active = np.flatnonzero(values > _ACTIVE * max(float(values.max()), 0.0)).tolist()
+            parts.append(tuple(active))
+            if kind == "rows":
+                multipliers.append({k: float(values[k] / self.sizes[len(multipliers)][k]) for k in active})
+            else:
+                weights.append({k: float(values[k]) for k in active})
+        first, second = multipliers if len(multipliers) == 2 and not shares else ({}, {})
+        mixture = weights[0] if len(weights) == 1 else {}
         visited = sum(size for _, size in self.bodies)
         point = solution[: self.d].copy()
-        return Hint(shares, parts[0], parts[1], point, weights[0] or weights[1], {}, 1, visited, "linear program")
+        return Hint(shares, parts[0], parts[1], point, mixture, second, first, 1, visited, "linear program")

@@ -63,8 +63,10 @@ def proves_apart(hint: Hint, mixed: PosedPolytope, host: PosedPolytope) -> bool:
     """
     body, pose = mixed
     other, other_pose = host
-    if body.vertices is None or other.normals is None or other.offsets is None:
-        return False
+    if body.vertices is None:
+        return _multipliers_prove_apart(hint, mixed, host)
+    assert other.normals is not None, "the second body is given by halfspaces"
+    assert other.offsets is not None, "halfspaces have offsets"
     chosen, weights = list(hint.weights_r), np.array(list(hint.weights_r.values()))
     rounding = 2 * (len(weights) + body.dimension + 8) * UNIT
     normal = weights @ other.normals[chosen]
@@ -75,6 +77,37 @@ def proves_apart(hint: Hint, mixed: PosedPolytope, host: PosedPolytope) -> bool:
     size = np.abs(points).max(axis=0)
     error_of_heights = float(np.abs(normal) @ (rounding * size + error) + normal_error @ (size + error))
     return bool((points @ normal).min() - bound > 2 * (error_of_heights + bound_error) + UNDERFLOW)
+
+
+def _multipliers_prove_apart(hint: Hint, first: PosedPolytope, second: PosedPolytope) -> bool:
+    """Whether the sums g_p·y ≤ c_p and g_r·z ≤ c_r of both bodies' halfspaces contradict each other.
+
+    A common point x = M_p y + t_p = M_r z + t_r has, for any w, w·(t_r - t_p) = w·M_p y - w·M_r z. As entries of y and
+    z are within the proved boxes, the right side is at most c_p + c_r + |M_p'w - g_p| reach_p + |M_r'w + g_r| reach_r.
+    """
+    g_p, c_p, rounding_p = _summed(first[0], hint.multipliers_p)
+    g_r, c_r, rounding_r = _summed(second[0], hint.weights_r)
+    pose_p, pose_r = first[1], second[1]
+    w = np.linalg.solve(pose_p.matrix.T, g_p)
+    terms = (2 * len(w) + 12) * UNIT
+    slack = rounding_p + rounding_r
+    for body, matrix, g in ((first[0], pose_p.matrix, g_p), (second[0], pose_r.matrix, -g_r)):
+        defect = np.abs(w @ matrix - g) + terms * (np.abs(w) @ np.abs(matrix) + np.abs(g))
+        slack += float(defect @ body.reach)
+    apart = float(w @ (pose_r.shift - pose_p.shift))
+    slack += terms * float(np.abs(w) @ (np.abs(pose_r.shift) + np.abs(pose_p.shift)))
+    return bool(apart - c_p - c_r > 1.1 * slack + terms * (abs(apart) + abs(c_p) + abs(c_r)) + UNDERFLOW)
+
+
+def _summed(body: Polytope, multipliers: dict[int, float]) -> tuple[Floats, float, float]:
+    """The weighted sum g, c of a body's halfspaces in doubles, and how wrong g·y - c may be within its box."""
+    assert body.normals is not None, "the body is given by halfspaces"
+    assert body.offsets is not None, "halfspaces have offsets"
+    chosen, weights = list(multipliers), np.array(list(multipliers.values()))
+    rounding = 2 * (len(weights) + 4) * UNIT
+    size = weights @ np.abs(body.normals[chosen])
+    error = rounding * float(size @ body.reach + weights @ np.abs(body.offsets[chosen]))
+    return weights @ body.normals[chosen], float(weights @ body.offsets[chosen]), error
 
 
 def _in_host_frame(vertices: Floats, reach: Floats, pose: Affine, host: Affine) -> tuple[Floats, float]:

@@ -262,7 +262,7 @@ class _Builder:
         for mask in masks:
             faces = step.faces_beyond(mask)
             numbers.append(self._add(faces, step.depth, len(faces) <= _CONE_SHRINKS * len(step.faces)))
-        inverses = _inverses(step.hull.normals[simplices])
+        inverses = np.linalg.inv(step.hull.normals[simplices].transpose(0, 2, 1)).astype(np.float32)
         self.nbytes += inverses.nbytes + 4 * len(simplices) + _NODE_BYTES
         return Cones(inverses, np.array(numbers, dtype=np.int32)[which.ravel()])
 
@@ -307,7 +307,9 @@ class _Step:
         simplices, corners = self._triangulated_polar
         found = simplices[corners == corner]
         at_corner = np.isin(found, self.facets_at(corner)).all(axis=1)
-        return np.asarray(found[at_corner])
+        found = found[at_corner]
+        has_volume = np.abs(np.linalg.det(self.hull.normals[found])) > FLAT
+        return np.asarray(found[has_volume])
 
     @cached_property
     def _triangulated_polar(self) -> tuple[Ints, Ints]:
@@ -316,13 +318,3 @@ class _Step:
         polar_hull = convex_hull(polars)
         heights = polar_hull.normals @ (self.net[self.hull.vertices] - inside).T
         return polar_hull.simplices, self.hull.vertices[np.argmax(heights, axis=1)]
-
-
-def _inverses(normals: Floats) -> NDArray[np.float32]:
-    """Inverses of the matrices whose columns are the normals; zeros of flat ones, which are never needed."""
-    columns = normals.transpose(0, 2, 1)
-    flat = np.abs(np.linalg.det(columns)) < FLAT
-    columns = np.where(flat[:, None, None], np.eye(columns.shape[1]), columns)
-    inverses = np.linalg.inv(columns).astype(np.float32)
-    inverses[flat] = -np.inf
-    return np.nan_to_num(inverses, neginf=-3e38)
