@@ -339,4 +339,6 @@ def test_hulls_of_halfspaces_and_points_agree():
     hull = ConvexHull(points)
     body = ndim.Polytope.from_halfspaces(hull.equations[:, :-1], -hull.equations[:, -1])
     assert len(body.points) == len(hull.vertices)
-    assert (np.abs(body.points) <= body.reach + 1e-12).all()
+    assert (body.points >= body.box[0] - 1e-12).all()
+    assert (body.points <= body.box[1] + 1e-12).all()
+    np.testing.assert_allclose(body.box, [points.min(axis=0), points.max(axis=0)], atol=1e-9)

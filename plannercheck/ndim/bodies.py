@@ -89,7 +89,7 @@ class Polytope:
         found = halfspaces.examine(normals, offsets, name)
         self.vertices = None
         self.normals, self.offsets = _read_only(normals), _read_only(offsets)
-        self.box = np.array([-found.reach, found.reach])
+        self.box = found.box
         self.__dict__["centre"] = found.centre
         self.has_inside = found.has_inside
         return self

@@ -11,6 +11,7 @@ coordinate is at most max b·μ / (1 - residual). Where that fails, integers dec
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -36,12 +37,12 @@ class Examined:
     Attributes:
         centre: Of a largest ball inside (d,), rounded.
         has_inside: Whether that ball is clearly larger than a point.
-        reach: No coordinate is larger in size (d,), proved.
+        box: (2, d): no point is outside, proved.
     """
 
     centre: Floats
     has_inside: bool
-    reach: Floats
+    box: Floats
 
 
 def examine(normals: Floats, offsets: Floats, name: str) -> Examined:
@@ -55,12 +56,13 @@ def examine(normals: Floats, offsets: Floats, name: str) -> Examined:
     Returns:
         What is known; raises PlannercheckError if the body is empty or unbounded.
     """
-    reach = _reach(normals, offsets, name)
+    box = _box(normals, offsets, name)
+    reach = float(np.abs(box).max())
     centre, radius = _chebyshev(normals, offsets)
-    has_inside = radius > _INSIDE * max(float(reach), 1e-300) and bool((normals @ centre < offsets).all())
+    has_inside = radius > _INSIDE * max(reach, 1e-300) and bool((normals @ centre < offsets).all())
     if not has_inside:
         centre = _some_point(normals, offsets, centre, name)
-    return Examined(centre, has_inside, np.full(normals.shape[1], reach))
+    return Examined(centre, has_inside, box)
 
 
 def lengths(normals: Floats) -> Floats:
@@ -100,40 +102,49 @@ def _some_point(normals: Floats, offsets: Floats, guess: Floats, name: str) -> F
     return np.array([x / found.denominator for x in found.point])
 
 
-def _reach(normals: Floats, offsets: Floats, name: str) -> float:
-    """The largest size of a coordinate, at least; the error that names a ray if there is none."""
+def _box(normals: Floats, offsets: Floats, name: str) -> Floats:
+    """A box around the body (2, d); the error that names a ray if there is none."""
     d = normals.shape[1]
     sizes = lengths(normals)
-    residuals, heights = [], []
-    for unit in np.concatenate([np.eye(d), -np.eye(d)]):
-        scaled, _ = optimisation().nnls((normals / sizes[:, None]).T, unit)
-        weights = scaled / sizes
+    residuals, heights = np.zeros(2 * d), np.zeros(2 * d)
+    for k, unit in enumerate(np.concatenate([np.eye(d), -np.eye(d)])):
+        weights = _multipliers(normals / sizes[:, None], offsets / sizes, unit) / sizes
         used = np.flatnonzero(weights)
         rounding = 2 * (len(used) + 4) * UNIT
         residual = np.abs(weights[used] @ normals[used] - unit) + rounding * (weights[used] @ np.abs(normals[used]) + 1)
-        residuals.append(float(residual.sum()))
-        heights.append(float(weights[used] @ offsets[used] + rounding * (weights[used] @ np.abs(offsets[used]))))
-    if max(residuals) < 0.5:
-        # Rounded up generously: this only bounds.
-        return max(0.0, (max(heights) + UNDERFLOW) / (1 - max(residuals)) * (1 + 1e-12))
-    return _exact_reach(normals, offsets, name)
+        residuals[k] = residual.sum()
+        heights[k] = weights[used] @ offsets[used] + rounding * (weights[used] @ np.abs(offsets[used]))
+    if residuals.max() < 0.5:
+        reach = max(0.0, float(heights.max()) / (1 - float(residuals.max())))
+        heights += residuals * reach
+    else:
+        heights = _exact_heights(normals, offsets, name)
+    # Rounded outwards generously: this only bounds.
+    heights += 1e-12 * np.abs(heights) + UNDERFLOW
+    return np.array([-heights[d:], heights[:d]])
 
 
-def _exact_reach(normals: Floats, offsets: Floats, name: str) -> float:
+def _multipliers(normals: Floats, offsets: Floats, unit: Floats) -> Floats:
+    """Multipliers μ ≥ 0 with A'μ about a unit direction and b·μ least; all 0 if the linear program finds none."""
+    answer = optimisation().linprog(-unit, A_ub=normals, b_ub=offsets, bounds=(None, None))
+    return np.zeros(len(offsets)) if answer.status != 0 else np.maximum(-np.asarray(answer.ineqlin.marginals), 0.0)
+
+
+def _exact_heights(normals: Floats, offsets: Floats, name: str) -> Floats:
+    """Bounds of the 2 d coordinates ±x_k, from exact multipliers."""
     d = normals.shape[1]
     columns, unit = matrix_of(normals)
-    scale = 2.0**unit
-    heights = []
+    heights = np.zeros(2 * d)
     for k in range(2 * d):
         right = [0] * d
         right[k % d] = 1 if k < d else -1
         answer = solve(columns, right)
         if isinstance(answer, Farkas):
             raise PlannercheckError(_unbounded(answer, name))
-        weights = {j: w / answer.denominator / scale for j, w in answer.weights.items()}
-        heights.append(sum(w * float(offsets[j]) for j, w in weights.items()))
-        heights.append(heights[-1] + 1e-12 * sum(abs(w * float(offsets[j])) for j, w in weights.items()))
-    return max(0.0, *heights) * (1 + 1e-12)
+        scale = answer.denominator * Fraction(2) ** unit
+        exact = sum((w * Fraction(float(offsets[j])) for j, w in answer.weights.items()), Fraction(0)) / scale
+        heights[k] = float(exact)
+    return heights
 
 
 def _unbounded(answer: Farkas, name: str) -> str:

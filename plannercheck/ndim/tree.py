@@ -315,6 +315,10 @@ class _Step:
     def _triangulated_polar(self) -> tuple[Ints, Ints]:
         inside = self.net[self.hull.vertices].mean(axis=0)
         polars = self.hull.normals / (self.hull.offsets - self.hull.normals @ inside)[:, None]
-        polar_hull = convex_hull(polars)
+        try:
+            polar_hull = convex_hull(polars)
+        except FlatError:  # qhull gives up on some polars; stars, which need none, are valid, too
+            none = np.zeros((0, polars.shape[1]), dtype=np.int32)
+            return none, none[:, 0]
         heights = polar_hull.normals @ (self.net[self.hull.vertices] - inside).T
         return polar_hull.simplices, self.hull.vertices[np.argmax(heights, axis=1)]
