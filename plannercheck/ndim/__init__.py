@@ -15,10 +15,10 @@ Departures, and why the bounds hold. General position by simulation of simplicit
 facets, and nothing relies on the trees being right. The text's pruning leaves out a body strictly inside the other;
 `walk` asks for that first, one more walk of O(log n). The certificate of O(log n) hyperplanes proves that the bodies
 are apart only all together; so from them one hyperplane is computed, which `verify` can check by itself. In theory the
-last step is a game of O(log n) constant size; here it is a scan of all vertices with a proven error bound, or
-integers, because at the sizes whose trees fit in memory a scan costs less than one level of a walk in Python. So rounds and
-visited vertices of the walk grow with the logarithm, the time of a query does not show it: `Effort` counts both parts
-apart, and tests/benchmarks/ndim.py prints them.
+last step is a game of O(log n) constant size; here it is a scan of all vertices with a proven error bound, or integers,
+as a scan in NumPy costs no more than a level or two of a walk in Python at most sizes whose trees fit in memory. So
+rounds and visited vertices of the walk grow with the logarithm, but the time of a query does not show it: `Effort`
+counts both parts apart, and tests/benchmarks/ndim.py prints them.
 
 Which method: `oracle` needs no preparation and is what to take for few queries, many dimensions or many vertices. Trees
 take seconds to minutes and megabytes to build (the same script prints them).

@@ -24,7 +24,7 @@ Ints = NDArray[np.int32]
 # Bytes for the trees of one body.
 DEFAULT_MEMORY = 256 << 20
 # Bytes of a facet and dimension on the way through qhull and a tree's building, about.
-_FACET_BYTES = 100
+_FACET_BYTES = 64
 # Points of the two samples from whose facets the hull's are estimated.
 _SAMPLES = (64, 128)
 # A hull is thin if a facet is nearer to the centre than this part of its size; its polar would mean nothing.

@@ -128,18 +128,17 @@ class _Simplex:
     def __init__(self, columns: Sequence[Sequence[int]], right: Sequence[int]) -> None:
         height, self.width = len(right), len(columns)
         self.signs = [-1 if value < 0 else 1 for value in right]
+        # Where a slack can start in the basis, no artificial column is needed.
+        slacks = {row: k for k, column in enumerate(columns) if (row := _unit_row(column)) is not None}
+        artificial = [r for r in range(height) if self.signs[r] < 0 or r not in slacks]
+        self.starts = [slacks[r] if r not in artificial else self.width + artificial.index(r) for r in range(height)]
         self.rows: Matrix = [
-            [
-                *(sign * column[r] for column in columns),
-                *(int(k == r) for k in range(height)),
-                sign * right[r],
-            ]
+            [*(sign * column[r] for column in columns), *(int(k == r) for k in artificial), sign * right[r]]
             for r, sign in enumerate(self.signs)
         ]
-        sums = [-sum(column) for column in zip(*self.rows, strict=True)]
-        sums[self.width : self.width + height] = [0] * height
-        self.rows.append(sums)
-        self.basis = list(range(self.width, self.width + height))
+        sums = [-sum(self.rows[r][k] for r in artificial) for k in range(self.width)]
+        self.rows.append([*sums, *(0 for _ in artificial), -sum(self.rows[r][-1] for r in artificial)])
+        self.basis = list(self.starts)
         self.denominator = 1
 
     def run(self) -> Mix | Farkas:
@@ -177,7 +176,17 @@ class _Simplex:
         return Mix(weights, self.denominator)
 
     def _proof(self) -> Farkas:
+        # The cost of an artificial column is 1, of a slack 0.
         costs = self.rows[-1]
         return Farkas(
-            [sign * (self.denominator - costs[self.width + r]) for r, sign in enumerate(self.signs)],
+            [
+                sign * ((self.denominator if start >= self.width else 0) - costs[start])
+                for sign, start in zip(self.signs, self.starts, strict=True)
+            ]
         )
+
+
+def _unit_row(column: Sequence[int]) -> int | None:
+    """The place of the only entry that is not 0, if it is 1."""
+    places = [r for r, x in enumerate(column) if x]
+    return places[0] if len(places) == 1 and column[places[0]] == 1 else None
