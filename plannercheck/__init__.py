@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from plannercheck.errors import PlannercheckError
 
 if TYPE_CHECKING:
+    import plannercheck.ndim as ndim
     import plannercheck.ompl as ompl
     from plannercheck.certificates import Separation as Separation
     from plannercheck.certificates import SharedPoint as SharedPoint
@@ -39,7 +40,7 @@ _HOMES = {
     "certify": "pair",
     "intersects": "pair",
 }
-_MODULES = ("ompl",)
+_MODULES = ("ndim", "ompl")
 
 __all__ = [
     "Checker",
@@ -54,6 +55,7 @@ __all__ = [
     "__version__",
     "certify",
     "intersects",
+    "ndim",
     "ompl",
 ]
 

@@ -41,9 +41,26 @@ CALLABLES = {
     "intersects": ["P", "R", "pose_p", "pose_r", "method"],
     "certify": ["P", "R", "pose_p", "pose_r", "method"],
     "ompl.setup": ["checker"],
+    "ndim.Polytope": ["vertices", "memory"],
+    "ndim.Polytope.from_halfspaces": ["A", "b", "memory"],
+    "ndim.intersects": ["P", "R", "pose_p", "pose_r", "method"],
+    "ndim.certify": ["P", "R", "pose_p", "pose_r", "method"],
+    "ndim.overlap_graph": ["regions"],
 }
 PROPERTIES = ("nq", "lower", "upper", "joint_names", "link_names")
-HEAVY = ("pinocchio", "ompl", "coal", "fcl", "yaml", "rich", "hypothesis", "matplotlib", "plannercheck.ompl")
+HEAVY = (
+    "pinocchio",
+    "ompl",
+    "coal",
+    "fcl",
+    "yaml",
+    "rich",
+    "hypothesis",
+    "matplotlib",
+    "scipy",
+    "plannercheck.ompl",
+    "plannercheck.ndim",
+)
 
 
 def python(code):
@@ -89,7 +106,8 @@ def test_a_polytope_needs_no_robotics():
 
 
 def test_submodules_load_on_first_use():
-    assert python("import plannercheck; print(plannercheck.ompl.__name__)") == "plannercheck.ompl"
+    for name in ("ndim", "ompl"):
+        assert python(f"import plannercheck; print(plannercheck.{name}.__name__)") == f"plannercheck.{name}"
 
 
 def test_versions_agree():

@@ -1,0 +1,103 @@
+"""Where a body is: any invertible affine map x ↦ M x + t, in doubles that are taken as exact.
+
+In: None, a (d + 1, d + 1) matrix, or a pair (M, t). Out: `Affine`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.errors import PlannercheckError
+from plannercheck.ndim.integers import inverse, matrix_of
+
+Floats = NDArray[np.float64]
+Pose: TypeAlias = ArrayLike | tuple[ArrayLike, ArrayLike] | None
+
+# Larger numbers could overflow in products of three.
+LARGEST = 1e50
+# Below this reciprocal of the condition number doubles don't tell whether a map is invertible.
+_CLEARLY_INVERTIBLE = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class Affine:
+    """The map x ↦ M x + t.
+
+    Attributes:
+        matrix: M (d, d).
+        shift: t (d,).
+        is_identity: Whether it maps nothing.
+    """
+
+    matrix: Floats
+    shift: Floats
+    is_identity: bool
+
+    def of(self, points: Floats) -> Floats:
+        """Points (n, d) mapped, rounded."""
+        return points if self.is_identity else points @ self.matrix.T + self.shift
+
+    def of_rounding(self, reach: Floats) -> Floats:
+        """|M| reach + |t| (d,): times a few roundings, how far `of` can be wrong."""
+        return np.asarray(np.abs(self.matrix) @ reach + np.abs(self.shift))
+
+
+@lru_cache(maxsize=16)
+def identity(dimension: int) -> Affine:
+    """The map that moves nothing."""
+    return Affine(np.eye(dimension), np.zeros(dimension), True)
+
+
+def affine_of(pose: Pose, dimension: int, name: str) -> Affine:
+    """Reads a pose.
+
+    Args:
+        pose: None, (d + 1, d + 1), or M (d, d) and t (d,).
+        dimension: d.
+        name: What errors call it.
+
+    Returns:
+        The map.
+    """
+    if pose is None:
+        return identity(dimension)
+    matrix, shift = _split(pose, dimension, name)
+    if not (np.isfinite(matrix).all() and np.isfinite(shift).all()):
+        raise PlannercheckError(f"{name} holds NaN or infinity: finite numbers are expected")
+    if max(np.abs(matrix).max(), np.abs(shift).max()) > LARGEST:
+        raise PlannercheckError(f"{name} holds numbers beyond {LARGEST:g} in size")
+    _check_invertible(matrix, name)
+    return Affine(np.ascontiguousarray(matrix), np.ascontiguousarray(shift), False)
+
+
+def _split(pose: Any, d: int, name: str) -> tuple[Floats, Floats]:
+    wanted = f"{name} must be None, a ({d + 1}, {d + 1}) matrix, or a ({d}, {d}) matrix and a ({d},) translation"
+    try:
+        if isinstance(pose, tuple) and len(pose) == 2:
+            matrix, shift = (np.array(part, dtype=np.float64) for part in pose)
+            if matrix.shape == (d, d) and shift.shape == (d,):
+                return matrix, shift
+            raise PlannercheckError(f"{wanted}, not {matrix.shape} and {shift.shape}")
+        whole = np.array(pose, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, PlannercheckError):
+            raise
+        raise PlannercheckError(f"{wanted}: {error}") from error
+    if whole.shape != (d + 1, d + 1):
+        raise PlannercheckError(f"{wanted}, not {whole.shape}")
+    if whole[d, :d].any() or whole[d, d] != 1:
+        raise PlannercheckError(f"{name}: the last row of an affine map is 0 … 0 1, not {whole[d].tolist()}")
+    return whole[:d, :d], whole[:d, d]
+
+
+def _check_invertible(matrix: Floats, name: str) -> None:
+    sizes = np.linalg.svd(matrix, compute_uv=False)
+    if sizes[-1] > _CLEARLY_INVERTIBLE * sizes[0] > 0:
+        return
+    if inverse(matrix_of(matrix)[0]) is None:
+        raise PlannercheckError(f"{name} is singular: an invertible map is expected")

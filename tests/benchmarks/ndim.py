@@ -1,0 +1,215 @@
+"""Any dimension, measured: `python tests/benchmarks/ndim.py agreement|rounds|speed|trees [--pairs 100000] [--seed 0]`.
+
+agreement: random and near-touching pairs in dimensions 2 to 6, by points and by halfspaces, against a linear program
+(HiGHS through SciPy); pairs that it finds close are confirmed by integers alone, whose certificate is verified in
+fractions. rounds: of the walk through the trees, and vertices it visits, against n. speed: a query against the
+linear program's feasibility question. trees: memory, depth and seconds of preparation.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import linprog
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from ndim_pairs import depth, near_poses, random_body, random_pose
+
+from plannercheck import ndim
+
+DIMENSIONS = (2, 3, 4, 5, 6)
+# Least weights and depths above this are clear: HiGHS keeps 1e-7.
+CLEAR = 1e-5
+# Part of the pairs that are near contact.
+NEAR = 0.25
+# Pairs of poses for each pair of bodies.
+POSES = 10
+
+
+def agreement(pairs: int, seed: int) -> None:
+    """Prints how many pairs were judged, how, and how many verdicts were wrong, a hundred times on the way."""
+    rng = np.random.default_rng(seed)
+    counts = {d: Counter() for d in DIMENSIONS}
+    for part in range(1, 101):
+        for d, count in counts.items():
+            while count["pairs"] < pairs * part // (100 * len(DIMENSIONS)):
+                judge_bodies(rng, d, count)
+        show_agreement(counts)
+
+
+def show_agreement(counts: dict[int, Counter]) -> None:
+    """Prints the table so far."""
+    print("dimension    pairs   near   confirmed exactly   shared   by integers   wrong (oracle)   wrong (trees)")
+    for d, count in [*counts.items(), ("all", sum(counts.values(), Counter()))]:
+        print(
+            f"{d!s:>9s}  {count['pairs']:7d} {count['near']:6d}   {count['confirmed']:17d}   {count['shared']:6d}   "
+            f"{count['integers']:11d}   {count['wrong oracle']:14d}   {count['wrong tree']:13d}",
+            flush=True,
+        )
+
+
+def judge_bodies(rng: np.random.Generator, d: int, count: Counter) -> None:
+    """Two bodies at ten pairs of poses, some of them near contact."""
+    first, second = random_body(rng, d), random_body(rng, d)
+    for _ in range(POSES):
+        near = rng.random() < NEAR
+        count["near"] += near
+        if near:
+            judge(first, second, near_poses(rng, first, second, d), count)
+        else:
+            poses = random_pose(rng, d, rng.uniform(0, 3), affine=True), random_pose(rng, d, rng.uniform(0, 1))
+            judge(first, second, poses, count)
+
+
+def judge(first, second, poses, count: Counter) -> None:
+    """One pair, with both methods."""
+    clear = depth(first, second, *poses)
+    count["pairs"] += 1
+    if abs(clear) > CLEAR:
+        truth = clear > 0
+    else:
+        certificate = ndim.certify(first.polytope, second.polytope, *poses, method="exact")
+        assert certificate.verify()
+        truth = certificate.shares
+        count["confirmed"] += 1
+    count["shared"] += truth
+    for method in ("oracle", "tree"):
+        shares, effort = ndim.verdict(first.polytope, second.polytope, *poses, method=method)
+        count[f"wrong {method}"] += shares != truth
+        count["integers"] += method == "oracle" and effort.proof == "exact"
+
+
+def sphere(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Points of the unit sphere (n, d)."""
+    points = rng.normal(size=(n, d))
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
+def touching_pose(rng: np.random.Generator, p: np.ndarray, r: np.ndarray, gap: float):
+    """A pose of p at a gap from r along a random direction, by the true distance of a vertex pair's supports."""
+    matrix, _ = random_pose(rng, p.shape[1], 0.0)
+    u = rng.normal(size=p.shape[1])
+    u /= np.linalg.norm(u)
+    moved = p @ matrix.T
+    low, high = moved[(moved @ u).argmin()], r[(r @ u).argmax()]
+    return matrix, high - low + gap * u
+
+
+SIZES = {
+    2: (100, 1000, 10_000, 100_000),
+    3: (100, 1000, 10_000),
+    4: (30, 100, 300, 1000),
+    5: (50, 100, 200),
+    6: (30, 60),
+}
+
+
+def rounds(seed: int, queries: int = 200) -> None:
+    """Prints rounds and vertices visited by the walk."""
+    print("dimension       n    m (polar)   depths   rounds mean / worst   visited mean / worst   rounds of the oracle")
+    for d, sizes in SIZES.items():
+        for n in sizes:
+            rng = np.random.default_rng(seed)
+            p, r = sphere(rng, n, d), sphere(rng, n, d)
+            P, R = ndim.Polytope(p, memory=1 << 30), ndim.Polytope(r, memory=1 << 30)
+            efforts, oracle = [], []
+            for k in range(queries):
+                pose = touching_pose(rng, p, r, (1e-3, -1e-3, 1e-1, -1e-1)[k % 4])
+                efforts.append(ndim.verdict(P, R, pose, method="tree")[1])
+                oracle.append(ndim.verdict(P, R, pose, method="oracle")[1].rounds)
+            walked, visited = ([getattr(e, name) for e in efforts] for name in ("rounds", "visited"))
+            depths = f"{P.tree.depth} + {R.polar_tree.depth}{'' if P.uses_tree and R.uses_tree else ' cut'}"
+            print(
+                f"{d:9d} {n:7d}   {len(R.polar_tree.points):10d}   {depths:>6s}   {np.mean(walked):11.1f} / "
+                f"{max(walked):5d}   {np.mean(visited):12.0f} / {max(visited):5d}   {np.mean(oracle):12.1f}",
+                flush=True,
+            )
+
+
+def feasible_by_program(p: np.ndarray, r: np.ndarray, pose) -> bool:
+    """Whether mixtures of both are the same point, by HiGHS."""
+    matrix, shift = pose
+    d, n = p.shape[1], len(p)
+    rows = np.zeros((d + 2, n + len(r)))
+    rows[:d, :n], rows[:d, n:] = (p @ matrix.T + shift).T, -r.T
+    rows[d, :n] = rows[d + 1, n:] = 1.0
+    right = np.append(np.zeros(d), [1.0, 1.0])
+    return linprog(np.zeros(n + len(r)), A_eq=rows, b_eq=right, bounds=(0, None), method="highs").status == 0
+
+
+def speed(seed: int, queries: int = 40) -> None:
+    """Prints ms a query: minima of two interleaved passes, means over queries."""
+    print("dimension       n   gap       program   oracle   trees   (ms)      program / oracle   program / trees")
+    for d in DIMENSIONS:
+        for n in (100, 1000, 10_000):
+            rng = np.random.default_rng(seed)
+            p, r = sphere(rng, n, d), sphere(rng, n, d)
+            P, R = ndim.Polytope(p), ndim.Polytope(r)
+            trees = n in SIZES[d] and P.uses_tree and R.uses_tree
+            for gap in (0.1, 1e-4, -0.1):
+                poses = [touching_pose(rng, p, r, gap) for _ in range(queries)]
+                ways = {
+                    "program": partial(feasible_by_program, p, r),
+                    "oracle": partial(ndim.intersects, P, R, method="oracle"),
+                }
+                if trees:
+                    ways["trees"] = partial(ndim.intersects, P, R, method="tree")
+                best = {name: np.full(queries, np.inf) for name in ways}
+                for name in [*ways, *reversed(ways)]:
+                    for k, pose in enumerate(poses):
+                        start = time.perf_counter()
+                        ways[name](pose)
+                        best[name][k] = min(best[name][k], time.perf_counter() - start)
+                ms = {name: 1e3 * float(values.mean()) for name, values in best.items()}
+                tree = f"{ms['trees']:7.2f}" if trees else "      -"
+                ratio = f"{ms['program'] / ms['trees']:15.1f}" if trees else "              -"
+                print(
+                    f"{d:9d} {n:7d}   {gap:6.0e}   {ms['program']:8.2f} {ms['oracle']:8.2f} {tree}"
+                    f"             {ms['program'] / ms['oracle']:16.1f}   {ratio}",
+                    flush=True,
+                )
+
+
+def trees(seed: int) -> None:
+    """Prints what the trees of round bodies take."""
+    print(
+        "dimension       n   tree: nodes  depth  largest leaf   polar: points  nodes  depth  largest leaf     MB      s"
+    )
+    for d, sizes in SIZES.items():
+        for n in sizes:
+            start = time.perf_counter()
+            body = ndim.Polytope(sphere(np.random.default_rng(seed), n, d))
+            if not body.uses_tree:
+                print(f"{d:9d} {n:7d}   {body.tree_note} ({time.perf_counter() - start:.1f} s)", flush=True)
+                continue
+            tree, polar = body.tree, body.polar_tree
+            print(
+                f"{d:9d} {n:7d}   {len(tree.nodes):11d}  {tree.depth:5d}  {tree.largest_leaf:12d}   "
+                f"{len(polar.points):13d}  {len(polar.nodes):5d}  {polar.depth:5d}  {polar.largest_leaf:12d}  "
+                f"{body.tree_bytes / 2**20:6.1f} {time.perf_counter() - start:6.1f}",
+                flush=True,
+            )
+
+
+def main() -> None:
+    """Runs one of the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("table", choices=("agreement", "rounds", "speed", "trees"))
+    parser.add_argument("--pairs", type=int, default=100_000)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    if options.table == "agreement":
+        agreement(options.pairs, options.seed)
+    else:
+        {"rounds": rounds, "speed": speed, "trees": trees}[options.table](options.seed)
+
+
+if __name__ == "__main__":
+    main()
