@@ -19,8 +19,8 @@ from plannercheck.shapes import Box, Capsule
 
 Floats = NDArray[np.float64]
 
-# Steps towards the furthest point: the ball is within about a per cent of the least (Badoiu and Clarkson).
-_STEPS = 128
+# Steps towards the furthest point: the ball is within some per cent of the least (Badoiu and Clarkson).
+_STEPS = 32
 # Everything grows by this part, far above rounding.
 _GROWTH = 1e-9
 _SMALLEST = 1e-9  # m; a box needs some thickness
@@ -88,7 +88,9 @@ def _cut(cell: Polytope, side: Floats) -> Floats:
         edges = np.concatenate([cell.faces[:, [0, 1]], cell.faces[:, [1, 2]], cell.faces[:, [2, 0]]])
     else:  # of a flat body all diagonals will do: their cuts lie between those of the edges
         edges = np.stack(np.triu_indices(len(cell.vertices), 1), axis=1)
-    crossing = edges[(side[edges[:, 0]] < 0) & (side[edges[:, 1]] > 0) | (side[edges[:, 0]] > 0) & (side[edges[:, 1]] < 0)]
+    crossing = edges[
+        (side[edges[:, 0]] < 0) & (side[edges[:, 1]] > 0) | (side[edges[:, 0]] > 0) & (side[edges[:, 1]] < 0)
+    ]
     a, b = crossing.T
     part = (side[a] / (side[a] - side[b]))[:, None]
     return np.asarray(cell.vertices[a] + part * (cell.vertices[b] - cell.vertices[a]))
@@ -113,7 +115,7 @@ def capsule_around(body: Polytope) -> tuple[Capsule, Floats]:
 
 
 def _capsule_along(body: Polytope, axes: Floats) -> tuple[Capsule, Floats]:
-    """Along the third axis: a ball around the points seen along it gives axis and radius, the ends are moved inwards."""
+    """Along the third axis: a ball around the points seen along it gives axis and radius; the ends move inwards."""
     along = body.vertices @ axes
     seen = _ball(along * [1, 1, 0], 0.0)
     reach = np.sqrt(np.maximum(seen[3] ** 2 - ((along[:, :2] - seen[:2]) ** 2).sum(axis=1), 0))

@@ -9,15 +9,16 @@ on below that, by the same rule, down to a tetrahedron.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bench.distances import heights, planes
 from plannercheck.hull import Polytope
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Exact = NDArray[np.object_]
 
 # As in cpp/hierarchy.hpp: vertices of at most this degree are removed.
 _REMOVED_DEGREE = 8
@@ -25,6 +26,8 @@ _REMOVED_DEGREE = 8
 _FEWEST = 4
 # Outer bodies grow by this part, far above the rounding of their corners: they do contain.
 _GROWTH = 1e-12
+# Outer bodies that reach out further than this times the body's radius are of no use.
+_LONGEST = 4.0
 
 
 def inner_levels(body: Polytope) -> list[Polytope]:
@@ -85,13 +88,25 @@ def _without_independent(hull: Polytope) -> Ints:
 
 
 def _bounded_by(polar_points: Floats, body: Polytope) -> Polytope | None:
-    """The body {x: q·(x − centre) <= 1 for these polar points q}; None if it is unbounded."""
+    """The body {x: q·(x − centre) <= 1 for these polar points q}; None if it is unbounded, or so long as to be useless.
+
+    Nearly equal facets make corners that doubles can't tell: they are computed in fractions.
+    """
     dual = Polytope(polar_points)
-    normals, offsets = planes(dual)
+    exact = np.array([[Fraction(x) for x in row] for row in dual.vertices.tolist()], dtype=object)
+    a, b, c = (exact[dual.faces[:, k]] for k in range(3))
+    normals = _cross(b - a, c - a)
+    offsets = (normals * a).sum(axis=1)
     if offsets.min() <= 0:
         return None
-    corners = normals / offsets[:, None]
-    outer = Polytope(body.centre + corners)
-    excess = max(0.0, float(heights(body.vertices, outer).max()))
-    room = float(-heights(body.centre[None], outer)[0])
-    return Polytope(body.centre + corners * (1 + _GROWTH + 2 * excess / room))
+    corners = np.array(normals / offsets[:, None], dtype=np.float64)
+    if np.linalg.norm(corners, axis=1).max() > _LONGEST * body.core.radius:
+        return None
+    return Polytope(body.centre + corners * (1 + _GROWTH))
+
+
+def _cross(a: Exact, b: Exact) -> Exact:
+    """Cross products (n, 3), for any kind of numbers."""
+    x, y, z = range(3)
+    columns = [a[:, i] * b[:, k] - a[:, k] * b[:, i] for i, k in ((y, z), (z, x), (x, y))]
+    return np.stack(columns, axis=1)

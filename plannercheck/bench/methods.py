@@ -7,6 +7,7 @@ for the robot's bodies only, obstacles stay as they are. How far a stand-in is o
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -74,7 +75,7 @@ def methods(checker: Checker) -> Iterator[Method]:
 
 
 def _exact(checker: Checker) -> Iterator[Method]:
-    build = partial(Checker, checker.robot, checker.scene)
+    build = partial(_stand_in_checker, checker, {})
     batch = Method("plannercheck, batch", "exact", "check_states", build, _none_off, _by_batch)
     yield batch
     yield replace(
@@ -147,7 +148,9 @@ def _as_hull(body: Body, polytope: Polytope) -> Body:
 
 def _stand_in_checker(checker: Checker, stand_ins: dict[int, Body]) -> Checker:
     bodies = [stand_ins.get(k, body) for k, body in enumerate(checker.bodies)]
-    return Checker(checker.robot, checker.scene, bodies=bodies)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of resting pairs, which the exact checker has given
+        return Checker(checker.robot, checker.scene, bodies=bodies)
 
 
 def _hausdorff(checker: Checker, chosen: dict[int, Polytope], side: str, built: Any) -> float:
@@ -166,8 +169,8 @@ def _spheres(checker: Checker, count: int) -> Method:
 
     def error(built: SphereModel) -> float:
         off = []
-        for _, polytope in _own(checker):
-            balls = balls_around(polytope, [count])[count]
+        for k, polytope in _own(checker):
+            balls = built.covers[k]
             if polytope.dimension == 3:
                 radii = balls[:, 3] - polytope.swell + built.margin
                 off.append(furthest_of_balls(balls[:, :3], radii, polytope))

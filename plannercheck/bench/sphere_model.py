@@ -31,7 +31,8 @@ class SphereModel:
     """Judges configurations of a robot made of balls.
 
     Attributes:
-        margin: What the balls grow by, m.
+        covers: The balls (k, 4) of each body, as given.
+        margin: What they grow by, m.
     """
 
     def __init__(self, checker: Checker, covers: Mapping[int, Floats]) -> None:
@@ -41,6 +42,7 @@ class SphereModel:
             checker: Whose pairs are judged.
             covers: Balls (k, 4), centre and radius in m, in the frame of each of the robot's bodies that a pair needs.
         """
+        self.covers = covers
         self._kinematics = checker.robot.kinematics
         self.margin = _FLOAT_ERROR * _largest_coordinate(checker)
         own = sorted(covers)
@@ -84,7 +86,7 @@ def _largest_coordinate(checker: Checker) -> float:
 
 def _with_bound(balls: Floats, margin: float) -> Floats:
     """A ball around all, and then the balls."""
-    balls = balls + [0, 0, 0, margin]
+    balls = np.column_stack([balls[:, :3], balls[:, 3] + margin])
     centre = np.average(balls[:, :3], axis=0, weights=balls[:, 3])
     radius = (np.linalg.norm(balls[:, :3] - centre, axis=1) + balls[:, 3]).max()
     return np.vstack([np.append(centre, radius + margin), balls])
