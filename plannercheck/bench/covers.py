@@ -1,8 +1,8 @@
 """Simple bodies around convex ones: balls, a capsule, a box. They contain the body, so they never miss a collision.
 
 In: a prepared body. Out: balls (k, 4) of centre and radius, a posed capsule or a posed box, in the body's frame, m.
-Balls: the body is cut in two across its longest extent, then whichever part has the largest ball around it, and so on;
-the parts make up the body, so their balls cover it. Boxes and capsules lie along the frame's axes or the principal
+Balls: the body is cut in two across its longest extent, then whichever part's ball sticks out furthest, and so on; the
+parts make up the body, so their balls cover it. Boxes and capsules lie along the frame's axes or the principal
 ones, whichever takes less volume.
 """
 
@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bench.distances import heights
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
 from plannercheck.shapes import Box, Capsule
@@ -45,15 +46,23 @@ def balls_around(body: Polytope, counts: Sequence[int]) -> dict[int, Floats]:
 def _refined(body: Polytope, most: int) -> Iterator[Floats]:
     cells = [body]
     balls = [_ball(body.vertices, body.swell)]
+    excess = [_excess(body, balls[0])]
     yield np.array(balls)
     while len(cells) < most:
-        widest = int(np.argmax([ball[3] for ball in balls]))
-        parts = _halves(cells[widest])
+        worst = int(np.argmax(excess))
+        parts = _halves(cells[worst])
         if parts is None:
             return
-        cells[widest : widest + 1] = parts
-        balls[widest : widest + 1] = [_ball(part.vertices, body.swell) for part in parts]
+        within = slice(worst, worst + 1)
+        cells[within] = parts
+        balls[within] = [_ball(part.vertices, body.swell) for part in parts]
+        excess[within] = [_excess(body, ball) for ball in balls[worst : worst + len(parts)]]
         yield np.array(balls)
+
+
+def _excess(body: Polytope, ball: Floats) -> float:
+    """How far a ball sticks out of a body, up to its swell; of a flat body the radius will do."""
+    return float(ball[3] + (heights(ball[None, :3], body)[0] if len(body.faces) else 0.0))
 
 
 def _ball(points: Floats, swell: float) -> Floats:

@@ -8,7 +8,7 @@ for the robot's bodies only, obstacles stay as they are. How far a stand-in is o
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -30,6 +30,9 @@ from plannercheck.shapes import Body, Hull
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl"]
+
+# All but the exact ones, which are always there.
+KINDS: tuple[Kind, ...] = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl")
 
 # Balls a body.
 BALL_COUNTS = (1, 4, 16, 64)
@@ -62,16 +65,23 @@ class Method:
     prepare: Callable[[Floats], Any] = np.asarray
 
 
-def methods(checker: Checker) -> Iterator[Method]:
-    """All methods, the exact ones first."""
+def methods(checker: Checker, kinds: Iterable[Kind] = KINDS) -> Iterator[Method]:
+    """Methods of some kinds, the exact ones always, and first."""
     yield from _exact(checker)
-    yield from _cut_off(checker, "inner")
-    yield from _cut_off(checker, "outer")
-    for count in BALL_COUNTS:
-        yield _spheres(checker, count)
-    yield _wrapped(checker, "capsules", capsule_around)
-    yield _wrapped(checker, "boxes", box_around)
-    yield from _peers(checker)
+    for kind in kinds:
+        match kind:
+            case "inner" | "outer":
+                yield from _cut_off(checker, kind)
+            case "spheres":
+                yield from (_spheres(checker, count) for count in BALL_COUNTS)
+            case "capsules":
+                yield _wrapped(checker, kind, capsule_around)
+            case "boxes":
+                yield _wrapped(checker, kind, box_around)
+            case "coal":
+                yield from _coal(checker)
+            case "fcl":
+                yield _fcl(checker)
 
 
 def _exact(checker: Checker) -> Iterator[Method]:
@@ -213,24 +223,22 @@ def _product(a: Floats, b: Floats) -> Floats:
     return pose
 
 
-def _peers(checker: Checker) -> Iterator[Method]:
-    def judged(built: peers.Judge, q: Any) -> Bools:
-        return built(q)
-
+def _coal(checker: Checker) -> Iterator[Method]:
+    note = "computeCollisions from Python, stopping at the first collision; the error is the tolerance"
     for tolerance in peers.COAL_TOLERANCES:
-        stated = partial(_stated, tolerance)
         for name, build in (("AABB tree", peers.coal_with_tree), ("all pairs", peers.coal_all_pairs)):
-            yield Method(
-                f"Pinocchio + coal, {name}, tolerance {tolerance:g}",
-                "coal",
-                "computeCollisions from Python, stopping at the first collision; the error is the tolerance",
-                partial(build, checker, tolerance),
-                stated,
-                judged,
-                _COAL_STATES,
-            )
+            title = f"Pinocchio + coal, {name}, tolerance {tolerance:g}"
+            built = partial(build, checker, tolerance)
+            yield Method(title, "coal", note, built, partial(_stated, tolerance), _by_call, _COAL_STATES)
+
+
+def _fcl(checker: Checker) -> Method:
     note = "loop in Python over the pairs whose boxes meet"
-    yield Method("python-fcl", "fcl", note, partial(peers.fcl, checker), _unknown, judged, _FCL_STATES)
+    return Method("python-fcl", "fcl", note, partial(peers.fcl, checker), _unknown, _by_call, _FCL_STATES)
+
+
+def _by_call(built: peers.Judge, q: Any) -> Bools:
+    return built(q)
 
 
 def _stated(tolerance: float, built: Any) -> float:
@@ -239,8 +247,3 @@ def _stated(tolerance: float, built: Any) -> float:
 
 def _unknown(built: Any) -> None:
     return None
-
-
-def select(found: Iterator[Method], kinds: Sequence[str] | None) -> list[Method]:
-    """Those of some kinds, and the exact ones in any case; all if None."""
-    return [method for method in found if kinds is None or method.kind in {"exact", *kinds}]

@@ -16,8 +16,8 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.output_files import written_aside
 
 _SUFFIXES = (".png", ".svg")
-# Errors below this, in mm, are drawn between it and 0: a thousandth of coal's tolerance.
-_LINEAR_BELOW = 1e-6
+# Errors below this, in mm, are drawn between it and 0: a tenth of coal's tolerance.
+_LINEAR_BELOW = 1e-4
 # Shares of wrong states below this, in per cent, likewise.
 _LINEAR_BELOW_SHARE = 1e-2
 
@@ -51,11 +51,12 @@ def time_against_error(rows: Sequence[StateRow], path: Path) -> list[Path]:
         chosen = [row for row in rows if (row.robot, row.scene) == case]
         _draw_states(axes[0, column], chosen, lambda row: None if row.error is None else 1e3 * row.error)
         _draw_states(axes[1, column], chosen, lambda row: 100 * (row.false_free + row.false_collision))
-        axes[0, column].set(title=f"{case[0]} in {case[1]}", xlabel="largest geometric error (mm)")
-        axes[0, column].set_xscale("symlog", linthresh=_LINEAR_BELOW)
+        axes[0, column].set(title=f"{case[0]} in {case[1]}", xlabel="largest geometric error (mm); coal: its tolerance")
         axes[1, column].set(xlabel="wrong states (%)")
-        axes[1, column].set_xscale("symlog", linthresh=_LINEAR_BELOW_SHARE)
-    axes[0, 0].legend(fontsize="small")
+        for axis, smallest in ((axes[0, column], _LINEAR_BELOW), (axes[1, column], _LINEAR_BELOW_SHARE)):
+            axis.set_xscale("symlog", linthresh=smallest)
+            axis.set_xlim(left=-smallest / 2)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize="small")
     return _saved(figure, path)
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from plannercheck.bench.distances import planes
 from plannercheck.checker import Checker
 from plannercheck.core import core
+from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
 from plannercheck.shapes import Body, Box, Capsule, Cylinder, Sphere
 
@@ -41,7 +42,12 @@ class SphereModel:
         Args:
             checker: Whose pairs are judged.
             covers: Balls (k, 4), centre and radius in m, in the frame of each of the robot's bodies that a pair needs.
+
+        Raises:
+            PlannercheckError: If Pinocchio itself has to pose the robot.
         """
+        if checker.robot.kinematics is None:
+            raise PlannercheckError(f"only the compiled kinematics poses spheres, and {checker.robot.name} has none")
         self.covers = covers
         self._kinematics = checker.robot.kinematics
         self.margin = _FLOAT_ERROR * _largest_coordinate(checker)

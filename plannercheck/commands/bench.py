@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from plannercheck.bench import output, pairs, plots, scale, states, switches
-from plannercheck.bench.methods import methods, select
+from plannercheck.bench.methods import KINDS, methods
 from plannercheck.bench.pairs import PairRow
 from plannercheck.bench.scale import ScaleRow
 from plannercheck.bench.states import StateRow
@@ -36,7 +36,6 @@ Examples:
 # What is asked for in `bench states`, as the peer's time over ours: with coal's tree, one by one with it, all pairs.
 _ASKED = {"tree": 18, "one by one": 6, "all pairs": 50}
 _ASKED_WITHOUT_SCENE = {"tree": 15}
-_KINDS = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl")
 
 
 class Subcommand(NamedTuple):
@@ -97,7 +96,9 @@ def _add_states(parser: argparse.ArgumentParser) -> None:
         default=["bookshelf"],
         help="names, files, or sets of MotionBenchMaker problems (their first scene); none for no obstacles",
     )
-    parser.add_argument("--methods", nargs="+", choices=_KINDS, help="beside the exact ones (default: all)")
+    parser.add_argument(
+        "--methods", nargs="+", choices=KINDS, default=KINDS, help="beside the exact ones (default: all)"
+    )
 
 
 def _add_pairs(parser: argparse.ArgumentParser) -> None:
@@ -125,7 +126,7 @@ def _run_states(options: argparse.Namespace) -> None:
     for scene in options.scene:
         checker = _checker(options.robot, scene)
         q = checker.robot.random_configurations(options.states, options.seed)
-        found = states.measure(checker, select(methods(checker), options.methods), q, options.rounds, _note)
+        found = states.measure(checker, list(methods(checker, options.methods)), q, options.rounds, _note)
         _print_states(found)
         rows += found
     _keep(options.output, "states", rows, plots.time_against_error)
