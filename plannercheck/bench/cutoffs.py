@@ -27,7 +27,7 @@ _FEWEST = 4
 # Outer bodies grow by this part, far above the rounding of their corners: they do contain.
 _GROWTH = 1e-12
 # Outer bodies that reach out further than this times the body's radius are of no use.
-_LONGEST = 4.0
+_LONGEST = 2.0
 
 
 def inner_levels(body: Polytope) -> list[Polytope]:

@@ -55,7 +55,7 @@ def time_against_error(rows: Sequence[StateRow], path: Path) -> list[Path]:
         axes[1, column].set(xlabel="wrong states (%)")
         for axis, smallest in ((axes[0, column], _LINEAR_BELOW), (axes[1, column], _LINEAR_BELOW_SHARE)):
             axis.set_xscale("symlog", linthresh=smallest)
-            axis.set_xlim(left=-smallest / 2)
+            axis.set_xlim(-smallest / 2, 2 * axis.get_xlim()[1])
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize="small")
     return _saved(figure, path)
 

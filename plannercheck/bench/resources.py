@@ -15,10 +15,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, TypeVar
-from unittest import mock
 
 T = TypeVar("T")
 
+_CACHE = "PLANNERCHECK_CACHE"
 _STATM = Path("/proc/self/statm")  # Linux: sizes in pages, the second is the resident set
 
 
@@ -51,8 +51,15 @@ def built(build: Callable[[], T]) -> Built[T]:
 @contextlib.contextmanager
 def uncached() -> Iterator[None]:
     """Turns the disk cache of prepared bodies off."""
-    with mock.patch.dict(os.environ, PLANNERCHECK_CACHE="0"):
+    before = os.environ.get(_CACHE)
+    os.environ[_CACHE] = "0"
+    try:
         yield
+    finally:
+        if before is None:
+            del os.environ[_CACHE]
+        else:
+            os.environ[_CACHE] = before
 
 
 def resident_bytes() -> int | None:
