@@ -40,7 +40,7 @@ class Checker:
     Attributes:
         robot: The robot.
         scene: The scene, as it was when the checker was built.
-        bodies: The robot's collision bodies, then the scene's.
+        bodies: The robot's collision bodies, then the scene's, or what stands in for them.
         pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
         unreachable: (k,) which of the pairs can't collide at any configuration within the limits, by proof; they are
             tested only beyond the limits, and where all pairs are asked for.
@@ -59,6 +59,7 @@ class Checker:
         acm: Acm = "robot",
         kinematics: Literal["batch", "pinocchio"] = "batch",
         excess: float = DEFAULT_EXCESS,
+        bodies: Sequence[Body] | None = None,
         method: Method = "oracle",
         cached_plane: bool = True,
         centre_axis: bool = True,
@@ -78,6 +79,8 @@ class Checker:
             acm: Whose allowed collisions act on self pairs: "robot" (SRDF or YAML) or "scene" as well.
             kinematics: "batch", the compiled kernel, or "pinocchio".
             excess: How far polytopes of curved shapes may stick out, as a part of the radius.
+            bodies: Stand-ins for the robot's bodies and then the scene's, in their order, e.g. coarser ones; the pairs
+                stay as they are.
             method: The solver of the pair test, see `pair.pair_options`. Verdicts do not depend on it.
             cached_plane: Whether the last separating plane of a pair is tried first.
             centre_axis: Whether the axis between the centres is tried before the solver.
@@ -102,7 +105,7 @@ class Checker:
         self.robot = robot
         self.excess = excess
         self.scene = scene if scene is not None else Scene("empty")
-        self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
+        self.bodies = _stand_ins(bodies, (*robot.bodies, *self.scene.bodies))
         table = pair_table(robot, self.scene, self_collision, acm)
         self.pairs = table.pairs
         self._labels = (*(b.link or b.name for b in robot.bodies), *self.scene.body_objects)
@@ -405,3 +408,14 @@ def _useful_threads(threads: int, rows: int) -> int:
     if not isinstance(threads, int) or threads < 1:
         raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
     return min(threads, max(rows, 1))
+
+
+def _stand_ins(given: Sequence[Body] | None, bodies: tuple[Body, ...]) -> tuple[Body, ...]:
+    """The bodies that are given in place of others, on the same links."""
+    if given is None:
+        return bodies
+    if [body.link for body in given] != [body.link for body in bodies]:
+        raise PlannercheckError(
+            f"bodies must stand in for the {len(bodies)} of the robot and the scene, each on the same link"
+        )
+    return tuple(given)

@@ -29,6 +29,7 @@ COMMANDS = {
     "demo": "validate a shipped set and plan in a shipped scene",
     "robots": "list the shipped robots",
     "stress": "hold verdicts on hard pairs of bodies against exact arithmetic",
+    "bench": "measure run time against error, beside other methods and libraries",
     "inspect": "show the bodies and pairs of a robot in a scene, and what checking them takes",
 }
 

@@ -67,6 +67,9 @@ nb::dict shape_of(const Hierarchy& h) {
   return out;
 }
 
+// For each vertex the level at which it is removed.
+auto levels_of(const Hierarchy& h) { return output_array(h.level, {h.level.size()}); }
+
 // A scan on rounded products may have stopped at a vertex that is extreme up to kScanError: compares it with all.
 std::int32_t surely_extreme(const Hierarchy& h, std::int32_t v, Vec3 u) {
   for (const std::int32_t other : h.top) {
@@ -165,6 +168,7 @@ void bind_body(nb::module_& m) {
       .def("triangles", [](const Body& b) { return rows_of(b.triangles); })
       .def("source", [](const Body& b) { return output_array(b.source, {b.source.size()}); })
       .def("polar_points", [](const Body& b) { return rows_of(b.polar.points); })
+      .def("levels", [](const Body& b, bool of_polar) { return levels_of(of_polar ? b.polar : b.inner); })
       .def("centre", [](const Body& b) { return rows_of(std::vector<Vec3>{b.centre}); })
       .def("inner_shape", [](const Body& b) { return shape_of(b.inner); })
       .def("polar_shape", [](const Body& b) { return shape_of(b.polar); })
