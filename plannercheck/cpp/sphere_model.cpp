@@ -8,8 +8,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 struct Centres {
   Floats x, y, z;
 };
