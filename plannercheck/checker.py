@@ -140,7 +140,9 @@ class Checker:
     def _poses_at_reference(self) -> Floats:
         """(bodies, 4, 4) up to rounding, m."""
         links = self.robot.link_poses(self.robot.reference)
-        on_links = [links[self.robot.link_index(str(body.link))] @ body.pose for body in self.bodies[: len(self.robot.bodies)]]
+        on_links = [
+            links[self.robot.link_index(str(body.link))] @ body.pose for body in self.bodies[: len(self.robot.bodies)]
+        ]
         return np.array([*on_links, *(body.pose for body in self.scene.bodies)])
 
     def _compiled(self, pairs: Ints, rows: NDArray[np.int64], limits: tuple[Floats, Floats] | None) -> CompiledPairs:
