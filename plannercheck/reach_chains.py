@@ -99,7 +99,8 @@ class Chains:
         self._robot, self._table, self._joints = robot, table, len(table.kinds)
         self.boxes = boxes
         self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
-        self._kernel = _kernel_of_frames(robot, table)
+        own = bodies[: len(robot.bodies)]
+        self._kernel = _kernel_of_frames(robot, table, own)
         self._moving = [bool((columns >= 0).any()) for columns in table.columns]
         self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]
         spans = robot.upper - robot.lower
@@ -107,7 +108,7 @@ class Chains:
             self._moving[k] and math.isfinite(self._slides[k]) and math.isfinite(spans[self._column(k)])
             for k in range(self._joints)
         ]
-        links = [int(table.link_joints[robot.link_index(str(body.link))]) for body in robot.bodies]
+        links = [int(table.link_joints[robot.link_index(str(body.link))]) for body in own]
         self._chains = [self._chain(joint) for joint in links]
         self._base = np.array(robot.reference)
         at_base = self.poses(self._base[None], range(2 * self._joints + len(links)))[0]
@@ -234,11 +235,11 @@ def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> 
     return float(np.abs(ends).max())
 
 
-def _kernel_of_frames(robot: Robot, table: JointTable) -> Any:
-    """Compiled kinematics of the joints' frames, before and after their motion, and of the robot's bodies."""
+def _kernel_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> Any:
+    """Compiled kinematics of the joints' frames, before and after their motion, and of the bodies on the links."""
     joints = np.arange(len(table.kinds), dtype=np.int32)
-    links = [robot.link_index(str(body.link)) for body in robot.bodies]
-    on_links = np.array([body.pose for body in robot.bodies]).reshape(-1, 4, 4)
+    links = [robot.link_index(str(body.link)) for body in bodies]
+    on_links = np.array([body.pose for body in bodies]).reshape(-1, 4, 4)
     on_joints = table.link_placements[links] @ on_links
     identities = np.tile(np.eye(4)[:3], (len(joints), 1, 1))
     return core.Kinematics(
