@@ -140,10 +140,8 @@ class Checker:
     def _poses_at_reference(self) -> Floats:
         """(bodies, 4, 4) up to rounding, m."""
         links = self.robot.link_poses(self.robot.reference)
-        on_links = [
-            links[self.robot.link_index(str(body.link))] @ body.pose for body in self.bodies[: len(self.robot.bodies)]
-        ]
-        return np.array([*on_links, *(body.pose for body in self.scene.bodies)])
+        worlds = (np.eye(4) if b.link is None else links[self.robot.link_index(b.link)] for b in self.bodies)
+        return np.array([world @ body.pose for world, body in zip(worlds, self.bodies, strict=True)])
 
     def _compiled(self, pairs: Ints, rows: NDArray[np.int64], limits: tuple[Floats, Floats] | None) -> CompiledPairs:
         return CompiledPairs(self.robot, self.bodies, self._preparation, pairs, rows, limits, self._options)

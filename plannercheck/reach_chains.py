@@ -99,7 +99,7 @@ class Chains:
         self._robot, self._table, self._joints = robot, table, len(table.kinds)
         self.boxes = boxes
         self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
-        own = bodies[: len(robot.bodies)]  # they may stand in for the robot's
+        own = bodies[: len(robot.bodies)]
         self._kernel = _kernel_of_frames(robot, table, own)
         self._moving = [bool((columns >= 0).any()) for columns in table.columns]
         self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]
@@ -236,7 +236,7 @@ def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> 
 
 
 def _kernel_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> Any:
-    """Compiled kinematics of the joints' frames, before and after their motion, and of bodies on links."""
+    """Compiled kinematics of the joints' frames, before and after their motion, and of the bodies on the links."""
     joints = np.arange(len(table.kinds), dtype=np.int32)
     links = [robot.link_index(str(body.link)) for body in bodies]
     on_links = np.array([body.pose for body in bodies]).reshape(-1, 4, 4)

@@ -132,6 +132,13 @@ def test_stand_ins_keep_links_and_pairs(checker):
         Checker(checker.robot, checker.scene, bodies=checker.bodies[1:])
 
 
+def test_stand_ins_are_out_of_reach_only_where_they_are(checker):
+    found = next(m for m in methods(checker, ["capsules"]) if m.kind == "capsules").build()  # placed otherwise
+    q = checker.robot.random_configurations(5000, 1)
+    assert not found.colliding_pairs(q).any(axis=0)[found.unreachable].any()
+    assert np.array_equal(found.check_states(q), ~found.colliding_pairs(q).any(axis=1))
+
+
 def test_missing_libraries_are_left_out_with_a_note(checker, monkeypatch):
     monkeypatch.setitem(sys.modules, "fcl", None)
     notes = []

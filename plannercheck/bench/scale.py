@@ -105,8 +105,8 @@ def _rotation(rng: np.random.Generator) -> Floats:
 
 def _row(count: int, item: Built[Checker], seconds: float, first: float, process: int | None) -> ScaleRow:
     checker = item.value
-    own = {id(p): p for p in checker.polytopes[: len(checker.robot.bodies)] if p is not None}.values()
-    every = {id(p): p for p in checker.polytopes if p is not None}.values()
+    own = {id(p): p for p in checker.prepared[: len(checker.robot.bodies)] if p is not None}.values()
+    every = {id(p): p for p in checker.prepared if p is not None}.values()
     return ScaleRow(
         count,
         len(checker.pairs),

@@ -40,7 +40,7 @@ class SphereModel:
         """Hands balls and obstacles to the core.
 
         Args:
-            checker: Whose pairs are judged.
+            checker: Whose pairs are judged, those that can meet within the limits.
             covers: Balls (k, 4), centre and radius in m, in the frame of each of the robot's bodies that a pair needs.
 
         Raises:
@@ -55,7 +55,8 @@ class SphereModel:
         links = [checker.robot.link_index(str(checker.bodies[k].link)) for k in own]
         balls = [_with_bound(_on_link(covers[k], checker.bodies[k].pose), self.margin) for k in own]
         first = len(checker.robot.bodies)
-        used = sorted({int(k) for k in checker.pairs.ravel() if k >= first})
+        pairs = checker.pairs[~checker.unreachable]  # as the checker: others can't meet within the limits
+        used = sorted({int(k) for k in pairs.ravel() if k >= first})
         place = {body: k for k, body in enumerate([*own, *used])}
         obstacles = [_obstacle(checker.bodies[k], checker.polytopes[k], checker.excess) for k in used]
         sides = [plane for _, _, plane in obstacles]
@@ -68,7 +69,7 @@ class SphereModel:
             np.array([size for _, size, _ in obstacles], dtype=np.float64).reshape(-1, 4),
             np.concatenate([*sides, np.zeros((0, 4))]),
             _starts(sides),
-            np.array([[place[a], place[b]] for a, b in checker.pairs.tolist()], dtype=np.int32).reshape(-1, 2),
+            np.array([[place[a], place[b]] for a, b in pairs.tolist()], dtype=np.int32).reshape(-1, 2),
             len(checker.robot.link_names),
         )
 

@@ -43,7 +43,7 @@ SphereModel::Parts parts_from(InputArray<std::int32_t, -1> links, InputArray<dou
   return parts;
 }
 
-auto check_states(const SphereModel& model, const Kinematics& kinematics, InputArray<double, -1, -1> q) {
+auto check_ball_states(const SphereModel& model, const Kinematics& kinematics, InputArray<double, -1, -1> q) {
   std::vector<std::uint8_t> valid(q.shape(0));
   {
     nb::gil_scoped_release release;
@@ -66,7 +66,7 @@ void bind_sphere_model(nb::module_& m) {
                  parts_from(links, balls, starts, kinds, to_local, sizes, planes, plane_starts, pairs, link_count));
            })
       .def("bytes", &SphereModel::bytes)
-      .def("check_states", &check_states);
+      .def("check_states", &check_ball_states);
 }
 
 }  // namespace plannercheck

@@ -6,11 +6,14 @@
 #include "kinematics_lanes.hpp"
 
 namespace plannercheck {
-namespace {
 
-struct Centres {
+struct SphereModel::Centres {
   Floats x, y, z;
 };
+
+namespace {
+
+using Centres = SphereModel::Centres;
 
 Floats absolute(Floats a) {
   return reinterpret_cast<Floats>(reinterpret_cast<FloatMask>(a) & (FloatMask{} + 0x7fffffff));

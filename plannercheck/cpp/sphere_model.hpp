@@ -53,6 +53,8 @@ class SphereModel {
     std::int32_t links;
   };
 
+  struct Centres;  // of a ball in a block of states
+
   explicit SphereModel(Parts parts);
 
   // For each of n configurations (n, width): whether no pair meets.
