@@ -13,6 +13,7 @@ from plannercheck.errors import PlannercheckError
 
 if TYPE_CHECKING:
     import plannercheck.ompl as ompl
+    import plannercheck.planar as planar
     from plannercheck.certificates import Separation as Separation
     from plannercheck.certificates import SharedPoint as SharedPoint
     from plannercheck.checker import Checker as Checker
@@ -39,7 +40,7 @@ _HOMES = {
     "certify": "pair",
     "intersects": "pair",
 }
-_MODULES = ("ompl",)
+_MODULES = ("ompl", "planar")
 
 __all__ = [
     "Checker",
@@ -55,6 +56,7 @@ __all__ = [
     "certify",
     "intersects",
     "ompl",
+    "planar",
 ]
 
 
