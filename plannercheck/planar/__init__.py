@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from plannercheck.planar.certificates import Separation as Separation
+from plannercheck.planar.certificates import SharedPoint as SharedPoint
+from plannercheck.planar.certificates import certify as certify
 from plannercheck.planar.polygons import Counts as Counts
 from plannercheck.planar.polygons import count_batch as count_batch
 from plannercheck.planar.polygons import intersects as intersects
