@@ -10,7 +10,7 @@ from plannercheck.planar.convexity import convexity_fault
 from plannercheck.planar.polygons import METHODS
 
 # A pair of a million vertices each takes at most this many rounds: one for each halving of a chain, and the last.
-MOST_ROUNDS = 42
+MOST_ROUNDS = 40
 
 
 def draws(make, count, seed):

@@ -16,16 +16,21 @@ namespace {
 using PolygonArray = InputArray<double, -1, 2>;
 using PlanarPoseRows = InputArray<double, -1, 3, 3>;
 
-// Polygons of a list of arrays, or of one array; the arrays must outlive them.
-std::vector<PlanarPolygon> polygons_from(const nb::list& arrays) {
-  std::vector<PlanarPolygon> polygons;
-  polygons.reserve(arrays.size());
-  for (const nb::handle item : arrays) {
-    const auto array = nb::cast<PolygonArray>(item, false);
-    polygons.push_back({array.data(), array.shape(0)});
+// Arrays of vertices as they are, kept alive.
+struct PolygonList {
+  explicit PolygonList(const nb::list& given) : arrays(given) {
+    polygons.reserve(given.size());
+    for (const nb::handle item : given) {
+      const auto array = nb::cast<PolygonArray>(item, false);
+      polygons.push_back({array.data(), array.shape(0)});
+    }
   }
-  return polygons;
-}
+
+  const PlanarPolygon& of_pair(std::size_t i) const { return polygons[polygons.size() == 1 ? 0 : i]; }
+
+  nb::list arrays;
+  std::vector<PlanarPolygon> polygons;
+};
 
 PlanarPose planar_pose(const PlanarPoseRows& poses, std::size_t k) {
   PlanarPose pose;
@@ -35,17 +40,16 @@ PlanarPose planar_pose(const PlanarPoseRows& poses, std::size_t k) {
 }
 
 // Verdicts on n pairs; lists and poses of length 1 stand for all. Also the counters of each pair.
-nb::tuple planar_intersect_batch(const nb::list& arrays_a, PlanarPoseRows poses_a, const nb::list& arrays_b,
+nb::tuple planar_intersect_batch(const PolygonList& a, PlanarPoseRows poses_a, const PolygonList& b,
                                  PlanarPoseRows poses_b, std::size_t n, Precision first, bool count) {
-  const std::vector<PlanarPolygon> a = polygons_from(arrays_a), b = polygons_from(arrays_b);
   std::vector<std::uint8_t> shared(n);
   std::vector<std::int32_t> counted(count ? 4 * n : 0);
   {
     nb::gil_scoped_release release;
     for (std::size_t i = 0; i < n; ++i) {
       PlanarCounters counters;
-      const PosedPolygon posed_a{a[a.size() == 1 ? 0 : i], planar_pose(poses_a, i)};
-      const PosedPolygon posed_b{b[b.size() == 1 ? 0 : i], planar_pose(poses_b, i)};
+      const PosedPolygon posed_a{a.of_pair(i), planar_pose(poses_a, i)};
+      const PosedPolygon posed_b{b.of_pair(i), planar_pose(poses_b, i)};
       shared[i] = planar_intersect(posed_a, posed_b, first, counters);
       if (!count) continue;
       const long numbers[4] = {counters.rounds, counters.vertices, counters.double_double, counters.exact};
@@ -62,6 +66,7 @@ void bind_planar(nb::module_& m) {
       .value("filtered", Precision::kDoubles)
       .value("double_double", Precision::kDoubleDouble)
       .value("exact", Precision::kExact);
+  nb::class_<PolygonList>(m, "PolygonList").def(nb::init<const nb::list&>());
   m.def("planar_intersect_batch", &planar_intersect_batch);
 }
 

@@ -8,45 +8,63 @@ namespace {
 // What is known about the triangles: a line apart, a common point, or that the host's triangle is within the guest's.
 enum class Relation { kApart, kVertex, kCrossing, kInside };
 
+// Corners and lines are counted 0 to 2.
 struct Finding {
   Relation relation = Relation::kInside;
-  std::size_t a = 0, b = 0;  // kVertex: guest corner a. kCrossing: where corners a to b come in over line i.
-  std::size_t i = 0, j = 0;  // kApart: over lines i and j, with these weights.
-  LineWeights weights;
+  std::size_t a = 0, b = 0;  // kVertex: guest corner a. kCrossing: the way from corner a to b comes in over line i.
+  std::size_t i = 0, j = 0;  // kApart: over lines i and j, with the walk's weights.
 };
 
-// The paper's state: T_P is the triangle of the guest's vertices first, middle and last of the chain that is left, T_Q
-// the intersection of the half-planes of the host's edges first, middle and last of what is left. In every round either
-// chain loses half. Kept up (the paper's correctness invariant, in a form that also covers a guest inside the host):
-// the polygons share a point if and only if the hull of the guest's chain meets the intersection of the half-planes of
-// the host's remaining edges.
+constexpr std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
+constexpr std::size_t previous(std::size_t k) { return k == 0 ? 2 : k - 1; }
+
+// Three places on a cyclic array, in order, and what is left of it: at first the whole cycle, cut in three; later the
+// chain from the first place to the last, and nothing between the last and the first.
+struct Places {
+  std::size_t count;  // of the array
+  std::array<std::size_t, 3> at;
+  bool closed = true;
+
+  explicit Places(std::size_t n) : count(n), at{0, n / 3, 2 * n / 3} {}
+
+  // How many steps there are from a place to the next one, as far as that is left.
+  std::size_t steps(std::size_t k) const {
+    if (k == 2) return closed ? count - at[2] + at[0] : 0;
+    return at[k + 1] >= at[k] ? at[k + 1] - at[k] : at[k + 1] + count - at[k];
+  }
+  std::size_t after(std::size_t index) const { return index + 1 == count ? 0 : index + 1; }
+  std::size_t before(std::size_t index) const { return index == 0 ? count - 1 : index - 1; }
+  std::size_t halfway(std::size_t k) const {
+    const std::size_t index = at[k] + steps(k) / 2;
+    return index < count ? index : index - count;
+  }
+};
+
+// The paper's state: T_P is the triangle of three vertices of the guest, T_Q the intersection of the half-planes of
+// three edges of the host; between them are the chains that are left. The first round of either side keeps one of three
+// chains, all others one of two halves. Kept up (the paper's correctness invariant, in a form that also covers a guest
+// inside the host): the polygons share a point if and only if the hull of the guest's vertices that are left meets the
+// intersection of the half-planes of the host's edges that are left.
 class Walk {
  public:
   Walk(const PosedPolygon& guest, const PosedPolygon& host, int turn, Precision first, PlanarCounters& counters)
       : signs_(guest, host, turn, first, counters),
         counters_(counters),
-        host_count_(host.shape.count),
-        guest_last_(guest.shape.count - 1),
-        host_last_(host.shape.count - 1) {}
+        vertices_(guest.shape.count),
+        lines_(host.shape.count) {}
 
   bool run() {
-    corners_[0] = signs_.point(0);
-    corners_[2] = signs_.point(guest_last_);
-    edges_[0] = edge(0);
-    edges_[2] = edge(host_last_);
-    take_middle_corner();
-    take_middle_edge();
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) measure(i, k);
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners_[k] = signs_.point(vertices_.at[k]);
+      edges_[k] = edge(lines_.at[k]);
     }
+    for (std::size_t k = 0; k < 3; ++k) measure_corner(k);
     while (true) {
       ++counters_.rounds;
       const Finding found = relation();
       if (found.relation == Relation::kInside) return true;
-      if (found.relation == Relation::kApart) {
-        if (guest_last_ - guest_first_ < 3 || !prune_guest(found)) return false;
-      } else if (host_last_ - host_first_ < 3 || !prune_host(found)) {
-        return true;
+      if (found.relation == Relation::kApart ? !prune_guest(found) : !prune_host(found)) {
+        return found.relation != Relation::kApart;
       }
     }
   }
@@ -54,56 +72,61 @@ class Walk {
  private:
   PlanarSigns signs_;
   PlanarCounters& counters_;
-  std::size_t host_count_;
-  std::size_t guest_first_ = 0, guest_last_, host_first_ = 0, host_last_;
+  Places vertices_, lines_;
   std::array<GuestPoint, 3> corners_;
   std::array<HostLine, 3> edges_;
   Side sides_[3][3];  // of edge i, corner k
-  int sign_[3][3];
+  LineWeights weights_;
+  std::array<unsigned, 3> beyond_{};  // of corner k: bit i, whether it is beyond edge i
 
-  HostLine edge(std::size_t k) const { return signs_.line(k, k + 1 == host_count_ ? 0 : k + 1); }
-
-  void take_middle_corner() { corners_[1] = signs_.point(guest_first_ + (guest_last_ - guest_first_) / 2); }
-  void take_middle_edge() { edges_[1] = edge(host_first_ + (host_last_ - host_first_) / 2); }
+  HostLine edge(std::size_t k) const { return signs_.line(k, lines_.after(k)); }
 
   void measure(std::size_t i, std::size_t k) {
     sides_[i][k] = signs_.side(edges_[i], corners_[k]);
-    sign_[i][k] = signs_.sign(sides_[i][k], edges_[i], corners_[k]);
+    const unsigned bit = 1U << i;
+    const bool is_beyond = signs_.sign(sides_[i][k], edges_[i], corners_[k]) < 0;
+    beyond_[k] = is_beyond ? beyond_[k] | bit : beyond_[k] & ~bit;
+  }
+  void measure_corner(std::size_t k) {
+    for (std::size_t i = 0; i < 3; ++i) measure(i, k);
+  }
+  void measure_edge(std::size_t i) {
+    for (std::size_t k = 0; k < 3; ++k) measure(i, k);
   }
 
-  bool beyond(std::size_t i, std::size_t k) const { return sign_[i][k] < 0; }
+  bool beyond(std::size_t i, std::size_t k) const { return (beyond_[k] >> i & 1U) != 0; }
 
   int mixed(std::size_t i, std::size_t j, std::size_t a, std::size_t b) const {
-    return signs_.mixed(edges_[i], edges_[j], corners_[a], corners_[b]);
+    return signs_.mixed(edges_[i], edges_[j], corners_[a], corners_[b], sides_[i][a], sides_[i][b], sides_[j][a],
+                        sides_[j][b]);
   }
 
-  Finding relation() const {
+  Finding relation() {
     Finding found;
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (beyond(i, 0) && beyond(i, 1) && beyond(i, 2)) {
-        found.relation = Relation::kApart;
-        found.i = found.j = i;
-        return found;
-      }
+    const unsigned all = beyond_[0] & beyond_[1] & beyond_[2];
+    if (all != 0) {
+      found.relation = Relation::kApart;
+      found.i = found.j = all & 1U ? 0 : all & 2U ? 1 : 2;
+      set_single_weight();
+      return found;
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      if (!beyond(0, k) && !beyond(1, k) && !beyond(2, k)) {
+      if (beyond_[k] == 0) {
         found.relation = Relation::kVertex;
         found.a = k;
         return found;
       }
     }
-    static constexpr std::size_t kPairs[3][2] = {{0, 1}, {1, 2}, {0, 2}};
-    for (const auto& [a, b] : kPairs) {
-      if (crosses(a, b, found)) return found;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (crosses(k, next(k), found)) return found;
     }
     // By Helly's theorem triangles apart are so over two of the lines; else T_Q is inside T_P.
-    for (const auto& [i, j] : kPairs) {
-      if (is_wedge_apart(i, j)) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (is_wedge_apart(i, next(i))) {
         found.relation = Relation::kApart;
         found.i = i;
-        found.j = j;
-        found.weights = weights(i, j);
+        found.j = next(i);
+        set_weights(found.i, found.j);
         return found;
       }
     }
@@ -112,22 +135,15 @@ class Walk {
 
   // Whether the side of T_P from corner a to b, neither of which is in T_Q, meets T_Q, and over which line it comes in.
   bool crosses(std::size_t a, std::size_t b, Finding& found) const {
-    std::array<std::size_t, 3> in, out;
-    std::size_t in_count = 0, out_count = 0;
+    if ((beyond_[a] & beyond_[b]) != 0) return false;
+    // mixed <= 0: line i is crossed inwards no later than j outwards, or than j inwards.
+    std::size_t last_in = 3;
     for (std::size_t i = 0; i < 3; ++i) {
-      if (beyond(i, a) && beyond(i, b)) return false;
-      if (beyond(i, a)) in[in_count++] = i;
-      if (beyond(i, b)) out[out_count++] = i;
-    }
-    // mixed <= 0: line i is crossed inwards no later than j outwards.
-    for (std::size_t x = 0; x < in_count; ++x) {
-      for (std::size_t y = 0; y < out_count; ++y) {
-        if (mixed(in[x], out[y], a, b) > 0) return false;
+      if (!beyond(i, a)) continue;
+      for (std::size_t j = 0; j < 3; ++j) {
+        if (beyond(j, b) && mixed(i, j, a, b) > 0) return false;
       }
-    }
-    std::size_t last_in = in[0];
-    for (std::size_t x = 1; x < in_count; ++x) {
-      if (mixed(in[x], last_in, a, b) <= 0) last_in = in[x];
+      if (last_in == 3 || mixed(i, last_in, a, b) <= 0) last_in = i;
     }
     found.relation = Relation::kCrossing;
     found.a = a;
@@ -142,8 +158,9 @@ class Walk {
       if (!beyond(i, k) && !beyond(j, k)) return false;
     }
     for (std::size_t a = 0; a < 3; ++a) {
+      if (beyond(i, a)) continue;
       for (std::size_t b = 0; b < 3; ++b) {
-        if (!beyond(i, a) && !beyond(j, b) && mixed(i, j, a, b) >= 0) return false;
+        if (!beyond(j, b) && mixed(i, j, a, b) >= 0) return false;
       }
     }
     return true;
@@ -151,8 +168,7 @@ class Walk {
 
   // Weights with which the mixed side of lines i and j is negative at all corners: between the bounds that the corners
   // within one half-plane set.
-  LineWeights weights(std::size_t i, std::size_t j) const {
-    LineWeights found{0, 0, {}};
+  void set_weights(std::size_t i, std::size_t j) {
     double steepest_i = -1, steepest_j = -1;
     std::array<double, 2> bound_i{}, bound_j{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -167,12 +183,18 @@ class Walk {
         bound_j = {v / length, -u / length};
       }
     }
-    found.first = (bound_i[0] + bound_j[0]) / 2;
-    found.second = (bound_i[1] + bound_j[1]) / 2;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (!surely_beyond(found, sides_[i][k], sides_[j][k])) found.exact = exact_weights(i, j);
+    weights_.first = (bound_i[0] + bound_j[0]) / 2;
+    weights_.second = (bound_i[1] + bound_j[1]) / 2;
+    weights_.exact.reset();
+    for (std::size_t k = 0; k < 3 && !weights_.exact; ++k) {
+      if (!surely_beyond(weights_, sides_[i][k], sides_[j][k])) weights_.exact = exact_weights(i, j);
     }
-    return found;
+  }
+
+  void set_single_weight() {
+    weights_.first = 1;
+    weights_.second = 0;
+    weights_.exact.reset();
   }
 
   static bool surely_beyond(const LineWeights& w, const Side& i, const Side& j) {
@@ -180,12 +202,12 @@ class Walk {
     const double first = w.first * i.value, second = w.second * j.value;
     // Three roundings, of a quarter of the bound each.
     const double error = w.first * i.error + w.second * j.error + 0x1p-50 * (std::fabs(first) + std::fabs(second));
-    return first + second < -error * (1 + 0x1p-48);
+    return first + second < -error * planar_detail::kSlack;
   }
 
   // The mediant of the two bounds, which is strictly between them.
   std::array<Dyadic, 2> exact_weights(std::size_t i, std::size_t j) const {
-    std::array<Dyadic, 2> bound_i{Dyadic(1), Dyadic(0)}, bound_j{Dyadic(0), Dyadic(1)};
+    std::array<Dyadic, 2> bound_i, bound_j;
     bool has_i = false, has_j = false;
     for (std::size_t k = 0; k < 3; ++k) {
       const Dyadic u = signs_.exact_side(edges_[i], corners_[k]), v = signs_.exact_side(edges_[j], corners_[k]);
@@ -204,98 +226,111 @@ class Walk {
   // Separation invariant: the host is where the mixed side is at least 0, T_P where it is negative. What the guest has
   // of the former is beyond one side of T_P. False if there is nothing, so that the polygons are apart.
   bool prune_guest(const Finding& apart) {
-    const int arc = arc_towards(apart);
-    if (arc < 0) return false;
-    const std::size_t middle = corners_[1].index;
-    if (arc == 0) {
-      guest_last_ = middle;
-      move_corner(1, 2);
-    } else {
-      guest_first_ = middle;
-      move_corner(1, 0);
+    const std::size_t arc = arc_towards(apart);
+    if (arc == kNone) return false;
+    const std::size_t middle = vertices_.halfway(arc), last = next(arc);
+    const GuestPoint from = corners_[arc], to = corners_[last];
+    const std::array<Side, 3> from_sides{sides_[0][arc], sides_[1][arc], sides_[2][arc]};
+    const std::array<Side, 3> to_sides{sides_[0][last], sides_[1][last], sides_[2][last]};
+    const unsigned from_beyond = beyond_[arc], to_beyond = beyond_[last];
+    corners_ = {from, signs_.point(middle), to};
+    vertices_.at = {from.index, middle, to.index};
+    vertices_.closed = false;
+    for (std::size_t i = 0; i < 3; ++i) {
+      sides_[i][0] = from_sides[i];
+      sides_[i][2] = to_sides[i];
     }
-    take_middle_corner();
-    for (std::size_t i = 0; i < 3; ++i) measure(i, 1);
+    beyond_[0] = from_beyond;
+    beyond_[2] = to_beyond;
+    measure_corner(1);
     return true;
   }
 
-  // Which arc of the guest's chain rises above T_P: 0 from the first to the middle corner, 1 from there to the last, -1
-  // none. (The chain's ends are neighbours in what is left of the guest.)
-  int arc_towards(const Finding& apart) const {
-    const auto compare = [&](const GuestPoint& a, const GuestPoint& b) {
-      return signs_.compare(apart.weights, edges_[apart.i], edges_[apart.j], a, b);
-    };
-    const auto rises = [&](std::size_t from, std::size_t towards) {
-      return compare(signs_.point(towards), corners_[from]) > 0;
-    };
-    const std::size_t middle = corners_[1].index;
-    const auto first_rises = [&] { return rises(0, guest_first_ + 1) ? 0 : -1; };
-    const auto last_rises = [&] { return rises(2, guest_last_ - 1) ? 1 : -1; };
-    const int fall = compare(corners_[0], corners_[1]), climb = compare(corners_[2], corners_[1]);
-    if (fall == 0 && climb == 0) return arc_off_line();
-    // Two corners level above the third: only the arc between them can rise above both.
-    if (fall == 0) return climb > 0 ? last_rises() : first_rises();
-    if (climb == 0) return fall > 0 ? first_rises() : rises(1, middle + 1) ? 1 : -1;
-    if (fall < 0 && climb < 0) return rises(1, middle - 1) ? 0 : rises(1, middle + 1) ? 1 : -1;
-    if (fall < 0) return last_rises();
-    if (climb < 0) return first_rises();
-    const int ends = compare(corners_[0], corners_[2]);
-    return ends > 0 ? first_rises() : ends < 0 ? last_rises() : -1;
+  static constexpr std::size_t kNone = 3;
+
+  // Which arc of the guest, from which corner to the next, rises above T_P.
+  std::size_t arc_towards(const Finding& apart) const {
+    std::array<int, 3> step;  // of the mixed side from each corner to the next
+    for (std::size_t k = 0; k < 3; ++k) {
+      step[k] = signs_.compare(weights_, edges_[apart.i], edges_[apart.j], corners_[next(k)].index, corners_[k].index);
+    }
+    if (step[0] == 0 && step[1] == 0 && step[2] == 0) return arc_off_line();
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Two corners level above the third: only the arc between them can rise above both.
+      if (step[k] == 0 && step[previous(k)] > 0) return rises_after(apart, k) ? k : kNone;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (step[k] >= 0 || step[previous(k)] <= 0) continue;
+      return rises_after(apart, k) ? k : rises_before(apart, k) ? previous(k) : kNone;
+    }
+    return kNone;
   }
 
-  // All corners are level: the arcs to the one between the others lie on that line, whatever else there is is not.
-  int arc_off_line() const {
+  bool rises_after(const Finding& apart, std::size_t k) const {
+    return vertices_.steps(k) > 1 && rises(apart, k, vertices_.after(corners_[k].index));
+  }
+  bool rises_before(const Finding& apart, std::size_t k) const {
+    return vertices_.steps(previous(k)) > 1 && rises(apart, k, vertices_.before(corners_[k].index));
+  }
+  bool rises(const Finding& apart, std::size_t from, std::size_t towards) const {
+    ++counters_.vertices;
+    return signs_.compare(weights_, edges_[apart.i], edges_[apart.j], towards, corners_[from].index) > 0;
+  }
+
+  // All corners are level: the arcs to the one between the others lie on that line, so whatever else is left is on the
+  // third arc.
+  std::size_t arc_off_line() const {
     const PlanarPolygon& shape = signs_.guest();
     const auto x = [&](std::size_t k) { return shape.x(corners_[k].index); };
     const auto y = [&](std::size_t k) { return shape.y(corners_[k].index); };
     const bool along_x = x(0) != x(1) || x(0) != x(2);
     const auto position = [&](std::size_t k) { return along_x ? x(k) : y(k); };
-    const auto is_between = [&](std::size_t k, std::size_t a, std::size_t b) {
-      return (position(a) < position(k)) == (position(k) < position(b));
-    };
-    return is_between(1, 0, 2) ? -1 : is_between(2, 0, 1) ? 0 : 1;
-  }
-
-  void move_corner(std::size_t from, std::size_t to) {
-    corners_[to] = corners_[from];
-    for (std::size_t i = 0; i < 3; ++i) {
-      sides_[i][to] = sides_[i][from];
-      sign_[i][to] = sign_[i][from];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double here = position(k), before = position(previous(k)), after = position(next(k));
+      const bool is_between = (before <= here && here <= after) || (after <= here && here <= before);
+      if (is_between) return vertices_.steps(next(k)) > 1 ? next(k) : kNone;
     }
+    return kNone;
   }
 
-  // Intersection invariant: a point x of T_P in T_Q is given. Beyond the chord that joins two of the edges, the host's
-  // edges between these two are all that matter: who reaches the host beyond the others from x passes through it. False
-  // if x is beyond neither chord: then it is in the host, or sees only edges that were dropped, so they share a point.
+  // Intersection invariant: a point x of T_P in T_Q is given. If it is beyond the chord that joins two of the edges,
+  // the host's edges between these two are all that matter: who meets the rest of the host from x passes through it.
+  // False if x is beyond no chord: then it is in the host, or sees only edges that were dropped, so they share a point.
   bool prune_host(const Finding& common) {
-    const std::size_t middle = edges_[1].from;
-    if (is_beyond_chord(common, host_first_ + 1, middle)) {
-      host_last_ = middle;
-      move_edge(1, 2);
-    } else if (is_beyond_chord(common, edges_[1].to, host_last_)) {
-      host_first_ = middle;
-      move_edge(1, 0);
-    } else {
-      return false;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (lines_.steps(i) < 2 || !is_beyond_chord(common, edges_[i].to, edges_[next(i)].from)) continue;
+      const std::size_t middle = lines_.halfway(i);
+      keep_edges(i, next(i));
+      edges_[1] = edge(middle);
+      lines_.at = {edges_[0].from, middle, edges_[2].from};
+      lines_.closed = false;
+      measure_edge(1);
+      return true;
     }
-    take_middle_edge();
-    for (std::size_t k = 0; k < 3; ++k) measure(1, k);
-    return true;
+    return false;
   }
 
   bool is_beyond_chord(const Finding& common, std::size_t from, std::size_t to) const {
-    if (from == to) return false;
     const HostLine chord = signs_.line(from, to);
     const GuestPoint& a = corners_[common.a];
-    if (common.relation == Relation::kVertex) return signs_.sign(signs_.side(chord, a), chord, a) < 0;
-    return signs_.mixed(edges_[common.i], chord, a, corners_[common.b]) > 0;
+    const Side side_a = signs_.side(chord, a);
+    if (common.relation == Relation::kVertex) return signs_.sign(side_a, chord, a) < 0;
+    const GuestPoint& b = corners_[common.b];
+    return signs_.mixed(edges_[common.i], chord, a, b, sides_[common.i][common.a], sides_[common.i][common.b], side_a,
+                        signs_.side(chord, b)) > 0;
   }
 
-  void move_edge(std::size_t from, std::size_t to) {
-    edges_[to] = edges_[from];
+  // Makes two edges the first and the last.
+  void keep_edges(std::size_t first, std::size_t last) {
+    const HostLine from = edges_[first], to = edges_[last];
+    edges_[0] = from;
+    edges_[2] = to;
     for (std::size_t k = 0; k < 3; ++k) {
-      sides_[to][k] = sides_[from][k];
-      sign_[to][k] = sign_[from][k];
+      const Side from_side = sides_[first][k], to_side = sides_[last][k];
+      const unsigned from_bit = beyond_[k] >> first & 1U, to_bit = beyond_[k] >> last & 1U;
+      sides_[0][k] = from_side;
+      sides_[2][k] = to_side;
+      beyond_[k] = from_bit | to_bit << 2;
     }
   }
 };

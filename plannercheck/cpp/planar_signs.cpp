@@ -1,28 +1,16 @@
 #include "planar_signs.hpp"
 
-#include <cmath>
-#include <limits>
-
 #include "double2.hpp"
 #include "predicates.hpp"
 
 namespace plannercheck {
+using planar_detail::kLargestTrusted;
+using planar_detail::kSmallestTrusted;
+
 namespace {
-
-// A filter is trusted where the sum of the absolute values of all terms and their factors are in this range: then
-// products of four sides neither overflow nor lose to underflow what the bounds do not count.
-constexpr double kSmallestTrusted = 1e-100, kLargestTrusted = 1e45;
-
-// A side is the cross product of D = M (to - from) and X - Y with X = M p + t, Y = M from. D: difference, product, sum,
-// 3u of its size; X: t is a rounded difference (u), product, two sums, 4u; Y: product, sum, 2u; X - Y: 1u; product and
-// difference of the cross product: 2u. Together 10u + O(u^2) of the permanent, whose own rounding 12u covers as well.
-constexpr double kSideBound = 12 * kRoundoff;
 
 // A difference of sides: D as above 3u, M (a - b) 3u, cross product 2u, weight and sum 2u: 10u + O(u^2).
 constexpr double kCompareBound = 12 * kRoundoff;
-
-// A sum of positive terms that are bounds is itself computed with at most 16 roundings.
-constexpr double kSlack = 1 + 0x1p-48;
 
 // The same polynomials take at most 14 operations of relative error 2^-102 a term, 2^-98.1 of the permanent (a side);
 // squares of sides twice that.
@@ -88,7 +76,7 @@ Vec2<Number> place(const PosedPolygon& guest, const PosedPolygon& host, std::siz
 }
 
 template <class Number>
-Number side_of(const PosedPolygon& guest, const PosedPolygon& host, int turn, const HostLine& line, std::size_t k) {
+Number side_of(const PosedPolygon& guest, const PosedPolygon& host, double turn, const HostLine& line, std::size_t k) {
   const Vec2<Number> way = turned(host.pose, between<Number>(host.shape, line.from, line.to));
   const Vec2<Number> base = turned(host.pose, vertex<Number>(host.shape, line.from));
   const Number side = cross(way, place<Number>(guest, host, k) - base);
@@ -97,7 +85,7 @@ Number side_of(const PosedPolygon& guest, const PosedPolygon& host, int turn, co
 
 // The side of a to a line less that of b.
 template <class Number>
-Number side_difference(const PosedPolygon& guest, const PosedPolygon& host, int turn, const HostLine& line,
+Number side_difference(const PosedPolygon& guest, const PosedPolygon& host, double turn, const HostLine& line,
                        std::size_t a, std::size_t b) {
   const Vec2<Number> way = turned(host.pose, between<Number>(host.shape, line.from, line.to));
   const Number difference = cross(way, turned(guest.pose, between<Number>(guest.shape, b, a)));
@@ -114,57 +102,7 @@ void check_finite(const PlanarPolygon& polygon, std::size_t k) {
 
 }  // namespace
 
-PlanarSigns::PlanarSigns(const PosedPolygon& guest, const PosedPolygon& host, int turn, Precision first,
-                         PlanarCounters& counters)
-    : guest_(guest),
-      host_(host),
-      turn_(turn),
-      first_(first),
-      counters_(counters),
-      offset_{guest.pose.m[2] - host.pose.m[2], guest.pose.m[5] - host.pose.m[5]} {}
-
-GuestPoint PlanarSigns::point(std::size_t index) const {
-  ++counters_.vertices;
-  const auto& m = guest_.pose.m;
-  const double x = guest_.shape.x(index), y = guest_.shape.y(index);
-  const double xx = m[0] * x, xy = m[1] * y, yx = m[3] * x, yy = m[4] * y;
-  return {index, xx + xy + offset_[0], yx + yy + offset_[1], std::fabs(xx) + std::fabs(xy) + std::fabs(offset_[0]),
-          std::fabs(yx) + std::fabs(yy) + std::fabs(offset_[1])};
-}
-
-HostLine PlanarSigns::line(std::size_t from, std::size_t to) const {
-  counters_.vertices += 2;
-  const auto& m = host_.pose.m;
-  const double x = host_.shape.x(from), y = host_.shape.y(from);
-  const double vx = host_.shape.x(to) - x, vy = host_.shape.y(to) - y;
-  const double dxx = m[0] * vx, dxy = m[1] * vy, dyx = m[3] * vx, dyy = m[4] * vy;
-  const double xx = m[0] * x, xy = m[1] * y, yx = m[3] * x, yy = m[4] * y;
-  return {from,
-          to,
-          dxx + dxy,
-          dyx + dyy,
-          std::fabs(dxx) + std::fabs(dxy),
-          std::fabs(dyx) + std::fabs(dyy),
-          xx + xy,
-          yx + yy,
-          std::fabs(xx) + std::fabs(xy),
-          std::fabs(yx) + std::fabs(yy)};
-}
-
-double PlanarSigns::permanent(const HostLine& line, const GuestPoint& point) const {
-  return line.size_dx * (point.size_y + line.size_y) + line.size_dy * (point.size_x + line.size_x);
-}
-
-Side PlanarSigns::side(const HostLine& line, const GuestPoint& point) const {
-  const double size = permanent(line, point);
-  const bool trusted = size > kSmallestTrusted && size < kLargestTrusted;
-  if (!trusted || first_ != Precision::kDoubles) return {0, std::numeric_limits<double>::infinity()};
-  const double value = line.dx * (point.y - line.y) - line.dy * (point.x - line.x);
-  return {turn_ > 0 ? value : -value, kSideBound * size};
-}
-
-int PlanarSigns::sign(const Side& side, const HostLine& line, const GuestPoint& point) const {
-  if (std::fabs(side.value) > side.error) return sign_of(side.value);
+int PlanarSigns::finer_sign(const HostLine& line, const GuestPoint& point) const {
   const double size = permanent(line, point);
   if (first_ != Precision::kExact && size > kSmallestTrusted && size < kLargestTrusted) {
     ++counters_.double_double;
@@ -176,17 +114,11 @@ int PlanarSigns::sign(const Side& side, const HostLine& line, const GuestPoint& 
 }
 
 Dyadic PlanarSigns::exact_side(const HostLine& line, const GuestPoint& point) const {
-  check_finite(line, point);
+  check_finite(line, point.index);
   return side_of<Dyadic>(guest_, host_, turn_, line, point.index);
 }
 
-int PlanarSigns::mixed(const HostLine& i, const HostLine& j, const GuestPoint& a, const GuestPoint& b) const {
-  const Side ia = side(i, a), jb = side(j, b), ib = side(i, b), ja = side(j, a);
-  const double plus = ia.value * jb.value, minus = ib.value * ja.value;
-  const double error = kSlack * (std::fabs(ia.value) * jb.error + ia.error * (std::fabs(jb.value) + jb.error) +
-                                 std::fabs(ib.value) * ja.error + ib.error * (std::fabs(ja.value) + ja.error) +
-                                 3 * kRoundoff * (std::fabs(plus) + std::fabs(minus)));
-  if (std::fabs(plus - minus) > error) return sign_of(plus - minus);
+int PlanarSigns::finer_mixed(const HostLine& i, const HostLine& j, const GuestPoint& a, const GuestPoint& b) const {
   const double size_ia = permanent(i, a), size_jb = permanent(j, b), size_ib = permanent(i, b),
                size_ja = permanent(j, a);
   const double smallest = smaller(smaller(size_ia, size_jb), smaller(size_ib, size_ja));
@@ -208,26 +140,29 @@ int PlanarSigns::mixed(const HostLine& i, const HostLine& j, const GuestPoint& a
   return (exact_side(i, a) * exact_side(j, b) - exact_side(i, b) * exact_side(j, a)).sign();
 }
 
-int PlanarSigns::compare(const LineWeights& weights, const HostLine& i, const HostLine& j, const GuestPoint& a,
-                         const GuestPoint& b) const {
-  if (a.index == b.index) return 0;
+int PlanarSigns::compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
+                         std::size_t b) const {
+  if (a == b) return 0;
   const auto& m = guest_.pose.m;
-  const double vx = guest_.shape.x(a.index) - guest_.shape.x(b.index),
-               vy = guest_.shape.y(a.index) - guest_.shape.y(b.index);
+  const double vx = guest_.shape.x(a) - guest_.shape.x(b), vy = guest_.shape.y(a) - guest_.shape.y(b);
   const double wxx = m[0] * vx, wxy = m[1] * vy, wyx = m[3] * vx, wyy = m[4] * vy;
   const double wx = wxx + wxy, wy = wyx + wyy;
   const double size_wx = std::fabs(wxx) + std::fabs(wxy), size_wy = std::fabs(wyx) + std::fabs(wyy);
   const double value = weights.first * (i.dx * wy - i.dy * wx) + weights.second * (j.dx * wy - j.dy * wx);
   const double size = weights.first * (i.size_dx * size_wy + i.size_dy * size_wx) +
                       weights.second * (j.size_dx * size_wy + j.size_dy * size_wx);
-  const bool in_range = !weights.exact && size > kSmallestTrusted && size < kLargestTrusted;
-  if (in_range && first_ == Precision::kDoubles && std::fabs(value) > kCompareBound * size) {
-    return turn_ > 0 ? sign_of(value) : -sign_of(value);
-  }
-  if (in_range && first_ != Precision::kExact) {
+  const bool usable =
+      first_ == Precision::kDoubles && !weights.exact && size > kSmallestTrusted && size < kLargestTrusted;
+  if (usable && std::fabs(value) > kCompareBound * size) return turn_ > 0 ? sign_of(value) : -sign_of(value);
+  return finer_compare(weights, i, j, a, b, size);
+}
+
+int PlanarSigns::finer_compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
+                               std::size_t b, double size) const {
+  if (first_ != Precision::kExact && !weights.exact && size > kSmallestTrusted && size < kLargestTrusted) {
     ++counters_.double_double;
-    Double2 finer = Double2{weights.first, 0} * side_difference<Double2>(guest_, host_, turn_, i, a.index, b.index);
-    finer = finer + Double2{weights.second, 0} * side_difference<Double2>(guest_, host_, turn_, j, a.index, b.index);
+    const Double2 finer = Double2{weights.first, 0} * side_difference<Double2>(guest_, host_, turn_, i, a, b) +
+                          Double2{weights.second, 0} * side_difference<Double2>(guest_, host_, turn_, j, a, b);
     if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
   }
   ++counters_.exact;
@@ -235,16 +170,16 @@ int PlanarSigns::compare(const LineWeights& weights, const HostLine& i, const Ho
   check_finite(j, b);
   const Dyadic first = weights.exact ? (*weights.exact)[0] : Dyadic(weights.first);
   const Dyadic second = weights.exact ? (*weights.exact)[1] : Dyadic(weights.second);
-  Dyadic sum = first * side_difference<Dyadic>(guest_, host_, turn_, i, a.index, b.index);
-  if (second.sign() != 0) sum = sum + second * side_difference<Dyadic>(guest_, host_, turn_, j, a.index, b.index);
+  Dyadic sum = first * side_difference<Dyadic>(guest_, host_, turn_, i, a, b);
+  if (second.sign() != 0) sum = sum + second * side_difference<Dyadic>(guest_, host_, turn_, j, a, b);
   return sum.sign();
 }
 
 // What is not finite fails every filter, so it is enough to look before exact arithmetic.
-void PlanarSigns::check_finite(const HostLine& line, const GuestPoint& point) const {
+void PlanarSigns::check_finite(const HostLine& line, std::size_t point) const {
   plannercheck::check_finite(host_.shape, line.from);
   plannercheck::check_finite(host_.shape, line.to);
-  plannercheck::check_finite(guest_.shape, point.index);
+  plannercheck::check_finite(guest_.shape, point);
 }
 
 // Three vertices on a line: in a convex polygon the arc between the outer two that holds the middle one lies on that
@@ -252,8 +187,15 @@ void PlanarSigns::check_finite(const HostLine& line, const GuestPoint& point) co
 int planar_turn(const PlanarPolygon& polygon, PlanarCounters& counters) {
   const std::size_t n = polygon.count;
   if (n < 3) return 0;
-  const std::array<std::size_t, 3> probes{0, n / 2, n - 1};
+  const std::array<std::size_t, 3> probes{0, n / 3, 2 * n / 3};
   counters.vertices += 3;
+  const double ax = polygon.x(probes[1]) - polygon.x(probes[0]), ay = polygon.y(probes[1]) - polygon.y(probes[0]);
+  const double bx = polygon.x(probes[2]) - polygon.x(probes[0]), by = polygon.y(probes[2]) - polygon.y(probes[0]);
+  const double value = ax * by - ay * bx, size = std::fabs(ax * by) + std::fabs(ay * bx);
+  // Differences, products and their difference: 4u.
+  if (size > kSmallestTrusted && size < kLargestTrusted && std::fabs(value) > 6 * kRoundoff * size) {
+    return sign_of(value);
+  }
   for (const std::size_t k : probes) check_finite(polygon, k);
   const int found = turn(flat(polygon, probes[0]), flat(polygon, probes[1]), flat(polygon, probes[2]), 2);
   if (found != 0) return found;

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.convexity import convexity_fault
+from plannercheck.reading import within
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -32,6 +33,31 @@ METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
 LARGEST_DEFECT = 1e-6
 
 _IDENTITY = np.eye(3)[None]
+
+
+
+class Polygons:
+    """Polygons checked once, for many calls of the batch functions. The arrays are not copied.
+
+    Attributes:
+        vertices: The arrays (n, 2), in the order given.
+    """
+
+    def __init__(self, polygons: Sequence[ArrayLike], *, validate: bool = False) -> None:
+        """Takes polygons.
+
+        Args:
+            polygons: Vertices (n, 2) each, m.
+            validate: Whether to check, exactly and in linear time, that all are convex.
+        """
+        self.vertices = tuple(checked_polygon(given, f"polygon {k}", validate) for k, given in enumerate(polygons))
+        self.core = core.PolygonList(list(self.vertices))
+
+    def __len__(self) -> int:
+        return len(self.vertices)
+
+
+Several: TypeAlias = ArrayLike | Sequence[ArrayLike] | Polygons
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +105,14 @@ def intersects(
     Raises:
         PlannercheckError: If an array is no polygon, a pose is not rigid, or `validate` finds a fault.
     """
-    polygons = [checked_polygon(A, "A", validate)], [checked_polygon(B, "B", validate)]
+    a, b = (core.PolygonList([checked_polygon(P, name, validate)]) for P, name in ((A, "A"), (B, "B")))
     poses = checked_poses(pose_a, "pose_a"), checked_poses(pose_b, "pose_b")
-    return bool(_run(polygons[0], poses[0], polygons[1], poses[1], 1, method, False)[0][0])
+    return bool(_run(a, poses[0], b, poses[1], 1, method, False)[0][0])
 
 
 def intersects_batch(
-    A: ArrayLike | Sequence[ArrayLike],
-    B: ArrayLike | Sequence[ArrayLike],
+    A: Several,
+    B: Several,
     poses_a: ArrayLike | None = None,
     poses_b: ArrayLike | None = None,
     *,
@@ -95,7 +121,8 @@ def intersects_batch(
     """Whether polygons share a point, for n pairs in one call of the core.
 
     Args:
-        A: One polygon (n, 2) for all pairs, or a sequence of them. float64 arrays in C order are not copied.
+        A: One polygon (n, 2) for all pairs, or a sequence of them, or `Polygons`. float64 arrays in C order are not
+            copied.
         B: The same of the other side.
         poses_a: One pose (3, 3), or n of them (n, 3, 3); None is the identity.
         poses_b: The same of the other side.
@@ -108,8 +135,8 @@ def intersects_batch(
 
 
 def count_batch(
-    A: ArrayLike | Sequence[ArrayLike],
-    B: ArrayLike | Sequence[ArrayLike],
+    A: Several,
+    B: Several,
     poses_a: ArrayLike | None = None,
     poses_b: ArrayLike | None = None,
     *,
@@ -175,23 +202,27 @@ def _is_rigid(poses: Floats) -> Bools:
 
 
 def _batch(
-    A: ArrayLike | Sequence[ArrayLike],
-    B: ArrayLike | Sequence[ArrayLike],
+    A: Several,
+    B: Several,
     poses_a: ArrayLike | None,
     poses_b: ArrayLike | None,
-) -> tuple[list[Floats], Floats, list[Floats], Floats, int]:
+) -> tuple[Any, Floats, Any, Floats, int]:
     a, b = _polygons(A, "A"), _polygons(B, "B")
     matrices_a, matrices_b = checked_poses(poses_a, "poses_a"), checked_poses(poses_b, "poses_b")
-    return a, matrices_a, b, matrices_b, _pairs(A=len(a), B=len(b), poses_a=len(matrices_a), poses_b=len(matrices_b))
+    n = _pairs(A=len(a), B=len(b), poses_a=len(matrices_a), poses_b=len(matrices_b))
+    return a.core, matrices_a, b.core, matrices_b, n
 
 
-def _polygons(given: ArrayLike | Sequence[ArrayLike], name: str) -> list[Floats]:
+def _polygons(given: Several, name: str) -> Polygons:
+    if isinstance(given, Polygons):
+        return given
     if isinstance(given, list | tuple) and (not given or np.ndim(given[0]) == 2):
-        return [checked_polygon(vertices, f"{name}[{k}]") for k, vertices in enumerate(given)]
-    array = np.asarray(given, dtype=np.float64)
-    if array.ndim == 3:
-        return [checked_polygon(vertices, f"{name}[{k}]") for k, vertices in enumerate(array)]
-    return [checked_polygon(array, name)]
+        several: Sequence[ArrayLike] = given
+    else:
+        array = np.asarray(given, dtype=np.float64)
+        several = list(array) if array.ndim == 3 else [array]
+    with within(name):
+        return Polygons(several)
 
 
 def _pairs(**lengths: int) -> int:
@@ -204,7 +235,7 @@ def _pairs(**lengths: int) -> int:
 
 
 def _run(
-    a: list[Floats], poses_a: Floats, b: list[Floats], poses_b: Floats, n: int, method: Method, count: bool
+    a: Any, poses_a: Floats, b: Any, poses_b: Floats, n: int, method: Method, count: bool
 ) -> tuple[Ints, Ints]:
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
