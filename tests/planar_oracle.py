@@ -8,7 +8,6 @@ points, in Python integers: nothing is shared with the core, neither method nor 
 
 from __future__ import annotations
 
-from fractions import Fraction
 from itertools import product
 
 import numpy as np
@@ -16,15 +15,23 @@ import numpy as np
 
 def posed_integers(bodies):
     """Posed vertices of several bodies as integers in one unit."""
-    exact = [_posed(vertices, pose) for vertices, pose in bodies]
-    unit = max(x.denominator for points in exact for point in points for x in point)  # powers of two
-    return [[tuple(int(x * unit) for x in point) for point in points] for points in exact]
+    ratios = [
+        [[float(x).as_integer_ratio() for x in np.ravel(values)] for values in (vertices, np.eye(3) if p is None else p)]
+        for vertices, p in bodies
+    ]
+    units = [max(denominator for body in ratios for _, denominator in body[k]) for k in (0, 1)]  # powers of two
+    return [_posed(*(_in_unit(body[k], units[k]) for k in (0, 1)), units[0]) for body in ratios]
 
 
-def _posed(vertices, pose):
-    matrix = [[Fraction(float(x)) for x in row] for row in (np.eye(3) if pose is None else np.asarray(pose))]
-    points = [[Fraction(float(x)) for x in vertex] for vertex in np.asarray(vertices)]
-    return [tuple(row[0] * x + row[1] * y + row[2] for row in matrix[:2]) for x, y in points]
+def _in_unit(ratios, unit):
+    return [numerator * (unit // denominator) for numerator, denominator in ratios]
+
+
+def _posed(values, pose, unit):
+    """Counted in the product of both units; translations come in that of the pose alone."""
+    a, b, x, c, d, y = pose[:6]
+    points = zip(values[::2], values[1::2], strict=True)
+    return [(a * v + b * w + x * unit, c * v + d * w + y * unit) for v, w in points]
 
 
 def share_point(a, b, pose_a=None, pose_b=None):
@@ -33,14 +40,22 @@ def share_point(a, b, pose_a=None, pose_b=None):
     return not any(_separates(d, p, q) for d in _directions(p, q))
 
 
+def is_separated_across(sides, a, b, pose_a, pose_b):
+    """Whether the normal of one of some sides separates; sides of a are counted first, then those of b."""
+    p, q = posed_integers([(a, pose_a), (b, pose_b)])
+    normals = [*_normals(p), *_normals(q)]
+    return any(_separates(normals[k], p, q) for k in sides)
+
+
+def _normals(points):
+    return [(y0 - y1, x1 - x0) for (x0, y0), (x1, y1) in zip(points, points[1:] + points[:1], strict=True)]
+
+
 def _directions(p, q):
-    for points in (p, q):
-        for (x0, y0), (x1, y1) in zip(points, points[1:] + points[:1], strict=True):
-            yield y0 - y1, x1 - x0
+    yield from _normals(p)
+    yield from _normals(q)
     if _is_flat(p) or _is_flat(q):
-        for points in (p, q):
-            for (x0, y0), (x1, y1) in zip(points, points[1:] + points[:1], strict=True):
-                yield x1 - x0, y1 - y0
+        yield from ((y, -x) for points in (p, q) for x, y in _normals(points))
         for (x0, y0), (x1, y1) in product(p, q):
             yield x1 - x0, y1 - y0
             yield y0 - y1, x1 - x0
