@@ -57,8 +57,9 @@ class Checker:
         cached_plane: bool = True,
         centre_axis: bool = True,
         nearest_points: bool = True,
-        spheres: bool = True,
+        bounds: bool = True,
         boxes: bool = True,
+        learning: bool = True,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
 
@@ -74,8 +75,9 @@ class Checker:
             cached_plane: Whether the last separating plane of a pair is tried first.
             centre_axis: Whether the axis between the centres is tried before the solver.
             nearest_points: Whether nearest points in doubles are tried before exact arithmetic.
-            spheres: Whether bounding spheres settle pairs that are far apart.
-            boxes: Whether one body's sphere against the other's box does.
+            bounds: Whether bounding balls and a tree of the obstacles settle pairs that are far apart.
+            boxes: Whether planes along the faces of the bodies' boxes do.
+            learning: Whether the pair that collided most often comes first where any collision will do.
 
         Raises:
             PlannercheckError: If an argument is none of those above.
@@ -97,14 +99,17 @@ class Checker:
         self.pairs = table.pairs
         self._self_count = table.self_count
         self._labels = (*(b.link or b.name for b in robot.bodies), *self.scene.body_objects)
+        self._row_shape = (robot.nq,)
         self._kernel = robot.kinematics if kinematics == "batch" else None
         used = np.unique(np.concatenate([table.pairs.ravel(), table.resting.ravel()]))
         self.polytopes = _prepare(self.bodies, used.tolist(), excess)
-        self._core = self._build_core(pair_options(method, cached_plane, centre_axis, nearest_points), spheres, boxes)
+        self._core = self._build_core(
+            pair_options(method, cached_plane, centre_axis, nearest_points), bounds, boxes, learning
+        )
         self.motion_sampler = MotionSampler(robot, excess)
         self._warn_of_resting(table.resting)
 
-    def _build_core(self, options: Any, spheres: bool, boxes: bool) -> Any:
+    def _build_core(self, options: Any, *switches: bool) -> Any:
         live = [k for k, polytope in enumerate(self.polytopes) if polytope is not None]
         position = {body: k for k, body in enumerate(live)}
         links = [self._link_of(self.bodies[k]) for k in live]
@@ -116,8 +121,7 @@ class Checker:
             np.array([[position[a], position[b]] for a, b in self.pairs.tolist()], dtype=np.int32).reshape(-1, 2),
             len(self.robot.link_names),
             options,
-            spheres,
-            boxes,
+            *switches,
         )
 
     def _link_of(self, body: Body) -> int:
@@ -145,7 +149,11 @@ class Checker:
         Returns:
             True if no pair shares a point.
         """
-        return bool(self.first_colliding_pair(self._single(q))[0] < 0)
+        if self._kernel is not None and type(q) is np.ndarray and q.shape == self._row_shape:
+            known = self._core.is_valid(self._kernel, q)
+            if known is not None:
+                return bool(known)
+        return bool(self.check_states(self._single(q))[0])
 
     def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
         """Whether each configuration of a set is free of collision.
@@ -157,7 +165,11 @@ class Checker:
         Returns:
             (n,), True means valid.
         """
-        return np.asarray(self.first_colliding_pair(q, threads) < 0)
+        rows = self.robot.check_configurations(q)
+        threads = _useful_threads(threads, len(rows))
+        if self._kernel is None:
+            return np.asarray(self._core.first_of_poses(self._link_poses(rows), threads) < 0)
+        return np.asarray(self._core.check_states(self._kernel, rows, threads)).view(bool)
 
     def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
         """The first colliding pair of each configuration, in the order of `pairs`.
@@ -170,9 +182,7 @@ class Checker:
             (n,) rows of `pairs`, -1 where the configuration is valid.
         """
         rows = self.robot.check_configurations(q)
-        if not isinstance(threads, int) or threads < 1:
-            raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
-        threads = min(threads, max(len(rows), 1))
+        threads = _useful_threads(threads, len(rows))
         if self._kernel is not None:
             return np.asarray(self._core.first_of_states(self._kernel, rows, threads))
         return np.asarray(self._core.first_of_poses(self._link_poses(rows), threads))
@@ -308,6 +318,12 @@ class Checker:
 
     def __repr__(self) -> str:
         return f"Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
+
+
+def _useful_threads(threads: int, rows: int) -> int:
+    if not isinstance(threads, int) or threads < 1:
+        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
+    return min(threads, max(rows, 1))
 
 
 def _prepare(bodies: Sequence[Body], used: Sequence[int], excess: float) -> tuple[Polytope | None, ...]:

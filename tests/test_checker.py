@@ -13,7 +13,8 @@ import pytest
 import plannercheck as pc
 from plannercheck import exact
 
-SWITCHES = ("spheres", "boxes", "cached_plane", "centre_axis")
+COUNTED = ("bounds", "boxes", "cached_plane", "centre_axis")
+SWITCHES = (*COUNTED, "learning")
 
 
 @pytest.fixture(scope="module")
@@ -72,8 +73,9 @@ def test_every_switch_leaves_the_verdicts(panda, scene, checker, samples, method
     other = pc.Checker(panda, scene, method=method, **dict.fromkeys(off, False))
     np.testing.assert_array_equal(other.first_colliding_pair(few), checker.first_colliding_pair(few))
     statistics = other.statistics()
-    for switch in off:
+    for switch in set(off) & set(COUNTED):
         assert statistics[switch] == 0
+    np.testing.assert_array_equal(other.check_states(few), checker.first_colliding_pair(few) < 0)
     if method == "exact":
         assert statistics["solver"] == 0
 
@@ -81,8 +83,8 @@ def test_every_switch_leaves_the_verdicts(panda, scene, checker, samples, method
 def test_switches_do_something(checker, samples):
     checker.check_states(samples)
     statistics = checker.statistics()
-    assert all(statistics[switch] > 0 for switch in (*SWITCHES, "solver", "states", "pairs"))
-    settled = sum(statistics[k] for k in (*SWITCHES, "solver", "exact"))
+    assert all(statistics[switch] > 0 for switch in (*COUNTED, "solver", "states", "pairs", "skipped"))
+    settled = sum(statistics[k] for k in (*COUNTED, "solver", "nearest_points", "exact", "skipped"))
     assert settled == statistics["pairs"]
 
 
@@ -210,7 +212,7 @@ def test_the_same_with_a_prismatic_and_a_mobile_robot():
             "table", [0.5, 1.0, 0.05], np.array([[1, 0, 0, 0.8], [0, 1, 0, 0], [0, 0, 1, 0.7], [0, 0, 0, 1.0]])
         )
         found = pc.Checker(robot, scene).first_colliding_pair(q)
-        for other in ({"method": "walk"}, {"spheres": False, "boxes": False}, {"kinematics": "pinocchio"}):
+        for other in ({"method": "walk"}, {"bounds": False, "boxes": False}, {"kinematics": "pinocchio"}):
             np.testing.assert_array_equal(pc.Checker(robot, scene, **other).first_colliding_pair(q), found)
 
 
@@ -226,7 +228,7 @@ def test_moving_and_fixed_pairs_of_a_floating_base():
     q = robot.random_configurations(60, 2)
     q[:, :3] *= 2
     np.testing.assert_array_equal(
-        checker.check_states(q), pc.Checker(robot, scene, spheres=False, boxes=False, method="walk").check_states(q)
+        checker.check_states(q), pc.Checker(robot, scene, bounds=False, boxes=False, method="walk").check_states(q)
     )
     assert 0 < checker.check_states(q).sum() < 60
 

@@ -4,6 +4,7 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -34,14 +35,14 @@ class BoundChecker {
  public:
   BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
-               const PairOptions& options, bool spheres, bool boxes)
-      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, spheres, boxes}) {}
+               const PairOptions& options, bool bounds, bool boxes, bool learning)
+      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, bounds, boxes, learning}) {}
 
   const CheckerCore& core() const { return core_; }
 
   template <class Work>
   void with_workspace(Work work) {
-    std::unique_ptr<CheckerCore::Workspace> workspace;
+    std::shared_ptr<CheckerCore::Workspace> workspace;
     {
       const std::lock_guard lock(mutex_);
       if (!spare_.empty()) {
@@ -49,11 +50,10 @@ class BoundChecker {
         spare_.pop_back();
       }
     }
-    if (!workspace) workspace = std::make_unique<CheckerCore::Workspace>(core_);
+    if (!workspace) workspace = core_.new_workspace();
     work(*workspace);
     const std::lock_guard lock(mutex_);
-    add(workspace->counters);
-    workspace->counters = {};
+    add(CheckerCore::take_counters(*workspace));
     spare_.push_back(std::move(workspace));
   }
 
@@ -84,8 +84,9 @@ class BoundChecker {
     nb::dict out;
     out["states"] = total_.states;
     out["pairs"] = total_.pairs;
-    out["spheres"] = total_.spheres;
+    out["bounds"] = total_.bounds;
     out["boxes"] = total_.boxes;
+    out["skipped"] = total_.skipped;
     const char* names[] = {"cached_plane", "centre_axis", "solver", "nearest_points", "exact"};
     for (std::size_t i = 0; i < total_.stages.size(); ++i) out[names[i]] = total_.stages[i];
     out["queries"] = counters_dict(total_.pair);
@@ -95,7 +96,7 @@ class BoundChecker {
  private:
   CheckerCore core_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<CheckerCore::Workspace>> spare_;
+  std::vector<std::shared_ptr<CheckerCore::Workspace>> spare_;
   CheckerCounters total_;
 
   static std::vector<MountedBody> mounted(const std::vector<std::shared_ptr<Body>>& bodies,
@@ -113,7 +114,8 @@ class BoundChecker {
   }
 
   void add(const CheckerCounters& c) {
-    total_.states += c.states, total_.pairs += c.pairs, total_.spheres += c.spheres, total_.boxes += c.boxes;
+    total_.states += c.states, total_.pairs += c.pairs, total_.bounds += c.bounds;
+    total_.boxes += c.boxes, total_.skipped += c.skipped;
     for (std::size_t i = 0; i < c.stages.size(); ++i) total_.stages[i] += c.stages[i];
     total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
     total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
@@ -133,6 +135,29 @@ auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Config
     });
   }
   return output_array(first, {first.size()});
+}
+
+// One configuration without the detour over sets; None if it is not finite, for the caller to say so.
+nb::object is_valid(BoundChecker& checker, const Kinematics& kinematics, InputArray<double, -1> q) {
+  if (q.shape(0) != static_cast<std::size_t>(kinematics.width())) return nb::none();
+  for (std::size_t i = 0; i < q.shape(0); ++i) {
+    if (!std::isfinite(q(i))) return nb::none();
+  }
+  std::uint8_t valid = 0;
+  checker.with_workspace([&](auto& w) { checker.core().check_states(kinematics, q.data(), 1, &valid, w); });
+  return nb::bool_(valid != 0);
+}
+
+auto check_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
+  std::vector<std::uint8_t> valid(q.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t width = q.shape(1);
+    checker.in_parallel(valid.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
+      checker.core().check_states(kinematics, q.data() + from * width, to - from, valid.data() + from, w);
+    });
+  }
+  return output_array(valid, {valid.size()});
 }
 
 // q0, q1: n motions; steps: n.
@@ -194,8 +219,10 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
 void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
-                    InputArray<std::int32_t, -1, 2>, std::int32_t, const PairOptions&, bool, bool>())
+                    InputArray<std::int32_t, -1, 2>, std::int32_t, const PairOptions&, bool, bool, bool>())
       .def("first_of_states", &first_of_states)
+      .def("is_valid", &is_valid)
+      .def("check_states", &check_states)
       .def("motions_are_free", &motions_are_free)
       .def("first_of_poses", &first_of_poses)
       .def("all_of_poses", &all_of_poses)

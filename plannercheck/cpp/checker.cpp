@@ -1,242 +1,223 @@
 #include "checker.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "broad_phase.hpp"
+#include "kinematics_lanes.hpp"
 
 namespace plannercheck {
 namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
-// Poses stretch by 1e-6 at most, and posing a centre errs by about 10u of its distance: this covers both.
-constexpr double kStretch = 1 + 2e-6;
-constexpr double kCentreError = 64 * 0x1p-53;
-constexpr double kDefect = 2e-6;  // twice what a pose may be off rigid: the error of taking the transpose as inverse
-constexpr double kSquareError = 1 + 1e-12;  // of comparing squared lengths
-
-LanePose in_all_lanes(const Pose& pose) {
-  LanePose out;
-  for (std::size_t i = 0; i < 12; ++i) out.m[i] = broadcast(pose.m[i]);
-  return out;
-}
-
-Pose lane_of(const LanePose& pose, int lane) {
+// Link pose times placement.
+Pose composed(const std::array<double, 12>& link, const std::array<double, 12>& p) {
   Pose out;
-  for (std::size_t i = 0; i < 12; ++i) out.m[i] = pose.m[i][lane];
-  return out;
-}
-
-// Link pose times placement, one formula for lanes and for single poses: the same bits.
-template <class Number>
-void compose(const Number* link, const std::array<double, 12>& p, Number* out) {
   for (std::size_t i = 0; i < 12; i += 4) {
     for (std::size_t j = 0; j < 4; ++j) {
-      const Number sum = (link[i] * p[j] + link[i + 1] * p[j + 4]) + link[i + 2] * p[j + 8];
-      out[i + j] = j == 3 ? sum + link[i + 3] : sum;
+      const double sum = (link[i] * p[j] + link[i + 1] * p[j + 4]) + link[i + 2] * p[j + 8];
+      out.m[i + j] = j == 3 ? sum + link[i + 3] : sum;
     }
   }
+  return out;
 }
-
-Lanes norm_1(const LaneVec3& v) { return (absolute(v.x) + absolute(v.y)) + absolute(v.z); }
 
 constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
 }  // namespace
 
+struct CheckerCore::Workspace {
+  CheckerCounters counters;
+  std::vector<Lanes> columns, links, scratch;  // of a block's groups: configurations, link poses
+  BroadPhase::Workspace broad_phase;
+  std::vector<CachedPlane> planes;  // per pair
+  std::vector<std::uint32_t> hits;  // per pair: collisions found
+};
+
 CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
                          std::int32_t links, CheckerOptions options)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
-  std::vector<bool> used(bodies_.size(), false);
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
-    for (const std::int32_t body : pair) used[at(body)] = true;
+    for (const std::int32_t body : pair) {
+      const std::int32_t link = bodies_[at(body)].link;
+      if (link >= 0) needed_[at(link)] = 1;
+    }
   }
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (!used[b] || bodies_[b].link < 0) continue;
-    moving_.push_back(static_cast<std::int32_t>(b));
-    needed_[at(bodies_[b].link)] = 1;
-  }
+  broad_phase_ = std::make_shared<const BroadPhase>(bodies_, pairs_, at(links_));
 }
 
-CheckerCore::Workspace::Workspace(const CheckerCore& checker)
-    : poses(checker.body_count()),
-      centres(checker.body_count()),
-      slack(checker.body_count()),
-      grown(checker.body_count()),
-      planes(checker.pair_count()),
-      links(at(checker.links_) * 12) {
-  for (std::size_t b = 0; b < checker.body_count(); ++b) {
-    if (checker.bodies_[b].link >= 0) continue;
-    poses[b] = in_all_lanes(checker.bodies_[b].placement);
-    checker.bound_body(b, *this);
-  }
+std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
+  auto w = std::make_shared<Workspace>();
+  w->links.resize(kBlockGroups * at(links_) * 12);
+  w->broad_phase = broad_phase_->new_workspace();
+  w->planes.resize(pairs_.size());
+  w->hits.resize(pairs_.size());
+  return w;
 }
+
+CheckerCounters CheckerCore::take_counters(Workspace& w) { return std::exchange(w.counters, {}); }
 
 Pose CheckerCore::body_pose(std::size_t body, const double* links) const {
   const MountedBody& mounted = bodies_[body];
   if (mounted.link < 0) return mounted.placement;
-  Pose out;
-  compose(links + at(mounted.link) * kPoseStride, mounted.placement.m, out.m.data());
-  return out;
+  std::array<double, 12> link;
+  std::copy_n(links + at(mounted.link) * kPoseStride, 12, link.begin());
+  return composed(link, mounted.placement.m);
 }
 
-void CheckerCore::pose_bodies(Workspace& w) const {
-  for (const std::int32_t body : moving_) {
-    const MountedBody& mounted = bodies_[at(body)];
-    compose(&w.links[at(mounted.link) * 12], mounted.placement.m, w.poses[at(body)].m.data());
-    bound_body(at(body), w);
-  }
+Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w) const {
+  const MountedBody& mounted = bodies_[body];
+  if (mounted.link < 0) return mounted.placement;
+  const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, at(mounted.link))];
+  std::array<double, 12> link;
+  for (std::size_t i = 0; i < 12; ++i) link[i] = lanes[i][state % kLanes];
+  return composed(link, mounted.placement.m);
 }
 
-void CheckerCore::bound_body(std::size_t body, Workspace& w) const {
-  const Body& b = *bodies_[body].body;
-  const auto& m = w.poses[body].m;
-  const Vec3 c = b.centre;
-  const LaneVec3 t{m[3], m[7], m[11]};
-  w.centres[body] = {((m[0] * c.x + m[1] * c.y) + m[2] * c.z) + t.x, ((m[4] * c.x + m[5] * c.y) + m[6] * c.z) + t.y,
-                     ((m[8] * c.x + m[9] * c.y) + m[10] * c.z) + t.z};
-  w.slack[body] = kCentreError * ((norm_1(w.centres[body]) + norm_1(t)) + 2 * b.reach);
-  w.grown[body] = (b.radius * kStretch + b.swell * kStretch) + w.slack[body];
-}
-
-unsigned CheckerCore::spheres_meet(std::size_t a, std::size_t b, const Workspace& w) const {
-  const LaneVec3 &ca = w.centres[a], &cb = w.centres[b];
-  const LaneVec3 d{ca.x - cb.x, ca.y - cb.y, ca.z - cb.z};
-  const Lanes radii = w.grown[a] + w.grown[b];
-  return bits((d.x * d.x + d.y * d.y) + d.z * d.z <= radii * radii * kSquareError);
-}
-
-// One body's sphere against the other's box in that body's frame.
-unsigned CheckerCore::sphere_meets_box(std::size_t sphere, std::size_t box, const Workspace& w) const {
-  const Body& b = *bodies_[box].body;
-  const auto& m = w.poses[box].m;
-  const LaneVec3& centre = w.centres[sphere];
-  const LaneVec3 d{centre.x - m[3], centre.y - m[7], centre.z - m[11]};
-  const auto beyond = [&](std::size_t column, double low, double high) {
-    const Lanes c = (m[column] * d.x + m[column + 4] * d.y) + m[column + 8] * d.z;
-    return larger(Lanes{}, larger(low - c, c - high));
-  };
-  const Lanes x = beyond(0, b.low.x, b.high.x), y = beyond(1, b.low.y, b.high.y), z = beyond(2, b.low.z, b.high.z);
-  const Lanes radius = ((w.grown[sphere] + w.slack[box]) + b.swell * kStretch) + kDefect * norm_1(d);
-  return bits((x * x + y * y) + z * z <= radius * radius * kSquareError);
-}
-
-unsigned CheckerCore::near(std::size_t pair, unsigned open, Workspace& w) const {
+bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
-  w.counters.pairs += __builtin_popcount(open);
-  unsigned left = open;
-  if (options_.spheres) {
-    left &= spheres_meet(guest, host, w);
-    w.counters.spheres += __builtin_popcount(open & ~left);
-    if (left == 0) return 0;
+  const PairFrame frame({bodies_[guest].body.get(), posed(guest, state, w)},
+                        {bodies_[host].body.get(), posed(host, state, w)});
+  if (options_.boxes && frame.boxes_apart()) {
+    ++w.counters.boxes;
+    return false;
   }
-  if (options_.boxes) {
-    const unsigned before = left;
-    left &= sphere_meets_box(guest, host, w);
-    if (left != 0) left &= sphere_meets_box(host, guest, w);
-    w.counters.boxes += __builtin_popcount(before & ~left);
-  }
-  return left;
+  const PairVerdict verdict = test_pair(frame, options_.pair, &w.planes[pair], w.counters.pair);
+  ++w.counters.stages[static_cast<std::size_t>(verdict.stage)];
+  w.hits[pair] += verdict.shared ? 1 : 0;
+  return verdict.shared;
 }
 
-unsigned CheckerCore::collides(std::size_t pair, unsigned open, Workspace& w) const {
-  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
-  unsigned colliding = 0;
-  for (unsigned left = near(pair, open, w); left != 0; left &= left - 1) {
-    const int lane = __builtin_ctz(left);
-    const PairVerdict verdict = test_pair({bodies_[guest].body.get(), lane_of(w.poses[guest], lane)},
-                                          {bodies_[host].body.get(), lane_of(w.poses[host], lane)}, options_.pair,
-                                          &w.planes[pair], w.counters.pair);
-    ++w.counters.stages[static_cast<std::size_t>(verdict.stage)];
-    if (verdict.shared) colliding |= 1U << lane;
+bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
+  auto& near = w.broad_phase.near[state];
+  if (near.empty()) return true;
+  if (options_.learning) {
+    const auto likeliest = std::max_element(
+        near.begin(), near.end(), [&](std::int32_t a, std::int32_t b) { return w.hits[at(a)] < w.hits[at(b)]; });
+    std::swap(near.front(), *likeliest);
   }
-  return colliding;
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    if (!collides(at(near[k]), state, w)) continue;
+    w.counters.skipped += static_cast<long>(near.size() - k - 1);
+    return false;
+  }
+  return true;
 }
 
-std::array<std::int32_t, kLanes> CheckerCore::judge(unsigned open, Workspace& w) const {
-  std::array<std::int32_t, kLanes> first;
-  first.fill(-1);
-  w.counters.states += __builtin_popcount(open);
-  pose_bodies(w);
-  for (std::size_t pair = 0; pair < pairs_.size() && open != 0; ++pair) {
-    const unsigned colliding = collides(pair, open, w);
-    open &= ~colliding;
-    for (unsigned left = colliding; left != 0; left &= left - 1) {
-      first[static_cast<std::size_t>(__builtin_ctz(left))] = static_cast<std::int32_t>(pair);
+std::int32_t CheckerCore::first_collision(std::size_t state, Workspace& w) const {
+  auto& near = w.broad_phase.near[state];
+  std::sort(near.begin(), near.end());
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    if (!collides(at(near[k]), state, w)) continue;
+    w.counters.skipped += static_cast<long>(near.size() - k - 1);
+    return near[k];
+  }
+  return -1;
+}
+
+void CheckerCore::pose_links(const Kinematics& kinematics, int count, Workspace& w) const {
+  const std::size_t width = at(kinematics.width()), links = at(links_) * 12;
+  w.scratch.resize(scratch_size(kinematics));
+  for (std::size_t group = 0; group * kLanes < at(count); ++group) {
+    link_poses(kinematics, &w.columns[group * width], needed_.data(), w.scratch.data(), &w.links[group * links]);
+  }
+}
+
+// Lanes beyond n repeat the last row.
+void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) const {
+  const std::size_t size = at(links_) * kPoseStride;
+  for (std::size_t state = 0; state < kBlockStates; ++state) {
+    const double* from = links + std::min(state, n - 1) * size;
+    for (std::size_t link = 0; link < at(links_); ++link) {
+      Lanes* to = &w.links[pose_index(at(links_), state / kLanes, link)];
+      for (std::size_t i = 0; i < 12; ++i) to[i][state % kLanes] = from[link * kPoseStride + i];
     }
   }
-  return first;
 }
 
-void CheckerCore::reserve_lanes(const Kinematics& kinematics, Workspace& w) const {
-  w.columns.resize(at(kinematics.width()));
-  w.scratch.resize(at(kinematics.scratch_size()));
+void CheckerCore::find_near(int count, Workspace& w) const {
+  if (options_.bounds) {
+    broad_phase_->find(w.links.data(), count, w.broad_phase);
+  } else {
+    broad_phase_->take_all(count, w.broad_phase);
+  }
+  w.counters.states += count;
+  for (std::size_t state = 0; state < at(count); ++state) {
+    w.counters.pairs += static_cast<long>(pairs_.size());
+    w.counters.bounds += static_cast<long>(pairs_.size() - w.broad_phase.near[state].size());
+  }
+}
+
+template <class Judge>
+void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std::size_t n, Workspace& w,
+                             Judge judge) const {
+  const std::size_t width = at(kinematics.width());
+  w.columns.resize(kBlockGroups * width);
+  for (std::size_t row = 0; row < n; row += kBlockStates) {
+    const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
+    for (std::size_t state = 0; state < kBlockStates; ++state) {
+      const double* from = q + (row + std::min(state, count - 1)) * width;
+      Lanes* to = &w.columns[state / kLanes * width];
+      for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = from[c];
+    }
+    pose_links(kinematics, static_cast<int>(count), w);
+    find_near(static_cast<int>(count), w);
+    for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
+  }
+}
+
+template <class Judge>
+void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, Judge judge) const {
+  for (std::size_t row = 0; row < n; row += kBlockStates) {
+    const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
+    load_links(links + row * at(links_) * kPoseStride, count, w);
+    find_near(static_cast<int>(count), w);
+    for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
+  }
+}
+
+void CheckerCore::check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
+                               Workspace& w) const {
+  each_state(kinematics, q, n, w, [&](std::size_t row, std::size_t state) { valid[row] = is_free(state, w); });
 }
 
 void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
                                    Workspace& w) const {
-  reserve_lanes(kinematics, w);
-  const std::size_t width = w.columns.size();
-  for (std::size_t row = 0; row < n; row += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
-    for (std::size_t c = 0; c < width; ++c) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane)
-        w.columns[c][lane] = q[(row + std::min(lane, count - 1)) * width + c];
-    }
-    kinematics.link_poses(w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
-    const auto pairs = judge((1U << count) - 1, w);
-    std::copy_n(pairs.begin(), count, first + row);
-  }
-}
-
-// Up to kLanes configurations' links; lanes beyond n repeat the last one.
-void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) const {
-  const std::size_t size = at(links_) * kPoseStride;
-  for (std::size_t link = 0; link < at(links_); ++link) {
-    for (std::size_t i = 0; i < 12; ++i) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        w.links[link * 12 + i][lane] = links[std::min(lane, n - 1) * size + link * kPoseStride + i];
-      }
-    }
-  }
+  each_state(kinematics, q, n, w, [&](std::size_t row, std::size_t state) { first[row] = first_collision(state, w); });
 }
 
 void CheckerCore::first_collisions(const double* links, std::size_t n, std::int32_t* first, Workspace& w) const {
-  for (std::size_t row = 0; row < n; row += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
-    load_links(links + row * at(links_) * kPoseStride, count, w);
-    const auto pairs = judge((1U << count) - 1, w);
-    std::copy_n(pairs.begin(), count, first + row);
-  }
+  each_state(links, n, w, [&](std::size_t row, std::size_t state) { first[row] = first_collision(state, w); });
 }
 
 void CheckerCore::all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& w) const {
-  for (std::size_t row = 0; row < n; row += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
-    load_links(links + row * at(links_) * kPoseStride, count, w);
-    w.counters.states += static_cast<long>(count);
-    pose_bodies(w);
-    for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
-      const unsigned lanes = collides(pair, (1U << count) - 1, w);
-      for (std::size_t lane = 0; lane < count; ++lane)
-        colliding[(row + lane) * pairs_.size() + pair] = lanes >> lane & 1U;
+  std::fill_n(colliding, n * pairs_.size(), std::uint8_t{0});
+  each_state(links, n, w, [&](std::size_t row, std::size_t state) {
+    for (const std::int32_t pair : w.broad_phase.near[state]) {
+      colliding[row * pairs_.size() + at(pair)] = collides(at(pair), state, w);
     }
-  }
+  });
 }
 
 bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0, const double* q1, long steps,
                                  Workspace& w) const {
-  reserve_lanes(kinematics, w);
+  const std::size_t width = at(kinematics.width());
+  w.columns.resize(kBlockGroups * width);
   const auto all_free = [&](long first, long stride, long last) {
-    for (long k = first; k <= last; k += stride * kLanes) {
-      const long count = std::min<long>(kLanes, (last - k) / stride + 1);
-      for (int lane = 0; lane < kLanes; ++lane) {
-        const long step = k + stride * std::min<long>(lane, count - 1);
-        const double t = static_cast<double>(step) / static_cast<double>(steps);
-        for (std::size_t c = 0; c < w.columns.size(); ++c) w.columns[c][lane] = (1 - t) * q0[c] + t * q1[c];
+    for (long k = first; k <= last; k += stride * kBlockStates) {
+      const long count = std::min<long>(kBlockStates, (last - k) / stride + 1);
+      for (long state = 0; state < kBlockStates; ++state) {
+        const double t = static_cast<double>(k + stride * std::min(state, count - 1)) / static_cast<double>(steps);
+        Lanes* to = &w.columns[static_cast<std::size_t>(state / kLanes) * width];
+        for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = (1 - t) * q0[c] + t * q1[c];
       }
-      kinematics.link_poses(w.columns.data(), needed_.data(), w.scratch.data(), w.links.data());
-      const auto pairs = judge((1U << count) - 1, w);
-      if (std::any_of(pairs.begin(), pairs.end(), [](std::int32_t pair) { return pair >= 0; })) return false;
+      pose_links(kinematics, static_cast<int>(count), w);
+      find_near(static_cast<int>(count), w);
+      for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
+        if (!is_free(state, w)) return false;
+      }
     }
     return true;
   };

@@ -1,64 +1,51 @@
-// Verdicts for sets of configurations: posing and bounds in lanes, one configuration a lane; then pair tests.
+// Verdicts for sets of configurations: posing and bounds for blocks of states in lanes, then tests of the pairs left.
 //
 // In: posed links (from the kinematics kernel or given), bodies on links, pairs of bodies. Out: for each configuration
 // whether some pair shares a point, and which. Immutable: each thread brings a workspace, which holds what is learnt.
+// Free of lanes, whose number differs between instruction sets: those are checker.cpp's own.
 #pragma once
 
 #include <array>
-#include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "kinematics.hpp"
+#include "mounted_body.hpp"
 #include "pair_test.hpp"
 
 namespace plannercheck {
 
-struct MountedBody {
-  std::shared_ptr<const Body> body;
-  std::int32_t link = -1;  // −1: fixed to the world
-  Pose placement;          // on the link, or in the world
-};
-
+// Every pair of every state is counted once, by what settled it.
 struct CheckerCounters {
-  long states = 0, pairs = 0, spheres = 0, boxes = 0;  // pairs considered, and settled by bounds
-  std::array<long, 5> stages{};                        // pairs settled by each Stage
+  long states = 0, pairs = 0;
+  long bounds = 0;                     // balls that do not meet, and obstacles' boxes out of reach
+  long boxes = 0;                      // boxes that a face's plane separates
+  std::array<long, kStages> stages{};  // of the pair test
+  long skipped = 0;                    // the state's verdict was known already
   PairCounters pair;
 };
 
 struct CheckerOptions {
   PairOptions pair;
-  bool spheres = true;
+  bool bounds = true;  // balls and the tree of obstacles
   bool boxes = true;
+  bool learning = true;  // the pair that collided most often first, where any collision will do
 };
 
-// kLanes configurations at once: vectors and poses with one configuration a lane.
-struct LaneVec3 {
-  Lanes x, y, z;
-};
-
-struct LanePose {
-  std::array<Lanes, 12> m;  // rows of the 3x4 matrix
-};
+class BroadPhase;
 
 class CheckerCore {
  public:
   CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
               CheckerOptions options);
 
-  class Workspace {
-   public:
-    explicit Workspace(const CheckerCore& checker);
-    CheckerCounters counters;
-
-   private:
-    friend class CheckerCore;
-    std::vector<LanePose> poses;      // of the bodies, in the world
-    std::vector<LaneVec3> centres;    // of the bodies, in the world
-    std::vector<Lanes> slack, grown;  // rounding of posing a body; its radius enlarged by that
-    std::vector<CachedPlane> planes;  // per pair
-    std::vector<Lanes> columns, links, scratch;
-  };
+  // What one thread poses, bounds, learns and counts.
+  struct Workspace;
+  std::shared_ptr<Workspace> new_workspace() const;
+  // What has been counted since the last call.
+  static CheckerCounters take_counters(Workspace& workspace);
 
   std::size_t body_count() const { return bodies_.size(); }
   std::size_t pair_count() const { return pairs_.size(); }
@@ -68,8 +55,10 @@ class CheckerCore {
   // poses, row-major 4x4.
   Pose body_pose(std::size_t body, const double* links) const;
 
-  // For each of n configurations (n, width): the index of the first pair that shares a point, in the order of the
-  // table, or −1.
+  // For each of n configurations (n, width): whether no pair shares a point.
+  void check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
+                    Workspace& workspace) const;
+  // The index of the first pair that shares a point, in the order of the table, or −1.
   void first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
                         Workspace& workspace) const;
   // The same for links that are posed already: n times link_count() matrices, row-major 4x4.
@@ -87,21 +76,23 @@ class CheckerCore {
   std::vector<std::array<std::int32_t, 2>> pairs_;  // guest, host
   std::int32_t links_;
   std::vector<unsigned char> needed_;  // links that some body of a pair hangs on
-  std::vector<std::int32_t> moving_;   // bodies of pairs that hang on a link
   CheckerOptions options_;
+  std::shared_ptr<const BroadPhase> broad_phase_;
 
-  void reserve_lanes(const Kinematics& kinematics, Workspace& workspace) const;
+  // Calls judge(row, state of the block) for every row, the block's links posed and its near pairs found.
+  template <class Judge>
+  void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Workspace& workspace,
+                  Judge judge) const;
+  template <class Judge>
+  void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
+
+  void pose_links(const Kinematics& kinematics, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
-  void pose_bodies(Workspace& workspace) const;
-  void bound_body(std::size_t body, Workspace& workspace) const;
-  // Lanes of `open` that no bound settles.
-  unsigned near(std::size_t pair, unsigned open, Workspace& workspace) const;
-  unsigned spheres_meet(std::size_t a, std::size_t b, const Workspace& workspace) const;
-  unsigned sphere_meets_box(std::size_t sphere, std::size_t box, const Workspace& workspace) const;
-  // Lanes of `open` in which the pair shares a point.
-  unsigned collides(std::size_t pair, unsigned open, Workspace& workspace) const;
-  // The first colliding pair of each lane of `open`.
-  std::array<std::int32_t, kLanes> judge(unsigned open, Workspace& workspace) const;
+  void find_near(int count, Workspace& workspace) const;
+  Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
+  bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
+  bool is_free(std::size_t state, Workspace& workspace) const;
+  std::int32_t first_collision(std::size_t state, Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

@@ -24,8 +24,7 @@ class DoubleOracle {
   DoubleOracle(const PairFrame& frame, PairCounters& counters) : frame_(frame), counters_(counters) {}
 
   Certificate run(std::int32_t vertex) {
-    add_row(vertex, frame_.guest_vertex(vertex));
-    if (ask_host(rows_.point[0])) return certificate_;
+    if (!start(vertex)) return certificate_;
     for (int round = 0; round < kMaxRounds; ++round) {
       ++counters_.rounds, ++counters_.games;
       solve(game_, mixture_);
@@ -37,6 +36,23 @@ class DoubleOracle {
   }
 
  private:
+  // Small bodies take part as a whole; else the given vertex and what the host says to it. False if that is the end.
+  bool start(std::int32_t vertex) {
+    const std::vector<Vec3>& polar = frame_.host().polar.points;
+    const std::size_t vertices = frame_.guest().inner.points.size();
+    if (polar.size() <= kActives) {
+      for (std::size_t k = 0; k < polar.size(); ++k) add_column(static_cast<std::int32_t>(k), polar[k]);
+    }
+    if (vertices > kActives) {
+      add_row(vertex, frame_.guest_vertex(vertex));
+      return columns_.count > 0 || !ask_host(rows_.point[0]);
+    }
+    for (std::size_t v = 0; v < vertices; ++v) {
+      add_row(static_cast<std::int32_t>(v), frame_.guest_vertex(static_cast<std::int32_t>(v)));
+    }
+    return columns_.count > 0 || !ask_host(frame_.guest_centre());
+  }
+
   const PairFrame& frame_;
   PairCounters& counters_;
   Actives rows_, columns_;  // vertices of the guest, points of the host's polar

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include "vec.hpp"
 
@@ -10,9 +11,12 @@ namespace {
 
 // maximise Σ z_i over Σ_i (a_ij + shift) z_i <= 1 for every column j, z >= 0: with the payoffs shifted to be positive
 // the optimum is 1 / (value + shift), z is proportional to the rows' weights and the prices to the columns'.
+// Rows are padded to blocks of four: a pivot is a few vector operations.
 class Tableau {
  public:
-  Tableau(const Game& game, double shift) : constraints_(game.columns), variables_(game.rows) {
+  Tableau(const Game& game, double shift)
+      : constraints_(game.columns), variables_(game.rows), blocks_(at(game.rows) / kBlock + 1) {
+    for (int j = 0; j <= constraints_; ++j) std::memset(entries_[at(j)].data(), 0, blocks_ * kBlock * sizeof(double));
     for (int j = 0; j < constraints_; ++j) {
       for (int i = 0; i < variables_; ++i) entry(j, i) = game.payoff[at(i)][at(j)] + shift;
       entry(j, variables_) = 1;
@@ -22,7 +26,6 @@ class Tableau {
       entry(constraints_, i) = 1;
       free_[at(i)] = i;
     }
-    entry(constraints_, variables_) = 0;
   }
 
   void optimise() {
@@ -49,13 +52,26 @@ class Tableau {
   }
 
  private:
+  static constexpr std::size_t kBlock = 4;
+  typedef double Quad __attribute__((vector_size(kBlock * 8)));
+
   int constraints_, variables_;
-  std::array<std::array<double, kMaxActives + 1>, kMaxActives + 1> entries_;
+  std::size_t blocks_;  // of a row: variables and the right-hand side
+  std::array<std::array<double, kMaxActives + kBlock>, kMaxActives + 1> entries_;
   std::array<int, kMaxActives> basic_, free_;
 
   static std::size_t at(int index) { return static_cast<std::size_t>(index); }
   double& entry(int row, int column) { return entries_[at(row)][at(column)]; }
   double entry(int row, int column) const { return entries_[at(row)][at(column)]; }
+
+  Quad load(int row, std::size_t block) const {
+    Quad quad;
+    std::memcpy(&quad, &entries_[at(row)][block * kBlock], sizeof quad);
+    return quad;
+  }
+  void store(int row, std::size_t block, Quad quad) {
+    std::memcpy(&entries_[at(row)][block * kBlock], &quad, sizeof quad);
+  }
 
   int entering() const {
     int best = -1;
@@ -78,14 +94,16 @@ class Tableau {
   }
 
   void pivot(int row, int column) {
+    std::array<Quad, kMaxActives / kBlock + 1> pivots;
     const double inverse = 1 / entry(row, column);
-    for (int i = 0; i <= variables_; ++i) entry(row, i) *= inverse;
+    for (std::size_t k = 0; k < blocks_; ++k) store(row, k, load(row, k) * inverse);
     entry(row, column) = inverse;
+    for (std::size_t k = 0; k < blocks_; ++k) pivots[k] = load(row, k);
     for (int j = 0; j <= constraints_; ++j) {
       if (j == row) continue;
       const double factor = entry(j, column);
-      for (int i = 0; i <= variables_; ++i) entry(j, i) -= factor * entry(row, i);
-      entry(j, column) = -factor * inverse;
+      entry(j, column) = 0;
+      for (std::size_t k = 0; k < blocks_; ++k) store(j, k, load(j, k) - factor * pivots[k]);
     }
     std::swap(basic_[at(row)], free_[at(column)]);
   }

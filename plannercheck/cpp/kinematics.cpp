@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "kinematics_lanes.hpp"
 #include "sincos.hpp"
 
 namespace plannercheck {
@@ -223,6 +224,43 @@ Rigid moved_once(const JointSpec& joint, const Rigid& placement) {
   return out;
 }
 
+void pose_joint(const Kinematics::Joint& joint, const Lanes* q, const Lanes* joint_poses, Lanes* pose) {
+  Lanes values[7];
+  if (joint.held) {
+    for (int k = 0; k < 7; ++k) values[k] = broadcast(joint.held_values[k]);
+  } else {
+    read_values(joint.kind, joint.values, q, values);
+  }
+  pose_on(joint.parent, joint.placement, joint.form, joint_poses, pose);
+  move(joint.kind, joint.axis, values, pose);
+}
+
+// Those that some needed link hangs on.
+void mark_needed_joints(const Kinematics& kinematics, const unsigned char* needed, unsigned char* marks) {
+  const auto& joints = kinematics.joints();
+  const auto& links = kinematics.links();
+  std::memset(marks, 0, joints.size());
+  for (size_t i = 0; i < links.size(); ++i) {
+    if (needed[i] && links[i].joint >= 0) marks[links[i].joint] = 1;
+  }
+  for (size_t i = joints.size(); i-- > 0;) {
+    if (marks[i] && joints[i].parent >= 0) marks[joints[i].parent] = 1;
+  }
+}
+
+// kLanes rows of q, the last one repeated if there are fewer, as Lanes.
+void gather(const double* q, int rows, int width, Lanes* out) {
+  for (int col = 0; col < width; ++col) {
+    for (int lane = 0; lane < kLanes; ++lane) out[col][lane] = q[std::min(lane, rows - 1) * width + col];
+  }
+}
+
+void scatter_pose(const Lanes* pose, int lane, double* out) {
+  for (int k = 0; k < kPose; ++k) out[k] = pose[k][lane];
+  out[12] = out[13] = out[14] = 0.0;
+  out[15] = 1.0;
+}
+
 }  // namespace
 
 Kinematics::Kinematics(int width, const std::vector<JointSpec>& joints, const std::vector<LinkSpec>& links)
@@ -253,69 +291,31 @@ Anchor Kinematics::add_joint(const JointSpec& spec, const std::vector<Anchor>& a
   return {static_cast<int>(joints_.size()) - 1, false, {}};
 }
 
-int Kinematics::scratch_size() const {
-  const int joints = static_cast<int>(joints_.size());
-  const int bytes_in_lanes = static_cast<int>(sizeof(Lanes));
-  return joints * kPose + (joints + bytes_in_lanes - 1) / bytes_in_lanes;
+std::size_t scratch_size(const Kinematics& kinematics) {
+  const std::size_t joints = kinematics.joints().size();
+  return joints * kPose + (joints + sizeof(Lanes) - 1) / sizeof(Lanes);
 }
 
-void Kinematics::mark_needed_joints(const unsigned char* needed, unsigned char* marks) const {
-  std::memset(marks, 0, joints_.size());
-  for (size_t i = 0; i < links_.size(); ++i) {
-    if (needed[i] && links_[i].joint >= 0) marks[links_[i].joint] = 1;
+void link_poses(const Kinematics& kinematics, const Lanes* q, const unsigned char* needed, Lanes* scratch, Lanes* out) {
+  const auto& joints = kinematics.joints();
+  const auto& links = kinematics.links();
+  unsigned char* marks = reinterpret_cast<unsigned char*>(scratch + joints.size() * kPose);
+  mark_needed_joints(kinematics, needed, marks);
+  for (size_t i = 0; i < joints.size(); ++i) {
+    if (marks[i]) pose_joint(joints[i], q, scratch, scratch + i * kPose);
   }
-  for (size_t i = joints_.size(); i-- > 0;) {
-    if (marks[i] && joints_[i].parent >= 0) marks[joints_[i].parent] = 1;
-  }
-}
-
-void Kinematics::link_poses(const Lanes* q, const unsigned char* needed, Lanes* scratch, Lanes* out) const {
-  unsigned char* marks = reinterpret_cast<unsigned char*>(scratch + joints_.size() * kPose);
-  mark_needed_joints(needed, marks);
-  for (size_t i = 0; i < joints_.size(); ++i) {
-    if (marks[i]) pose_joint(joints_[i], q, scratch, scratch + i * kPose);
-  }
-  for (size_t i = 0; i < links_.size(); ++i) {
-    if (needed[i]) pose_on(links_[i].joint, links_[i].placement, links_[i].form, scratch, out + i * kPose);
+  for (size_t i = 0; i < links.size(); ++i) {
+    if (needed[i]) pose_on(links[i].joint, links[i].placement, links[i].form, scratch, out + i * kPose);
   }
 }
-
-void Kinematics::pose_joint(const Joint& joint, const Lanes* q, const Lanes* joint_poses, Lanes* pose) const {
-  Lanes values[7];
-  if (joint.held) {
-    for (int k = 0; k < 7; ++k) values[k] = broadcast(joint.held_values[k]);
-  } else {
-    read_values(joint.kind, joint.values, q, values);
-  }
-  pose_on(joint.parent, joint.placement, joint.form, joint_poses, pose);
-  move(joint.kind, joint.axis, values, pose);
-}
-
-namespace {
-
-// kLanes rows of q, the last one repeated if there are fewer, as Lanes.
-void gather(const double* q, int rows, int width, Lanes* out) {
-  for (int col = 0; col < width; ++col) {
-    for (int lane = 0; lane < kLanes; ++lane) out[col][lane] = q[std::min(lane, rows - 1) * width + col];
-  }
-}
-
-void scatter_pose(const Lanes* pose, int lane, double* out) {
-  for (int k = 0; k < kPose; ++k) out[k] = pose[k][lane];
-  out[12] = out[13] = out[14] = 0.0;
-  out[15] = 1.0;
-}
-
-}  // namespace
 
 void Kinematics::link_poses_batch(const double* q, long long n, const unsigned char* needed, double* out) const {
   const size_t links = links_.size();
-  std::vector<Lanes> lanes(static_cast<size_t>(width_)), scratch(static_cast<size_t>(scratch_size())),
-      poses(links * kPose);
+  std::vector<Lanes> lanes(static_cast<size_t>(width_)), scratch(scratch_size(*this)), poses(links * kPose);
   for (long long first = 0; first < n; first += kLanes) {
     const int rows = static_cast<int>(std::min<long long>(kLanes, n - first));
     gather(q + first * width_, rows, width_, lanes.data());
-    link_poses(lanes.data(), needed, scratch.data(), poses.data());
+    link_poses(*this, lanes.data(), needed, scratch.data(), poses.data());
     for (int lane = 0; lane < rows; ++lane) {
       double* row = out + (static_cast<size_t>(first) + static_cast<size_t>(lane)) * links * 16;
       for (size_t i = 0; i < links; ++i) {

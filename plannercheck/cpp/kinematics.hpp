@@ -1,4 +1,4 @@
-// Forward kinematics of kLanes configurations at once, from a flat table of joints.
+// Forward kinematics of batches of configurations, from a flat table of joints.
 //
 // In: a table exported from Pinocchio's Model by plannercheck/kinematics.py (joints with parents before children, links
 // posed on joints), then group configurations. Out: world poses of the links, row-major 3x4, in m.
@@ -7,9 +7,8 @@
 // count, batch size and instruction set. Immutable, so any number of threads may share it.
 #pragma once
 
+#include <cstddef>
 #include <vector>
-
-#include "simd.hpp"
 
 namespace plannercheck {
 
@@ -72,19 +71,12 @@ class Kinematics {
 
   int width() const { return width_; }  // of a group configuration
   int link_count() const { return static_cast<int>(links_.size()); }
-  int scratch_size() const;  // in Lanes
+  bool link_is_constant(int link) const { return links_[static_cast<std::size_t>(link)].joint < 0; }
 
-  // Poses of the links for kLanes configurations. q: width() Lanes; out: link_count()*12 Lanes, row-major 3x4 each.
-  // Only links with needed[link] != 0 are written.
-  void link_poses(const Lanes* q, const unsigned char* needed, Lanes* scratch, Lanes* out) const;
-
-  // The same for n configurations (n, width) in memory order; out (n, links, 4, 4); a link that is not needed stays as
-  // it was. Allocates its scratch.
+  // Poses of the links for n configurations (n, width) in memory order; out (n, links, 4, 4); a link with
+  // needed[link] == 0 stays as it was. Allocates its scratch.
   void link_poses_batch(const double* q, long long n, const unsigned char* needed, double* out) const;
 
-  bool link_is_constant(int link) const { return links_[static_cast<size_t>(link)].joint < 0; }
-
- private:
   struct Joint {
     int parent;  // among the moving joints, or -1 if `placement` is in the world
     JointKind kind;
@@ -102,12 +94,14 @@ class Kinematics {
     PlacementForm form;
   };
 
+  const std::vector<Joint>& joints() const { return joints_; }  // only those that move
+  const std::vector<Link>& links() const { return links_; }
+
+ private:
   Anchor add_joint(const JointSpec& spec, const std::vector<Anchor>& anchors);
-  void pose_joint(const Joint& joint, const Lanes* q, const Lanes* joint_poses, Lanes* pose) const;
-  void mark_needed_joints(const unsigned char* needed, unsigned char* marks) const;
 
   int width_;
-  std::vector<Joint> joints_;  // only those that move
+  std::vector<Joint> joints_;
   std::vector<Link> links_;
 };
 

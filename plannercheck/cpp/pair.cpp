@@ -21,6 +21,8 @@ namespace {
 // moves what it got towards another mixture (3u), and may mix that again: kMixtureError for each of its games.
 constexpr double kPairError = 64 * 0x1p-53;       // (a) without δ, plus the larger of (b) and (c): at most 60u
 constexpr double kMixtureError = 40 * 0x1p-53;    // of one more mixture of mixtures
+constexpr double kAxisLength = 1 + 4e-6;          // of a column of M_Rᵀ M_P: both poses are off rigid by 1e-6 at most
+constexpr double kAxisDefect = 8e-6;              // of the products of two of them, twice
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 
 }  // namespace
@@ -38,7 +40,8 @@ PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(gue
   shift_ = host.pose.rotate_back(w) - centre;
   const double defect = rigidity_defect(host.pose) + kDefectRounding;
   const double reach = guest.body->reach + norm_1(w) + norm_1(centre) + host.body->radius;
-  error_ = host.body->polar_radius * reach * (kPairError + 1.01 * defect);
+  pose_error_ = reach * (kPairError + 1.01 * defect);
+  error_ = host.body->polar_radius * pose_error_;
   swell_ = (guest.body->swell + host.body->swell) * (1 + 1.01 * defect);
   mixture_error_ = host.body->polar_radius * reach * kMixtureError;
 }
@@ -46,6 +49,29 @@ PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(gue
 Vec3 PairFrame::guest_direction(Vec3 q) const {
   return {-(m_[0] * q.x + m_[3] * q.y + m_[6] * q.z), -(m_[1] * q.x + m_[4] * q.y + m_[7] * q.z),
           -(m_[2] * q.x + m_[5] * q.y + m_[8] * q.z)};
+}
+
+// The axes are the host's own and the columns of M_Rᵀ M_P, which are the guest's but for the poses' defects: any axis
+// separates if the boxes' shadows on it are apart. A shadow is its centre and half its length.
+bool PairFrame::boxes_apart() const {
+  const Body &g = guest(), &h = host();
+  const Vec3 host_half = 0.5 * (h.high - h.low), guest_half = 0.5 * (g.high - g.low);
+  const Vec3 d = map(0.5 * (g.low + g.high)) - (0.5 * (h.low + h.high) - h.centre);
+  const double room = (swell_ + 4 * pose_error_) * kAxisLength;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t row = 3 * i;
+    const double half = std::fabs(m_[row]) * guest_half.x + std::fabs(m_[row + 1]) * guest_half.y +
+                        std::fabs(m_[row + 2]) * guest_half.z;
+    if (std::fabs(d[static_cast<int>(i)]) > half + host_half[static_cast<int>(i)] + room) return true;
+  }
+  const double skew = kAxisDefect * (guest_half.x + guest_half.y + guest_half.z);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const double half =
+        std::fabs(m_[j]) * host_half.x + std::fabs(m_[j + 3]) * host_half.y + std::fabs(m_[j + 6]) * host_half.z;
+    const double along = m_[j] * d.x + m_[j + 3] * d.y + m_[j + 6] * d.z;
+    if (std::fabs(along) > half + guest_half[static_cast<int>(j)] + skew + room) return true;
+  }
+  return false;
 }
 
 }  // namespace plannercheck

@@ -24,6 +24,8 @@ enum class Answer { kSeparated, kShared, kUndecided };
 // How the answer was found.
 enum class Stage { kCachedPlane, kCentreAxis, kSolver, kNearest, kExact };
 
+inline constexpr std::size_t kStages = 5;
+
 // In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
 struct Certificate {
   Answer answer = Answer::kUndecided;
@@ -53,6 +55,9 @@ class PairFrame {
   // The direction in the guest's frame along which to look for the vertex with the least q·x.
   Vec3 guest_direction(Vec3 q) const;
 
+  // Whether a plane along a face of one body's box separates both boxes, whatever the rounding.
+  bool boxes_apart() const;
+
   // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding: q is
   // a mixture of at most 8 polar points, or of mixtures of 16, `mixtures` deep. The distance along q is (value − 1) /
   // |q|.
@@ -64,8 +69,9 @@ class PairFrame {
 
  private:
   PosedBody guest_, host_;
-  double m_[9];  // rows of M_Rᵀ M_P
-  Vec3 shift_;   // M_Rᵀ (t_P − t_R) − centre
+  double m_[9];        // rows of M_Rᵀ M_P
+  Vec3 shift_;         // M_Rᵀ (t_P − t_R) − centre
+  double pose_error_;  // of a coordinate in this frame, whatever is computed from a few of them
   double error_, mixture_error_;
   double swell_;  // of both bodies, rounded up and stretched by what the pose may be off rigid
 

@@ -50,11 +50,15 @@ int choose_host(const Body& a, const Body& b) { return conditioning(b) <= condit
 
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters) {
+  return test_pair(PairFrame(guest, host), options, cache, counters);
+}
+
+PairVerdict test_pair(const PairFrame& frame, const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
+  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, between_centres(guest, host), counters);
   if (!host.body->has_polar()) {
     return without_polar(guest, host, between_centres(guest, host), options, counters);
   }
-  const PairFrame frame(guest, host);
   Certificate certificate;
   if (options.cached_plane && cache != nullptr && cache->valid &&
       still_separates(frame, cache->q, cache->mixtures, counters)) {

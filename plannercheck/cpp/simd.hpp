@@ -1,4 +1,5 @@
-// Lanes of doubles in the native width, by GCC/Clang vector extensions: no dependency, builds on x86-64 and aarch64.
+// Lanes of doubles in the native width, and eight floats, by GCC/Clang vector extensions: no dependency, builds on
+// x86-64 and aarch64.
 #pragma once
 
 #include <cstring>
@@ -20,6 +21,17 @@ inline constexpr int kLanes = 2;
 typedef double Lanes __attribute__((vector_size(kLanes * 8)));
 typedef long long LaneMask __attribute__((vector_size(kLanes * 8)));
 
+// Eight floats: one register of AVX2, two of SSE; on AVX-512 half of one, for the same layout everywhere.
+inline constexpr int kFloats = 8;
+typedef float Floats __attribute__((vector_size(kFloats * 4)));
+typedef int FloatMask __attribute__((vector_size(kFloats * 4)));
+
+inline Floats load_floats(const float* from) {
+  Floats floats;
+  std::memcpy(&floats, from, sizeof floats);
+  return floats;
+}
+
 inline Lanes load_lanes(const double* from) {
   Lanes lanes;
   std::memcpy(&lanes, from, sizeof lanes);
@@ -27,6 +39,13 @@ inline Lanes load_lanes(const double* from) {
 }
 
 inline void store_lanes(double* to, Lanes lanes) { std::memcpy(to, &lanes, sizeof lanes); }
+
+// Each rounded to the nearest float.
+inline void store_floats(float* to, Lanes lanes) {
+  typedef float Narrow __attribute__((vector_size(kLanes * 4)));
+  const Narrow narrow = __builtin_convertvector(lanes, Narrow);
+  std::memcpy(to, &narrow, sizeof narrow);
+}
 
 inline Lanes broadcast(double value) { return Lanes{} + value; }
 
@@ -45,6 +64,16 @@ inline unsigned bits(LaneMask mask) {
 #else
   unsigned out = 0;
   for (int i = 0; i < kLanes; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
+  return out;
+#endif
+}
+
+inline unsigned bits(FloatMask mask) {
+#if defined(__AVX__)
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
+#else
+  unsigned out = 0;
+  for (int i = 0; i < kFloats; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
   return out;
 #endif
 }

@@ -20,7 +20,7 @@ from plannercheck.robot_files import find_description, read_description
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Sphere
 from plannercheck.urdf import read_geometry
 
-ROUNDS = 5
+ROUNDS = 15
 
 
 def coal_shape(body: Body) -> coal.CollisionGeometry:

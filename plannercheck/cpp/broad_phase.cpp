@@ -1,0 +1,181 @@
+#include "broad_phase.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plannercheck {
+namespace {
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+// Poses stretch by 1e-6 at most; this covers that of a link times that of a placement on it.
+constexpr double kStretch = 1 + 4e-6;
+// Posing a vertex or a ball's centre in doubles errs by about 20u of the numbers that go into it, rounding the centre
+// to float by 2^-24 of its length: this covers both, and computing the bound itself.
+constexpr double kCentreError = 0x1p-22;
+// Of an obstacle's vertices posed in doubles: three products and sums.
+constexpr double kVertexError = 8 * 0x1p-53;
+
+struct Ball {
+  Vec3 centre;
+  double radius;
+};
+
+double radius_around(const std::vector<Vec3>& points, Vec3 centre, Vec3* furthest) {
+  double most = -1;
+  for (const Vec3& p : points) {
+    const double square = dot(p - centre, p - centre);
+    if (square > most) most = square, *furthest = p;
+  }
+  return std::sqrt(most);
+}
+
+// A ball about as small as any that holds the points, by walking towards the furthest one in ever smaller steps (Badoiu
+// and Clarkson's core sets: after n steps the radius is within about 1/n of the least).
+Ball small_ball(const Body& body) {
+  constexpr int kSteps = 128;
+  const std::vector<Vec3>& points = body.inner.points;
+  Ball best{0.5 * (body.low + body.high), 0};
+  Vec3 furthest;
+  best.radius = radius_around(points, best.centre, &furthest);
+  Vec3 centre = best.centre;
+  for (int step = 1; step <= kSteps; ++step) {
+    centre = centre + (1.0 / (step + 1)) * (furthest - centre);
+    const double radius = radius_around(points, centre, &furthest);
+    if (radius < best.radius) best = {centre, radius};
+  }
+  best.radius = best.radius * (1 + 0x1p-48) + body.swell;
+  return best;
+}
+
+// The box around a body that stands still, with the rounding of its vertices' posing.
+WorldBox world_box(const MountedBody& mounted) {
+  const Body& body = *mounted.body;
+  const Pose& pose = mounted.placement;
+  const double infinity = std::numeric_limits<double>::infinity();
+  WorldBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const Vec3& v : body.inner.points) {
+    const Vec3 p = pose.apply(v);
+    box.low = {smaller(box.low.x, p.x), smaller(box.low.y, p.y), smaller(box.low.z, p.z)};
+    box.high = {larger(box.high.x, p.x), larger(box.high.y, p.y), larger(box.high.z, p.z)};
+  }
+  const double room = body.swell + kVertexError * (2 * body.reach + norm_1(pose.translation()));
+  const Vec3 margin{room, room, room};
+  return {box.low - margin, box.high + margin};
+}
+
+}  // namespace
+
+BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
+                       std::size_t links)
+    : links_(links), pairs_(pairs.size()), obstacles_(0), tree_({}) {
+  // A mover's or an obstacle's place, in the order of the bodies.
+  std::vector<std::int32_t> place(bodies.size(), -1);
+  std::vector<bool> used(bodies.size(), false);
+  for (const auto& pair : pairs) used[at(pair[0])] = used[at(pair[1])] = true;
+  std::vector<WorldBox> boxes;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!used[b]) continue;
+    const MountedBody& mounted = bodies[b];
+    if (mounted.link < 0) {
+      place[b] = static_cast<std::int32_t>(boxes.size());
+      boxes.push_back(world_box(mounted));
+      continue;
+    }
+    place[b] = static_cast<std::int32_t>(movers_.size());
+    const Ball ball = small_ball(*mounted.body);
+    const double reach = norm_1(mounted.placement.translation()) + 2 * (mounted.body->reach + ball.radius);
+    movers_.push_back({mounted.link, mounted.placement.apply(ball.centre), ball.radius * kStretch, reach});
+  }
+  obstacles_ = boxes.size();
+  tree_ = ObstacleTree(boxes);
+  pair_of_.assign(movers_.size() * obstacles_, -1);
+  std::vector<bool> hunts(movers_.size(), false);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto pair = static_cast<std::int32_t>(k);
+    const bool first = bodies[at(pairs[k][0])].link >= 0, second = bodies[at(pairs[k][1])].link >= 0;
+    const std::int32_t a = place[at(pairs[k][0])], b = place[at(pairs[k][1])];
+    if (first && second) {
+      moving_pairs_.push_back({a, b, pair});
+    } else if (!first && !second) {
+      fixed_pairs_.push_back(pair);
+    } else {
+      const std::int32_t mover = first ? a : b, obstacle = first ? b : a;
+      pair_of_[at(mover) * obstacles_ + at(obstacle)] = pair;
+      hunts[at(mover)] = true;
+    }
+  }
+  for (std::size_t m = 0; m < movers_.size(); ++m) {
+    if (hunts[m]) hunters_.push_back(static_cast<std::int32_t>(m));
+  }
+}
+
+BroadPhase::Workspace BroadPhase::new_workspace() const {
+  Workspace w;
+  w.balls.resize(movers_.size());
+  w.obstacles.reserve(obstacles_);
+  for (auto& near : w.near) near.reserve(pairs_);
+  return w;
+}
+
+void BroadPhase::find(const Lanes* links, int count, Workspace& w) const {
+  for (std::size_t group = 0; group * kLanes < static_cast<std::size_t>(count); ++group) pose_balls(links, group, w);
+  for (auto& near : w.near) near.assign(fixed_pairs_.begin(), fixed_pairs_.end());
+  find_among_movers(count, w);
+  find_obstacles(count, w);
+}
+
+void BroadPhase::take_all(int count, Workspace& w) const {
+  for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
+    w.near[state].resize(pairs_);
+    for (std::size_t k = 0; k < pairs_; ++k) w.near[state][k] = static_cast<std::int32_t>(k);
+  }
+}
+
+void BroadPhase::pose_balls(const Lanes* links, std::size_t group, Workspace& w) const {
+  for (std::size_t i = 0; i < movers_.size(); ++i) {
+    const Mover& mover = movers_[i];
+    const Lanes* m = links + pose_index(links_, group, at(mover.link));
+    const Vec3 c = mover.centre;
+    const Lanes x = ((m[0] * c.x + m[1] * c.y) + m[2] * c.z) + m[3];
+    const Lanes y = ((m[4] * c.x + m[5] * c.y) + m[6] * c.z) + m[7];
+    const Lanes z = ((m[8] * c.x + m[9] * c.y) + m[10] * c.z) + m[11];
+    const Lanes size = (absolute(x) + absolute(y)) + absolute(z);
+    const Lanes radius = ((size + mover.reach) * (2 * kCentreError) + mover.radius) * (1 + kCentreError) + 1e-37;
+    Balls& balls = w.balls[i];
+    store_floats(&balls.x[group * kLanes], x);
+    store_floats(&balls.y[group * kLanes], y);
+    store_floats(&balls.z[group * kLanes], z);
+    store_floats(&balls.radius[group * kLanes], radius);
+  }
+}
+
+void BroadPhase::find_among_movers(int count, Workspace& w) const {
+  const unsigned states = (1U << count) - 1;
+  for (const MovingPair& pair : moving_pairs_) {
+    const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
+    const Floats x = load_floats(a.x.data()) - load_floats(b.x.data());
+    const Floats y = load_floats(a.y.data()) - load_floats(b.y.data());
+    const Floats z = load_floats(a.z.data()) - load_floats(b.z.data());
+    const Floats radius = load_floats(a.radius.data()) + load_floats(b.radius.data());
+    for (unsigned left = ~bits((x * x + y * y) + z * z > far_beyond(radius)) & states; left != 0; left &= left - 1) {
+      w.near[static_cast<std::size_t>(__builtin_ctz(left))].push_back(pair.pair);
+    }
+  }
+}
+
+void BroadPhase::find_obstacles(int count, Workspace& w) const {
+  for (const std::int32_t hunter : hunters_) {
+    const Balls& balls = w.balls[at(hunter)];
+    const std::int32_t* pair_of = pair_of_.data() + at(hunter) * obstacles_;
+    for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
+      w.obstacles.clear();
+      tree_.collect({balls.x[state], balls.y[state], balls.z[state], far_beyond(balls.radius[state])}, w.obstacles);
+      for (const std::int32_t obstacle : w.obstacles) {
+        if (pair_of[obstacle] >= 0) w.near[state].push_back(pair_of[obstacle]);
+      }
+    }
+  }
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,64 @@
+// Which obstacles a sphere comes near: a tree over their axis-aligned boxes in the world, eight children a node.
+//
+// In: boxes of bodies that never move, later spheres in float32. Out: all boxes that a sphere may touch.
+// One node is tested in one pass over eight lanes of floats. Boxes are rounded outwards, a comparison leaves room for
+// its own rounding: no box that the sphere touches is missed, and NaN counts as near.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "simd.hpp"
+#include "vec.hpp"
+
+namespace plannercheck {
+
+struct WorldBox {
+  Vec3 low, high;
+};
+
+// A ball in the world that holds what it stands for: the rounding of its centre is part of the radius.
+struct FloatSphere {
+  float x, y, z;
+  float limit;  // squared distances above it are proved to be beyond the radius: see `far_beyond`
+};
+
+// What squared distances of floats have to exceed to prove that lengths exceed a radius: differences err by 2^-24 of
+// themselves, squares and sums by three times as much, products that underflow by 2^-149 each.
+template <class Number>
+Number far_beyond(Number radius) {
+  return radius * radius * (1 + 0x1p-20F) + 1e-40F;
+}
+
+// Some of the boxes: a part of an array of their indices.
+struct IndexRange {
+  std::int32_t *first, *last;
+  std::ptrdiff_t size() const { return last - first; }
+};
+
+class ObstacleTree {
+ public:
+  explicit ObstacleTree(const std::vector<WorldBox>& boxes);
+
+  // Appends the boxes that the sphere may touch.
+  void collect(const FloatSphere& sphere, std::vector<std::int32_t>& found) const;
+
+ private:
+  static constexpr std::size_t kMostLevels = 11;  // of a tree over 2^31 boxes
+  static constexpr std::int32_t kNothing = std::numeric_limits<std::int32_t>::min();
+
+  struct Node {
+    std::array<float, kFloats> low_x, low_y, low_z, high_x, high_y, high_z;
+    std::array<std::int32_t, kFloats> child;  // a node, the complement of a box, or kNothing
+  };
+
+  std::vector<Node> nodes_;  // the root first
+
+  std::int32_t build(const std::vector<WorldBox>& boxes, IndexRange range);
+  static unsigned near_children(const Node& node, const FloatSphere& sphere);
+};
+
+}  // namespace plannercheck
