@@ -68,6 +68,7 @@ void bind_planar(nb::module_& m) {
       .value("exact", Precision::kExact);
   nb::class_<PolygonList>(m, "PolygonList").def(nb::init<const nb::list&>());
   m.def("planar_intersect_batch", &planar_intersect_batch);
+  bind_planar_checker(m);
 }
 
 }  // namespace plannercheck

@@ -9,5 +9,6 @@ void bind_kinematics(nanobind::module_& m);
 void bind_body(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);
 void bind_planar(nanobind::module_& m);
+void bind_planar_checker(nanobind::module_& m);
 
 }  // namespace plannercheck
