@@ -199,6 +199,7 @@ def _read_allowed(scene: Scene, document: Node) -> None:
 
 
 def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> None:
+    """Declares in a scene what a file's mapping says of a robot."""
     check_keys(node, _STATE_KEYS)
     start, goal = (numbers(node[key], key) if key in node else None for key in ("start", "goal"))
     samples = folder / text(node["samples"], "samples") if "samples" in node else None
@@ -263,6 +264,7 @@ def _allowed_nodes(scene: Scene) -> Node:
 
 
 def states_node(scene: DeclaredStates, robot: str, folder: Path) -> Node:
+    """What `read_states` reads."""
     states = scene.states[robot]
     node: Node = {}
     if states.start is not None:

@@ -8,7 +8,7 @@ points, in Python integers: nothing is shared with the core, neither method nor 
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -16,7 +16,10 @@ import numpy as np
 def posed_integers(bodies):
     """Posed vertices of several bodies as integers in one unit."""
     ratios = [
-        [[float(x).as_integer_ratio() for x in np.ravel(values)] for values in (vertices, np.eye(3) if p is None else p)]
+        [
+            [float(x).as_integer_ratio() for x in np.ravel(values)]
+            for values in (vertices, np.eye(3) if p is None else p)
+        ]
         for vertices, p in bodies
     ]
     units = [max(denominator for body in ratios for _, denominator in body[k]) for k in (0, 1)]  # powers of two
@@ -63,10 +66,7 @@ def _directions(p, q):
 
 def _is_flat(points):
     x0, y0 = points[0]
-    return all(
-        (x1 - x0) * (y2 - y0) == (y1 - y0) * (x2 - x0)
-        for (x1, y1), (x2, y2) in zip(points[1:], points[2:], strict=False)
-    )
+    return all((x1 - x0) * (y2 - y0) == (y1 - y0) * (x2 - x0) for (x1, y1), (x2, y2) in pairwise(points[1:]))
 
 
 def _separates(direction, p, q):

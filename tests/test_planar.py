@@ -161,7 +161,10 @@ def test_convexity_is_exact():
     assert convexity_fault(nearly) is not None
     for make in cases.ROUND + cases.FLAT:
         for seed in range(20):
-            assert convexity_fault(cases.shuffled(np.random.default_rng(seed), make(np.random.default_rng(seed), 9))) is None
+            assert (
+                convexity_fault(cases.shuffled(np.random.default_rng(seed), make(np.random.default_rng(seed), 9)))
+                is None
+            )
 
 
 def test_not_finite_is_an_error():

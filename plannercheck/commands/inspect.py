@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from plannercheck import planar
 from plannercheck.checker import Checker
 from plannercheck.commands.common import (
     add_checker_arguments,
@@ -18,6 +19,7 @@ from plannercheck.commands.common import (
     table,
 )
 from plannercheck.errors import PlannercheckError
+from plannercheck.protocols import AnyChecker
 
 _EPILOG = """\
 Example:
@@ -42,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     began = time.perf_counter()
     checker = load_checker(options)
     print(f"{checker!r}, prepared in {time.perf_counter() - began:.2f} s\n")
-    _show_bodies(checker)
+    _show_bodies(checker) if isinstance(checker, Checker) else _show_polygons(checker)
     _show_sample(checker, options.states, options.seed)
     return 0
 
@@ -64,7 +66,18 @@ def _show_bodies(checker: Checker) -> None:
     print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
 
 
-def _show_sample(checker: Checker, states: int, seed: int) -> None:
+def _show_polygons(checker: AnyChecker) -> None:
+    assert isinstance(checker, planar.Checker)
+    pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
+    links = checker.robot.link_names
+    rows = [
+        (body.name, "(scene)" if body.link < 0 else links[body.link], len(body.vertices), count)
+        for body, count in zip(checker.bodies, pairs, strict=True)
+    ]
+    print(table(("body", "link", "vertices", "pairs"), rows))
+
+
+def _show_sample(checker: AnyChecker, states: int, seed: int) -> None:
     q = checker.robot.random_configurations(states, seed)
     began = time.perf_counter()
     valid = int(checker.check_states(q).sum())

@@ -28,8 +28,10 @@ Ints = NDArray[np.int32]
 # Room for rounding in circles and boxes, as a part of the coordinates' size: they round by less than 1e-14 of it.
 _ROOM = 1e-12
 
-# Poses are rotations up to a few 2^-53 of their size, links' angles are sums of a few: far below.
-_KINEMATIC_ROUNDING = 2.0**-50
+# With L links and A = 1 + the sum of all angles' sizes, an angle is a sum that errs by L A u at most, sine and cosine
+# by 4u more, which moves what they turn by as much of the reach; the at most L + 1 sums of a position add 3u each of
+# the coordinates' size. Together that is less than 16u L A of reach, way to the root and anchors.
+_KINEMATIC_ROUNDING = 2.0**-49
 
 
 class Checker:
@@ -180,12 +182,12 @@ class Checker:
         return dict(self._core.statistics())
 
     def _kinematic_error(self, q: Floats) -> float:
-        """How far posing can move a point at most: some roundings a link of the way to it and of its angle, m."""
-        links = len(self.robot.links)
-        reach = float(self.motion_sampler.levers.sum()) + float(np.abs(q).max(initial=0))
-        anchors = sum(float(np.abs(link.anchor).sum()) for link in self.robot.links)
-        angles = 1 + float(np.abs(q).sum()) + anchors
-        return _KINEMATIC_ROUNDING * links * (reach + anchors) * angles
+        """No point is further than this from where exact kinematics of the same numbers puts it, m."""
+        robot, free = self.robot, 2 if self.robot.is_free else 0
+        anchors = np.abs([link.anchor for link in robot.links])
+        size = self.motion_sampler.reach + float(np.abs(q[:free]).sum() + anchors[:, :2].sum())
+        angles = 1 + float(np.abs(q[free:]).sum() + anchors[:, 2].sum())
+        return _KINEMATIC_ROUNDING * len(robot.links) * size * angles
 
     def _single(self, q: ArrayLike) -> Floats:
         row = np.asarray(q, dtype=np.float64)

@@ -62,7 +62,5 @@ def _exact_turn(a: Floats, b: Floats, c: Floats) -> int:
 def _reversals(vertices: Floats) -> int:
     """How often the steps of the boundary, in lexicographic order of the vertices, change between up and down."""
     following = np.roll(vertices, -1, axis=0)
-    up = (following[:, 0] > vertices[:, 0]) | (
-        (following[:, 0] == vertices[:, 0]) & (following[:, 1] > vertices[:, 1])
-    )
+    up = (following[:, 0] > vertices[:, 0]) | ((following[:, 0] == vertices[:, 0]) & (following[:, 1] > vertices[:, 1]))
     return int((up != np.roll(up, 1)).sum())

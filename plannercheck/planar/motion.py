@@ -29,9 +29,9 @@ class MotionSampler:
     """Interpolates straight motions of one robot and says how many states they need."""
 
     def __init__(self, robot: Robot) -> None:
-        """Computes the lever arms of the robot's angles."""
+        """Computes the lever arms of the robot's angles, and how far it reaches from its root, m."""
         self._robot = robot
-        self.levers = _lever_arms(robot)
+        self.levers, self.reach = _lever_arms(robot)
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
         """How many steps each motion (n, nq) to (n, nq) needs: no point moves over `resolution` m in one."""
@@ -67,8 +67,8 @@ def checked_resolution(resolution: float | None) -> float:
     return float(resolution)
 
 
-def _lever_arms(robot: Robot) -> Floats:
-    """(nq,) m per rad; 0 for x and y."""
+def _lever_arms(robot: Robot) -> tuple[Floats, float]:
+    """(nq,) m per rad, 0 for x and y; and the reach from the root's frame, m."""
     reach = np.zeros(len(robot.links))  # of what a link carries, from its own frame
     for body in robot.bodies:
         reach[body.link] = max(reach[body.link], float(np.hypot(*body.vertices.T).max()))
@@ -79,4 +79,4 @@ def _lever_arms(robot: Robot) -> Floats:
     for k, link in enumerate(robot.links):
         if link.joint != "fixed":
             levers[robot.column(k) + (2 if link.joint == "free" else 0)] = reach[k]
-    return levers
+    return levers, float(reach[0])

@@ -35,7 +35,6 @@ LARGEST_DEFECT = 1e-6
 _IDENTITY = np.eye(3)[None]
 
 
-
 class Polygons:
     """Polygons checked once, for many calls of the batch functions. The arrays are not copied.
 
@@ -190,7 +189,9 @@ def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
         raise PlannercheckError(f"{name}: the last row of a pose must be 0, 0, 1")
     bad = np.flatnonzero(~_is_rigid(array))
     if len(bad):
-        raise PlannercheckError(f"{name} must be rigid up to {LARGEST_DEFECT:g} and finite, not {array[bad[0]].tolist()}")
+        raise PlannercheckError(
+            f"{name} must be rigid up to {LARGEST_DEFECT:g} and finite, not {array[bad[0]].tolist()}"
+        )
     return array
 
 
@@ -234,9 +235,7 @@ def _pairs(**lengths: int) -> int:
     return several.pop() if several else 1
 
 
-def _run(
-    a: Any, poses_a: Floats, b: Any, poses_b: Floats, n: int, method: Method, count: bool
-) -> tuple[Ints, Ints]:
+def _run(a: Any, poses_a: Floats, b: Any, poses_b: Floats, n: int, method: Method, count: bool) -> tuple[Ints, Ints]:
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
     try:

@@ -1,11 +1,11 @@
 """Planar robots: links of convex polygons that move in the plane.
 
-In: footprints, and for a chain (a tractor with trailers, an arm on a floor) what hangs on what. Out: `Robot`, immutable,
-which knows its joints and limits and poses its links.
+In: footprints, and for a chain (a tractor with trailers, an arm on a floor) what hangs on what. Out: `Robot`,
+immutable, which knows its joints and limits and poses its links.
 
 A link's frame sits at its anchor on its parent, turned by the anchor's angle and by its joint. The root is free (x, y,
-theta) or fixed to the world. Angles add up along the chain before sine and cosine are taken, so every pose is a rotation
-as good as doubles hold one.
+theta) or fixed to the world. Angles add up along the chain before sine and cosine are taken, so every pose is a
+rotation as good as doubles hold one.
 """
 
 from __future__ import annotations
@@ -285,7 +285,9 @@ def _outlines(link: Link) -> tuple[Floats, ...]:
     several = isinstance(given, list | tuple) and len(given) > 0 and np.ndim(given[0]) == 2
     outlines: Sequence[ArrayLike] = given if several else [given]  # type: ignore[assignment,list-item]
     return tuple(
-        piece for k, outline in enumerate(outlines) for piece in convex_pieces(outline, f"footprint {k} of {link.name!r}")
+        piece
+        for k, outline in enumerate(outlines)
+        for piece in convex_pieces(outline, f"footprint {k} of {link.name!r}")
     )
 
 
@@ -314,5 +316,3 @@ def _no_bodies() -> tuple[object, ...]:
 def _frozen(array: Floats) -> Floats:
     array.setflags(write=False)
     return array
-
-

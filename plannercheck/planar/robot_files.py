@@ -26,7 +26,18 @@ from typing import Any
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.paths import is_planar_file, shipped_folder
 from plannercheck.planar.robot import Link, Robot
-from plannercheck.reading import Node, check_keys, mapping, numbers, parse_yaml, read_bytes, required, sequence, text, within
+from plannercheck.reading import (
+    Node,
+    check_keys,
+    mapping,
+    numbers,
+    parse_yaml,
+    read_bytes,
+    required,
+    sequence,
+    text,
+    within,
+)
 
 _KEYS = ("kind", "name", "links", "disabled_pairs")
 _LINK_KEYS = ("name", "parent", "anchor", "joint", "limits", "footprint", "footprints")
@@ -47,12 +58,22 @@ def planar_file(name_or_path: str | Path, folder: str) -> Path:
     return shipped_folder(folder) / f"{name_or_path}.yaml"
 
 
+def is_planar(name_or_path: str | Path, folder: str) -> bool:
+    """Whether a robot ("robots") or scene ("configs") is planar, by the file behind its name or path."""
+    path = Path(name_or_path)
+    if not path.suffix and len(path.parts) == 1:
+        path = shipped_folder(folder) / f"{name_or_path}.yaml"
+    return path.suffix in (".yaml", ".yml") and is_planar_file(path)
+
+
 def read_robot(name_or_path: str | Path) -> Robot:
     """Reads a planar robot."""
     path = planar_file(name_or_path, "robots")
     with within(f"robot file {str(path)!r}"):
         content = planar_document(path, _KEYS)
-        links = [_link(mapping(item, f"link {k}"), k) for k, item in enumerate(sequence(content.get("links"), "'links'"))]
+        links = [
+            _link(mapping(item, f"link {k}"), k) for k, item in enumerate(sequence(content.get("links"), "'links'"))
+        ]
         if not links:
             raise PlannercheckError("'links' must list at least one link")
         pairs = [_names(pair) for pair in sequence(content.get("disabled_pairs"), "'disabled_pairs'")]

@@ -60,7 +60,7 @@ def _pose(node: Node) -> NDArray[np.float64]:
         if "position" in node or "angle" in node:
             raise PlannercheckError("'matrix' stands alone: leave out position and angle")
         rows = [numbers(row, "matrix row", 3) for row in sequence(node["matrix"], "'matrix'")]
-        return checked_poses(rows, "matrix")[0]
+        return np.asarray(checked_poses(rows, "matrix")[0])
     return pose_of(numbers(node.get("position", [0, 0]), "position", 2), number(node.get("angle", 0), "angle"))
 
 

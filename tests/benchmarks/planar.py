@@ -73,7 +73,9 @@ def growth(largest: int) -> None:
         for spread in (0.5, 1e-3, 1e-9, 0.0):
             poses = poses_around_contact(polygon, spread, np.random.default_rng(exponent))
             counts = pc.planar.count_batch(polygon, polygon, None, poses)
-            (seconds,) = best(lambda polygon=polygon, poses=poses: pc.planar.intersects_batch(polygon, polygon, None, poses))
+            (seconds,) = best(
+                lambda polygon=polygon, poses=poses: pc.planar.intersects_batch(polygon, polygon, None, poses)
+            )
             nanoseconds = 1e9 * seconds / QUERIES
             first.setdefault(spread, (int(counts.rounds.max()), nanoseconds))
             print(
