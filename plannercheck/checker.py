@@ -7,7 +7,7 @@ kinematics computes in doubles. Everything is a thin wrapper of one batch call i
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -154,6 +154,16 @@ class Checker:
             if known is not None:
                 return bool(known)
         return bool(self.check_states(self._single(q))[0])
+
+    def state_validity(self) -> Callable[[Any], bool] | None:
+        """A compiled function that judges states of an OMPL RealVectorStateSpace of nq numbers; None if there is none.
+
+        It has the same verdicts as `is_valid`. There is none where Pinocchio itself has to pose.
+        """
+        if self._kernel is None:
+            return None
+        judge: Callable[[Any], bool] = core.state_validity(self._core, self._kernel)
+        return judge
 
     def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
         """Whether each configuration of a set is free of collision.

@@ -10,7 +10,7 @@ by one call of the checker, at states so close that no link point moves further 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, TypeAlias
@@ -183,11 +183,17 @@ def _setup(checker: AnyChecker, space: Space, resolution: float | None) -> Any:
     if resolution is not None and not (np.isfinite(resolution) and resolution > 0):
         raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
     setup = geometric.SimpleSetup(space.ompl_space())
-    read, is_valid = space.read, checker.is_valid
-    setup.setStateValidityChecker(lambda state: is_valid(read(state)))
+    setup.setStateValidityChecker(_state_validity(checker, space))
     information = setup.getSpaceInformation()
     information.setMotionValidator(MotionValidator(information, checker, space, resolution))
     return setup
+
+
+def _state_validity(checker: Checker, space: JointSpace) -> Callable[[Any], bool]:
+    """The compiled function where states are plain numbers; else one that reads them in Python."""
+    compiled = None if space.continuous.any() else checker.state_validity()
+    read, is_valid = space.read, checker.is_valid
+    return compiled or (lambda state: is_valid(np.array(read(state))))
 
 
 def planner_names() -> list[str]:

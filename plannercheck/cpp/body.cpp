@@ -12,8 +12,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 constexpr double kRoundUp = 1 + 0x1p-48;  // covers the rounding of a norm
 
 // n / (n · (a − centre)) for the plane through a, b, c: double-double where its error stays below 2^-60, else exact.

@@ -6,8 +6,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 // Poses stretch by 1e-6 at most; this covers that of a link times that of a placement on it.
 constexpr double kStretch = 1 + 4e-6;
 // Posing a vertex or a ball's centre in doubles errs by about 20u of the numbers that go into it, rounding the centre

@@ -9,8 +9,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 // Link pose times placement.
 Pose composed(const std::array<double, 12>& link, const std::array<double, 12>& p) {
   Pose out;

@@ -6,8 +6,8 @@
 namespace plannercheck {
 namespace {
 
-constexpr int kActives = 8;     // keeping only the support cycles near contact (measured: 5 to 12 % of pairs)
-constexpr int kMaxRounds = 48;  // GJK needs fewer at 100,000 vertices; what is left is decided exactly
+constexpr int kActives = 8;        // keeping only the support cycles near contact (measured: 5 to 12 % of pairs)
+constexpr int kOracleRounds = 48;  // GJK needs fewer at 100,000 vertices; what is left is decided exactly
 
 struct Actives {
   int count = 0;
@@ -25,7 +25,7 @@ class DoubleOracle {
 
   Certificate run(std::int32_t vertex) {
     if (!start(vertex)) return certificate_;
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0; round < kOracleRounds; ++round) {
       ++counters_.rounds, ++counters_.games;
       solve(game_, mixture_);
       const bool done =

@@ -7,8 +7,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 // Mᵀ d, exactly.
 DyadicVec3 rotate_back_exactly(const Pose& pose, const DyadicVec3& d) {
   const auto column = [&](std::size_t j) {

@@ -8,8 +8,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 FlatHull pick(const std::vector<Vec3>& points, int dimension, const std::vector<int>& indices) {
   FlatHull hull;
   hull.dimension = dimension;

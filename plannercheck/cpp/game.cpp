@@ -60,7 +60,6 @@ class Tableau {
   std::array<std::array<double, kMaxActives + kBlock>, kMaxActives + 1> entries_;
   std::array<int, kMaxActives> basic_, free_;
 
-  static std::size_t at(int index) { return static_cast<std::size_t>(index); }
   double& entry(int row, int column) { return entries_[at(row)][at(column)]; }
   double entry(int row, int column) const { return entries_[at(row)][at(column)]; }
 

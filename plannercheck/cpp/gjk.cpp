@@ -5,7 +5,7 @@
 namespace plannercheck {
 namespace {
 
-constexpr int kMaxRounds = 64;
+constexpr int kGjkRounds = 64;
 
 // A difference fl(M_P p) − fl(M_R r) + fl(t_P − t_R) errs by 5.2u (r_P + r_R) for the products, u |w| for the
 // translations and 2u of everything for the sums: below 9u times the sum of the sizes. A direction d in the world,
@@ -115,7 +115,7 @@ class NearestPoints {
   Proximity run(Vec3 direction) {
     Proximity out;
     Simplex simplex;
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0; round < kGjkRounds; ++round) {
       ++counters_.rounds;
       const double length = norm(direction);
       if (!(length > 0) || !std::isfinite(length)) return out;

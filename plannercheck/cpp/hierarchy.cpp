@@ -11,8 +11,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 // Vertices of degree at most kRemovedDegree in ascending order of degree, by counting.
 std::vector<std::int32_t> removable_by_degree(const Triangulation& mesh, const std::vector<std::int32_t>& alive) {
   std::array<std::vector<std::int32_t>, kRemovedDegree + 1> buckets;

@@ -12,8 +12,6 @@ namespace {
 
 int next_corner(int corner) { return corner == 2 ? 0 : corner + 1; }
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 struct Face {
   Triangle corner{};
   Triangle neighbour{-1, -1, -1};

@@ -9,8 +9,6 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 float down(double value) {
   const auto rounded = static_cast<float>(value);
   return static_cast<double>(rounded) > value ? std::nextafterf(rounded, -kInfinity) : rounded;

@@ -15,8 +15,6 @@ namespace {
 typedef double Quad __attribute__((vector_size(kBlockLanes * 8)));
 typedef long long QuadMask __attribute__((vector_size(kBlockLanes * 8)));
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 inline Quad load(const double* from) {
   Quad q;
   std::memcpy(&q, from, sizeof q);
@@ -27,7 +25,7 @@ inline Quad absolute(Quad q) {
   return reinterpret_cast<Quad>(reinterpret_cast<QuadMask>(q) & (QuadMask{} + 0x7fffffffffffffffLL));
 }
 
-inline unsigned bits(QuadMask mask) {
+inline unsigned quad_bits(QuadMask mask) {
 #if defined(__AVX__)
   return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
 #else
@@ -53,7 +51,7 @@ inline Beyond compare_block(const Block& block, Vec3 v, Vec3 u) {
   const Quad z = (load(block.z.data()) - v.z) * u.z;
   const Quad value = (x + y) + z;
   const Quad error = ((absolute(x) + absolute(y)) + absolute(z)) * kDifferenceError + kUnderflow;
-  return {bits(value > error), bits(absolute(value) <= error)};
+  return {quad_bits(value > error), quad_bits(absolute(value) <= error)};
 }
 
 class WedgeWalk {
@@ -149,7 +147,7 @@ std::int32_t extreme_at_top(const Hierarchy& h, Vec3 u, QueryCounters& counters)
   const Quad ties = Quad{} + tie;
   std::int32_t found = -1;
   for (std::size_t i = 0; i < count; i += kBlockLanes) {
-    unsigned candidates = bits(load(&values[i]) >= ties);
+    unsigned candidates = quad_bits(load(&values[i]) >= ties);
     for (; candidates != 0; candidates &= candidates - 1) {
       const std::int32_t v = h.top[i + static_cast<std::size_t>(__builtin_ctz(candidates))];
       if (found < 0) {

@@ -7,7 +7,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 std::int32_t after(std::int32_t half_edge) { return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1; }
 std::int32_t before(std::int32_t half_edge) { return half_edge % 3 == 0 ? half_edge + 2 : half_edge - 1; }
 

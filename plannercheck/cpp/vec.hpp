@@ -3,8 +3,13 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 namespace plannercheck {
+
+// Indices are kept in 32 bits.
+inline std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 struct Vec3 {
   double x = 0, y = 0, z = 0;

@@ -7,8 +7,6 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
 // The ring of one vertex while its level gets finer: a cyclic list of neighbours, each with its current wedge.
 struct Rim {
   std::vector<std::int32_t> next, previous, wedge;
