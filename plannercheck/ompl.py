@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from ompl import base, geometric, util
 
+from plannercheck.checker import Checker
 from plannercheck.end_states import checked_end, judged
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.joint_space import JointSpace
@@ -189,9 +190,9 @@ def _setup(checker: AnyChecker, space: Space, resolution: float | None) -> Any:
     return setup
 
 
-def _state_validity(checker: Checker, space: JointSpace) -> Callable[[Any], bool]:
+def _state_validity(checker: AnyChecker, space: Space) -> Callable[[Any], bool]:
     """The compiled function where states are plain numbers; else one that reads them in Python."""
-    compiled = None if space.continuous.any() else checker.state_validity()
+    compiled = checker.state_validity() if isinstance(checker, Checker) and not space.continuous.any() else None
     read, is_valid = space.read, checker.is_valid
     return compiled or (lambda state: is_valid(np.array(read(state))))
 

@@ -125,7 +125,7 @@ def _run_one(options: argparse.Namespace) -> int:
         curve=options.curve,
         turning_radius=options.turning_radius,
     )
-    _show(found)
+    _show(found, "rad" if isinstance(checker, Checker) else "in m and rad")
     if found.solved and options.output is not None:
         found.save(options.output)
         print(f"written to {options.output}")
@@ -148,7 +148,7 @@ def _in_space(checker: AnyChecker) -> Checker:
     return checker
 
 
-def _show(found: Plan) -> None:
+def _show(found: Plan, unit: str) -> None:
     if not found.solved:
         print(f"not solved: {found.reason}")
         return
@@ -162,5 +162,5 @@ def _show(found: Plan) -> None:
     print(
         f"\n{found.planner} found a path in {found.time:.3f} s, "
         f"shortened in {found.simplification_time:.3f} s: "
-        f"{len(found.path)} configurations, length {found.length:.3f} (rad and m)"
+        f"{len(found.path)} configurations, length {found.length:.3f} {unit}"
     )

@@ -4,26 +4,19 @@
 
 #include <exception>
 #include <mutex>
-#include <thread>
 #include <vector>
 
 #include "array_types.hpp"
 #include "bindings.hpp"
+#include "joined_threads.hpp"
 #include "planar_checker.hpp"
 
 namespace nb = nanobind;
 
 namespace plannercheck {
-namespace {
+namespace planar_binding {  // names of its own: bindings are compiled in one piece
 
 using Rows = InputArray<double, -1, -1>;
-
-struct Joined {
-  std::vector<std::thread> threads;
-  ~Joined() {
-    for (std::thread& thread : threads) thread.join();
-  }
-};
 
 // The core's checker with the arrays it reads and the sums of its counters.
 class BoundPlanarChecker {
@@ -122,7 +115,7 @@ void in_parallel(BoundPlanarChecker& checker, std::size_t n, int threads, Work w
     }
   };
   {
-    Joined others;
+    JoinedThreads others;
     for (std::size_t k = 1; k < count; ++k) others.threads.emplace_back(part, k);
     part(0);
   }
@@ -173,18 +166,18 @@ auto link_poses(const BoundPlanarChecker& checker, Rows q) {
   return output_array(poses, {n, links, std::size_t{3}, std::size_t{3}});
 }
 
-}  // namespace
+}  // namespace planar_binding
 
 void bind_planar_checker(nb::module_& m) {
-  nb::class_<BoundPlanarChecker>(m, "PlanarChecker")
+  nb::class_<planar_binding::BoundPlanarChecker>(m, "PlanarChecker")
       .def(nb::init<InputArray<std::int32_t, -1, 3>, InputArray<double, -1, 3>, std::int32_t, const nb::list&,
                     InputArray<std::int32_t, -1>, InputArray<double, -1, 3, 3>, InputArray<double, -1, 3>,
                     InputArray<double, -1, 4>, InputArray<std::int32_t, -1, 2>, bool, Precision>())
-      .def("first_of_states", &first_of_states)
-      .def("all_of_states", &all_of_states)
-      .def("motions_are_free", &motions_are_free)
-      .def("link_poses", &link_poses)
-      .def("statistics", &BoundPlanarChecker::statistics);
+      .def("first_of_states", &planar_binding::first_of_states)
+      .def("all_of_states", &planar_binding::all_of_states)
+      .def("motions_are_free", &planar_binding::motions_are_free)
+      .def("link_poses", &planar_binding::link_poses)
+      .def("statistics", &planar_binding::BoundPlanarChecker::statistics);
 }
 
 }  // namespace plannercheck

@@ -8,23 +8,22 @@
 namespace plannercheck {
 namespace {
 
-std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+std::size_t offset_of(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 // Rounding of a posed circle's centre and of a distance is below 20u of the coordinates' sizes; this is far more.
-constexpr double kMargin = 1e-12;
-
-struct LinkLanes {
-  Lanes angle, cos, sin, x, y;
-};
-
-struct CircleLanes {
-  Lanes x, y, radius;
-};
+constexpr double kCircleMargin = 1e-12;
 
 }  // namespace
 
 // kLanes states.
 struct PlanarChecker::Block {
+  struct LinkLanes {
+    Lanes angle, cos, sin, x, y;
+  };
+  struct CircleLanes {
+    Lanes x, y, radius;
+  };
+
   std::vector<Lanes> columns;
   std::vector<LinkLanes> links;
   std::vector<CircleLanes> circles;
@@ -44,12 +43,12 @@ void PlanarChecker::pose(Block& block) const {
   block.circles.resize(bodies_.size());
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const PlanarLink& link = links_[k];
-    LinkLanes& to = block.links[k];
+    Block::LinkLanes& to = block.links[k];
     to.angle = broadcast(link.angle);
     to.x = broadcast(link.x);
     to.y = broadcast(link.y);
     if (link.parent >= 0) {
-      const LinkLanes& from = block.links[at(link.parent)];
+      const Block::LinkLanes& from = block.links[offset_of(link.parent)];
       to.angle = from.angle + link.angle;
       to.x = from.x + (from.cos * link.x - from.sin * link.y);
       to.y = from.y + (from.sin * link.x + from.cos * link.y);
@@ -68,27 +67,27 @@ void PlanarChecker::pose(Block& block) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const PlanarBody& body = bodies_[b];
     if (body.link < 0) continue;
-    const LinkLanes& link = block.links[at(body.link)];
-    CircleLanes& circle = block.circles[b];
+    const Block::LinkLanes& link = block.links[offset_of(body.link)];
+    Block::CircleLanes& circle = block.circles[b];
     circle.x = link.x + (link.cos * body.x - link.sin * body.y);
     circle.y = link.y + (link.sin * body.x + link.cos * body.y);
-    circle.radius = body.radius + kMargin * (absolute(link.x) + absolute(link.y));
+    circle.radius = body.radius + kCircleMargin * (absolute(link.x) + absolute(link.y));
   }
 }
 
 // The lanes in which the bounds of a pair meet.
 unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Block& block) const {
   constexpr unsigned kAll = (1U << kLanes) - 1;
-  const PlanarBody &a = bodies_[at(pair[0])], &b = bodies_[at(pair[1])];
+  const PlanarBody &a = bodies_[offset_of(pair[0])], &b = bodies_[offset_of(pair[1])];
   if (!bounds_ || (a.link < 0 && b.link < 0)) return kAll;
   Lanes dx, dy, reach;
   if (a.link >= 0 && b.link >= 0) {
-    const CircleLanes &one = block.circles[at(pair[0])], &two = block.circles[at(pair[1])];
+    const Block::CircleLanes &one = block.circles[offset_of(pair[0])], &two = block.circles[offset_of(pair[1])];
     dx = one.x - two.x;
     dy = one.y - two.y;
     reach = one.radius + two.radius;
   } else {
-    const CircleLanes& circle = block.circles[at(a.link >= 0 ? pair[0] : pair[1])];
+    const Block::CircleLanes& circle = block.circles[offset_of(a.link >= 0 ? pair[0] : pair[1])];
     const std::array<double, 4>& box = a.link >= 0 ? b.box : a.box;
     const Lanes zero = broadcast(0);
     dx = larger(larger(box[0] - circle.x, circle.x - box[2]), zero);
@@ -100,9 +99,9 @@ unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Bloc
 }
 
 PosedPolygon PlanarChecker::posed(std::int32_t index, std::size_t state, const Block& block) const {
-  const PlanarBody& body = bodies_[at(index)];
+  const PlanarBody& body = bodies_[offset_of(index)];
   if (body.link < 0) return {body.shape, body.pose};
-  const LinkLanes& link = block.links[at(body.link)];
+  const Block::LinkLanes& link = block.links[offset_of(body.link)];
   const double c = link.cos[state], s = link.sin[state];
   return {body.shape, {{c, -s, link.x[state], s, c, link.y[state]}}};
 }
@@ -142,7 +141,7 @@ void PlanarChecker::link_poses(const double* q, std::size_t n, double* poses) co
     load(q + row * width_, count, block);
     pose(block);
     for (std::size_t state = 0; state < count; ++state) {
-      for (const LinkLanes& link : block.links) {
+      for (const Block::LinkLanes& link : block.links) {
         const double c = link.cos[state], s = link.sin[state];
         const double matrix[9] = {c, -s, link.x[state], s, c, link.y[state], 0, 0, 1};
         poses = std::copy_n(matrix, 9, poses);

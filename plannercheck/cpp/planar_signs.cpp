@@ -4,8 +4,8 @@
 #include "predicates.hpp"
 
 namespace plannercheck {
-using planar_detail::kLargestTrusted;
-using planar_detail::kSmallestTrusted;
+using planar_detail::kLargestSize;
+using planar_detail::kSmallestSize;
 
 namespace {
 
@@ -14,9 +14,9 @@ constexpr double kCompareBound = 12 * kRoundoff;
 
 // The same polynomials take at most 14 operations of relative error 2^-102 a term, 2^-98.1 of the permanent (a side);
 // squares of sides twice that.
-constexpr double kDouble2Bound = 0x1p-96;
+constexpr double kSideDouble2Bound = 0x1p-96;
 
-int sign_of(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
+int sign_of_side(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
 template <class Number>
 struct Vec2 {
@@ -104,10 +104,10 @@ void check_finite(const PlanarPolygon& polygon, std::size_t k) {
 
 int PlanarSigns::finer_sign(const HostLine& line, const GuestPoint& point) const {
   const double size = permanent(line, point);
-  if (first_ != Precision::kExact && size > kSmallestTrusted && size < kLargestTrusted) {
+  if (first_ != Precision::kExact && size > kSmallestSize && size < kLargestSize) {
     ++counters_.double_double;
     const Double2 finer = side_of<Double2>(guest_, host_, turn_, line, point.index);
-    if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
+    if (std::fabs(finer.high) > kSideDouble2Bound * size) return sign_of_side(finer.high);
   }
   ++counters_.exact;
   return exact_side(line, point).sign();
@@ -123,18 +123,19 @@ int PlanarSigns::finer_mixed(const HostLine& i, const HostLine& j, const GuestPo
                size_ja = permanent(j, a);
   const double smallest = smaller(smaller(size_ia, size_jb), smaller(size_ib, size_ja));
   const double largest = larger(larger(size_ia, size_jb), larger(size_ib, size_ja));
-  if (first_ != Precision::kExact && smallest > kSmallestTrusted && largest < kLargestTrusted) {
+  if (first_ != Precision::kExact && smallest > kSmallestSize && largest < kLargestSize) {
     ++counters_.double_double;
     const auto finer_side = [&](const HostLine& l, const GuestPoint& p) {
       return side_of<Double2>(guest_, host_, turn_, l, p.index);
     };
     const Double2 fia = finer_side(i, a), fjb = finer_side(j, b), fib = finer_side(i, b), fja = finer_side(j, a);
     const Double2 finer = fia * fjb - fib * fja;
-    // Each side errs by at most kDouble2Bound of its permanent; twice that leaves room for products and difference.
-    const double bound = 2 * kDouble2Bound *
-                         (std::fabs(fia.high) * size_jb + size_ia * (std::fabs(fjb.high) + kDouble2Bound * size_jb) +
-                          std::fabs(fib.high) * size_ja + size_ib * (std::fabs(fja.high) + kDouble2Bound * size_ja));
-    if (std::fabs(finer.high) > bound) return sign_of(finer.high);
+    // Each side errs by at most kSideDouble2Bound of its permanent; twice that leaves room for products and difference.
+    const double bound =
+        2 * kSideDouble2Bound *
+        (std::fabs(fia.high) * size_jb + size_ia * (std::fabs(fjb.high) + kSideDouble2Bound * size_jb) +
+         std::fabs(fib.high) * size_ja + size_ib * (std::fabs(fja.high) + kSideDouble2Bound * size_ja));
+    if (std::fabs(finer.high) > bound) return sign_of_side(finer.high);
   }
   ++counters_.exact;
   return (exact_side(i, a) * exact_side(j, b) - exact_side(i, b) * exact_side(j, a)).sign();
@@ -151,19 +152,18 @@ int PlanarSigns::compare(const LineWeights& weights, const HostLine& i, const Ho
   const double value = weights.first * (i.dx * wy - i.dy * wx) + weights.second * (j.dx * wy - j.dy * wx);
   const double size = weights.first * (i.size_dx * size_wy + i.size_dy * size_wx) +
                       weights.second * (j.size_dx * size_wy + j.size_dy * size_wx);
-  const bool usable =
-      first_ == Precision::kDoubles && !weights.exact && size > kSmallestTrusted && size < kLargestTrusted;
-  if (usable && std::fabs(value) > kCompareBound * size) return turn_ > 0 ? sign_of(value) : -sign_of(value);
+  const bool usable = first_ == Precision::kDoubles && !weights.exact && size > kSmallestSize && size < kLargestSize;
+  if (usable && std::fabs(value) > kCompareBound * size) return turn_ > 0 ? sign_of_side(value) : -sign_of_side(value);
   return finer_compare(weights, i, j, a, b, size);
 }
 
 int PlanarSigns::finer_compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
                                std::size_t b, double size) const {
-  if (first_ != Precision::kExact && !weights.exact && size > kSmallestTrusted && size < kLargestTrusted) {
+  if (first_ != Precision::kExact && !weights.exact && size > kSmallestSize && size < kLargestSize) {
     ++counters_.double_double;
     const Double2 finer = Double2{weights.first, 0} * side_difference<Double2>(guest_, host_, turn_, i, a, b) +
                           Double2{weights.second, 0} * side_difference<Double2>(guest_, host_, turn_, j, a, b);
-    if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
+    if (std::fabs(finer.high) > kSideDouble2Bound * size) return sign_of_side(finer.high);
   }
   ++counters_.exact;
   check_finite(i, a);
@@ -193,8 +193,8 @@ int planar_turn(const PlanarPolygon& polygon, PlanarCounters& counters) {
   const double bx = polygon.x(probes[2]) - polygon.x(probes[0]), by = polygon.y(probes[2]) - polygon.y(probes[0]);
   const double value = ax * by - ay * bx, size = std::fabs(ax * by) + std::fabs(ay * bx);
   // Differences, products and their difference: 4u.
-  if (size > kSmallestTrusted && size < kLargestTrusted && std::fabs(value) > 6 * kRoundoff * size) {
-    return sign_of(value);
+  if (size > kSmallestSize && size < kLargestSize && std::fabs(value) > 6 * kRoundoff * size) {
+    return sign_of_side(value);
   }
   for (const std::size_t k : probes) check_finite(polygon, k);
   const int found = turn(flat(polygon, probes[0]), flat(polygon, probes[1]), flat(polygon, probes[2]), 2);

@@ -79,7 +79,7 @@ namespace planar_detail {
 
 // A filter is trusted where the sum of the absolute values of all terms and their factors are in this range: then
 // products of four sides neither overflow nor lose to underflow what the bounds do not count.
-inline constexpr double kSmallestTrusted = 1e-100, kLargestTrusted = 1e45;
+inline constexpr double kSmallestSize = 1e-100, kLargestSize = 1e45;
 
 // A side is the cross product of D = M (to - from) and X - Y with X = M p + t, Y = M from. D: difference, product, sum,
 // 3u of its size; X: t is a rounded difference (u), product, two sums, 4u; Y: product, sum, 2u; X - Y: 1u; product and
@@ -134,7 +134,7 @@ class PlanarSigns {
 
   Side side(const HostLine& line, const GuestPoint& point) const {
     const double size = permanent(line, point);
-    const bool trusted = size > planar_detail::kSmallestTrusted && size < planar_detail::kLargestTrusted;
+    const bool trusted = size > planar_detail::kSmallestSize && size < planar_detail::kLargestSize;
     const double value = turn_ * (line.dx * (point.y - line.y) - line.dy * (point.x - line.x));
     return {value, trusted ? side_bound_ * size : std::numeric_limits<double>::infinity()};
   }
