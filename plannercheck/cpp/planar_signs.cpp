@@ -141,9 +141,17 @@ int PlanarSigns::finer_mixed(const HostLine& i, const HostLine& j, const GuestPo
   return (exact_side(i, a) * exact_side(j, b) - exact_side(i, b) * exact_side(j, a)).sign();
 }
 
-int PlanarSigns::compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
-                         std::size_t b) const {
-  if (a == b) return 0;
+Side PlanarSigns::value(const LineWeights& weights, const Side& i, const Side& j) const {
+  const double first = weights.first * i.value, second = weights.second * j.value;
+  if (weights.exact) return {0, std::numeric_limits<double>::infinity()};
+  // Two products and a sum: 2u of the terms.
+  const double size = std::fabs(first) + std::fabs(second);
+  return {first + second,
+          planar_detail::kSlack * (weights.first * i.error + weights.second * j.error + 3 * kRoundoff * size)};
+}
+
+Side PlanarSigns::difference(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
+                             std::size_t b) const {
   const auto& m = guest_.pose.m;
   const double vx = guest_.shape.x(a) - guest_.shape.x(b), vy = guest_.shape.y(a) - guest_.shape.y(b);
   const double wxx = m[0] * vx, wxy = m[1] * vy, wyx = m[3] * vx, wyy = m[4] * vy;
@@ -153,12 +161,46 @@ int PlanarSigns::compare(const LineWeights& weights, const HostLine& i, const Ho
   const double size = weights.first * (i.size_dx * size_wy + i.size_dy * size_wx) +
                       weights.second * (j.size_dx * size_wy + j.size_dy * size_wx);
   const bool usable = first_ == Precision::kDoubles && !weights.exact && size > kSmallestSize && size < kLargestSize;
-  if (usable && std::fabs(value) > kCompareBound * size) return turn_ > 0 ? sign_of_side(value) : -sign_of_side(value);
-  return finer_compare(weights, i, j, a, b, size);
+  return {turn_ * value, usable ? kCompareBound * size : std::numeric_limits<double>::infinity()};
+}
+
+double PlanarSigns::meeting(std::size_t from, std::size_t ahead, std::size_t other, std::size_t behind) const {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const PlanarPolygon& p = guest_.shape;
+  const double ax = p.x(ahead) - p.x(from), ay = p.y(ahead) - p.y(from);
+  const double bx = p.x(behind) - p.x(other), by = p.y(behind) - p.y(other);
+  const double cx = p.x(other) - p.x(from), cy = p.y(other) - p.y(from);
+  const double sine = ax * by - ay * bx, reach = cx * by - cy * bx, back = cx * ay - cy * ax;
+  // Differences, products, difference: 4u of the terms.
+  const double sine_error = 6 * kRoundoff * (std::fabs(ax * by) + std::fabs(ay * bx));
+  const double reach_error = 6 * kRoundoff * (std::fabs(cx * by) + std::fabs(cy * bx));
+  const double back_error = 6 * kRoundoff * (std::fabs(cx * ay) + std::fabs(cy * ax));
+  const bool usable = first_ == Precision::kDoubles && sine_error > kSmallestSize && reach_error > kSmallestSize &&
+                      back_error > kSmallestSize && std::fabs(reach) < kLargestSize && std::fabs(back) < kLargestSize;
+  const double sign = sine > 0 ? 1 : -1;
+  // Meeting points ahead of both: reach / sine > 0, back / sine > 0.
+  if (!usable || std::fabs(sine) <= sine_error || sign * reach <= reach_error || sign * back <= back_error)
+    return kNone;
+  return planar_detail::kSlack * (std::fabs(reach) + reach_error) / (std::fabs(sine) - sine_error);
+}
+
+int PlanarSigns::compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
+                         std::size_t b) const {
+  if (a == b) return 0;
+  const Side found = difference(weights, i, j, a, b);
+  if (std::fabs(found.value) > found.error) return sign_of_side(found.value);
+  return finer_compare(weights, i, j, a, b);
 }
 
 int PlanarSigns::finer_compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
-                               std::size_t b, double size) const {
+                               std::size_t b) const {
+  const auto& m = guest_.pose.m;
+  const double vx = std::fabs(guest_.shape.x(a) - guest_.shape.x(b)),
+               vy = std::fabs(guest_.shape.y(a) - guest_.shape.y(b));
+  const double size_wx = std::fabs(m[0]) * vx + std::fabs(m[1]) * vy,
+               size_wy = std::fabs(m[3]) * vx + std::fabs(m[4]) * vy;
+  const double size = weights.first * (i.size_dx * size_wy + i.size_dy * size_wx) +
+                      weights.second * (j.size_dx * size_wy + j.size_dy * size_wx);
   if (first_ != Precision::kExact && !weights.exact && size > kSmallestSize && size < kLargestSize) {
     ++counters_.double_double;
     const Double2 finer = Double2{weights.first, 0} * side_difference<Double2>(guest_, host_, turn_, i, a, b) +

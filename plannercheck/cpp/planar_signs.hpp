@@ -159,6 +159,16 @@ class PlanarSigns {
     return finer_mixed(i, j, a, b);
   }
 
+  // The mixed side function's value at a point, from its sides; and its difference w_i (i(a) - i(b)) + w_j (j(a) -
+  // j(b)). Infinite error where doubles can't be trusted.
+  Side value(const LineWeights& weights, const Side& i, const Side& j) const;
+  Side difference(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a, std::size_t b) const;
+
+  // How far along `ahead` - `from`, as a part of it, the line through these two vertices of the guest meets that
+  // through `other` and `behind`; both lines lead towards the meeting point. At least that, and infinite if there is
+  // none or it is not clear.
+  double meeting(std::size_t from, std::size_t ahead, std::size_t other, std::size_t behind) const;
+
   // Sign of the mixed side function's difference w_i (i(a) - i(b)) + w_j (j(a) - j(b)).
   int compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a, std::size_t b) const;
 
@@ -180,8 +190,8 @@ class PlanarSigns {
 
   int finer_sign(const HostLine& line, const GuestPoint& point) const;
   int finer_mixed(const HostLine& i, const HostLine& j, const GuestPoint& a, const GuestPoint& b) const;
-  int finer_compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a, std::size_t b,
-                    double size) const;
+  int finer_compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
+                    std::size_t b) const;
   void check_finite(const HostLine& line, std::size_t point) const;
 };
 

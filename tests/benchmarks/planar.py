@@ -30,6 +30,7 @@ REPETITIONS = 9
 # Vertices of the polygons that are compared with shapely.
 PEER_SIZES = (10, 100, 1000, 10_000)
 BLOCK = 2000  # pairs
+REPORTED = 50_000  # pairs
 FLATNESS = 0.7  # of the ellipses on which vertices are
 
 
@@ -195,9 +196,11 @@ def compare(total: int, seed: int) -> int:
                 "decided by integers in the oracle": integers,
                 "with signs left open by doubles": int((found.double_double > 0).sum()),
                 "with signs left open by double-double": int((found.exact > 0).sum()),
+                "wrong": int((found.shared != truth).sum()),
             }
         )
-    counts["wrong"] = len(wrong)
+        if counts["pairs"] % REPORTED == 0:
+            print(f"{counts['pairs']:,} pairs, {counts['wrong']} wrong", flush=True)
     print(f"\n{total:,} pairs, seed {seed}, {time.perf_counter() - began:.0f} s")
     for name, count in sorted(counts.items()):
         print(f"  {name}: {count:,}")
