@@ -119,6 +119,21 @@ def test_false_certificates_do_not_verify():
     assert not pc.planar.SharedPoint(shared.point + 3, shared.first, shared.second, shared.place).verify()
 
 
+def test_prisms_in_space_agree():
+    """Prisms of equal height over two polygons share a point if and only if the polygons do."""
+    kinds = (cases.ellipse, cases.sliver)
+    pairs = [*draws(lambda rng: cases.near_pair(rng, kinds=kinds), 60, 17), *draws(cases.exact_contact, 60, 19)]
+    found = verdicts(pairs)
+    for (a, b, pose_a, pose_b), shared in zip(pairs, found, strict=True):
+        p, r = (pc.Polytope(np.vstack([np.insert(v, 2, z, axis=1) for z in (0.0, 1.0)])) for v in (a, b))
+        poses = [np.insert(np.insert(pose, 2, 0, axis=0), 2, 0, axis=1) for pose in (pose_a, pose_b)]
+        for pose in poses:
+            pose[2, 2] = 1
+        for method in ("oracle", "walk", "exact"):
+            assert pc.intersects(p, r, *poses, method=method) == shared
+    assert 0 < found.mean() < 1
+
+
 def test_batch_takes_single_and_many():
     square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
     poses = np.array([cases.rotation(0.0)] * 3)
