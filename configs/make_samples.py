@@ -14,17 +14,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck import planar
+from plannercheck.paths import is_planar_file
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
 
 UNIFORM = 600
 NEAR = 400
 
-# Spread of the samples around the motion, rad: a few link widths at the hand.
+# Spread of the samples around the motion, rad (and m): a few link widths at the hand.
 SPREAD = 0.25
 
 
-def samples(robot: Robot, start: NDArray[np.float64], goal: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
+def samples(
+    robot: Robot | planar.Robot, start: NDArray[np.float64], goal: NDArray[np.float64], seed: int
+) -> NDArray[np.float64]:
     """Makes the samples (UNIFORM + NEAR, nq) for one robot in one scene."""
     rng = np.random.default_rng(seed)
     along = rng.uniform(size=(NEAR, 1))
@@ -35,10 +39,17 @@ def samples(robot: Robot, start: NDArray[np.float64], goal: NDArray[np.float64],
 def main() -> None:
     """Writes a file for each scene and robot."""
     folder = Path(__file__).parent
-    for number, path in enumerate(sorted(folder.glob("*.yaml"))):
+    files = sorted(folder.glob("*.yaml"))
+    for number, path in enumerate(path for path in files if not is_planar_file(path)):
         scene = Scene.load(path)
         for name in scene.states:
             rows = samples(Robot.load(name), scene.start(name), scene.goal(name), seed=number)
+            np.save(folder / f"{path.stem}_{name}.npy", rows)
+    for number, path in enumerate(path for path in files if is_planar_file(path)):
+        flat = planar.Scene.load(path)
+        for name in flat.states:
+            robot = planar.Checker(planar.Robot.load(name), flat).robot  # within the scene's bounds
+            rows = samples(robot, flat.start(name), flat.goal(name), seed=number)
             np.save(folder / f"{path.stem}_{name}.npy", rows)
 
 

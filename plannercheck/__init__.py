@@ -14,6 +14,7 @@ from plannercheck.errors import PlannercheckError
 if TYPE_CHECKING:
     import plannercheck.ndim as ndim
     import plannercheck.ompl as ompl
+    import plannercheck.planar as planar
     from plannercheck.certificates import Separation as Separation
     from plannercheck.certificates import SharedPoint as SharedPoint
     from plannercheck.checker import Checker as Checker
@@ -40,7 +41,7 @@ _HOMES = {
     "certify": "pair",
     "intersects": "pair",
 }
-_MODULES = ("ndim", "ompl")
+_MODULES = ("ndim", "ompl", "planar")
 
 __all__ = [
     "Checker",
@@ -57,6 +58,7 @@ __all__ = [
     "intersects",
     "ndim",
     "ompl",
+    "planar",
 ]
 
 

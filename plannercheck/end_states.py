@@ -10,9 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
-from plannercheck.robot import Robot
+from plannercheck.protocols import AnyChecker, AnyRobot
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +40,7 @@ class EndState:
         return "; ".join(parts + ([f"{name} collides: {collisions}"] if self.pairs else []))
 
 
-def judged(checker: Checker, q: Floats) -> EndState:
+def judged(checker: AnyChecker, q: Floats) -> EndState:
     """Judges a configuration (nq,)."""
     robot = checker.robot
     beyond = [
@@ -52,7 +51,7 @@ def judged(checker: Checker, q: Floats) -> EndState:
     return EndState(tuple(beyond), tuple(pairs))
 
 
-def checked_end(checker: Checker, q: ArrayLike, name: str) -> Floats:
+def checked_end(checker: AnyChecker, q: ArrayLike, name: str) -> Floats:
     """One configuration (nq,), or an error that calls it by its name."""
     if np.ndim(q) != 1:
         raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {np.shape(q)}")
@@ -62,5 +61,5 @@ def checked_end(checker: Checker, q: ArrayLike, name: str) -> Floats:
         raise PlannercheckError(f"{name}: {error}") from None
 
 
-def _column_name(robot: Robot, k: int) -> str:
+def _column_name(robot: AnyRobot, k: int) -> str:
     return robot.joint_names[k] if len(robot.joint_names) == robot.nq else f"column {k}"

@@ -9,7 +9,7 @@ spaces; then the space is a compound of one part a joint, weighted equally.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,10 @@ class JointSpace:
 
     Attributes:
         continuous: (nq,) which columns are angles without limits.
+        is_straight: Motions are straight, joint by joint.
     """
+
+    is_straight: Literal[True] = True
 
     def __init__(self, robot: Robot) -> None:
         """Looks at the joints.
@@ -43,10 +46,10 @@ class JointSpace:
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
         if not self._turning:
-            return _bounded(self._lower, self._upper)
+            return bounded_space(self._lower, self._upper)
         space = base.CompoundStateSpace()
         for k, turning in enumerate(self.continuous.tolist()):
-            part = base.SO2StateSpace() if turning else _bounded(self._lower[k : k + 1], self._upper[k : k + 1])
+            part = base.SO2StateSpace() if turning else bounded_space(self._lower[k : k + 1], self._upper[k : k + 1])
             space.addSubspace(part, 1.0)
         return space
 
@@ -64,14 +67,14 @@ class JointSpace:
             return
         for k, turning in enumerate(self.continuous.tolist()):
             if turning:
-                state[k].value = float(_wrapped(np.asarray(q[k])))
+                state[k].value = float(wrapped(np.asarray(q[k])))
             else:
                 state[k][0] = float(q[k])
 
     def differences(self, q0: Floats, q1: Floats) -> Floats:
         """From configurations (…, nq) to others, joint by joint; angles take the short way."""
         differences = q1 - q0
-        return np.where(self.continuous, _wrapped(differences), differences) if self._turning else differences
+        return np.where(self.continuous, wrapped(differences), differences) if self._turning else differences
 
     def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
         """A new OMPL state of a configuration (nq,); it frees itself, which states of the space do not."""
@@ -80,7 +83,8 @@ class JointSpace:
         return state
 
 
-def _bounded(lower: Floats, upper: Floats) -> Any:
+def bounded_space(lower: Floats, upper: Floats) -> Any:
+    """An OMPL space of real numbers between bounds (k,)."""
     bounds = base.RealVectorBounds(len(lower))
     for k, (low, high) in enumerate(zip(lower.tolist(), upper.tolist(), strict=True)):
         bounds.setLow(k, low)
@@ -107,7 +111,7 @@ def _continuous_columns(robot: Robot) -> NDArray[np.bool_]:
     return np.array(turning, dtype=bool)
 
 
-def _wrapped(angles: Floats) -> Floats:
+def wrapped(angles: Floats) -> Floats:
     """Angles brought to [-pi, pi); those that are there already keep their bits."""
     inside = (angles >= -np.pi) & (angles < np.pi)
     return np.where(inside, angles, (angles + np.pi) % (2 * np.pi) - np.pi)

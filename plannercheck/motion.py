@@ -102,7 +102,7 @@ class MotionSampler:
         )
 
     def _is_free(self, checker: Checker, q0: Floats, q1: Floats, steps: int) -> bool:
-        parameters = _coarse_to_fine(steps)
+        parameters = coarse_to_fine(steps)
         for first in range(0, len(parameters), _BATCH):
             if not checker.check_states(self.states(q0, q1, parameters[first : first + _BATCH])).all():
                 return False
@@ -120,7 +120,7 @@ def _column_levers(robot: Robot, levers: Floats) -> Floats:
     return np.abs(moved / step).reshape(robot.nq, -1) @ levers
 
 
-def _coarse_to_fine(steps: int) -> Floats:
+def coarse_to_fine(steps: int) -> Floats:
     """The parameters 0, 1, 1/2, 1/4, 3/4, … of all multiples of 1/steps: a collision is met early."""
     order = [np.array([0, steps])]
     stride = 1 << max(steps - 1, 0).bit_length()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 from pathlib import Path
 
+_PLANAR = "kind: planar"
 _PACKAGE = Path(__file__).resolve().parent
 
 
@@ -19,6 +20,11 @@ def shipped_folder(name: str) -> Path:
     """
     installed = _PACKAGE / name
     return installed if installed.is_dir() else _PACKAGE.parent / name
+
+
+def is_planar_file(path: Path) -> bool:
+    """Whether a robot's or scene's YAML file says `kind: planar`."""
+    return path.is_file() and any(line.rstrip() == _PLANAR for line in path.read_text(encoding="utf-8").splitlines())
 
 
 def example_robot_data() -> Path:

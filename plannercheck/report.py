@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from plannercheck.certificates import Certificate
+
+if TYPE_CHECKING:
+    from plannercheck.planar.certificates import Certificate as PlanarCertificate
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,7 @@ class PairVerdict:
     first_body: str
     second_body: str
     colliding: bool
-    certificate: Certificate
+    certificate: Certificate | PlanarCertificate
 
 
 @dataclass(frozen=True)

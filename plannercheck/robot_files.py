@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.errors import PlannercheckError, unknown_name
-from plannercheck.paths import example_robot_data, shipped_folder
+from plannercheck.paths import example_robot_data, is_planar_file, shipped_folder
 from plannercheck.reading import (
     check_keys,
     mapping,
@@ -81,8 +81,8 @@ class RobotDescription:
 
 
 def shipped_robots() -> list[str]:
-    """Names of the robots that come with plannercheck."""
-    return sorted(path.stem for path in shipped_folder("robots").glob("*.yaml"))
+    """Names of the robots in space that come with plannercheck; planar ones have functions of their own."""
+    return sorted(path.stem for path in shipped_folder("robots").glob("*.yaml") if not is_planar_file(path))
 
 
 def find_description(name_or_path: str | Path) -> Path:

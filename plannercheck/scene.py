@@ -41,15 +41,16 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.meshes import load_mesh
-from plannercheck.paths import shipped_folder
+from plannercheck.paths import is_planar_file, shipped_folder
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
 
 Array = NDArray[np.float64]
@@ -91,22 +92,7 @@ class AllowedCollisions:
         return bool(defaults) and all(defaults)
 
 
-@dataclass(frozen=True)
-class RobotStates:
-    """What a scene declares for one robot.
-
-    Attributes:
-        start: Configuration (nq,), or None.
-        goal: Configuration (nq,), or None.
-        samples: An npy file of configurations (n, nq), or None.
-    """
-
-    start: Array | None = None
-    goal: Array | None = None
-    samples: Path | None = None
-
-
-class Scene:
+class Scene(DeclaredStates):
     """Named obstacles, posed in the world.
 
     Attributes:
@@ -117,9 +103,8 @@ class Scene:
 
     def __init__(self, name: str = "") -> None:
         """Makes an empty scene."""
-        self.name = name
+        super().__init__(name)
         self.allowed = AllowedCollisions()
-        self.states: dict[str, RobotStates] = {}
         self._bodies: dict[str, tuple[Body, ...]] = {}
         self._parts: dict[str, tuple[Part, ...]] = {}
         self._body_names: set[str] = set()
@@ -239,64 +224,10 @@ class Scene:
         """Says whether two links or objects may touch."""
         self.allowed.pairs[frozenset((a, b))] = allowed
 
-    def set_states(
-        self,
-        robot: str,
-        start: ArrayLike | None = None,
-        goal: ArrayLike | None = None,
-        samples: str | Path | None = None,
-    ) -> None:
-        """Declares a robot's start and goal (nq,) and its npy file of samples; None keeps what is there."""
-        states = self.states.get(robot, RobotStates())
-        if start is not None:
-            states = replace(states, start=_configuration(start, f"start of {robot!r}"))
-        if goal is not None:
-            states = replace(states, goal=_configuration(goal, f"goal of {robot!r}"))
-        if samples is not None:
-            states = replace(states, samples=Path(samples))
-        if states.start is not None and states.goal is not None and len(states.start) != len(states.goal):
-            raise PlannercheckError(
-                f"states of {robot!r}: start has {len(states.start)} values, goal has {len(states.goal)}"
-            )
-        self.states[robot] = states
-
-    def start(self, robot: str) -> Array:
-        """The start configuration (nq,) that the scene declares for a robot."""
-        return self._declared(robot, "start", self._states_of(robot).start)
-
-    def goal(self, robot: str) -> Array:
-        """The goal configuration (nq,) that the scene declares for a robot."""
-        return self._declared(robot, "goal", self._states_of(robot).goal)
-
-    def samples(self, robot: str) -> Array:
-        """The sample configurations (n, nq) that the scene declares for a robot."""
-        states = self._states_of(robot)
-        if states.samples is None:
-            raise self._undeclared(robot, "samples")
-        samples = _load_samples(states.samples)
-        width = samples.shape[1] if states.start is None else len(states.start)
-        if samples.shape[1] != width:
-            file = str(states.samples)
-            raise PlannercheckError(f"samples {file!r} have {samples.shape[1]} columns, start has {width}")
-        return samples
-
-    def _states_of(self, robot: str) -> RobotStates:
-        if robot not in self.states:
-            raise unknown_name(f"robot among the states of scene {self.name!r}", robot, self.states)
-        return self.states[robot]
-
-    def _declared(self, robot: str, what: str, value: Array | None) -> Array:
-        if value is None:
-            raise self._undeclared(robot, what)
-        return value
-
-    def _undeclared(self, robot: str, what: str) -> PlannercheckError:
-        return PlannercheckError(f"scene {self.name!r} declares no {what} for robot {robot!r}")
-
 
 def shipped_scenes() -> list[str]:
-    """Names of the scenes that come with plannercheck."""
-    return sorted(path.stem for path in shipped_folder("configs").glob("*.yaml"))
+    """Names of the scenes in space that come with plannercheck; those in the plane have functions of their own."""
+    return sorted(path.stem for path in shipped_folder("configs").glob("*.yaml") if not is_planar_file(path))
 
 
 def _found(path: str | Path) -> Path:
@@ -307,31 +238,3 @@ def _found(path: str | Path) -> Path:
     if str(path) not in shipped_scenes():
         raise unknown_name("scene", str(path), [*shipped_scenes(), "or the path of a YAML file"])
     return shipped_folder("configs") / f"{path}.yaml"
-
-
-def _configuration(values: ArrayLike, what: str) -> Array:
-    """A read-only configuration (nq,), all values finite."""
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise PlannercheckError(f"{what} must be a list of numbers, not {values!r}") from None
-    if array.ndim != 1 or not len(array):
-        raise PlannercheckError(f"{what} must be one configuration (nq,), not of shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise PlannercheckError(f"{what} has values that are not finite: {array.tolist()}")
-    array.setflags(write=False)
-    return array
-
-
-def _load_samples(path: Path) -> Array:
-    """A set of configurations (n, nq) from an npy file."""
-    try:
-        samples = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise PlannercheckError(f"samples {str(path)!r} can't be read as npy: {error}") from None
-    if not isinstance(samples, np.ndarray) or samples.ndim != 2 or samples.dtype.kind not in "fiu":
-        raise PlannercheckError(f"samples {str(path)!r} must be one array (n, nq) of numbers")
-    bad = np.flatnonzero(~np.isfinite(samples).all(axis=1))
-    if len(bad):
-        raise PlannercheckError(f"samples {str(path)!r}: row {int(bad[0])} has values that are not finite")
-    return samples.astype(np.float64)

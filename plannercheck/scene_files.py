@@ -14,6 +14,7 @@ import yaml
 from numpy.typing import NDArray
 
 from plannercheck import moveit
+from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError
 from plannercheck.meshes import load_mesh
 from plannercheck.poses import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
@@ -75,7 +76,7 @@ def _scene(document: Node, folder: Path) -> Scene:
     _read_allowed(scene, document)
     for robot, item in mapping(document.get("states"), "'states'").items():
         with within(f"states of {robot!r}"):
-            _read_states(scene, robot, mapping(item, "they"), folder)
+            read_states(scene, robot, mapping(item, "they"), folder)
     return scene
 
 
@@ -197,7 +198,8 @@ def _read_allowed(scene: Scene, document: Node) -> None:
         scene.allowed.defaults[name] = allowed
 
 
-def _read_states(scene: Scene, robot: str, node: Node, folder: Path) -> None:
+def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> None:
+    """Declares in a scene what a file's mapping says of a robot."""
     check_keys(node, _STATE_KEYS)
     start, goal = (numbers(node[key], key) if key in node else None for key in ("start", "goal"))
     samples = folder / text(node["samples"], "samples") if "samples" in node else None
@@ -210,7 +212,7 @@ def write_scene(scene: Scene, path: Path) -> None:
     document: Node = {"name": scene.name} if scene.name else {}
     document["objects"] = [_object_node(name, parts, folder) for name, parts in scene.parts.items()]
     document |= _allowed_nodes(scene)
-    states = {robot: _states_node(scene, robot, folder) for robot in scene.states}
+    states = {robot: states_node(scene, robot, folder) for robot in scene.states}
     document |= {"states": states} if states else {}
     lines = yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
     try:
@@ -261,7 +263,8 @@ def _allowed_nodes(scene: Scene) -> Node:
     return nodes
 
 
-def _states_node(scene: Scene, robot: str, folder: Path) -> Node:
+def states_node(scene: DeclaredStates, robot: str, folder: Path) -> Node:
+    """What `read_states` reads."""
     states = scene.states[robot]
     node: Node = {}
     if states.start is not None:

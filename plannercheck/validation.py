@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.checker import Checker
+from plannercheck.protocols import AnyChecker
 from plannercheck.report import PairCount, ValidityReport, pair_counts
 
 Ints = NDArray[np.int32]
@@ -40,7 +40,7 @@ class Validation:
         return np.asarray(self.first_pair < 0)
 
 
-def validate(checker: Checker, q: ArrayLike, threads: int = 1, all_pairs: bool = False) -> Validation:
+def validate(checker: AnyChecker, q: ArrayLike, threads: int = 1, all_pairs: bool = False) -> Validation:
     """Checks a set of configurations.
 
     Args:
@@ -67,20 +67,20 @@ def validate(checker: Checker, q: ArrayLike, threads: int = 1, all_pairs: bool =
     return Validation(first, report)
 
 
-def beyond_limits(checker: Checker, q: NDArray[np.float64]) -> Bools:
+def beyond_limits(checker: AnyChecker, q: NDArray[np.float64]) -> Bools:
     """Which configurations (n, nq) are beyond a joint limit."""
     robot = checker.robot
     return np.asarray(((q < robot.lower) | (q > robot.upper)).any(axis=1))
 
 
-def _first_counts(checker: Checker, first: Ints) -> tuple[PairCount, ...]:
+def _first_counts(checker: AnyChecker, first: Ints) -> tuple[PairCount, ...]:
     counts: Counter[tuple[str, str]] = Counter()
     for pair, n in zip(*np.unique(first[first >= 0], return_counts=True), strict=True):
         counts[checker.pair_names(int(pair))] += int(n)
     return pair_counts(counts)
 
 
-def _all_counts(checker: Checker, q: NDArray[np.float64]) -> tuple[PairCount, ...]:
+def _all_counts(checker: AnyChecker, q: NDArray[np.float64]) -> tuple[PairCount, ...]:
     """Bodies of the same link or object count once a configuration."""
     members: dict[tuple[str, str], list[int]] = {}
     for pair in range(len(checker.pairs)):

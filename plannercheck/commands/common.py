@@ -14,9 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck import planar
 from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
 from plannercheck.output_files import written_aside
+from plannercheck.planar.robot_files import is_planar
+from plannercheck.protocols import AnyChecker
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
 
@@ -42,8 +45,23 @@ def add_checker_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-self-collision", action="store_true", help="test only against the scene")
 
 
-def load_checker(options: argparse.Namespace) -> Checker:
-    """The checker of --robot in --scene."""
+def load_checker(options: argparse.Namespace) -> AnyChecker:
+    """The checker of --robot in --scene, in space or, if the robot's file says so, in the plane."""
+    if is_planar(options.robot, "robots"):
+        return planar_checker(options)
+    if options.scene is not None and is_planar(options.scene, "configs"):
+        raise PlannercheckError(f"scene {options.scene!r} is planar, robot {options.robot!r} is not")
+    return space_checker(options)
+
+
+def planar_checker(options: argparse.Namespace) -> planar.Checker:
+    """The checker of a planar --robot in --scene."""
+    scene = planar.Scene("empty") if options.scene is None else planar.Scene.load(options.scene)
+    return planar.Checker(planar.Robot.load(options.robot), scene, self_collision=not options.no_self_collision)
+
+
+def space_checker(options: argparse.Namespace) -> Checker:
+    """The checker of --robot in --scene in space."""
     robot = Robot.load(options.robot)
     scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
     return Checker(robot, scene, self_collision=not options.no_self_collision)

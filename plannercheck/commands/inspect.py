@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck import planar
 from plannercheck.checker import Checker
 from plannercheck.commands.common import (
     add_checker_arguments,
@@ -22,6 +23,7 @@ from plannercheck.commands.common import (
     table,
 )
 from plannercheck.errors import PlannercheckError
+from plannercheck.protocols import AnyChecker
 
 _EPILOG = """\
 Example:
@@ -60,9 +62,11 @@ def run(options: argparse.Namespace) -> int:
     began = time.perf_counter()
     checker = load_checker(options)
     print(f"{checker!r}, prepared in {time.perf_counter() - began:.2f} s\n")
-    _show_bodies(checker)
+    _show_bodies(checker) if isinstance(checker, Checker) else _show_polygons(checker)
     _show_sample(checker, options.states, options.seed)
     if options.without:
+        if not isinstance(checker, Checker):
+            raise PlannercheckError("--without times the skips of checkers in space; planar ones have others")
         q = checker.robot.random_configurations(options.states, options.seed)
         _show_without(checker, not options.no_self_collision, q)
     return 0
@@ -90,7 +94,18 @@ def _show_bodies(checker: Checker) -> None:
     print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
 
 
-def _show_sample(checker: Checker, states: int, seed: int) -> None:
+def _show_polygons(checker: AnyChecker) -> None:
+    assert isinstance(checker, planar.Checker)
+    pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
+    links = checker.robot.link_names
+    rows = [
+        (body.name, "(scene)" if body.link < 0 else links[body.link], len(body.vertices), count)
+        for body, count in zip(checker.bodies, pairs, strict=True)
+    ]
+    print(table(("body", "link", "vertices", "pairs"), rows))
+
+
+def _show_sample(checker: AnyChecker, states: int, seed: int) -> None:
     q = checker.robot.random_configurations(states, seed)
     began = time.perf_counter()
     valid = int(checker.check_states(q).sum())

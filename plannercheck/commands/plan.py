@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.checker import Checker
 from plannercheck.commands import problem_sets
 from plannercheck.commands.checked_paths import show_checks
 from plannercheck.commands.common import (
@@ -25,12 +26,15 @@ from plannercheck.commands.common import (
 from plannercheck.errors import PlannercheckError
 from plannercheck.ompl import LONGEST_MOTION, plan, planner_names
 from plannercheck.path_checks import check_path
+from plannercheck.planar.ompl_space import CURVES
+from plannercheck.planar.robot_files import is_planar
 from plannercheck.plans import Plan, check_suffix
+from plannercheck.protocols import AnyChecker
 
 Floats = NDArray[np.float64]
 
 _EPILOG = """\
-Motions are checked at states so close that no link point moves further than 1 mm between them.
+Motions are checked at states so close that no link point moves further than 1 mm between them (1 cm in the plane).
 
 Exit codes: 0 solved, 1 not (all) solved, 2 bad input. A problem whose start or goal collides or is beyond the
 limits is not solved; the colliding pairs are named.
@@ -38,8 +42,13 @@ limits is not solved; the colliding pairs are named.
 Examples:
   plannercheck plan --robot panda --scene bookshelf --output plan.csv
   plannercheck plan --robot ur5 --scene cell.yaml --start 0,-1.5,1.5,0,0,0 --goal 1,-1,1,0,0,0
+  plannercheck plan --robot forklift --scene warehouse --curve reeds_shepp --turning-radius 1.5
   plannercheck plan --robot panda --problems cage_panda.tar.bz2 --output results.json
 """
+
+
+# Configurations of a path that are printed.
+_MOST_ROWS = 60
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -64,10 +73,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--range",
         type=float,
-        default=LONGEST_MOTION,
         metavar="RAD",
-        help=f"longest motion the planner tries at once, rad; 0: OMPL's choice; default: {LONGEST_MOTION}",
+        help=f"longest motion the planner tries at once; 0: OMPL's choice; default: {LONGEST_MOTION} rad in space, "
+        "OMPL's choice in the plane",
     )
+    parser.add_argument("--curve", choices=CURVES, default="straight", help="of a planar robot; default: straight")
+    parser.add_argument("--turning-radius", type=float, metavar="M", help="of dubins and reeds_shepp curves, m")
     parser.add_argument("--no-simplify", action="store_true", help="leave paths as the planner found them")
     parser.add_argument("--seed", type=int, help="at least 1, for a search that can be repeated")
     parser.add_argument(
@@ -92,6 +103,8 @@ def run(options: argparse.Namespace) -> int:
         raise PlannercheckError("needs --scene, or --problems")
     if options.output is not None:
         check_suffix(options.output)
+    if options.verify and is_planar(options.robot, "robots"):
+        raise PlannercheckError("--verify fcl is for robots in space: FCL knows no polygons")
     return _run_one(options)
 
 
@@ -109,19 +122,33 @@ def _run_one(options: argparse.Namespace) -> int:
         simplify=not options.no_simplify,
         seed=options.seed,
         longest_motion=options.range,
+        curve=options.curve,
+        turning_radius=options.turning_radius,
     )
-    _show(found)
+    _show(found, "rad" if isinstance(checker, Checker) else "in m and rad")
     if found.solved and options.output is not None:
         found.save(options.output)
         print(f"written to {options.output}")
     if not found.solved or not options.verify:
         return 0 if found.solved else 1
-    check = check_path(checker, found.path)
+    check = check_path(_in_space(checker), found.path)
     show_checks([check])
     return 0 if check.passed else 1
 
 
-def _show(found: Plan) -> None:
+def _shown_rows(found: Plan) -> list[tuple[int, list[float]]]:
+    """The path's configurations with their numbers; of curved paths, which hold every checked state, some."""
+    stride = -(-len(found.path) // _MOST_ROWS)
+    shown = sorted({*range(0, len(found.path), stride), len(found.path) - 1})
+    return [(k, found.path[k].tolist()) for k in shown]
+
+
+def _in_space(checker: AnyChecker) -> Checker:
+    assert isinstance(checker, Checker)
+    return checker
+
+
+def _show(found: Plan, unit: str) -> None:
     if not found.solved:
         print(f"not solved: {found.reason}")
         return
@@ -129,11 +156,11 @@ def _show(found: Plan) -> None:
     print(
         table(
             ("", *names),
-            [(k, *(f"{value:.4f}" for value in row)) for k, row in enumerate(found.path.tolist())],
+            [(k, *(f"{value:.4f}" for value in row)) for k, row in _shown_rows(found)],
         )
     )
     print(
         f"\n{found.planner} found a path in {found.time:.3f} s, "
         f"shortened in {found.simplification_time:.3f} s: "
-        f"{len(found.path)} configurations, length {found.length:.3f} rad"
+        f"{len(found.path)} configurations, length {found.length:.3f} {unit}"
     )

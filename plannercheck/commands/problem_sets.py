@@ -16,6 +16,7 @@ from typing import Any
 from plannercheck.commands.checked_paths import show_checks
 from plannercheck.commands.common import percentage, save_json, table
 from plannercheck.errors import PlannercheckError
+from plannercheck.ompl import LONGEST_MOTION
 from plannercheck.problem_plans import ProblemResult, SetSummary, solve, summary, with_ompl
 from plannercheck.problems import load_problems
 from plannercheck.robot import Robot
@@ -67,7 +68,8 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _results(path: Path, robot: Robot, options: argparse.Namespace) -> Iterator[ProblemResult]:
-    planner = with_ompl(options.planner, options.time, not options.no_simplify, options.seed, options.range)
+    longest = LONGEST_MOTION if options.range is None else options.range
+    planner = with_ompl(options.planner, options.time, not options.no_simplify, options.seed, longest)
     for problem in islice(load_problems(path), options.first):
         result = solve(problem, robot, planner, verify=options.verify is not None)
         if options.each:

@@ -33,6 +33,9 @@ from plannercheck.commands.common import (
 from plannercheck.configuration_files import Chunk, read_chunks
 from plannercheck.errors import PlannercheckError
 from plannercheck.output_files import written_aside
+from plannercheck.planar.certification import certify_verdicts as certify_planar
+from plannercheck.planar.checker import Checker as PlanarChecker
+from plannercheck.protocols import AnyChecker
 from plannercheck.reading import within
 from plannercheck.report import ValidityReport, merged
 from plannercheck.validation import validate
@@ -45,6 +48,7 @@ Exit codes: 0 all valid and within the limits, 1 some are not, 2 bad input, or a
 
 Examples:
   plannercheck validate --robot panda --scene bookshelf samples.npy --output verdicts.npz
+  plannercheck validate --robot truck_trailer --scene parking samples.npy
   plannercheck validate --robot arm.urdf --scene cell.yaml --pairs all --format json log1.csv log2.csv
 """
 
@@ -119,14 +123,16 @@ def run(options: argparse.Namespace) -> int:
     return 0 if report.passed and (agreement is None or agreement.passed) else 1
 
 
-def _chunks(paths: list[Path], checker: Checker) -> Iterator[tuple[Path, Chunk]]:
+def _chunks(paths: list[Path], checker: AnyChecker) -> Iterator[tuple[Path, Chunk]]:
     for path in paths:
         for chunk in read_chunks(path, checker.robot.joint_names, checker.robot.nq):
             yield path, chunk
 
 
-def _agreement(checker: Checker, chunk: Chunk) -> AgreementReport:
+def _agreement(checker: AnyChecker, chunk: Chunk) -> AgreementReport:
     """The comparison of a chunk, with rows as in its file."""
+    if not isinstance(checker, Checker):
+        raise PlannercheckError("--reference fcl is for robots in space: FCL knows no polygons")
     report = compare_with_fcl(checker, chunk.rows)
     return replace(
         report,
@@ -135,9 +141,13 @@ def _agreement(checker: Checker, chunk: Chunk) -> AgreementReport:
     )
 
 
-def _certification(checker: Checker, chunk: Chunk, first_pair: NDArray[np.int32]) -> CertificationReport:
+def _certification(checker: AnyChecker, chunk: Chunk, first_pair: NDArray[np.int32]) -> CertificationReport:
     """The proofs of a chunk's verdicts, with rows as in its file."""
-    report = certify_verdicts(checker, chunk.rows, first_pair)
+    if isinstance(checker, PlanarChecker):
+        report = certify_planar(checker, chunk.rows, first_pair)
+    else:
+        assert isinstance(checker, Checker)
+        report = certify_verdicts(checker, chunk.rows, first_pair)
     return replace(report, unproved=tuple(replace(u, row=u.row + chunk.first_row) for u in report.unproved))
 
 
@@ -151,7 +161,7 @@ def _check_proofs(certification: CertificationReport | None) -> None:
     )
 
 
-def _save(path: Path, checker: Checker, first_pair: NDArray[np.int32]) -> None:
+def _save(path: Path, checker: AnyChecker, first_pair: NDArray[np.int32]) -> None:
     names = [checker.pair_names(pair) for pair in range(len(checker.pairs))]
     arrays: dict[str, Any] = {
         "valid": first_pair < 0,
@@ -162,7 +172,7 @@ def _save(path: Path, checker: Checker, first_pair: NDArray[np.int32]) -> None:
 
 
 def _show_json(
-    checker: Checker,
+    checker: AnyChecker,
     report: ValidityReport,
     agreement: AgreementReport | None,
     certification: CertificationReport | None,
@@ -181,7 +191,7 @@ def _show_json(
 
 
 def _show_table(
-    checker: Checker,
+    checker: AnyChecker,
     report: ValidityReport,
     agreement: AgreementReport | None,
     certification: CertificationReport | None,

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <exception>
 #include <mutex>
-#include <thread>
 
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "checker.hpp"
+#include "joined_threads.hpp"
 #include "verdicts.hpp"
 
 namespace nb = nanobind;
@@ -21,14 +21,6 @@ namespace {
 
 using Configurations = InputArray<double, -1, -1>;
 using LinkPoses = InputArray<double, -1, -1, 4, 4>;
-
-// Threads that are joined at the end of their scope, also where the system has no more of them and throws.
-struct Joined {
-  std::vector<std::thread> threads;
-  ~Joined() {
-    for (std::thread& thread : threads) thread.join();
-  }
-};
 
 // A checker with the workspaces its callers have returned: what they learnt serves the next call.
 class BoundChecker {
@@ -83,7 +75,7 @@ class BoundChecker {
       }
     };
     {
-      Joined others;
+      JoinedThreads others;
       for (std::size_t k = 1; k < count; ++k) others.threads.emplace_back(part, k);
       part(0);
     }

@@ -10,4 +10,5 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_kinematics(m);
   plannercheck::bind_checker(m);
   plannercheck::bind_sphere_model(m);
+  plannercheck::bind_planar(m);
 }

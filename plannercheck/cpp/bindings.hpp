@@ -9,5 +9,7 @@ void bind_kinematics(nanobind::module_& m);
 void bind_body(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);
 void bind_sphere_model(nanobind::module_& m);
+void bind_planar(nanobind::module_& m);
+void bind_planar_checker(nanobind::module_& m);
 
 }  // namespace plannercheck

@@ -25,7 +25,7 @@ constexpr double kSquares = 0x1p-97;  // of squares, products of these and their
 
 // The unit is a power of two near the pair's size, so that scaling is exact and nothing of relevance underflows: the
 // lower part of a product of numbers above 2^-400 lies above 2^-950, far below the bounds above.
-constexpr double kSmallestSize = 0x1p-400, kLargestSize = 0x1p400;
+constexpr double kSmallestFineSize = 0x1p-400, kLargestFineSize = 0x1p400;
 
 struct FineCorner {
   std::int32_t guest, host;
@@ -136,7 +136,7 @@ class FineNearestPoints {
     shift_ = difference(a, b);
     const double swell = guest.body->swell + host.body->swell;
     const double size = (guest.body->reach + host.body->reach) + (norm_1(rounded(shift_)) + swell);
-    in_range_ = size > kSmallestSize && size < kLargestSize;
+    in_range_ = size > kSmallestFineSize && size < kLargestFineSize;
     if (!in_range_) return;
     to_units_ = 1 / power_of_two_below(size);
     size_ = size * to_units_;

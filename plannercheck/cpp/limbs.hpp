@@ -9,8 +9,8 @@
 
 namespace plannercheck {
 
-// 1024 bits: room for squared heights over triangles, of degree 6 in posed coordinates of some 150 bits each at everyday
-// scales; weights are of degree 4. Copies only touch the digits in use.
+// 1024 bits: room for squared heights over triangles, of degree 6 in posed coordinates of some 150 bits each at
+// everyday scales; weights are of degree 4. Copies only touch the digits in use.
 inline constexpr std::size_t kInlineLimbs = 16;
 
 class Limbs {

@@ -1,0 +1,74 @@
+// Polygons in the plane, in Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <vector>
+
+#include "array_types.hpp"
+#include "bindings.hpp"
+#include "planar.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+using PolygonArray = InputArray<double, -1, 2>;
+using PlanarPoseRows = InputArray<double, -1, 3, 3>;
+
+// Arrays of vertices as they are, kept alive.
+struct PolygonList {
+  explicit PolygonList(const nb::list& given) : arrays(given) {
+    polygons.reserve(given.size());
+    for (const nb::handle item : given) {
+      const auto array = nb::cast<PolygonArray>(item, false);
+      polygons.push_back({array.data(), array.shape(0)});
+    }
+  }
+
+  const PlanarPolygon& of_pair(std::size_t i) const { return polygons[polygons.size() == 1 ? 0 : i]; }
+
+  nb::list arrays;
+  std::vector<PlanarPolygon> polygons;
+};
+
+PlanarPose planar_pose(const PlanarPoseRows& poses, std::size_t k) {
+  PlanarPose pose;
+  const double* rows = poses.data() + (poses.shape(0) == 1 ? 0 : 9 * k);
+  std::copy_n(rows, 6, pose.m.begin());
+  return pose;
+}
+
+// Verdicts on n pairs; lists and poses of length 1 stand for all. Also the counters of each pair.
+nb::tuple planar_intersect_batch(const PolygonList& a, PlanarPoseRows poses_a, const PolygonList& b,
+                                 PlanarPoseRows poses_b, std::size_t n, Precision first, bool count) {
+  std::vector<std::uint8_t> shared(n);
+  std::vector<std::int32_t> counted(count ? 4 * n : 0);
+  {
+    nb::gil_scoped_release release;
+    for (std::size_t i = 0; i < n; ++i) {
+      PlanarCounters counters;
+      const PosedPolygon posed_a{a.of_pair(i), planar_pose(poses_a, i)};
+      const PosedPolygon posed_b{b.of_pair(i), planar_pose(poses_b, i)};
+      shared[i] = planar_intersect(posed_a, posed_b, first, counters);
+      if (!count) continue;
+      const long numbers[4] = {counters.rounds, counters.vertices, counters.double_double, counters.exact};
+      for (std::size_t k = 0; k < 4; ++k) counted[4 * i + k] = static_cast<std::int32_t>(numbers[k]);
+    }
+  }
+  return nb::make_tuple(output_array(shared, {n}), output_array(counted, {count ? n : 0, std::size_t{4}}));
+}
+
+}  // namespace
+
+void bind_planar(nb::module_& m) {
+  nb::enum_<Precision>(m, "Precision")
+      .value("filtered", Precision::kDoubles)
+      .value("double_double", Precision::kDoubleDouble)
+      .value("exact", Precision::kExact);
+  nb::class_<PolygonList>(m, "PolygonList").def(nb::init<const nb::list&>());
+  m.def("planar_intersect_batch", &planar_intersect_batch);
+  bind_planar_checker(m);
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,56 @@
+"""Convex pieces of polygons, by shapely's constrained triangulation.
+
+In: simple polygons as vertices (n, 2) in order. Out: convex ones that cover the same points. A convex polygon stays as
+it is; of a concave one every piece is a triangle of its own vertices, so nothing is rounded.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.errors import PlannercheckError
+from plannercheck.planar.convexity import convexity_fault
+from plannercheck.planar.polygons import checked_polygon
+
+Floats = NDArray[np.float64]
+
+
+def convex_pieces(outline: ArrayLike, name: str = "polygon") -> tuple[Floats, ...]:
+    """The convex pieces of a simple polygon.
+
+    Args:
+        outline: Vertices (n, 2) in order, either way round, m.
+        name: For errors.
+
+    Returns:
+        Read-only arrays (k, 2): the polygon itself if it is convex, else triangles.
+
+    Raises:
+        PlannercheckError: If the outline crosses or repeats itself, or shapely is missing for a concave one.
+    """
+    vertices = checked_polygon(outline, name)
+    if not np.isfinite(vertices).all():
+        raise PlannercheckError(f"{name} has vertices that are not finite")
+    pieces = [vertices] if convexity_fault(vertices) is None else _triangles(vertices, name)
+    return tuple(_frozen(piece) for piece in pieces)
+
+
+def _triangles(vertices: Floats, name: str) -> list[Floats]:
+    try:
+        import shapely
+    except ImportError:
+        raise PlannercheckError(
+            f"{name} is concave, and splitting it needs shapely: pip install 'plannercheck[planar]'"
+        ) from None
+    polygon = shapely.Polygon(vertices)
+    if not polygon.is_valid:
+        raise PlannercheckError(f"{name} is no simple polygon: {shapely.is_valid_reason(polygon)}")
+    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+    return [shapely.get_coordinates(triangle)[:3] for triangle in triangles]
+
+
+def _frozen(array: Floats) -> Floats:
+    copy = np.array(array, dtype=np.float64, order="C")
+    copy.setflags(write=False)
+    return copy

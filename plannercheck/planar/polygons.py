@@ -1,0 +1,247 @@
+"""The intersection test for convex polygons in the plane (paper, section "Algorithm in the plane").
+
+In: polygons as arrays of vertices (n, 2) in the order of the boundary, either way round, and poses in SE(2) as matrices
+(3, 3). Out: exact verdicts, touching included, in O(log n + log m) and with no preparation. The algorithm is in
+cpp/planar; every call is a batch call of the core.
+
+Points (n = 1), segments (n = 2) and runs of vertices on a line are allowed. Convexity and that no vertex is repeated
+are the caller's promise, except that a last vertex equal to the first is dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.core import core
+from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.planar.convexity import convexity_fault
+from plannercheck.reading import within
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+
+Method: TypeAlias = Literal["filtered", "double_double", "exact"]
+METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
+
+# How far a pose may be from rigid, as ||M^T M - 1||; beyond it the numbers are a mistake.
+LARGEST_DEFECT = 1e-6
+
+_IDENTITY = np.eye(3)[None]
+
+
+class Polygons:
+    """Polygons checked once, for many calls of the batch functions. The arrays are not copied.
+
+    Attributes:
+        vertices: The arrays (n, 2), in the order given.
+    """
+
+    def __init__(self, polygons: Sequence[ArrayLike], *, validate: bool = False) -> None:
+        """Takes polygons.
+
+        Args:
+            polygons: Vertices (n, 2) each, m.
+            validate: Whether to check, exactly and in linear time, that all are convex.
+        """
+        self.vertices = tuple(checked_polygon(given, f"polygon {k}", validate) for k, given in enumerate(polygons))
+        self.core = core.PolygonList(list(self.vertices))
+
+    def __len__(self) -> int:
+        return len(self.vertices)
+
+
+Several: TypeAlias = ArrayLike | Sequence[ArrayLike] | Polygons
+
+
+@dataclass(frozen=True, eq=False)
+class Counts:
+    """Verdicts on n pairs, and what each took.
+
+    Attributes:
+        shared: (n,) whether the pair shares a point.
+        rounds: (n,) rounds of the algorithm; each but the last drops half of a chain.
+        vertices: (n,) vertices read, repetitions counted.
+        double_double: (n,) signs that doubles left open.
+        exact: (n,) signs that double-double left open, too.
+    """
+
+    shared: Bools
+    rounds: Ints
+    vertices: Ints
+    double_double: Ints
+    exact: Ints
+
+
+def intersects(
+    A: ArrayLike,
+    B: ArrayLike,
+    pose_a: ArrayLike | None = None,
+    pose_b: ArrayLike | None = None,
+    *,
+    validate: bool = False,
+    method: Method = "filtered",
+) -> bool:
+    """Whether two posed convex polygons share a point; touching counts.
+
+    Args:
+        A: Vertices (n, 2) in order, m.
+        B: Vertices (m, 2) in order, m.
+        pose_a: Pose (3, 3) of A in the world, m; None is the identity. Used as the affine map that its doubles give.
+        pose_b: Pose (3, 3) of B in the world, m.
+        validate: Whether to check first, exactly and in linear time, that both are convex.
+        method: What signs are computed in first: "filtered" (doubles), "double_double" or "exact". Verdicts are the
+            same.
+
+    Returns:
+        The exact verdict for the given numbers.
+
+    Raises:
+        PlannercheckError: If an array is no polygon, a pose is not rigid, or `validate` finds a fault.
+    """
+    a, b = (core.PolygonList([checked_polygon(P, name, validate)]) for P, name in ((A, "A"), (B, "B")))
+    poses = checked_poses(pose_a, "pose_a"), checked_poses(pose_b, "pose_b")
+    return bool(_run(a, poses[0], b, poses[1], 1, method, False)[0][0])
+
+
+def intersects_batch(
+    A: Several,
+    B: Several,
+    poses_a: ArrayLike | None = None,
+    poses_b: ArrayLike | None = None,
+    *,
+    method: Method = "filtered",
+) -> Bools:
+    """Whether polygons share a point, for n pairs in one call of the core.
+
+    Args:
+        A: One polygon (n, 2) for all pairs, or a sequence of them, or `Polygons`. float64 arrays in C order are not
+            copied.
+        B: The same of the other side.
+        poses_a: One pose (3, 3), or n of them (n, 3, 3); None is the identity.
+        poses_b: The same of the other side.
+        method: As for `intersects`.
+
+    Returns:
+        (n,) exact verdicts; n is the length of whatever is not single.
+    """
+    return np.asarray(_run(*_batch(A, B, poses_a, poses_b), method, False)[0]).astype(bool)
+
+
+def count_batch(
+    A: Several,
+    B: Several,
+    poses_a: ArrayLike | None = None,
+    poses_b: ArrayLike | None = None,
+    *,
+    method: Method = "filtered",
+) -> Counts:
+    """The same as `intersects_batch`, with the counters of each pair."""
+    shared, counted = _run(*_batch(A, B, poses_a, poses_b), method, True)
+    return Counts(np.asarray(shared).astype(bool), *np.ascontiguousarray(counted.T))
+
+
+def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool = False) -> Floats:
+    """A polygon as the core takes it.
+
+    Args:
+        vertices: (n, 2), m.
+        name: For errors.
+        validate: Whether to check finiteness and convexity, exactly.
+
+    Returns:
+        The same array if it is one of float64 in C order; without a last vertex that repeats the first.
+    """
+    array = np.ascontiguousarray(vertices, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != 2 or not len(array):
+        raise PlannercheckError(f"{name} must be vertices (n, 2) with n > 0, not of shape {array.shape}")
+    if len(array) > 1 and array[0, 0] == array[-1, 0] and array[0, 1] == array[-1, 1]:
+        array = array[:-1]
+    fault = convexity_fault(array) if validate else None
+    if fault is not None:
+        raise PlannercheckError(f"{name} is no convex polygon: {fault}")
+    return array
+
+
+def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
+    """Poses (n, 3, 3) of SE(2), or an error that says what is wrong.
+
+    Args:
+        poses: (3, 3) or (n, 3, 3), m; None is the identity.
+        name: For errors.
+
+    Returns:
+        (n, 3, 3), n = 1 for one.
+    """
+    if poses is None:
+        return _IDENTITY
+    array = np.ascontiguousarray(poses, dtype=np.float64)
+    if array.ndim == 2:
+        array = array[None]
+    if array.ndim != 3 or array.shape[1:] != (3, 3):
+        raise PlannercheckError(f"{name} must be (3, 3) or (n, 3, 3), not of shape {np.shape(poses)}")
+    if not (array[:, 2] == (0, 0, 1)).all():
+        raise PlannercheckError(f"{name}: the last row of a pose must be 0, 0, 1")
+    bad = np.flatnonzero(~_is_rigid(array))
+    if len(bad):
+        raise PlannercheckError(
+            f"{name} must be rigid up to {LARGEST_DEFECT:g} and finite, not {array[bad[0]].tolist()}"
+        )
+    return array
+
+
+def _is_rigid(poses: Floats) -> Bools:
+    (a, b), (c, d) = ((poses[:, i, 0], poses[:, i, 1]) for i in (0, 1))
+    with np.errstate(all="ignore"):
+        defect = np.sqrt((a * a + c * c - 1) ** 2 + 2 * (a * b + c * d) ** 2 + (b * b + d * d - 1) ** 2)
+        return np.asarray((defect <= LARGEST_DEFECT) & (a * d - b * c > 0) & np.isfinite(poses).all(axis=(1, 2)))
+
+
+def _batch(
+    A: Several,
+    B: Several,
+    poses_a: ArrayLike | None,
+    poses_b: ArrayLike | None,
+) -> tuple[Any, Floats, Any, Floats, int]:
+    a, b = _polygons(A, "A"), _polygons(B, "B")
+    matrices_a, matrices_b = checked_poses(poses_a, "poses_a"), checked_poses(poses_b, "poses_b")
+    n = _pairs(A=len(a), B=len(b), poses_a=len(matrices_a), poses_b=len(matrices_b))
+    return a.core, matrices_a, b.core, matrices_b, n
+
+
+def _polygons(given: Several, name: str) -> Polygons:
+    if isinstance(given, Polygons):
+        return given
+    if isinstance(given, list | tuple) and (not given or np.ndim(given[0]) == 2):
+        several: Sequence[ArrayLike] = given
+    else:
+        array = np.asarray(given, dtype=np.float64)
+        several = list(array) if array.ndim == 3 else [array]
+    with within(name):
+        return Polygons(several)
+
+
+def _pairs(**lengths: int) -> int:
+    """How many pairs there are, from lengths of which each is 1 or that number."""
+    several = {length for length in lengths.values() if length != 1}
+    if len(several) > 1:
+        given = ", ".join(f"{name}: {length}" for name, length in lengths.items())
+        raise PlannercheckError(f"polygons and poses must be single or equally many; given are {given}")
+    return several.pop() if several else 1
+
+
+def _run(a: Any, poses_a: Floats, b: Any, poses_b: Floats, n: int, method: Method, count: bool) -> tuple[Ints, Ints]:
+    if method not in METHODS:
+        raise unknown_name("method", method, METHODS)
+    try:
+        found: tuple[Ints, Ints] = core.planar_intersect_batch(
+            a, poses_a, b, poses_b, n, getattr(core.Precision, method), count
+        )
+    except ValueError as error:
+        raise PlannercheckError(str(error)) from None
+    return found

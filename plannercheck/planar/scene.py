@@ -1,0 +1,154 @@
+"""Planar scenes: convex polygons in the world, by name, and where planning starts and ends.
+
+In: `add_...` calls or a scene file. Out: `bodies`, each a convex polygon posed in the world. A scene file is YAML, in m
+and rad, paths relative to the file:
+
+    kind: planar
+    name: parking                              # optional, else the file's name
+    bounds: [[0, 0], [20, 15]]                 # optional: least and largest x and y of a robot's root
+    objects:
+      - name: wall
+        box: {size: [10.0, 0.2]}               # full edge lengths, about its centre
+        position: [5.0, 7.4]                   # optional, as is the angle
+        angle: 0.1
+      - name: pillar
+        polygon: [[0, 0], [1, 0], [1, 2]]      # in order, either way round; concave ones are split
+      - name: shelf                            # several
+        polygons: [[[0, 0], [1, 0], [1, 1]], [[2, 0], [3, 0], [3, 1]]]
+    states:                                    # optional, by robot, as in scenes in space
+      forklift: {start: [1, 1, 0], goal: [18, 12, 1.57], samples: parking_forklift.npy}
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.declared_states import DeclaredStates
+from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.planar.pieces import convex_pieces
+from plannercheck.planar.polygons import checked_poses
+from plannercheck.planar.robot import Body
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Obstacle:
+    """A named obstacle.
+
+    Attributes:
+        outlines: As they were added, (n, 2) each in its frame, m.
+        pose: (3, 3) in the world, m.
+        bodies: Its convex pieces.
+    """
+
+    outlines: tuple[Floats, ...]
+    pose: Floats
+    bodies: tuple[Body, ...]
+
+
+class Scene(DeclaredStates):
+    """Named convex polygons, posed in the world.
+
+    Attributes:
+        name: For reports.
+        bounds: Least and largest x and y (2, 2) of a robot's root, m; None if the scene does not say.
+        states: Start, goal and samples by robot name.
+    """
+
+    def __init__(self, name: str = "", bounds: ArrayLike | None = None) -> None:
+        """Makes an empty scene."""
+        super().__init__(name)
+        self.bounds = None if bounds is None else _checked_bounds(bounds)
+        self._obstacles: dict[str, Obstacle] = {}
+
+    @staticmethod
+    def load(path: str | Path) -> Scene:
+        """Loads a scene file, or a shipped scene by its bare name, e.g. "warehouse"."""
+        from plannercheck.planar.scene_files import read_scene  # it builds scenes, so it imports this module
+
+        return read_scene(path)
+
+    def save(self, path: str | Path) -> None:
+        """Writes the scene; poses and vertices are read back as the same doubles."""
+        from plannercheck.planar.scene_files import write_scene  # it reads scenes, so it imports this module
+
+        write_scene(self, Path(path))
+
+    def add(self, name: str, outlines: Sequence[ArrayLike], pose: ArrayLike | None = None) -> None:
+        """Adds an obstacle.
+
+        Args:
+            name: Unique in the scene.
+            outlines: Simple polygons (n, 2) in order, m; concave ones are split into convex pieces.
+            pose: (3, 3) in the world, m; None is the identity.
+        """
+        if not name or name in self._obstacles:
+            raise PlannercheckError(f"object {name!r} needs a name that no other object has")
+        if not len(outlines):
+            raise PlannercheckError(f"object {name!r} needs at least one polygon")
+        matrix = checked_poses(pose, f"pose of object {name!r}")[0]
+        pieces = [piece for outline in outlines for piece in convex_pieces(outline, f"object {name!r}")]
+        names = [name] if len(pieces) == 1 else [f"{name}/{k}" for k in range(len(pieces))]
+        bodies = tuple(Body(n, -1, piece, matrix) for n, piece in zip(names, pieces, strict=True))
+        arrays = tuple(np.array(outline, dtype=np.float64) for outline in outlines)
+        self._obstacles[name] = Obstacle(arrays, matrix, bodies)
+
+    def add_polygon(self, name: str, outline: ArrayLike, pose: ArrayLike | None = None) -> None:
+        """Adds one simple polygon (n, 2), m; a concave one is split."""
+        self.add(name, [outline], pose)
+
+    def add_box(self, name: str, size: Sequence[float], pose: ArrayLike | None = None) -> None:
+        """Adds a rectangle of full edge lengths (2,) about its centre, m."""
+        x, y = (0.5 * float(length) for length in size)
+        if not (x > 0 and y > 0 and math.isfinite(x + y)):
+            raise PlannercheckError(f"object {name!r}: size must be two positive lengths, not {list(size)}")
+        self.add(name, [[[-x, -y], [x, -y], [x, y], [-x, y]]], pose)
+
+    def remove(self, name: str) -> None:
+        """Removes an obstacle."""
+        if name not in self._obstacles:
+            raise unknown_name("object", name, self._obstacles)
+        del self._obstacles[name]
+
+    @property
+    def obstacles(self) -> dict[str, Obstacle]:
+        """The obstacles by name, in the order in which they were added."""
+        return dict(self._obstacles)
+
+    @property
+    def object_names(self) -> tuple[str, ...]:
+        """Names of the obstacles."""
+        return tuple(self._obstacles)
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All convex pieces of all obstacles."""
+        return tuple(body for obstacle in self._obstacles.values() for body in obstacle.bodies)
+
+    @property
+    def body_objects(self) -> tuple[str, ...]:
+        """For each of `bodies`, the name of its obstacle."""
+        return tuple(name for name, obstacle in self._obstacles.items() for _ in obstacle.bodies)
+
+    def __repr__(self) -> str:
+        return f"Scene({self.name!r}, {len(self._obstacles)} objects, {len(self.bodies)} bodies)"
+
+
+def pose_of(position: Sequence[float] = (0.0, 0.0), angle: float = 0.0) -> Floats:
+    """A pose (3, 3) from a position in m and an angle in rad."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin, position[0]], [sin, cos, position[1]], [0.0, 0.0, 1.0]])
+
+
+def _checked_bounds(bounds: ArrayLike) -> Floats:
+    array = np.array(bounds, dtype=np.float64)
+    if array.shape != (2, 2) or not np.isfinite(array).all() or not (array[0] < array[1]).all():
+        raise PlannercheckError(f"bounds must be the least and the largest x and y, not {array.tolist()}")
+    return array
