@@ -84,7 +84,7 @@ def decide(p: Exact, r: Exact, guess: Guess | None = None) -> tuple[ExactCertifi
         The certificate, and how many games it took.
     """
     in_common_unit(p, r)
-    guess = guess or Guess()
+    guess = guess or Guess(_all_if_few(p), _all_if_few(r))
     start_p, start_r = guess.active_p or (0,), guess.active_r or (0,)
     if isinstance(p, ExactVertices):
         if isinstance(r, ExactVertices):
@@ -94,6 +94,10 @@ def decide(p: Exact, r: Exact, guess: Guess | None = None) -> tuple[ExactCertifi
         certificate, games = _vertices_and_rows(r, p, _unique(start_r), _unique(start_p))
         return swapped(certificate), games
     return _rows_and_rows(p, r, _unique(start_p), _unique(start_r))
+
+
+def _all_if_few(body: Exact) -> tuple[int, ...]:
+    return tuple(range(len(body))) if isinstance(body, ExactVertices) and len(body) <= _FEW else (0,)
 
 
 def swapped(certificate: ExactCertificate) -> ExactCertificate:
@@ -110,8 +114,6 @@ def _unique(indices: Iterable[int]) -> list[int]:
 def _vertices_and_vertices(
     p: ExactVertices, r: ExactVertices, active_p: list[int], active_r: list[int]
 ) -> tuple[ExactCertificate, int]:
-    if len(active_p) == len(active_r) == 1:  # nothing is known
-        active_p, active_r = ([*range(len(body))] if len(body) <= _FEW else [0] for body in (p, r))
     games = 0
     while True:
         games += 1

@@ -38,6 +38,11 @@ class Posed:
         index = int(products.argmin())
         return index, float(products[index] + direction @ self.pose.shift)
 
+    def lowest_few(self, direction: Floats, count: int) -> list[int]:
+        """The vertices with the least products with a direction."""
+        products = self.vertices @ (direction @ self.pose.matrix)
+        return [int(k) for k in np.argsort(products, kind="stable")[:count]]
+
     def point(self, index: int) -> Floats:
         """One posed vertex, rounded."""
         return np.asarray(self.pose.matrix @ self.vertices[index] + self.pose.shift)

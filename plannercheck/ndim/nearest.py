@@ -11,6 +11,7 @@ A support is a scan, n products.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -25,8 +26,12 @@ Floats = NDArray[np.float64]
 _MOST_ROUNDS = 200
 # Relative progress below which a round has found nothing new.
 _STALLED = 1e-14
+# Vertices by dimension and body about a contact.
+_ABOUT_CONTACT = 2
 # Weights below this are rounding.
 _NO_WEIGHT = 1e-14
+# The smallest length of a direction.
+_TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -121,6 +126,7 @@ class _Search:
     def __init__(self, p: Posed, r: Posed) -> None:
         self.p, self.r = p, r
         self.rounds = 0
+        self.direction = np.zeros(0)
         self.rounding = p.rounding + r.rounding
 
     def run(self, starts: Sequence[Floats]) -> Found:
@@ -139,7 +145,8 @@ class _Search:
                 if encloses_origin(actives.differences, self.rounding):
                     return self._found(True, actives)
                 return self._found(None, actives)
-            if square == 0.0:
+            # Below its rounding the nearest point has no direction, and no gap can be proved.
+            if math.sqrt(square) <= gap_error(point / max(math.sqrt(square), _TINY), self.p, self.r):
                 return self._found(None, actives)
             pair, difference, separates = self._support(point)
             if separates or pair in actives.pairs or point @ difference >= square * (1 - _STALLED):
@@ -150,6 +157,7 @@ class _Search:
     def _support(self, direction: Floats) -> tuple[tuple[int, int], Floats, bool]:
         size = float(np.abs(direction).max())
         direction = direction / size if size > 0 else np.eye(len(direction))[0]
+        self.direction = direction
         self.rounds += 1
         low, low_height = self.p.lowest(direction)
         high, minus_height = self.r.lowest(-direction)
@@ -158,11 +166,11 @@ class _Search:
 
     def _found(self, shares: bool | None, actives: _Actives, extra: tuple[int, int] | None = None) -> Found:
         pairs = actives.pairs + ([extra] if extra else [])
+        first, second = [a for a, _ in pairs], [b for _, b in pairs]
+        if shares is None:
+            # Integers play fewer games if they start with what is about the contact.
+            few = _ABOUT_CONTACT * len(self.direction)
+            first += self.p.lowest_few(self.direction, few)
+            second += self.r.lowest_few(-self.direction, few)
         visited = self.rounds * (len(self.p.vertices) + len(self.r.vertices))
-        return Found(
-            shares,
-            tuple(dict.fromkeys(a for a, _ in pairs)),
-            tuple(dict.fromkeys(b for _, b in pairs)),
-            self.rounds,
-            visited,
-        )
+        return Found(shares, tuple(dict.fromkeys(first)), tuple(dict.fromkeys(second)), self.rounds, visited)

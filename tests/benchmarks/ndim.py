@@ -153,7 +153,7 @@ def speed(seed: int, queries: int = 40) -> None:
             p, r = sphere(rng, n, d), sphere(rng, n, d)
             P, R = ndim.Polytope(p), ndim.Polytope(r)
             trees = n in SIZES[d] and P.uses_tree and R.uses_tree
-            for gap in (0.1, 1e-4, -0.1):
+            for gap in (0.1, 1e-4, 0.0, -0.1):  # at 0 integers decide, which the program does not
                 poses = [touching_pose(rng, p, r, gap) for _ in range(queries)]
                 ways = {
                     "program": partial(feasible_by_program, p, r),
