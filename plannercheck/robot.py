@@ -18,11 +18,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.configurations import planning_group, whole_robot
+from plannercheck.configurations import ConfigurationMap, planning_group, whole_robot
 from plannercheck.errors import unknown_name
 from plannercheck.kinematic_rounding import KinematicRounding
 from plannercheck.kinematics import (
     AGREEMENT,
+    JointTable,
     compiled_kinematics,
     disagreement,
     joint_table,
@@ -268,19 +269,35 @@ class Robot:
         For configurations within the limits (where there are none, within the range that is sampled). Infinite
         if Pinocchio itself has to pose: nothing is proven then.
         """
-        return self._error_within(*self._map.sampled_range())
+        return self.kinematic_error_within(*self._map.sampled_range())
 
     def kinematic_error_at(self, q: ArrayLike) -> float:
         """The same bound at one configuration (nq,), which may be beyond the limits; m."""
         row = self._map.checked(q)[0]
-        return self._error_within(row, row)
+        return self.kinematic_error_within(row, row)
 
-    def _error_within(self, lower: Floats, upper: Floats) -> float:
+    def kinematic_error_within(self, lower: Floats, upper: Floats) -> float:
+        """The same bound for all configurations from `lower` to `upper`, (nq,) each; m."""
         return float("inf") if self._rounding is None else self._rounding.bound(lower, upper)
 
     @cached_property
+    def joint_table(self) -> JointTable | None:
+        """The compiled kinematics' table; None if it does not know some joint."""
+        return joint_table(self.model, self._map, self._tree.frames)
+
+    @property
+    def configuration_map(self) -> ConfigurationMap:
+        """Where the numbers in Pinocchio's q come from."""
+        return self._map
+
+    @property
+    def frames(self) -> Sequence[int]:
+        """Pinocchio's frames of the links, in the order of link_names."""
+        return self._tree.frames
+
+    @cached_property
     def _rounding(self) -> KinematicRounding | None:
-        table = joint_table(self.model, self._map, self._tree.frames)
+        table = self.joint_table
         if table is None or self.kinematics is None:
             return None
         moving = [body for body in self.bodies if body.link is not None]

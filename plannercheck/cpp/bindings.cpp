@@ -9,4 +9,5 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_body(m);
   plannercheck::bind_kinematics(m);
   plannercheck::bind_checker(m);
+  plannercheck::bind_motion(m);
 }

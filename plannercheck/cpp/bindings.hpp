@@ -8,5 +8,6 @@ namespace plannercheck {
 void bind_kinematics(nanobind::module_& m);
 void bind_body(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);
+void bind_motion(nanobind::module_& m);
 
 }  // namespace plannercheck
