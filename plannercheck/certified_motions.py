@@ -16,18 +16,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.configurations import PLAIN
+from plannercheck.certificates import Separation
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
 from plannercheck.motion_chains import motion_chains
 from plannercheck.pair import certify
-from plannercheck.certificates import Separation
 from plannercheck.robot import Robot
 from plannercheck.shapes import Body
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Ints = NDArray[np.int32]
 
 # A motion whose clearance falls below this may be refused, m: no robot follows a path so closely.
 DEFAULT_TOLERANCE = 1e-4
@@ -43,18 +43,46 @@ _MARGIN = 10.0
 _FREE, _REFUSED, _IMPRECISE = 0, 1, 2
 
 
-class Refusal(NamedTuple):
-    """Where a motion is refused.
+class Proof(NamedTuple):
+    """What proves a pair apart on an interval.
 
     Attributes:
-        free_until: The motion is proved free up to this parameter.
-        parameter: Here the pair is within the tolerance.
         pair: Row of the checker's pairs.
+        start: Parameter.
+        end: Parameter.
+        frame: Index of the link in whose frame the direction is, -1 for the world.
+        flipped: Whether the direction points from the pair's first body to its second, else the other way.
+        direction: (3,) unit vector up to rounding.
+        gap: Along it both bodies are at least this far apart at both ends, m.
+        bulge: Their points leave their chords by at most this, which is less than the gap, m.
     """
 
-    free_until: float
-    parameter: float
     pair: int
+    start: float
+    end: float
+    frame: int
+    flipped: bool
+    direction: Floats
+    gap: float
+    bulge: float
+
+
+class Passage(NamedTuple):
+    """How far a motion is free.
+
+    Attributes:
+        free: Whether all of it is.
+        free_until: It is proved free up to this parameter.
+        near: If not free: the parameter at which the pair is within the tolerance.
+        pair: If not free: row of the checker's pairs; else -1.
+        proofs: If wanted, what proves it free up to `free_until`.
+    """
+
+    free: bool
+    free_until: float
+    near: float
+    pair: int
+    proofs: tuple[Proof, ...] = ()
 
 
 class MotionCertifier:
@@ -90,6 +118,7 @@ class MotionCertifier:
         self._robot = robot
         links = [_link_of(robot, body) for body in bodies]
         table, polytopes = _ordered(pairs, links), list(polytopes)
+        self._flipped = table[:, 0] != pairs[:, 0]
         moving = np.array([links[a] >= 0 for a, _ in table.tolist()], dtype=bool)
         self._rows = np.flatnonzero(moving)
         self._touching = [
@@ -105,6 +134,7 @@ class MotionCertifier:
             table[moving].astype(np.int64),
             excess,
         )
+        self._chained = chains.pairs
         live = [k for k, polytope in enumerate(polytopes) if polytope is not None]
         position = np.full(len(bodies), -1, dtype=np.int32)
         position[live] = np.arange(len(live))
@@ -127,15 +157,13 @@ class MotionCertifier:
         low, high = robot.configuration_map.sampled_range()
         self._low, self._high = low - _MARGIN, high + _MARGIN
         self._error = robot.kinematic_error_within(self._low, self._high)
-        turning = np.isinf(robot.lower) & (robot.configuration_map.roles_of_columns() != PLAIN)
-        self._turning = np.flatnonzero(turning)
 
     def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int) -> Bools:
         """Whether each motion (n, nq) to (n, nq) is free.
 
         Args:
             q0: Starts, validated.
-            q1: Ends.
+            q1: Ends; numbers that are no quaternions or the like are gone through linearly.
             tolerance: m.
             threads: How many to use.
 
@@ -143,33 +171,68 @@ class MotionCertifier:
             (n,) True means proved free, False that some pair comes within the tolerance.
         """
         _check_tolerance(tolerance)
-        ends = self.short_way(q0, q1)
-        error = self._kinematic_error(q0, ends)
-        answers = np.asarray(self._core.check(self._robot.kinematics, q0, ends, tolerance, error, threads))
+        error = self._kinematic_error(q0, q1)
+        answers = np.asarray(self._core.check(self._robot.kinematics, q0, q1, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
             raise _imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
         return (answers == _FREE) & (not self._touching)
 
-    def first_refusal(self, q0: Floats, q1: Floats, tolerance: float) -> Refusal | None:
-        """Where one motion (nq,) to (nq,) is refused first; None if it is free."""
+    def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
+        """`check` of one motion given as lists, without validation: what planners call."""
+        if self._touching:
+            return False
+        answer: int = self._core.check_one(
+            self._robot.kinematics, q0, q1, self._low, self._high, tolerance, self._error
+        )
+        if answer <= _REFUSED:
+            return answer == _FREE
+        starts, ends = self._robot.check_configurations(q0), self._robot.check_configurations(q1)
+        return bool(self.check(starts, ends, tolerance, 1)[0])
+
+    def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
+        """How far one motion (nq,) to (nq,) is free, looked at from its start.
+
+        Args:
+            q0: Start, validated.
+            q1: End.
+            tolerance: m.
+            proofs: Whether to give those of all pairs that can move against each other.
+
+        Returns:
+            The passage.
+        """
         _check_tolerance(tolerance)
         if self._touching:
-            return Refusal(0.0, 0.0, self._touching[0])
-        ends = self.short_way(q0, q1)
-        error = self._kinematic_error(q0[None], ends[None])
-        answer, until, parameter, row = self._core.explain(self._robot.kinematics, q0, ends, tolerance, error)
+            return Passage(False, 0.0, 0.0, self._touching[0])
+        error = self._kinematic_error(q0[None], q1[None])
+        answer, until, near, row, *found = self._core.explain(
+            self._robot.kinematics, q0, q1, tolerance, error, proofs
+        )
         if answer == _IMPRECISE:
             raise _imprecise(0, tolerance)
-        return None if answer == _FREE else Refusal(until, parameter, int(self._rows[row]))
+        listed = tuple(proof for proof in self._proofs(*found) if proof.start < until)
+        if answer == _FREE:
+            return Passage(True, 1.0, -1.0, -1, listed)
+        return Passage(False, until, near, int(self._rows[row]), listed)
 
-    def short_way(self, q0: Floats, q1: Floats) -> Floats:
-        """Ends (…, nq) with angles of continuous joints within half a turn of the starts'."""
-        if not len(self._turning):
-            return q1
-        ends = q1.copy()
-        way = ends[..., self._turning] - q0[..., self._turning]
-        ends[..., self._turning] -= 2 * np.pi * np.round(way / (2 * np.pi))
-        return ends
+    def _proofs(self, pairs: Ints, intervals: Floats, directions: Floats, gaps: Floats) -> list[Proof]:
+        return [
+            Proof(
+                int(self._rows[k]),
+                *interval,
+                int(self._chained[k].frame),
+                bool(self._flipped[self._rows[k]]),
+                direction,
+                *gap,
+            )
+            for k, interval, direction, gap in zip(
+                pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True
+            )
+        ]
+
+    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+        """(k, nq) of one motion (nq,) to (nq,) at parameters (k,) in [0, 1]."""
+        return np.asarray(self._core.states(q0, q1, parameters))
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far."""

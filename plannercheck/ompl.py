@@ -3,8 +3,8 @@
 In: a checker. Out: `setup`, an OMPL SimpleSetup with the robot's joint space and validators, and `plan`,
 which runs a planner from a start to a goal.
 
-Bounded joints are real numbers, continuous joints of a planning group are angles (SO2). A motion is checked
-by one call of the checker, at states so close that no link point moves further than a resolution between.
+Bounded joints are real numbers, continuous joints of a planning group are angles (SO2). A motion is proved free by one
+call of the checker.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from ompl import base, geometric, util
 
+from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.checker import Checker
 from plannercheck.end_states import checked_end, judged
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.joint_space import JointSpace
-from plannercheck.motion import DEFAULT_RESOLUTION
 from plannercheck.plans import Plan, joint_length
 from plannercheck.robot import Robot
 
@@ -38,19 +38,39 @@ class MotionValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bin
     The counters are kept here: `SpaceInformation.getCheckedMotionCount` asks OMPL's own, which stay 0.
     """
 
-    def __init__(self, information: Any, checker: Checker, space: JointSpace, resolution: float) -> None:
-        """Holds the checker and the joint space, but not the SpaceInformation, which holds this."""
+    def __init__(
+        self,
+        information: Any,
+        checker: Checker,
+        space: JointSpace,
+        resolution: float | None = None,
+        tolerance: float = DEFAULT_TOLERANCE,
+    ) -> None:
+        """Holds the checker and the joint space, but not the SpaceInformation, which holds this.
+
+        Args:
+            information: OMPL's SpaceInformation.
+            checker: Who judges motions.
+            space: The checker's robot's.
+            resolution: None to prove motions free; else to sample them, as for `Checker.check_motion`, m.
+            tolerance: As for `Checker.check_motion`, m.
+        """
         super().__init__(information)
         self._checker = checker
         self._space = space
         self._resolution = resolution
-        self._sampler = checker.motion_sampler
+        self._tolerance = tolerance
+        if resolution is None:
+            self._is_free = checker.motion_certifier.is_free
         self.resetMotionCounter()
 
     def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
         """Whether the motion between two states is free, both ends included."""
         q0, q1 = self._ends(s1, s2)
-        free = self._checker.check_motion(q0, q1, self._resolution)
+        if self._resolution is None:
+            free = self._is_free(q0, q1, self._tolerance)
+        else:
+            free = self._checker.check_motion(q0, q1, self._resolution)
         self._count(free)
         return free
 
@@ -60,22 +80,35 @@ class MotionValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bin
         Args:
             s1: Start.
             s2: End.
-            last_valid: A state that receives the last one before the first collision; None for none.
+            last_valid: A state that receives the last one known free, or, sampled, the last one before the first
+                collision; None for none.
 
         Returns:
             Whether the motion is free, and the last valid state's place between 0 and 1 (0 also if the start
             collides).
         """
-        q0, q1 = self._ends(s1, s2)
-        steps = int(self._sampler.steps(q0[None], q1[None], self._resolution)[0])
+        q0, q1 = (np.array(q) for q in self._ends(s1, s2))
+        if self._resolution is None:
+            certifier = self._checker.motion_certifier
+            passage = certifier.passage(q0, q1, self._tolerance)
+            free, last = passage.free, passage.free_until
+            state = certifier.states(q0, q1, np.array([last]))[0]
+        else:
+            free, last, state = self._last_sampled(q0, q1, self._resolution)
+        if last_valid is not None:
+            self._space.write(last_valid, state)
+        self._count(free)
+        return free, last
+
+    def _last_sampled(self, q0: Floats, q1: Floats, resolution: float) -> tuple[bool, float, Floats]:
+        """Whether all sampled states are valid, and the last one before the first that is not, with its place."""
+        sampler = self._checker.motion_sampler
+        steps = int(sampler.steps(q0[None], q1[None], resolution)[0])
         fractions = np.arange(steps + 1) / steps
-        states = self._sampler.states(q0, q1, fractions)
+        states = sampler.states(q0, q1, fractions)
         colliding = np.flatnonzero(~self._checker.check_states(states))
         last = steps if len(colliding) == 0 else max(int(colliding[0]) - 1, 0)
-        if last_valid is not None:
-            self._space.write(last_valid, states[last])
-        self._count(len(colliding) == 0)
-        return len(colliding) == 0, float(fractions[last])
+        return len(colliding) == 0, float(fractions[last]), states[last]
 
     def getValidMotionCount(self) -> int:  # noqa: N802
         """Motions found free since the counters were reset."""
@@ -97,10 +130,10 @@ class MotionValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bin
         """Sets the counters to 0."""
         self._valid = self._invalid = 0
 
-    def _ends(self, s1: Any, s2: Any) -> tuple[Floats, Floats]:
+    def _ends(self, s1: Any, s2: Any) -> tuple[list[float], list[float]]:
         """Both ends; angles of the second on the short way from the first, as OMPL interpolates."""
-        q0 = np.array(self._space.read(s1))
-        return q0, q0 + self._space.differences(q0, np.array(self._space.read(s2)))
+        q0 = self._space.read(s1)
+        return q0, self._space.end(q0, self._space.read(s2))
 
     def _count(self, free: bool) -> None:
         if free:
@@ -110,18 +143,20 @@ class MotionValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bin
 
 
 # Longest motion that a planner tries at once, rad. OMPL's default, a fifth of the space's extent, is 2.6 rad
-# for seven joints: most such motions collide, and checking them to a millimetre is wasted.
+# for seven joints: most such motions collide, and finding out is wasted.
 LONGEST_MOTION = 0.5
 
 
-def setup(checker: Checker, resolution: float = DEFAULT_RESOLUTION) -> Any:
+def setup(checker: Checker, resolution: float | None = None, tolerance: float = DEFAULT_TOLERANCE) -> Any:
     """Makes an OMPL SimpleSetup for a checker's robot.
 
     OMPL's messages below warnings are switched off; `ompl.util.setLogLevel` brings them back.
 
     Args:
         checker: Who judges states and motions.
-        resolution: No link point moves further than this between two checked states of a motion, m.
+        resolution: None to prove motions free. Else they are sampled, and no link point moves further than this
+            between two checked states, m.
+        tolerance: A motion that comes within this of a collision may be refused, m.
 
     Returns:
         An `ompl.geometric.SimpleSetup` with space, state and motion validators set.
@@ -131,17 +166,18 @@ def setup(checker: Checker, resolution: float = DEFAULT_RESOLUTION) -> Any:
     """
     if util.getLogLevel().value < util.LOG_WARN.value:
         util.setLogLevel(util.LOG_WARN)
-    return _setup(checker, JointSpace(checker.robot), resolution)
+    return _setup(checker, JointSpace(checker.robot), resolution, tolerance)
 
 
-def _setup(checker: Checker, space: JointSpace, resolution: float) -> Any:
-    if not (np.isfinite(resolution) and resolution > 0):
-        raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
+def _setup(checker: Checker, space: JointSpace, resolution: float | None, tolerance: float) -> Any:
+    for name, length in (("resolution", resolution), ("tolerance", tolerance)):
+        if length is not None and not (np.isfinite(length) and length > 0):
+            raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
     setup = geometric.SimpleSetup(space.ompl_space())
     read, is_valid = space.read, checker.is_valid
     setup.setStateValidityChecker(lambda state: is_valid(read(state)))
     information = setup.getSpaceInformation()
-    information.setMotionValidator(MotionValidator(information, checker, space, resolution))
+    information.setMotionValidator(MotionValidator(information, checker, space, resolution, tolerance))
     return setup
 
 
@@ -163,7 +199,7 @@ def plan(
     time_limit: float = 10.0,
     simplify: bool = True,
     seed: int | None = None,
-    resolution: float = DEFAULT_RESOLUTION,
+    resolution: float | None = None,
     longest_motion: float = LONGEST_MOTION,
 ) -> Plan:
     """Plans from one configuration to another.
@@ -196,7 +232,7 @@ def plan(
     space = JointSpace(checker.robot)
     with _quiet():
         _seed(seed)
-        setup = _setup(checker, space, resolution)
+        setup = _setup(checker, space, resolution, DEFAULT_TOLERANCE)
         information = setup.getSpaceInformation()
         setup.setStartAndGoalStates(*(space.state(information, q) for q in ends.values()))
         setup.setPlanner(_planner(planner, information, longest_motion))

@@ -82,7 +82,7 @@ auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configur
       bound.with_workspace([&](MotionCertifier::Workspace& w) {
         for (std::size_t i = from; i < to; ++i) {
           const MotionReport report = bound.certifier().check(kinematics, q0.data() + i * width, q1.data() + i * width,
-                                                              tolerance, kinematic_error, false, w);
+                                                              tolerance, kinematic_error, w);
           answers[i] = static_cast<std::uint8_t>(report.answer);
         }
       });
@@ -91,17 +91,61 @@ auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configur
   return output_array(answers, {answers.size()});
 }
 
-// (answer, proved free up to, refused at, pair) of one motion.
-nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
-                         InputArray<double, -1> q1, double tolerance, double kinematic_error) {
+// For planners, which ask for one motion at a time: MotionAnswer of a motion between configurations within a range, for
+// which the kinematic error holds; kOutside if they are not.
+constexpr int kOutside = 3;
+
+int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
+                 const std::vector<double>& q1, InputArray<double, -1> low, InputArray<double, -1> high,
+                 double tolerance, double kinematic_error) {
+  if (q0.size() != low.shape(0) || q1.size() != low.shape(0)) return kOutside;
+  for (std::size_t c = 0; c < q0.size(); ++c) {
+    const bool inside = q0[c] >= low(c) && q0[c] <= high(c) && q1[c] >= low(c) && q1[c] <= high(c);
+    if (!inside) return kOutside;
+  }
   MotionReport report;
   {
     nb::gil_scoped_release release;
     bound.with_workspace([&](MotionCertifier::Workspace& w) {
-      report = bound.certifier().check(kinematics, q0.data(), q1.data(), tolerance, kinematic_error, true, w);
+      report = bound.certifier().check(kinematics, q0.data(), q1.data(), tolerance, kinematic_error, w);
     });
   }
-  return nb::make_tuple(static_cast<int>(report.answer), report.free_until, report.refused, report.pair);
+  return static_cast<int>(report.answer);
+}
+
+// (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
+// directions (k, 3), gaps and bulges (k, 2).
+nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
+                         InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
+  MotionReport report;
+  std::vector<MotionProof> proofs;
+  {
+    nb::gil_scoped_release release;
+    bound.with_workspace([&](MotionCertifier::Workspace& w) {
+      report = bound.certifier().explain(kinematics, q0.data(), q1.data(), tolerance, kinematic_error,
+                                         proved ? &proofs : nullptr, w);
+    });
+  }
+  std::vector<std::int32_t> pairs;
+  std::vector<double> intervals, directions, gaps;
+  for (const MotionProof& p : proofs) {
+    pairs.push_back(p.pair);
+    intervals.insert(intervals.end(), {p.from, p.to});
+    directions.insert(directions.end(), {p.direction.x, p.direction.y, p.direction.z});
+    gaps.insert(gaps.end(), {p.gap, p.bulge});
+  }
+  const std::size_t n = proofs.size();
+  return nb::make_tuple(static_cast<int>(report.answer), report.free_until, report.refused, report.pair,
+                        output_array(pairs, {n}), output_array(intervals, {n, std::size_t{2}}),
+                        output_array(directions, {n, std::size_t{3}}), output_array(gaps, {n, std::size_t{2}}));
+}
+
+// Configurations at parameters (n,) of a motion.
+auto motion_states(const BoundCertifier& bound, InputArray<double, -1> q0, InputArray<double, -1> q1,
+                   InputArray<double, -1> parameters) {
+  std::vector<double> q(parameters.shape(0) * q0.shape(0));
+  bound.certifier().states(q0.data(), q1.data(), parameters.data(), parameters.shape(0), q.data());
+  return output_array(q, {parameters.shape(0), q0.shape(0)});
 }
 
 }  // namespace
@@ -129,7 +173,9 @@ void bind_motion(nb::module_& m) {
              new (self) BoundCertifier(std::move(model));
            })
       .def("check", &check_motions)
+      .def("check_one", &check_motion)
       .def("explain", &explain_motion)
+      .def("states", &motion_states)
       .def("statistics", &BoundCertifier::statistics);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "motion_grid.hpp"
@@ -73,19 +74,25 @@ class MotionCertifier::Workspace {
 class MotionRun {
  public:
   MotionRun(const MotionCertifier& certifier, const Kinematics& kinematics, double tolerance, double kinematic_error,
-            bool ordered, MotionCertifier::Workspace& workspace)
+            MotionCertifier::Workspace& workspace)
       : certifier_(certifier),
         model_(certifier.model_),
         kinematics_(kinematics),
         tolerance_(tolerance),
         slack_(kinematic_error),
-        ordered_(ordered),
         w_(workspace) {}
+
+  void in_order(std::vector<MotionProof>* proofs) { ordered_ = true, proofs_ = proofs; }
 
   MotionReport run(const double* q0, const double* q1) {
     begin(q0, q1);
     if (!(slack_ <= kRoundingPart * tolerance_)) return {MotionAnswer::kImprecise, 0, 0, -1};
-    find_candidates();
+    if (proofs_ != nullptr) {
+      w_.candidates.resize(model_.pairs.size());
+      std::iota(w_.candidates.begin(), w_.candidates.end(), 0);
+    } else {
+      find_candidates();
+    }
     report_.answer = judge_grid(w_.candidates) ? MotionAnswer::kFree : MotionAnswer::kRefused;
     if (report_.answer == MotionAnswer::kFree) report_.free_until = 1;
     return report_;
@@ -96,7 +103,8 @@ class MotionRun {
   const MotionModel& model_;
   const Kinematics& kinematics_;
   double tolerance_, slack_, size_ = 0;  // slack: of all rounding; size: of coordinates and arms
-  bool ordered_;
+  bool ordered_ = false;
+  std::vector<MotionProof>* proofs_ = nullptr;
   MotionCertifier::Workspace& w_;
   MotionReport report_;
 
@@ -159,8 +167,8 @@ class MotionRun {
       }
     }
     size_ = size + 1 + largest / 8 + arm;
-    const double part = kRounding + 4 * model_.defect + 8 * w_.path.off_unit() +
-                        16 * kUnit * model_.leverage * (1 + w_.path.largest());
+    const double part =
+        kRounding + 4 * model_.defect + 8 * w_.path.off_unit() + 16 * kUnit * model_.leverage * (1 + w_.path.largest());
     return part * size_;
   }
 
@@ -232,7 +240,8 @@ class MotionRun {
       for (std::size_t k = 0; k < 3; ++k) {
         const Lanes from = load_lanes(&seen[k][i]), to = load_lanes(&seen[k][i + 1]);
         const Lanes low = from < to ? from : to, high = larger(from, to);
-        const Lanes beyond = larger(Lanes{}, larger(b.low[static_cast<int>(k)] - high, low - b.high[static_cast<int>(k)]));
+        const Lanes beyond =
+            larger(Lanes{}, larger(b.low[static_cast<int>(k)] - high, low - b.high[static_cast<int>(k)]));
         square = square + beyond * beyond;
       }
       open |= bits(square <= broadcast(apart * apart)) << i;
@@ -342,7 +351,7 @@ class MotionRun {
   struct PairState {
     const CertifiedPair& pair;
     std::int32_t index;
-    double apart;          // more than this, along a direction at both ends of an interval, settles it
+    double apart;  // more than this, along a direction at both ends of an interval, settles it
     Plane& plane;
     unsigned measured = 0, checked = 0;  // states whose gap along the plane is known; states that are proved clear
     Row gaps;
@@ -356,18 +365,32 @@ class MotionRun {
   bool settle(std::int32_t index, unsigned open) {
     const CertifiedPair& pair = model_.pairs[at(index)];
     PairState s{pair, index, bulge(pair) + swells(pair) + slack_, w_.planes[at(index)], 0, 0, {}};
-    if (s.plane.valid) open = boxes_meet(pair, open, s.apart, s.plane.direction);
-    if (open != 0) {
-      const Vec3 hint = between(pair, static_cast<std::size_t>(__builtin_ctz(open)));
-      open = boxes_meet(pair, open, s.apart, hint);
-      if (open != 0 && !s.plane.valid) s.plane = {true, hint};
-    }
+    open = boxes_settle(s, open);
     for (; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
-      if (plane_settles(s, i) || sweep_settles(s, i)) continue;
-      if (!fail(s, i)) return false;
+      if (plane_settles(s, i) || sweep_settles(s, i)) {
+        if (proofs_ != nullptr) prove(s, i);
+      } else if (!fail(s, i)) {
+        return false;
+      }
     }
     return true;
+  }
+
+  // Along the pair's plane and along a direction that the boxes suggest; what is left open.
+  unsigned boxes_settle(PairState& s, unsigned open) {
+    if (s.plane.valid && proofs_ == nullptr) open = boxes_meet(s.pair, open, s.apart, s.plane.direction);
+    if (open == 0) return 0;
+    const Vec3 hint = between(s.pair, static_cast<std::size_t>(__builtin_ctz(open)));
+    if (proofs_ == nullptr) open = boxes_meet(s.pair, open, s.apart, hint);
+    if (open != 0 && !s.plane.valid) s.plane = {true, hint};
+    return open;
+  }
+
+  void prove(PairState& s, std::size_t i) {
+    const double least = smaller(gap(s, i), gap(s, i + 1)) - swells(s.pair) - slack_;
+    proofs_->push_back(
+        {s.index, w_.grid.parameter(i), w_.grid.parameter(i + 1), s.plane.direction, least, bulge(s.pair)});
   }
 
   bool plane_settles(PairState& s, std::size_t i) { return gap(s, i) > s.apart && gap(s, i + 1) > s.apart; }
@@ -376,7 +399,8 @@ class MotionRun {
     if ((s.measured >> state & 1U) == 0) {
       s.measured |= 1U << state;
       ++w_.counters.planes;
-      s.gaps[state] = gap_along(body(s.pair.a), body(s.pair.b), posed(s.pair, state), s.plane.direction, w_.counters.pair);
+      s.gaps[state] =
+          gap_along(body(s.pair.a), body(s.pair.b), posed(s.pair, state), s.plane.direction, w_.counters.pair);
     }
     return s.gaps[state];
   }
@@ -443,7 +467,7 @@ class MotionRun {
     const std::size_t base = w_.failures.size();
     likely_first(candidates);
     for (const std::int32_t index : candidates) {
-      const unsigned open = near(model_.pairs[at(index)]);
+      const unsigned open = proofs_ != nullptr ? all_intervals() : near(model_.pairs[at(index)]);
       ++w_.counters.pairs;
       if (open == 0) continue;
       w_.counters.intervals += __builtin_popcount(open);
@@ -546,13 +570,29 @@ MotionCertifier::WorkspacePointer MotionCertifier::new_workspace() const {
   return WorkspacePointer(new Workspace(model_));
 }
 
-MotionCounters MotionCertifier::take_counters(Workspace& workspace) {
-  return std::exchange(workspace.counters, {});
-}
+MotionCounters MotionCertifier::take_counters(Workspace& workspace) { return std::exchange(workspace.counters, {}); }
 
 MotionReport MotionCertifier::check(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
-                                    double kinematic_error, bool ordered, Workspace& workspace) const {
-  return MotionRun(*this, kinematics, tolerance, kinematic_error, ordered, workspace).run(q0, q1);
+                                    double kinematic_error, Workspace& workspace) const {
+  return MotionRun(*this, kinematics, tolerance, kinematic_error, workspace).run(q0, q1);
+}
+
+MotionReport MotionCertifier::explain(const Kinematics& kinematics, const double* q0, const double* q1,
+                                      double tolerance, double kinematic_error, std::vector<MotionProof>* proofs,
+                                      Workspace& workspace) const {
+  MotionRun run(*this, kinematics, tolerance, kinematic_error, workspace);
+  run.in_order(proofs);
+  return run.run(q0, q1);
+}
+
+void MotionCertifier::states(const double* q0, const double* q1, const double* t, std::size_t n, double* q) const {
+  ConfigurationPath path(at(model_.width), model_.parts);
+  path.set(q0, q1);
+  std::vector<double> columns(at(model_.width) * n);
+  path.at(t, n, n, columns.data());
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t c = 0; c < at(model_.width); ++c) q[i * at(model_.width) + c] = columns[c * n + i];
+  }
 }
 
 }  // namespace plannercheck

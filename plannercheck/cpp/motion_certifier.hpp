@@ -37,8 +37,8 @@ struct MotionModel {
   MotionChains chains;
   std::vector<PathPart> parts;
   std::int32_t width = 0, links = 0;
-  double defect = 0;     // sum over all placements and axes of how far they are off rigid
-  double leverage = 1;   // sum of the multipliers' sizes: how much all joints turn for one unit of all columns
+  double defect = 0;    // sum over all placements and axes of how far they are off rigid
+  double leverage = 1;  // sum of the multipliers' sizes: how much all joints turn for one unit of all columns
 };
 
 enum class MotionAnswer : int {
@@ -47,11 +47,21 @@ enum class MotionAnswer : int {
   kImprecise,  // numbers so large that rounding exceeds a part of the tolerance
 };
 
-// Where a check ended: proved free up to `free_until` if it was ordered; at `refused` the pair is within the tolerance.
+// Where a check ended: at `refused` the pair is within the tolerance; up to `free_until` the motion is proved free, if
+// it was looked at in order.
 struct MotionReport {
   MotionAnswer answer = MotionAnswer::kFree;
   double free_until = 1, refused = -1;
   std::int32_t pair = -1;
+};
+
+// What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction`, in the pair's
+// frame, from b to a; their points leave their chords by at most `bulge`, which is less.
+struct MotionProof {
+  std::int32_t pair;
+  double from, to;
+  Vec3 direction;
+  double gap, bulge;
 };
 
 struct MotionCounters {
@@ -77,23 +87,28 @@ class MotionCertifier {
 
   std::int32_t width() const { return model_.width; }
 
-  // `kinematic_error`: of the computed poses, m. `ordered`: find the first place where the motion is refused; else the
-  // report says only that there is one, as early as it was met.
+  // `kinematic_error`: of the computed poses, m.
   MotionReport check(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
-                     double kinematic_error, bool ordered, Workspace& workspace) const;
+                     double kinematic_error, Workspace& workspace) const;
+  // The same in the order of the motion: where it is refused first. With `proofs`, notes down those of all pairs, which
+  // takes longer since no bounds settle anything.
+  MotionReport explain(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
+                       double kinematic_error, std::vector<MotionProof>* proofs, Workspace& workspace) const;
+  // Configurations (n, width) at parameters of a motion.
+  void states(const double* q0, const double* q1, const double* t, std::size_t n, double* q) const;
 
  private:
   friend class MotionRun;
 
   MotionModel model_;
-  std::vector<std::int32_t> movers_;      // bodies that move and are in a pair
-  std::vector<std::int32_t> frames_;      // links
-  std::vector<std::int32_t> among_self_;  // pairs of which both bodies move
-  std::vector<std::int32_t> still_;       // bodies that stand still
-  std::vector<double> defects_;           // per body that stands still: how far its placement is off rigid
-  std::vector<double> still_bounds_;      // six rows: low and high corners of their boxes in the world
-  std::size_t still_row_ = 0;             // length of a row: whole lanes
-  std::vector<std::int32_t> pair_of_;     // mover's position * still_row_ + still body's position: the pair, or −1
+  std::vector<std::int32_t> movers_;          // bodies that move and are in a pair
+  std::vector<std::int32_t> frames_;          // links
+  std::vector<std::int32_t> among_self_;      // pairs of which both bodies move
+  std::vector<std::int32_t> still_;           // bodies that stand still
+  std::vector<double> defects_;               // per body that stands still: how far its placement is off rigid
+  std::vector<double> still_bounds_;          // six rows: low and high corners of their boxes in the world
+  std::size_t still_row_ = 0;                 // length of a row: whole lanes
+  std::vector<std::int32_t> pair_of_;         // mover's position * still_row_ + still body's position: the pair, or −1
   std::vector<std::int32_t> chain_in_world_;  // per mover: its chain from the world, −1 if it is in no such pair
   double still_size_ = 0;                     // how far from the origin the bodies that stand still reach, m
 

@@ -1,7 +1,7 @@
 // The distance of two bodies, or of what two bodies sweep between two poses, against a limit.
 //
-// In: both bodies posed once, or at both ends of an interval, together with the frame in which directions are kept. Out:
-// a direction along which the bodies are more than the limit apart at all these poses; or that they are not. Idea:
+// In: both bodies posed once, or at both ends of an interval, together with the frame in which directions are kept.
+// Out: a direction along which the bodies are more than the limit apart at all these poses; or that they are not. Idea:
 // Gilbert, Johnson and Keerthi's descent on the hull of the bodies' differences at all poses, seen from the frame; it
 // ends as soon as a bound of either kind is on one side of the limit. Only the lower bound is relied on for "apart": it
 // is the least product of the direction with a difference, an extreme vertex of each body.
