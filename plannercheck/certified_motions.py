@@ -178,7 +178,17 @@ class MotionCertifier:
         return (answers == _FREE) & (not self._touching)
 
     def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
-        """`check` of one motion given as lists, without validation: what planners call."""
+        """`check` of one motion between configurations given as lists: what planners call.
+
+        Args:
+            q0: nq numbers; those of quaternions and the like must be of length 1.
+            q1: nq numbers.
+            tolerance: m.
+
+        Returns:
+            True means proved free.
+        """
+        _check_tolerance(tolerance)
         if self._touching:
             return False
         answer: int = self._core.check_one(
@@ -272,7 +282,7 @@ def _lastingly_apart(pair: NDArray[np.int32], polytopes: Sequence[Polytope | Non
 
 
 def _check_tolerance(tolerance: float) -> None:
-    if not (np.isfinite(tolerance) and tolerance > 0):
+    if not 0 < tolerance < float("inf"):
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
 
 

@@ -226,7 +226,11 @@ class Checker:
         Returns:
             True if the motion is free.
         """
-        return bool(self.check_motions(self._single(q0), self._single(q1), resolution, tolerance)[0])
+        starts, ends = self._single(q0), self._single(q1)
+        if resolution is None and self.motion_sampler.is_vector_space and starts.shape == ends.shape:
+            ends = self.motion_sampler.short_way(starts, ends)
+            return self.motion_certifier.is_free(starts[0].tolist(), ends[0].tolist(), tolerance)
+        return bool(self.check_motions(starts, ends, resolution, tolerance)[0])
 
     def check_motions(
         self,

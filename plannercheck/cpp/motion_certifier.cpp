@@ -47,6 +47,16 @@ struct Failure {
   bool refused;
 };
 
+// Intervals of a pair that bounds leave open, one bit each; the state at which the boxes' gap along a direction, in the
+// frame, is least.
+struct OpenPair {
+  std::int32_t pair;
+  unsigned open;
+  double depth;
+  std::size_t state;
+  Vec3 hint;
+};
+
 using Row = std::array<double, kGridRow>;
 
 }  // namespace
@@ -56,17 +66,16 @@ class MotionCertifier::Workspace {
   explicit Workspace(const MotionModel& model)
       : path(at(model.width), model.parts),
         grid(model.bodies, at(model.width), at(model.links)),
-        planes(model.pairs.size()),
-        hits(model.pairs.size(), 0) {}
+        planes(model.pairs.size()) {}
 
   ConfigurationPath path;
   MotionGrid grid;
   std::vector<Rate> rates;
   std::vector<MotionBound> bounds;  // per chain
   std::vector<std::int32_t> candidates, bodies, frames;
+  std::vector<OpenPair> open;
   std::vector<Failure> failures;  // a stack: grids inside grids
   std::vector<Plane> planes;      // per pair
-  std::vector<long> hits;         // per pair: motions it ended
   MotionCounters counters;
 };
 
@@ -312,18 +321,23 @@ class MotionRun {
     return out;
   }
 
-  // The intervals of `open` that the bodies' boxes do not settle along a direction of the frame.
-  unsigned boxes_meet(const CertifiedPair& pair, unsigned open, double apart, Vec3 direction) {
+  // Settles what the bodies' boxes do along a direction of the frame, and says where they are deepest in each other.
+  void boxes_settle(OpenPair& found, Vec3 direction) {
+    const CertifiedPair& pair = model_.pairs[at(found.pair)];
     Row gaps;
     for (std::size_t i = 0; i <= w_.grid.intervals(); i += kStep) {
       const auto d = turned(pair.frame, i, direction);
       store_lanes(&gaps[i], least_of_box(pair.a, i, d) + least_of_box(pair.b, i, {-d[0], -d[1], -d[2]}));
     }
+    const Lanes limit = broadcast(apart(pair));
     for (std::size_t i = 0; i < w_.grid.intervals(); i += kStep) {
       const Lanes from = load_lanes(&gaps[i]), to = load_lanes(&gaps[i + 1]), least = from < to ? from : to;
-      open &= ~((bits(least > broadcast(apart)) & ((1U << kLanes) - 1)) << i);
+      found.open &= ~((bits(least > limit) & ((1U << kLanes) - 1)) << i);
     }
-    return open;
+    const auto deepest =
+        std::min_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(w_.grid.intervals()) + 1);
+    found.depth = *deepest;
+    found.state = static_cast<std::size_t>(deepest - gaps.begin());
   }
 
   // The least product of a direction with a point of a body's box.
@@ -351,7 +365,7 @@ class MotionRun {
   struct PairState {
     const CertifiedPair& pair;
     std::int32_t index;
-    double apart;  // more than this, along a direction at both ends of an interval, settles it
+    double apart;
     Plane& plane;
     unsigned measured = 0, checked = 0;  // states whose gap along the plane is known; states that are proved clear
     Row gaps;
@@ -361,12 +375,13 @@ class MotionRun {
     return {w_.grid.pose(pair.a, state), w_.grid.pose(pair.b, state), w_.grid.turn(pair.frame, state)};
   }
 
-  // Settles the intervals of `open` or notes them down as failures; false if the pair is within the tolerance.
-  bool settle(std::int32_t index, unsigned open) {
-    const CertifiedPair& pair = model_.pairs[at(index)];
-    PairState s{pair, index, bulge(pair) + swells(pair) + slack_, w_.planes[at(index)], 0, 0, {}};
-    open = boxes_settle(s, open);
-    for (; open != 0; open &= open - 1) {
+  // Settles the intervals of a pair or notes them down as failures; false if the pair is within the tolerance.
+  bool settle(const OpenPair& found) {
+    const CertifiedPair& pair = model_.pairs[at(found.pair)];
+    PairState s{pair, found.pair, apart(pair), w_.planes[at(found.pair)], 0, 0, {}};
+    if (!s.plane.valid) s.plane = {true, found.hint};
+    if (!ordered_ && found.depth < 0 && !clear(s, found.state)) return refuse(found.state, found.pair), false;
+    for (unsigned open = found.open; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
       if (plane_settles(s, i) || sweep_settles(s, i)) {
         if (proofs_ != nullptr) prove(s, i);
@@ -377,14 +392,20 @@ class MotionRun {
     return true;
   }
 
-  // Along the pair's plane and along a direction that the boxes suggest; what is left open.
-  unsigned boxes_settle(PairState& s, unsigned open) {
-    if (s.plane.valid && proofs_ == nullptr) open = boxes_meet(s.pair, open, s.apart, s.plane.direction);
-    if (open == 0) return 0;
-    const Vec3 hint = between(s.pair, static_cast<std::size_t>(__builtin_ctz(open)));
-    if (proofs_ == nullptr) open = boxes_meet(s.pair, open, s.apart, hint);
-    if (open != 0 && !s.plane.valid) s.plane = {true, hint};
-    return open;
+  // More than this, along a direction at both ends of an interval, settles it.
+  double apart(const CertifiedPair& pair) const { return bulge(pair) + swells(pair) + slack_; }
+
+  // What spheres and boxes leave open of a pair: along the plane of last time, and along a direction that they suggest.
+  OpenPair found_open(std::int32_t index) {
+    const CertifiedPair& pair = model_.pairs[at(index)];
+    const Plane& plane = w_.planes[at(index)];
+    OpenPair found{index, proofs_ != nullptr ? all_intervals() : near(pair), 0, 0, {}};
+    w_.counters.intervals += __builtin_popcount(found.open);
+    if (found.open != 0 && plane.valid && proofs_ == nullptr) boxes_settle(found, plane.direction);
+    if (found.open == 0) return found;
+    found.hint = between(pair, static_cast<std::size_t>(__builtin_ctz(found.open)));
+    if (proofs_ == nullptr) boxes_settle(found, found.hint);
+    return found;
   }
 
   void prove(PairState& s, std::size_t i) {
@@ -439,17 +460,15 @@ class MotionRun {
     const bool short_enough = way + bulge(s.pair) + 2 * slack_ <= tolerance_;
     const bool refused = short_enough || !clear(s, i);
     if (!ordered_ && (refused || !clear(s, i + 1))) {
-      refuse(w_.grid.parameter(refused ? i : i + 1), s.index);
+      refuse(refused ? i : i + 1, s.index);
       return false;
     }
     w_.failures.push_back({i, s.index, refused});
     return true;
   }
 
-  void refuse(double parameter, std::int32_t pair) {
-    ++w_.hits[at(pair)];
-    report_.refused = parameter, report_.pair = pair;
-  }
+  void refuse(std::size_t state, std::int32_t pair) { refuse_at(w_.grid.parameter(state), pair); }
+  void refuse_at(double parameter, std::int32_t pair) { report_.refused = parameter, report_.pair = pair; }
 
   // Whether the pair is proved to be more than the tolerance apart at a state; if not, it is within it.
   bool clear(PairState& s, std::size_t state) {
@@ -463,23 +482,20 @@ class MotionRun {
 
   // ----- grids inside grids
 
-  bool judge_grid(std::vector<std::int32_t>& candidates) {
+  bool judge_grid(const std::vector<std::int32_t>& candidates) {
     const std::size_t base = w_.failures.size();
-    likely_first(candidates);
+    w_.open.clear();
+    w_.counters.pairs += static_cast<long>(candidates.size());
     for (const std::int32_t index : candidates) {
-      const unsigned open = proofs_ != nullptr ? all_intervals() : near(model_.pairs[at(index)]);
-      ++w_.counters.pairs;
-      if (open == 0) continue;
-      w_.counters.intervals += __builtin_popcount(open);
-      if (!settle(index, open)) return false;
+      const OpenPair found = found_open(index);
+      if (found.open != 0) w_.open.push_back(found);
+    }
+    // The likeliest to collide first: whose boxes are deepest in each other.
+    std::sort(w_.open.begin(), w_.open.end(), [](const OpenPair& a, const OpenPair& b) { return a.depth < b.depth; });
+    for (const OpenPair& found : w_.open) {
+      if (!settle(found)) return false;
     }
     return w_.failures.size() == base || cut_failures(base);
-  }
-
-  void likely_first(std::vector<std::int32_t>& candidates) const {
-    const auto likelier = [&](std::int32_t a, std::int32_t b) { return w_.hits[at(a)] < w_.hits[at(b)]; };
-    const auto first = std::max_element(candidates.begin(), candidates.end(), likelier);
-    if (first != candidates.end()) std::rotate(candidates.begin(), first, first + 1);
   }
 
   bool cut_failures(std::size_t base) {
@@ -494,7 +510,7 @@ class MotionRun {
       report_.free_until = t[interval];
       std::vector<std::int32_t> pairs;
       for (; k < failures.size() && failures[k].interval == interval; ++k) {
-        if (failures[k].refused) return refuse(t[interval], failures[k].pair), false;
+        if (failures[k].refused) return refuse_at(t[interval], failures[k].pair), false;
         pairs.push_back(failures[k].pair);
       }
       choose(pairs);
