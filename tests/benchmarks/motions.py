@@ -22,6 +22,7 @@ from pathlib import Path
 import coal
 import numpy as np
 import pinocchio as pin
+from states import coal_shape
 
 import plannercheck as pc
 from plannercheck.paths import example_robot_data
@@ -197,7 +198,11 @@ def cases(n: int, generator: np.random.Generator, folder: Path) -> Iterator[Case
 # ----- judges
 
 
-def coal_hull(polytope: pc.Polytope) -> coal.CollisionGeometry:
+def coal_body(checker: pc.Checker, k: int) -> coal.CollisionGeometry:
+    """Spheres and capsules as such, all else as the hull that the checker has."""
+    body, polytope = checker.bodies[k], checker.polytopes[k]
+    if polytope is None or polytope.swell > 0:
+        return coal_shape(body)
     points = coal.StdVec_Vec3s()
     points.extend(list(polytope.vertices))
     return coal.ConvexBase.convexHull(points, True, "Qt")
@@ -216,10 +221,9 @@ class CoalDistance:
         items = []
         for k in bodies:
             if k not in self._shapes:
-                self._shapes[k] = coal_hull(self._checker.polytopes[k])
+                self._shapes[k] = coal_body(self._checker, k)
             items += [self._shapes[k], coal.Transform3s(poses[k][:3, :3], poses[k][:3, 3])]
-        swell = sum(self._checker.polytopes[k].swell for k in bodies)
-        return coal.distance(*items, coal.DistanceRequest(), coal.DistanceResult()) - swell
+        return float(coal.distance(*items, coal.DistanceRequest(), coal.DistanceResult()))
 
 
 def sampled_free(case: Case, q0: np.ndarray, q1: np.ndarray, steps: int) -> bool:
