@@ -175,7 +175,7 @@ class MotionCertifier:
         answers = np.asarray(self._core.check(self._robot.kinematics, q0, q1, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
             raise _imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
-        return (answers == _FREE) & (not self._touching)
+        return np.asarray((answers == _FREE) & (not self._touching))
 
     def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
         """`check` of one motion between configurations given as lists: what planners call.
@@ -215,9 +215,7 @@ class MotionCertifier:
         if self._touching:
             return Passage(False, 0.0, 0.0, self._touching[0])
         error = self._kinematic_error(q0[None], q1[None])
-        answer, until, near, row, *found = self._core.explain(
-            self._robot.kinematics, q0, q1, tolerance, error, proofs
-        )
+        answer, until, near, row, *found = self._core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
         if answer == _IMPRECISE:
             raise _imprecise(0, tolerance)
         listed = tuple(proof for proof in self._proofs(*found) if proof.start < until)
@@ -226,18 +224,19 @@ class MotionCertifier:
         return Passage(False, until, near, int(self._rows[row]), listed)
 
     def _proofs(self, pairs: Ints, intervals: Floats, directions: Floats, gaps: Floats) -> list[Proof]:
+        rows = zip(pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True)
         return [
             Proof(
                 int(self._rows[k]),
-                *interval,
-                int(self._chained[k].frame),
+                start,
+                end,
+                self._chained[k].frame,
                 bool(self._flipped[self._rows[k]]),
                 direction,
-                *gap,
+                gap,
+                bulge,
             )
-            for k, interval, direction, gap in zip(
-                pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True
-            )
+            for k, (start, end), direction, (gap, bulge) in rows
         ]
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:

@@ -145,7 +145,11 @@ def motion_chains(
     builder = _Builder(tree, bodies, links, excess)
     chained = tuple(builder.pair(int(a), int(b)) for a, b in pairs)
     return MotionChains(
-        chained, tuple(builder.chains), *_drives(table), _defect(table), float(max(1.0, np.abs(table.multipliers).sum()))
+        chained,
+        tuple(builder.chains),
+        *_drives(table),
+        _defect(table),
+        float(max(1.0, np.abs(table.multipliers).sum())),
     )
 
 
@@ -170,8 +174,8 @@ class _Axis(NamedTuple):
         """(n,) of points (n, 3) from the axis, m."""
         offsets = points - self.origin
         if self.direction is None:
-            return np.linalg.norm(offsets, axis=1)
-        return np.linalg.norm(np.cross(offsets, self.direction), axis=1)
+            return np.asarray(np.linalg.norm(offsets, axis=1))
+        return np.asarray(np.linalg.norm(np.cross(offsets, self.direction), axis=1))
 
 
 class _Tree:
@@ -183,8 +187,8 @@ class _Tree:
         data = model.createData()
         pin.framesForwardKinematics(model, data, _at_rest(model, configurations, table))
         self.table = table
-        self.parents = table.parents.tolist()
-        self.moves = (table.columns >= 0).any(axis=1).tolist()
+        self.parents: list[int] = table.parents.tolist()
+        self.moves: list[bool] = [bool(row.any()) for row in table.columns >= 0]
         self.slides = [self.moves[j] and kind >= _SLIDE and kind != 10 for j, kind in enumerate(table.kinds.tolist())]
         self.turns = [self.moves[j] and kind != _SLIDE for j, kind in enumerate(table.kinds.tolist())]
         self.axes = [_axis(table, j, data.oMi[j + 1]) for j in range(len(self.parents))]
@@ -200,7 +204,7 @@ class _Tree:
         """
         up, down = self._ancestors(start), self._ancestors(end)
         while up and down and up[-1] == down[-1]:
-            common = up.pop()
+            up.pop()
             down.pop()
         rising = [(joint, self.parents[joint]) for joint in up if self.moves[joint]]
         falling = [(joint, joint) for joint in reversed(down) if self.moves[joint]]
@@ -257,9 +261,7 @@ class _Builder:
         usable = [k for k, joint in enumerate(stations) if joint in tree.link_on]
         best = min(usable, key=lambda k: bulges[k])
         frame = tree.link_on[stations[best]]
-        return ChainedPair(
-            first, second, frame, (self._chain(mine[:best]), self._chain(theirs[: len(joints) - best]))
-        )
+        return ChainedPair(first, second, frame, (self._chain(mine[:best]), self._chain(theirs[: len(joints) - best])))
 
     def _chain(self, entries: tuple[Entry, ...]) -> int:
         """The index of a chain; its entries are given from the body outwards."""

@@ -17,9 +17,7 @@ ROUNDING = 1e-11
 def whole_robot(name, floating=False):
     """A robot in Pinocchio's own numbers."""
     description = read_description(find_description(name))
-    return pc.Robot.from_urdf(
-        description.urdf, description.srdf, package_dirs=example_robot_data(), floating=floating
-    )
+    return pc.Robot.from_urdf(description.urdf, description.srdf, package_dirs=example_robot_data(), floating=floating)
 
 
 ROBOTS = {
@@ -79,7 +77,7 @@ def points_in_frame(checker, body, poses, turns):
 
 def check_proof(checker, q0, q1, proof):
     """Gaps at both ends are as said, and at states between no vertex leaves its chord further than said."""
-    inner = np.linspace(proof.start, proof.end, 9)
+    inner = np.linspace(proof.start, proof.end, 5)
     states = checker.motion_certifier.states(q0, q1, inner)
     poses, links = checker.body_poses(states), checker.robot.link_poses(states)
     turns = np.repeat(np.eye(3)[None], len(inner), axis=0)
@@ -110,7 +108,7 @@ def test_proofs_hold_against_brute_force(robot):
         (q0,), (q1,) = certified_ends(checker, near, far)
         verdict = checker.explain_motion(q0, q1, proofs=True)
         assert (verdict.free_until == 1.0) == verdict.free
-        for proof in verdict.proofs[:: max(1, len(verdict.proofs) // 150)]:
+        for proof in verdict.proofs[:: max(1, len(verdict.proofs) // 25)]:
             check_proof(checker, q0, q1, proof)
             proved += 1
     assert proved > 0
@@ -165,8 +163,8 @@ def test_verdicts_against_dense_sampling(name, scene):
     robot = pc.Robot.load(name)
     checker = pc.Checker(robot, scattered(7, 12) if scene is None else pc.Scene.load(scene))
     generator = np.random.default_rng(8)
-    q = robot.random_configurations(400, 9)
-    q0 = q[checker.check_states(q)][:120]
+    q = robot.random_configurations(200, 9)
+    q0 = q[checker.check_states(q)][:50]
     way = generator.normal(size=q0.shape) * generator.uniform(0.02, 1.0, (len(q0), 1))
     q1 = q0 + way
     free = checker.check_motions(q0, q1)
@@ -203,8 +201,13 @@ def sphere_arm(tmp_path, kinds, shape='<sphere radius="0.02"/>'):
     """A chain of joints 0.3 m apart, each link with a small ball at its end."""
     links = [
         LINK.format(
-            k=k, x=0.3, shape=shape, kind=kind, parent="base" if k == 0 else f"l{k - 1}",
-            offset=0.3 if k else 0, axis=AXES[k % len(AXES)],
+            k=k,
+            x=0.3,
+            shape=shape,
+            kind=kind,
+            parent="base" if k == 0 else f"l{k - 1}",
+            offset=0.3 if k else 0,
+            axis=AXES[k % len(AXES)],
         )
         for k, kind in enumerate(kinds)
     ]
@@ -238,25 +241,32 @@ def test_clearances_decide(tmp_path, kinds):
     robot = sphere_arm(tmp_path, kinds)
     generator = np.random.default_rng(len(kinds))
     accepted = refused = close = 0
-    for _ in range(12):
+    for _ in range(8):
         q0 = generator.uniform(-2, 2, robot.nq)
         q1 = q0 + generator.normal(size=robot.nq)
         at = (1 - (part := generator.uniform(0.2, 0.8))) * q0 + part * q1
         scene = pc.Scene()
-        pose = np.eye(4)
-        pose[:3, :3] = pin.exp3(generator.normal(size=3))
-        centre = robot.link_poses(at)[robot.link_index(f"l{robot.nq - 1}")] @ [0.3, 0, 0, 1]
+        last = robot.link_index(f"l{robot.nq - 1}")
+        before, centre, after = ((1 - t) * q0 + t * q1 for t in (part - 1e-4, part, part + 1e-4))
+        before, centre, after = (robot.link_poses(q)[last] @ [0.3, 0, 0, 1] for q in (before, centre, after))
+        # A wall that the last ball passes sideways, in the direction from which its way bends.
+        way, bend = (after - before)[:3], -(after + before - 2 * centre)[:3]
+        normal = np.linalg.qr(np.column_stack([way, bend + 0.3 * np.linalg.norm(bend) * generator.normal(size=3)]))[0]
+        normal = normal[:, 1] * np.sign(normal[:, 1] @ bend)
         thickness = 10.0 ** generator.uniform(-4, -2)
-        normal = pose[:3, 0]
-        grazing = 0.02 + thickness / 2 + generator.choice([-1, 1]) * 10.0 ** generator.uniform(-5, -2)
-        pose[:3, 3] = centre[:3] + grazing * normal
-        scene.add_box("wall", [thickness, 0.15, 0.15], pose)
-        checker = pc.Checker(robot, scene)
+        offset = 0.02 + thickness / 2 + generator.choice([-1, 1, 1]) * 10.0 ** generator.uniform(-5, -2)
+        pose = np.eye(4)
+        pose[:3, :3] = np.linalg.qr(np.column_stack([normal, generator.normal(size=(3, 2))]))[0]
+        pose[:3, 2] = np.cross(pose[:3, 0], pose[:3, 1])
+        pose[:3, 3] = centre[:3] + offset * normal
+        scene.add_box("wall", [thickness, 0.03, 0.03], pose)
+        checker = pc.Checker(robot, scene, self_collision=False)
         for a, b in ((q0, q1), (at, q1), (q0 + 1e-3, q1 + 1e-3), (q0 - 1e-2, q1), (at, at + 1e-3)):
             (start,), (end,) = certified_ends(checker, a, b)
-            steps = 4000
+            steps = 2000
             clearance = closed_form_clearance(checker, start, end, steps)
             free = checker.check_motion(a, b)
+            assert checker.explain_motion(a, b).free == free
             accepted, refused = accepted + free, refused + (not free)
             close += abs(clearance) < 2e-3
             if clearance <= 0:
@@ -264,7 +274,7 @@ def test_clearances_decide(tmp_path, kinds):
             # What sampling misses: half a step at the tip's speed.
             elif clearance > 1e-4 + np.abs(end - start).sum() * 1.5 / steps / 2:
                 assert free
-    assert min(accepted, refused, close) >= 5
+    assert min(accepted, refused, close) >= 4
 
 
 NEEDLE = '<box size="0.6 0.0002 0.0002"/>'

@@ -113,6 +113,7 @@ class MotionCertifier {
   double still_size_ = 0;                     // how far from the origin the bodies that stand still reach, m
 
   void bound_still();
+  void find_near(std::size_t mover, Vec3 low, Vec3 high, std::vector<std::int32_t>& found) const;
 };
 
 }  // namespace plannercheck

@@ -112,7 +112,8 @@ def aimed_case(family: str, robot: pc.Robot, generator: np.random.Generator) -> 
         centre, offset = here[k], 0.0
         if np.linalg.norm(after[k] - before[k]) > 0:
             normal = after[k] - before[k]
-        normal /= np.linalg.norm(normal)
+    normal /= np.linalg.norm(normal)
+    normal /= np.linalg.norm(normal)  # once more for ways so short that doubles have few digits there
     side = np.linalg.qr(np.column_stack([normal, generator.normal(size=(3, 2))]))[0][:, 1]
     pose = np.eye(4)
     pose[:3, 3] = centre + offset * normal
