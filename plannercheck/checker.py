@@ -9,22 +9,25 @@ from __future__ import annotations
 import threading
 import warnings
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.certified_motions import DEFAULT_TOLERANCE, MotionCertifier
 from plannercheck.compiled_pairs import CompiledPairs, Preparation, added
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
 from plannercheck.kinematic_rounding import largest_distance
 from plannercheck.motion import MotionSampler
+from plannercheck.motion_verdicts import explained_motion
 from plannercheck.pair import Method, certify, pair_options
 from plannercheck.pairs import Acm, pair_table
 from plannercheck.reach import reach as reach_of
 from plannercheck.reach import stays_apart
-from plannercheck.report import PairVerdict, Verdict
+from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
 from plannercheck.shapes import DEFAULT_EXCESS, Body
@@ -292,33 +295,54 @@ class Checker:
         """
         return self._all.body_poses(self._link_poses(self.robot.check_configurations(q)))
 
-    def check_motion(self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None) -> bool:
-        """Whether a motion is free at sampled states, both ends included (what lies between is not proved).
+    def check_motion(
+        self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None, tolerance: float = DEFAULT_TOLERANCE
+    ) -> bool:
+        """Whether a motion is free, both ends included: proved for every state on it, or sampled.
+
+        Each joint goes its own way: revolute and prismatic ones linearly, continuous ones the short way round,
+        quaternions by slerp, floating bases along a screw.
 
         Args:
             q0: (nq,) start, rad and m.
             q1: (nq,) end.
-            resolution: No point of a link moves further than this between two states, in m; default 1 mm.
+            resolution: None for a proof. Else only states are checked, so close that no point of a link moves further
+                than this between two of them, in m; nothing is proved about what lies between.
+            tolerance: A motion that is never within this of a collision is proved free, in m; one that is may be
+                refused. Free motions that touch something are never passed, whatever the tolerance.
 
         Returns:
-            True if all sampled states are valid.
+            True if the motion is free.
         """
-        return bool(self.check_motions(self._single(q0), self._single(q1), resolution)[0])
+        starts, ends = self._single(q0), self._single(q1)
+        if resolution is None and self.motion_sampler.is_vector_space and starts.shape == ends.shape:
+            ends = self.motion_sampler.short_way(starts, ends)
+            return self.motion_certifier.is_free(starts[0].tolist(), ends[0].tolist(), tolerance)
+        return bool(self.check_motions(starts, ends, resolution, tolerance)[0])
 
-    def check_motions(self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None) -> Bools:
-        """Whether each of n motions is free at sampled states.
+    def check_motions(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        resolution: float | None = None,
+        tolerance: float = DEFAULT_TOLERANCE,
+        threads: int = 1,
+    ) -> Bools:
+        """Whether each of n motions is free.
 
         Args:
             q0: (n, nq) starts, rad and m.
             q1: (n, nq) ends.
             resolution: As for `check_motion`.
+            tolerance: As for `check_motion`.
+            threads: How many to use for proofs.
 
         Returns:
             (n,), True means free.
         """
-        starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
-        if starts.shape != ends.shape:
-            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
+        starts, ends = self._motion_ends(q0, q1)
+        if resolution is None:
+            return self.motion_certifier.check(starts, ends, tolerance, _useful_threads(threads, len(starts)))
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)
@@ -326,6 +350,45 @@ class Checker:
         return self._judged(
             lambda table, *part: table.core.motions_are_free(self._kernel, *part).view(bool), starts, ends, steps
         )
+
+    def explain_motion(
+        self, q0: ArrayLike, q1: ArrayLike, tolerance: float = DEFAULT_TOLERANCE, proofs: bool = False
+    ) -> MotionVerdict:
+        """How far a motion is free, what stops it, and the certificates behind that.
+
+        Args:
+            q0: (nq,) start, rad and m.
+            q1: (nq,) end.
+            tolerance: As for `check_motion`.
+            proofs: Whether to give what proves the free part: planes for all pairs, interval by interval.
+
+        Returns:
+            The verdict.
+        """
+        (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
+        return explained_motion(self, start, end, tolerance, proofs)
+
+    @cached_property
+    def motion_certifier(self) -> MotionCertifier:
+        """Proves motions free; built when it is first needed.
+
+        Raises:
+            PlannercheckError: If Pinocchio itself poses.
+        """
+        if self._kernel is None:
+            raise PlannercheckError(
+                f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
+                "here: choose sampled motions by resolution=, in m"
+            )
+        poses = self.body_poses(self.robot.reference)[0]
+        return MotionCertifier(self.robot, self.bodies, self.pairs, self.polytopes, poses, self.excess)
+
+    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
+        """Starts and ends (n, nq); continuous joints take the short way."""
+        starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
+        if starts.shape != ends.shape:
+            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
+        return starts, self.motion_sampler.short_way(starts, ends)
 
     def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
         """The verdict of one configuration with the names and certificates behind it.
@@ -348,6 +411,19 @@ class Checker:
             tuple(v for v in found if not v.colliding),
             self._kinematic_error(row, poses),
         )
+
+    def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
+        """The verdict of row k of `pairs` alone.
+
+        Args:
+            k: Row.
+            q: (nq,) rad and m.
+
+        Returns:
+            The verdict with its certificate.
+        """
+        row = self._single(q)
+        return self._pair_verdict(k, self.body_poses(row)[0], bool(self.colliding_pairs(row)[0, k]))
 
     def _kinematic_error(self, row: Floats, poses: Floats) -> float:
         """The proven bound for the poses (bodies, 4, 4) of one configuration (1, nq), m.

@@ -76,6 +76,13 @@ class JointSpace:
         differences = q1 - q0
         return np.where(self.continuous, wrapped(differences), differences) if self._turning else differences
 
+    def end(self, q0: list[float], q1: list[float]) -> list[float]:
+        """The end of a motion from q0 to q1 on which angles take the short way."""
+        if not self._turning:
+            return q1
+        way = self.differences(np.array(q0), np.array(q1))
+        return [a + d if turns else b for a, b, d, turns in zip(q0, q1, way.tolist(), self.continuous, strict=True)]
+
     def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
         """A new OMPL state of a configuration (nq,); it frees itself, which states of the space do not."""
         state = information.allocState()

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from plannercheck.configurations import PLAIN
 from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
 from plannercheck.shapes import DEFAULT_EXCESS, hull_and_swell
@@ -40,6 +41,7 @@ class MotionSampler:
         self._positions = np.maximum(_limits(robot.model), np.abs(robot.expand(robot.reference)))
         self._levers = lever_arms(robot, self._positions, excess)
         self._sliding = _sliding_columns(robot)
+        self._turning = np.flatnonzero(np.isinf(robot.lower) & (robot.configuration_map.roles_of_columns() != PLAIN))
         self.is_vector_space = len(robot.joint_names) == robot.nq  # one number a joint: angles and lengths
         self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
 
@@ -63,6 +65,15 @@ class MotionSampler:
                 f"steps of {resolution:g} m: choose a coarser resolution or a shorter motion"
             )
         return steps.astype(np.int64)
+
+    def short_way(self, q0: Floats, q1: Floats) -> Floats:
+        """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; these stay as they are."""
+        if not len(self._turning):
+            return q1
+        ends = q1.copy()
+        way = ends[..., self._turning] - q0[..., self._turning]
+        ends[..., self._turning] -= 2 * np.pi * np.round(way / (2 * np.pi))
+        return ends
 
     def _way(self, q0: Floats, q1: Floats) -> Floats:
         """(n,) m: no link point travels further on these motions."""

@@ -3,8 +3,8 @@
 In: a checker. Out: `setup`, an OMPL SimpleSetup with the robot's joint space and validators, and `plan`,
 which runs a planner from a start to a goal.
 
-Bounded joints are real numbers, continuous joints of a planning group are angles (SO2). A motion is checked
-by one call of the checker, at states so close that no link point moves further than a resolution between.
+Bounded joints are real numbers, continuous joints of a planning group are angles (SO2). Motions in space
+are proved free, those in the plane are sampled: see motion_validators.py.
 """
 
 from __future__ import annotations
@@ -13,17 +13,18 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from ompl import base, geometric, util
 
+from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.checker import Checker
 from plannercheck.end_states import checked_end, judged
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.joint_space import JointSpace
-from plannercheck.motion import coarse_to_fine
+from plannercheck.motion_validators import Space, motion_validator
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.ompl_space import Curve, PlanarSpace, sampled_curve
 from plannercheck.plans import Plan, joint_length
@@ -35,108 +36,6 @@ Floats = NDArray[np.float64]
 SIMPLIFICATION_TIME = 1.0
 
 
-# Either kind of space: reads and writes states, and says how they differ.
-Space: TypeAlias = JointSpace | PlanarSpace
-
-# A curved motion is checked coarse to fine, so that a collision is met early: first this many states, then twice as
-# many each time.
-_FIRST_STATES = 8
-
-
-class MotionValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bindings are untyped
-    """Judges a motion by one call of the checker.
-
-    The counters are kept here: `SpaceInformation.getCheckedMotionCount` asks OMPL's own, which stay 0.
-    """
-
-    def __init__(self, information: Any, checker: AnyChecker, space: Space, resolution: float | None) -> None:
-        """Holds the checker and the joint space, but not the SpaceInformation, which holds this."""
-        super().__init__(information)
-        self._checker = checker
-        self._space = space
-        self._resolution = resolution
-        self._sampler = checker.motion_sampler
-        self.resetMotionCounter()
-
-    def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
-        """Whether the motion between two states is free, both ends included."""
-        free = self._is_free(s1, s2)
-        self._count(free)
-        return free
-
-    def checkMotionWithLastValid(self, s1: Any, s2: Any, last_valid: Any = None) -> tuple[bool, float]:  # noqa: N802
-        """The same, and how far the motion is free.
-
-        Args:
-            s1: Start.
-            s2: End.
-            last_valid: A state that receives the last one before the first collision; None for none.
-
-        Returns:
-            Whether the motion is free, and the last valid state's place between 0 and 1 (0 also if the start
-            collides).
-        """
-        states = self._states(s1, s2)
-        colliding = np.flatnonzero(~self._checker.check_states(states))
-        last = len(states) - 1 if len(colliding) == 0 else max(int(colliding[0]) - 1, 0)
-        if last_valid is not None:
-            self._space.write(last_valid, states[last])
-        self._count(len(colliding) == 0)
-        return len(colliding) == 0, last / (len(states) - 1)
-
-    def getValidMotionCount(self) -> int:  # noqa: N802
-        """Motions found free since the counters were reset."""
-        return self._valid
-
-    def getInvalidMotionCount(self) -> int:  # noqa: N802
-        """Motions found colliding since the counters were reset."""
-        return self._invalid
-
-    def getCheckedMotionCount(self) -> int:  # noqa: N802
-        """All motions checked since the counters were reset."""
-        return self._valid + self._invalid
-
-    def getValidMotionFraction(self) -> float:  # noqa: N802
-        """Free motions as a part of all; 0 if there were none."""
-        return self._valid / max(self.getCheckedMotionCount(), 1)
-
-    def resetMotionCounter(self) -> None:  # noqa: N802
-        """Sets the counters to 0."""
-        self._valid = self._invalid = 0
-
-    def _is_free(self, s1: Any, s2: Any) -> bool:
-        if self._space.is_straight:
-            return self._checker.check_motion(*self._ends(s1, s2), self._resolution)
-        steps = self._space.curve_steps(s1, s2, self._sampler, self._resolution)
-        parameters = coarse_to_fine(steps)
-        done, size = 0, _FIRST_STATES
-        while done < len(parameters):
-            states = self._space.curve_states(s1, s2, parameters[done : done + size])
-            if not self._checker.check_states(states).all():
-                return False
-            done, size = done + size, 2 * size
-        return True
-
-    def _states(self, s1: Any, s2: Any) -> Floats:
-        """The sampled states (k, nq) of a motion, both ends included."""
-        if not self._space.is_straight:
-            return sampled_curve(self._space, s1, s2, self._sampler, self._resolution)
-        q0, q1 = self._ends(s1, s2)
-        steps = int(self._sampler.steps(q0[None], q1[None], self._resolution)[0])
-        return np.asarray(self._sampler.states(q0, q1, np.arange(steps + 1) / steps))
-
-    def _ends(self, s1: Any, s2: Any) -> tuple[Floats, Floats]:
-        """Both ends; angles of the second on the short way from the first, as OMPL interpolates."""
-        q0 = np.array(self._space.read(s1))
-        return q0, q0 + self._space.differences(q0, np.array(self._space.read(s2)))
-
-    def _count(self, free: bool) -> None:
-        if free:
-            self._valid += 1
-        else:
-            self._invalid += 1
-
-
 # Longest motion that a planner tries at once, rad. OMPL's default, a fifth of the space's extent, is 2.6 rad
 # for seven joints: most such motions collide, and checking them to a millimetre is wasted.
 LONGEST_MOTION = 0.5
@@ -145,6 +44,7 @@ LONGEST_MOTION = 0.5
 def setup(
     checker: AnyChecker,
     resolution: float | None = None,
+    tolerance: float = DEFAULT_TOLERANCE,
     *,
     curve: Curve = "straight",
     turning_radius: float | None = None,
@@ -155,8 +55,9 @@ def setup(
 
     Args:
         checker: Who judges states and motions, in space or in the plane.
-        resolution: No point of the robot moves further than this between two checked states of a motion, m; default
-            1 mm in space, 1 cm in the plane.
+        resolution: None to prove motions in space free, and to sample those in the plane by 1 cm. Else motions are
+            sampled, and no point of the robot moves further than this between two checked states, m.
+        tolerance: A motion that comes within this of a collision may be refused by the proof, m.
         curve: How a planar robot's root moves: "straight" (SE(2)), "dubins" (forwards) or "reeds_shepp" (either way).
         turning_radius: Of the two latter, m.
 
@@ -168,7 +69,7 @@ def setup(
     """
     if util.getLogLevel().value < util.LOG_WARN.value:
         util.setLogLevel(util.LOG_WARN)
-    return _setup(checker, space_of(checker, curve, turning_radius), resolution)
+    return _setup(checker, space_of(checker, curve, turning_radius), resolution, tolerance)
 
 
 def space_of(checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None) -> Space:
@@ -180,13 +81,14 @@ def space_of(checker: AnyChecker, curve: Curve = "straight", turning_radius: flo
     return JointSpace(checker.robot)  # type: ignore[arg-type]  # the other kind of checker
 
 
-def _setup(checker: AnyChecker, space: Space, resolution: float | None) -> Any:
-    if resolution is not None and not (np.isfinite(resolution) and resolution > 0):
-        raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
+def _setup(checker: AnyChecker, space: Space, resolution: float | None, tolerance: float) -> Any:
+    for name, length in (("resolution", resolution), ("tolerance", tolerance)):
+        if length is not None and not (np.isfinite(length) and length > 0):
+            raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
     setup = geometric.SimpleSetup(space.ompl_space())
     setup.setStateValidityChecker(_state_validity(checker, space))
     information = setup.getSpaceInformation()
-    information.setMotionValidator(MotionValidator(information, checker, space, resolution))
+    information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))
     return setup
 
 
@@ -256,7 +158,7 @@ def plan(
     space = space_of(checker, curve, turning_radius)
     with _quiet():
         _seed(seed)
-        setup = _setup(checker, space, resolution)
+        setup = _setup(checker, space, resolution, DEFAULT_TOLERANCE)
         information = setup.getSpaceInformation()
         setup.setStartAndGoalStates(*(space.state(information, q) for q in ends.values()))
         setup.setPlanner(_planner(planner, information, longest_motion))

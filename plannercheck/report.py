@@ -7,6 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from plannercheck.certificates import Certificate
 
 if TYPE_CHECKING:
@@ -51,6 +54,62 @@ class Verdict:
     collisions: tuple[PairVerdict, ...]
     separations: tuple[PairVerdict, ...]
     kinematic_error: float
+
+
+@dataclass(frozen=True, eq=False)
+class MotionProof:
+    """What proves two bodies apart on an interval of a motion.
+
+    Seen from the frame, each point of a body leaves the chord of its path by so little that both bodies together leave
+    theirs by at most `bulge`. So a plane that keeps them further apart at both ends does so all the way.
+
+    Attributes:
+        first: Name of the robot's link.
+        second: Name of the other link or of the obstacle.
+        first_body: Index of the first body into the checker's bodies.
+        second_body: Index of the second.
+        start: Parameter of the motion, 0 to 1.
+        end: Parameter.
+        frame: Name of the link in whose frame the normal is fixed; None for the world.
+        normal: (3,) unit vector in the frame, from second to first.
+        gap: Along it the bodies are at least this far apart at both ends, m.
+        bulge: Bound of what their points leave their chords by, m; less than the gap.
+    """
+
+    first: str
+    second: str
+    first_body: int
+    second_body: int
+    start: float
+    end: float
+    frame: str | None
+    normal: NDArray[np.float64]
+    gap: float
+    bulge: float
+
+
+@dataclass(frozen=True)
+class MotionVerdict:
+    """The verdict of one motion; parameters go from 0 at its start to 1 at its end.
+
+    Attributes:
+        free: Whether the motion is proved free.
+        tolerance: A motion that stays further than this from collisions is free, m.
+        free_until: The last parameter known free: everything before it is proved free.
+        collides_at: The first parameter known to collide; None if none was found.
+        near_at: Where the motion was refused: the pair is within the tolerance; None if it is free.
+        pair: The pair that stops the motion, with its certificate at `collides_at`, or, if nothing collides, at
+            `near_at`; None if the motion is free.
+        proofs: If asked for, what proves the part up to `free_until`.
+    """
+
+    free: bool
+    tolerance: float
+    free_until: float
+    collides_at: float | None
+    near_at: float | None
+    pair: PairVerdict | None
+    proofs: tuple[MotionProof, ...] = ()
 
 
 @dataclass(frozen=True)

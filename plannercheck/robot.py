@@ -18,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.configurations import planning_group, whole_robot
+from plannercheck.configurations import ConfigurationMap, planning_group, whole_robot
 from plannercheck.errors import unknown_name
 from plannercheck.kinematic_rounding import KinematicRounding
 from plannercheck.kinematics import (
@@ -284,6 +284,16 @@ class Robot:
     def joint_table(self) -> JointTable | None:
         """The compiled kinematics' table; None if it does not know some joint."""
         return joint_table(self.model, self._map, self._tree.frames)
+
+    @property
+    def configuration_map(self) -> ConfigurationMap:
+        """Where the numbers in Pinocchio's q come from."""
+        return self._map
+
+    @property
+    def frames(self) -> Sequence[int]:
+        """Pinocchio's frames of the links, in the order of link_names."""
+        return self._tree.frames
 
     @cached_property
     def _rounding(self) -> KinematicRounding | None:

@@ -40,10 +40,10 @@ def kinova() -> Checker:
     return Checker(Robot.load("kinova"))
 
 
-def validator_of(checker: Checker, resolution: float = 1e-3):
+def validator_of(checker: Checker, resolution: float | None = None):
     space = JointSpace(checker.robot)
     information = planning.setup(checker, resolution).getSpaceInformation()
-    return planning.MotionValidator(information, checker, space, resolution), space, information
+    return planning.motion_validator(information, checker, space, resolution), space, information
 
 
 def test_the_space_has_the_limits_of_the_robot(checker):
@@ -72,6 +72,14 @@ def test_a_plan_leads_from_start_to_goal_within_the_limits(checker, ends, plan):
     assert plan.length == pytest.approx(np.linalg.norm(np.diff(plan.path, axis=0), axis=1).sum())
     assert plan.length >= np.linalg.norm(ends[1] - ends[0]) - 1e-12
     assert 0 < plan.time < 10
+
+
+def test_continuous_joints_are_checked_on_the_short_way(kinova):
+    validator, space, information = validator_of(kinova)
+    q = kinova.robot.random_configurations(40, 5)
+    for q0, q1 in zip(q[::2], q[1::2], strict=True):
+        states = space.state(information, q0), space.state(information, q1)
+        assert validator.checkMotion(*states) == kinova.check_motion(q0, q1)
 
 
 def test_all_sampled_states_of_a_plan_are_valid(checker, plan):
@@ -124,10 +132,45 @@ def test_bad_ends_are_called_by_their_names(checker, ends):
         planning.plan(checker, ends[0], np.full(7, np.nan))
 
 
-def test_motions_are_judged_and_counted(checker):
-    validator, space, information = validator_of(checker, 0.01)
+def test_all_motions_of_a_plan_are_proved_free(checker, plan):
+    assert checker.check_motions(plan.path[:-1], plan.path[1:]).all()
+
+
+# Geometric planners of OMPL 2.0.1 that its bindings expose.
+PLANNERS = (
+    *("AORRTC", "BFMT", "BITstar", "BKPIECE1", "FMT", "InformedRRTstar", "KPIECE1"),
+    *("LBKPIECE1", "PRM", "PRMstar", "RRT", "RRTConnect", "RRTstar", "SORRTstar"),
+)
+
+
+@pytest.mark.parametrize("name", PLANNERS)
+def test_every_planner_asks_for_proofs(checker, ends, name):
+    # Not a goal in sight of the start: SORRTstar never returns where the straight motion is the best path.
+    assert name in planning.planner_names()
+    setup = planning.setup(checker)
+    information, space = setup.getSpaceInformation(), JointSpace(checker.robot)
+    validator = planning.motion_validator(information, checker, space)
+    information.setMotionValidator(validator)
+    setup.setStartAndGoalStates(*(space.state(information, q) for q in ends))
+    setup.setPlanner(getattr(geometric, name)(information))
+    setup.solve(base.timedPlannerTerminationCondition(0.7))
+    assert validator.getCheckedMotionCount() > 0
+    if not setup.haveExactSolutionPath():  # in this time
+        return
+    path = np.array([space.read(state) for state in setup.getSolutionPath().getStates()])
+    assert checker.check_motions(path[:-1], path[1:]).all()
+    before = validator.getCheckedMotionCount()
+    setup.simplifySolution(0.2)
+    path = np.array([space.read(state) for state in setup.getSolutionPath().getStates()])
+    assert checker.check_motions(path[:-1], path[1:]).all()
+    assert validator.getCheckedMotionCount() >= before
+
+
+@pytest.mark.parametrize("resolution", [None, 0.01])
+def test_motions_are_judged_and_counted(checker, resolution):
+    validator, space, information = validator_of(checker, resolution)
     rows = checker.scene.samples("panda")[600:640]
-    expected = checker.check_motions(rows[:-1], rows[1:], 0.01)
+    expected = checker.check_motions(rows[:-1], rows[1:], resolution)
     for q0, q1, free in zip(rows[:-1], rows[1:], expected, strict=True):
         answer = validator.checkMotion(space.state(information, q0), space.state(information, q1))
         assert type(answer) is bool
@@ -142,26 +185,31 @@ def test_motions_are_judged_and_counted(checker):
     assert validator.getCheckedMotionCount() == 0
 
 
-def test_the_last_valid_state_comes_right_before_the_first_collision(checker):
-    validator, space, information = validator_of(checker, 0.01)
+@pytest.mark.parametrize("resolution", [None, 0.01])
+def test_the_last_valid_state_comes_right_before_the_first_collision(checker, resolution):
+    validator, space, information = validator_of(checker, resolution)
     rows = checker.scene.samples("panda")[600:640]
     for q0, q1 in pairwise(rows):
         last = information.allocState()
         ends = space.state(information, q0), space.state(information, q1)
         free, fraction = validator.checkMotionWithLastValid(*ends, last)
-        assert free == checker.check_motion(q0, q1, 0.01)
+        assert free == checker.check_motion(q0, q1, resolution)
         assert (fraction == 1.0) == free
         assert np.allclose(space.read(last), q0 + fraction * (q1 - q0))
         assert fraction == 0.0 or checker.is_valid(space.read(last))
+        if resolution is None and 0 < fraction < 1:
+            assert checker.check_motion(q0, space.read(last), tolerance=1e-6)
+            assert not checker.check_motion(space.read(last), q1)
 
 
-def test_space_information_asks_our_validator(checker):
-    setup = planning.setup(checker, 0.01)
+@pytest.mark.parametrize("resolution", [None, 0.01])
+def test_space_information_asks_our_validator(checker, resolution):
+    setup = planning.setup(checker, resolution)
     information, space = setup.getSpaceInformation(), JointSpace(checker.robot)
     rows = checker.scene.samples("panda")[600:620]
     for q0, q1 in pairwise(rows):
         states = space.state(information, q0), space.state(information, q1)
-        assert information.checkMotion(*states) == checker.check_motion(q0, q1, 0.01)
+        assert information.checkMotion(*states) == checker.check_motion(q0, q1, resolution)
 
 
 def test_continuous_joints_of_a_group_are_angles(kinova):

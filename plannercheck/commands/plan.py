@@ -34,7 +34,8 @@ from plannercheck.protocols import AnyChecker
 Floats = NDArray[np.float64]
 
 _EPILOG = """\
-Motions are checked at states so close that no link point moves further than 1 mm between them (1 cm in the plane).
+Every motion in space is proved free, not sampled; one that comes within 0.1 mm of a collision may be refused.
+Motions in the plane are checked at states so close that no point moves further than 1 cm between them.
 
 Exit codes: 0 solved, 1 not (all) solved, 2 bad input. A problem whose start or goal collides or is beyond the
 limits is not solved; the colliding pairs are named.

@@ -20,7 +20,9 @@ from plannercheck.agreement import AgreementReport, compare_with_fcl
 from plannercheck.agreement import merged as merged_agreement
 from plannercheck.certification import CertificationReport, certify_verdicts
 from plannercheck.certification import merged as merged_certification
+from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.checker import Checker
+from plannercheck.commands import validated_paths
 from plannercheck.commands.common import (
     add_checker_arguments,
     add_robot_argument,
@@ -49,6 +51,7 @@ Exit codes: 0 all valid and within the limits, 1 some are not, 2 bad input, or a
 Examples:
   plannercheck validate --robot panda --scene bookshelf samples.npy --output verdicts.npz
   plannercheck validate --robot truck_trailer --scene parking samples.npy
+  plannercheck validate --robot panda --scene bookshelf --path plan.json trajectory.yaml
   plannercheck validate --robot arm.urdf --scene cell.yaml --pairs all --format json log1.csv log2.csv
 """
 
@@ -68,7 +71,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_robot_argument(parser)
     add_scene_argument(parser)
     add_checker_arguments(parser)
-    parser.add_argument("files", nargs="+", metavar="FILE", type=Path, help="npy, npz or csv file")
+    parser.add_argument("files", nargs="*", metavar="FILE", type=Path, help="npy, npz or csv file")
+    parser.add_argument(
+        "--path",
+        nargs="+",
+        type=Path,
+        metavar="PATH",
+        help="paths instead of sets: every motion between neighbours is proved free, or the first that is not is named "
+        "with parameter, pair and certificate; plans (json), npy, npz, csv, MoveIt trajectories (yaml, json), OMPL's "
+        "printed paths (any other suffix)",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=DEFAULT_TOLERANCE,
+        metavar="M",
+        help="for --path: a motion that comes nearer than this may be refused, m; default: %(default)g",
+    )
     parser.add_argument(
         "--output",
         type=Path,
@@ -98,6 +117,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
+    if bool(options.files) == bool(options.path):
+        raise PlannercheckError("needs either files with configurations or --path with paths")
+    if options.path:
+        if options.output or options.reference or options.certify or options.pairs != "first":
+            raise PlannercheckError("--output, --pairs, --reference and --certify are for sets, not for --path")
+        return validated_paths.run(options)
     check_folder(options.output)
     if options.output is not None and options.output.suffix != ".npz":
         raise PlannercheckError(f"--output must be an npz file, not {str(options.output)!r}")

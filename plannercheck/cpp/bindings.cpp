@@ -11,4 +11,5 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_checker(m);
   plannercheck::bind_sphere_model(m);
   plannercheck::bind_planar(m);
+  plannercheck::bind_motion(m);
 }

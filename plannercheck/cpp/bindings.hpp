@@ -11,5 +11,6 @@ void bind_checker(nanobind::module_& m);
 void bind_sphere_model(nanobind::module_& m);
 void bind_planar(nanobind::module_& m);
 void bind_planar_checker(nanobind::module_& m);
+void bind_motion(nanobind::module_& m);
 
 }  // namespace plannercheck

@@ -7,7 +7,7 @@ namespace plannercheck {
 namespace {
 
 // Poses stretch by 1e-6 at most; this covers that of a link times that of a placement on it.
-constexpr double kStretch = 1 + 4e-6;
+constexpr double kPosedStretch = 1 + 4e-6;
 // Posing a vertex or a ball's centre in doubles errs by about 20u of the numbers that go into it, rounding the centre
 // to float by 2^-24 of its length: this covers both, and computing the bound itself.
 constexpr double kCentreError = 0x1p-22;
@@ -83,7 +83,7 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
     place[b] = static_cast<std::int32_t>(movers_.size());
     const Ball ball = small_ball(*mounted.body);
     const double reach = norm_1(mounted.placement.translation()) + 2 * (mounted.body->reach + ball.radius);
-    movers_.push_back({mounted.link, mounted.placement.apply(ball.centre), ball.radius * kStretch, reach});
+    movers_.push_back({mounted.link, mounted.placement.apply(ball.centre), ball.radius * kPosedStretch, reach});
   }
   obstacles_ = boxes.size();
   tree_ = ObstacleTree(boxes);
@@ -156,7 +156,8 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
     const Floats y = load_floats(a.y.data()) - load_floats(b.y.data());
     const Floats z = load_floats(a.z.data()) - load_floats(b.z.data());
     const Floats radius = load_floats(a.radius.data()) + load_floats(b.radius.data());
-    for (unsigned left = ~bits((x * x + y * y) + z * z > far_beyond(radius)) & states; left != 0; left &= left - 1) {
+    for (unsigned left = ~float_bits((x * x + y * y) + z * z > far_beyond(radius)) & states; left != 0;
+         left &= left - 1) {
       w.near[static_cast<std::size_t>(__builtin_ctz(left))].push_back(pair.pair);
     }
   }

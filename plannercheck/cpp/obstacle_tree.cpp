@@ -113,7 +113,7 @@ unsigned ObstacleTree::near_children(const Node& node, const FloatSphere& sphere
   };
   const Floats x = beyond(node.low_x, node.high_x, sphere.x), y = beyond(node.low_y, node.high_y, sphere.y);
   const Floats z = beyond(node.low_z, node.high_z, sphere.z);
-  return ~bits((x * x + y * y) + z * z > sphere.limit) & ((1U << kFloats) - 1);
+  return ~float_bits((x * x + y * y) + z * z > sphere.limit) & ((1U << kFloats) - 1);
 }
 
 }  // namespace plannercheck

@@ -54,6 +54,7 @@ inline Lanes absolute(Lanes a) {
 }
 
 inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
+inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
 
 // Bit k of the result: lane k of a comparison.
 inline unsigned bits(LaneMask mask) {
@@ -68,7 +69,7 @@ inline unsigned bits(LaneMask mask) {
 #endif
 }
 
-inline unsigned bits(FloatMask mask) {
+inline unsigned float_bits(FloatMask mask) {
 #if defined(__AVX__)
   return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
 #else

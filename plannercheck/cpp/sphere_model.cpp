@@ -32,7 +32,9 @@ Centres local(const SphereModel::Obstacle& o, const Centres& c) {
           ((c.x * m[8] + c.y * m[9]) + c.z * m[10]) + m[11]};
 }
 
-unsigned within(Floats x, Floats y, Floats z, float radius) { return bits(x * x + y * y + z * z <= radius * radius); }
+unsigned within(Floats x, Floats y, Floats z, float radius) {
+  return float_bits(x * x + y * y + z * z <= radius * radius);
+}
 
 }  // namespace
 
@@ -84,7 +86,7 @@ unsigned meets(const SphereModel::Obstacle& o, const std::vector<SphereModel::Pl
     const SphereModel::Plane& p = planes[at(o.first_plane + k)];
     inside &= (c.x * p.x + c.y * p.y) + c.z * p.z <= p.offset + radius;
   }
-  return bits(inside);
+  return float_bits(inside);
 }
 
 unsigned meet(const Centres& a, const Centres& b, float radius) {

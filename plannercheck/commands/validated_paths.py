@@ -1,0 +1,107 @@
+"""`plannercheck validate --path`: paths of any planner, proved free or stopped by a certificate.
+
+In: options, path files. Out: a line or a JSON object a path.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from plannercheck.certificates import Separation, SharedPoint
+from plannercheck.checker import Checker
+from plannercheck.path_files import read_path
+from plannercheck.path_validation import PathVerdict, validate_path
+from plannercheck.reading import within
+from plannercheck.report import PairVerdict
+from plannercheck.robot import Robot
+from plannercheck.scene import Scene
+
+
+def run(options: argparse.Namespace) -> int:
+    """Judges the paths of --path.
+
+    Returns:
+        0 if all are free and within the limits, else 1.
+    """
+    robot = Robot.load(options.robot)
+    scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
+    checkers: dict[tuple[tuple[str, float], ...], Checker] = {}
+    verdicts = []
+    for path in options.path:
+        file = read_path(path, robot.joint_names, robot.nq)
+        held = tuple(sorted(file.others.items()))
+        with within(f"path file {str(path)!r}"):
+            if held not in checkers:
+                posed = robot.holding(file.others) if held else robot
+                checkers[held] = Checker(posed, scene, self_collision=not options.no_self_collision)
+            verdicts.append(validate_path(checkers[held], file.states, options.tolerance, options.threads))
+    if options.format == "json":
+        print(json.dumps([_as_json(path, v) for path, v in zip(options.path, verdicts, strict=True)], indent=1))
+    else:
+        for path, verdict in zip(options.path, verdicts, strict=True):
+            print(f"{path}: {_sentence(verdict)}")
+    return 0 if all(verdict.passed for verdict in verdicts) else 1
+
+
+def _sentence(verdict: PathVerdict) -> str:
+    limits = f"; {verdict.beyond_limits} configurations beyond the limits" if verdict.beyond_limits else ""
+    if verdict.stopped is None:
+        return f"free, proved for all {verdict.motions} motions{limits}"
+    stopped, count = verdict.stopped, f"{verdict.motions - verdict.free_motions} of {verdict.motions} motions"
+    start = f"not free ({count}): motion {verdict.motion} is proved free up to {stopped.free_until:.9g}, "
+    assert stopped.pair is not None
+    pair = f"{stopped.pair.first} with {stopped.pair.second}"
+    if stopped.collides_at is not None:
+        return f"{start}collides at {stopped.collides_at:.9g}: {pair}, {_certificate(stopped.pair)}{limits}"
+    near = f"is within the tolerance of {stopped.tolerance:g} m at {stopped.near_at:.9g}"
+    return f"{start}{near}: {pair}, {_certificate(stopped.pair)}{limits}"
+
+
+def _certificate(pair: PairVerdict) -> str:
+    certificate = pair.certificate
+    assert isinstance(certificate, Separation | SharedPoint)  # checkers in space give no others
+    if isinstance(certificate, Separation):
+        return f"apart by at least {certificate.gap:.3g} m along ({_listed(certificate.normal.tolist())})"
+    return f"which share the point ({_listed(certificate.point.tolist())})"
+
+
+def _listed(values: list[float]) -> str:
+    return ", ".join(f"{value:.6g}" for value in values)
+
+
+def _as_json(path: Path, verdict: PathVerdict) -> dict[str, Any]:
+    out: dict[str, Any] = {
+        "path": str(path),
+        "free": verdict.free,
+        "states": verdict.states,
+        "motions": verdict.motions,
+        "free_motions": verdict.free_motions,
+        "beyond_limits": verdict.beyond_limits,
+        "tolerance": verdict.tolerance,
+        "duration": verdict.duration,
+    }
+    if verdict.stopped is None or verdict.stopped.pair is None:
+        return out
+    pair, stopped = verdict.stopped.pair, verdict.stopped
+    certificate = pair.certificate
+    assert isinstance(certificate, Separation | SharedPoint)  # checkers in space give no others
+    if isinstance(certificate, Separation):
+        proof: dict[str, Any] = {
+            "normal": certificate.normal.tolist(),
+            "offset": certificate.offset,
+            "gap": certificate.gap,
+        }
+    else:
+        proof = {"shared_point": certificate.point.tolist()}
+    return {
+        **out,
+        "motion": verdict.motion,
+        "free_until": stopped.free_until,
+        "collides_at": stopped.collides_at,
+        "near_at": stopped.near_at,
+        "pair": [pair.first, pair.second],
+        "certificate": proof,
+    }

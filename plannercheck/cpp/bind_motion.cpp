@@ -1,0 +1,183 @@
+// Certified motions in Python: batches, with the GIL released, on as many threads as asked for.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include "array_types.hpp"
+#include "bindings.hpp"
+#include "motion_certifier.hpp"
+#include "verdicts.hpp"
+#include "workspace_pool.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+using Configurations = InputArray<double, -1, -1>;
+template <int columns>
+using IndexTable = InputArray<std::int32_t, -1, columns>;
+
+MotionChains chains_from(IndexTable<2> drives, InputArray<double, -1, 2> factors,
+                         InputArray<std::int32_t, -1> first_entry, IndexTable<3> entries, InputArray<double, -1> arms,
+                         InputArray<std::int32_t, -1> slides) {
+  MotionChains out;
+  for (std::size_t j = 0; j < drives.shape(0); ++j)
+    out.joints.push_back({static_cast<DriveKind>(drives(j, 0)), drives(j, 1), factors(j, 0), factors(j, 1)});
+  for (std::size_t e = 0; e < entries.shape(0); ++e)
+    out.entries.push_back({entries(e, 0), arms(e), entries(e, 1), entries(e, 2)});
+  out.slides.assign(slides.data(), slides.data() + slides.shape(0));
+  out.first_entry.assign(first_entry.data(), first_entry.data() + first_entry.shape(0));
+  return out;
+}
+
+// A certifier with the workspaces that its callers have returned.
+class BoundCertifier {
+ public:
+  explicit BoundCertifier(MotionModel model) : certifier_(std::move(model)) {}
+
+  template <class Work>
+  void with_workspace(Work work) {
+    pool_.with_one([&] { return certifier_.new_workspace(); }, work,
+                   [&](auto& workspace) { add(MotionCertifier::take_counters(workspace)); });
+  }
+
+  const MotionCertifier& certifier() const { return certifier_; }
+
+  nb::dict statistics() const {
+    nb::dict out;
+    out["motions"] = total_.motions;
+    out["grids"] = total_.grids;
+    out["states"] = total_.states;
+    out["pairs"] = total_.pairs;
+    out["intervals"] = total_.intervals;
+    out["planes"] = total_.planes;
+    out["swept"] = total_.swept;
+    out["queries"] = counters_dict(total_.pair);
+    return out;
+  }
+
+ private:
+  MotionCertifier certifier_;
+  WorkspacePool<MotionCertifier::WorkspacePointer> pool_;
+  MotionCounters total_;
+
+  void add(const MotionCounters& c) {
+    total_.motions += c.motions, total_.grids += c.grids, total_.states += c.states;
+    total_.pairs += c.pairs, total_.intervals += c.intervals, total_.planes += c.planes, total_.swept += c.swept;
+    total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
+    total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
+    total_.pair.rounds += c.pair.rounds;
+  }
+};
+
+// MotionAnswer of each of n motions.
+auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configurations q0, Configurations q1,
+                   double tolerance, double kinematic_error, int threads) {
+  std::vector<std::uint8_t> answers(q0.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t width = q0.shape(1);
+    in_parallel(answers.size(), threads, [&](std::size_t from, std::size_t to) {
+      bound.with_workspace([&](MotionCertifier::Workspace& w) {
+        for (std::size_t i = from; i < to; ++i) {
+          const MotionReport report = bound.certifier().check(kinematics, q0.data() + i * width, q1.data() + i * width,
+                                                              tolerance, kinematic_error, w);
+          answers[i] = static_cast<std::uint8_t>(report.answer);
+        }
+      });
+    });
+  }
+  return output_array(answers, {answers.size()});
+}
+
+// For planners, which ask for one motion at a time: MotionAnswer of a motion between configurations within a range, for
+// which the kinematic error holds; kOutside if they are not.
+constexpr int kOutside = 3;
+
+int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
+                 const std::vector<double>& q1, InputArray<double, -1> low, InputArray<double, -1> high,
+                 double tolerance, double kinematic_error) {
+  if (q0.size() != low.shape(0) || q1.size() != low.shape(0)) return kOutside;
+  for (std::size_t c = 0; c < q0.size(); ++c) {
+    const bool inside = q0[c] >= low(c) && q0[c] <= high(c) && q1[c] >= low(c) && q1[c] <= high(c);
+    if (!inside) return kOutside;
+  }
+  MotionReport report;
+  {
+    nb::gil_scoped_release release;
+    bound.with_workspace([&](MotionCertifier::Workspace& w) {
+      report = bound.certifier().check(kinematics, q0.data(), q1.data(), tolerance, kinematic_error, w);
+    });
+  }
+  return static_cast<int>(report.answer);
+}
+
+// (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
+// directions (k, 3), gaps and bulges (k, 2).
+nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
+                         InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
+  MotionReport report;
+  std::vector<MotionProof> proofs;
+  {
+    nb::gil_scoped_release release;
+    bound.with_workspace([&](MotionCertifier::Workspace& w) {
+      report = bound.certifier().explain(kinematics, q0.data(), q1.data(), tolerance, kinematic_error,
+                                         proved ? &proofs : nullptr, w);
+    });
+  }
+  std::vector<std::int32_t> pairs;
+  std::vector<double> intervals, directions, gaps;
+  for (const MotionProof& p : proofs) {
+    pairs.push_back(p.pair);
+    intervals.insert(intervals.end(), {p.from, p.to});
+    directions.insert(directions.end(), {p.direction.x, p.direction.y, p.direction.z});
+    gaps.insert(gaps.end(), {p.gap, p.bulge});
+  }
+  const std::size_t n = proofs.size();
+  return nb::make_tuple(static_cast<int>(report.answer), report.free_until, report.refused, report.pair,
+                        output_array(pairs, {n}), output_array(intervals, {n, std::size_t{2}}),
+                        output_array(directions, {n, std::size_t{3}}), output_array(gaps, {n, std::size_t{2}}));
+}
+
+// Configurations at parameters (n,) of a motion.
+auto motion_states(const BoundCertifier& bound, InputArray<double, -1> q0, InputArray<double, -1> q1,
+                   InputArray<double, -1> parameters) {
+  std::vector<double> q(parameters.shape(0) * q0.shape(0));
+  bound.certifier().states(q0.data(), q1.data(), parameters.data(), parameters.shape(0), q.data());
+  return output_array(q, {parameters.shape(0), q0.shape(0)});
+}
+
+}  // namespace
+
+void bind_motion(nb::module_& m) {
+  nb::class_<BoundCertifier>(m, "MotionCertifier")
+      .def("__init__",
+           [](BoundCertifier* self, const std::vector<std::shared_ptr<Body>>& bodies,
+              InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements, IndexTable<5> pairs,
+              IndexTable<2> drives, InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry,
+              IndexTable<3> entries, InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides,
+              IndexTable<2> parts, int width, int link_count, double defect, double leverage) {
+             MotionModel model;
+             for (std::size_t i = 0; i < bodies.size(); ++i)
+               model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+             for (std::size_t p = 0; p < pairs.shape(0); ++p)
+               model.pairs.push_back({pairs(p, 0), pairs(p, 1), pairs(p, 2), pairs(p, 3), pairs(p, 4)});
+             model.chains = chains_from(drives, factors, first_entry, entries, arms, slides);
+             for (std::size_t k = 0; k < parts.shape(0); ++k)
+               model.parts.push_back({static_cast<PartKind>(parts(k, 0)), parts(k, 1)});
+             model.width = width;
+             model.links = link_count;
+             model.defect = defect;
+             model.leverage = leverage;
+             new (self) BoundCertifier(std::move(model));
+           })
+      .def("check", &check_motions)
+      .def("check_one", &check_motion)
+      .def("explain", &explain_motion)
+      .def("states", &motion_states)
+      .def("statistics", &BoundCertifier::statistics);
+}
+
+}  // namespace plannercheck
