@@ -231,8 +231,10 @@ def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> 
         return 0.0
     if kind != SLIDE:
         return np.inf
-    ends = np.array([lower[column], upper[column]]) * table.multipliers[joint][0] + table.offsets[joint][0]
-    return float(np.abs(ends).max())
+    ends = np.array([lower[column], upper[column]])
+    if not np.isfinite(ends).all():
+        return np.inf
+    return float(np.abs(ends * table.multipliers[joint][0] + table.offsets[joint][0]).max())
 
 
 def _kernel_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> Any:
