@@ -5,7 +5,7 @@ In: a draw. Out: what each says of every pair, if it has a shape for both bodies
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 import numpy as np
@@ -20,8 +20,8 @@ class Peer(Protocol):
 
     name: str
 
-    def outcomes(self, drawn: Draw) -> list[bool | str]:
-        """Its verdicts, "exception" where it throws, "unfit" where it has no shape for a body."""
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
+        """Its verdicts from a pair on, "exception" where it throws, "unfit" where it has no shape for a body."""
         ...
 
 
@@ -35,9 +35,9 @@ class Fcl:
         self._fcl = load_fcl()
         self._request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
-    def outcomes(self, drawn: Draw) -> list[bool | str]:
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
         """See `Peer`."""
-        return _outcomes(drawn, self._shape, self._collide)
+        return _outcomes(drawn, first, self._shape, self._collide)
 
     def _shape(self, body: Specimen) -> Any:
         if body.swell:
@@ -68,9 +68,9 @@ class Coal:
         self._coal = coal
         self._request = coal.CollisionRequest()
 
-    def outcomes(self, drawn: Draw) -> list[bool | str]:
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
         """See `Peer`."""
-        return _outcomes(drawn, self._shape, self._collide)
+        return _outcomes(drawn, first, self._shape, self._collide)
 
     def _shape(self, body: Specimen) -> Any:
         if body.swell:
@@ -99,13 +99,12 @@ def _swollen_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Call
 
 
 def _outcomes(
-    drawn: Draw, shape_of: Callable[[Specimen], Any], collide: Callable[[Any, Any, Any, Any], bool]
-) -> list[bool | str]:
+    drawn: Draw, first: int, shape_of: Callable[[Specimen], Any], collide: Callable[[Any, Any, Any, Any], bool]
+) -> Iterator[bool | str]:
     p, r = (_shape(shape_of, body) for body in (drawn.p, drawn.r))
-    for reason in ("unfit", "exception"):
-        if reason in (p, r):
-            return [reason] * len(drawn.poses_p)
-    return [_outcome(collide, p, a, r, b) for a, b in zip(drawn.poses_p, drawn.poses_r, strict=True)]
+    failed = next((reason for reason in ("unfit", "exception") if reason in (p, r)), None)
+    for a, b in zip(drawn.poses_p[first:], drawn.poses_r[first:], strict=True):
+        yield failed or _outcome(collide, p, a, r, b)
 
 
 def _shape(shape_of: Callable[[Specimen], Any], body: Specimen) -> Any:

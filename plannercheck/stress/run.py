@@ -9,7 +9,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,6 +26,7 @@ from plannercheck.stress.contacts import Points
 from plannercheck.stress.draws import GAPS, Draw, draws
 from plannercheck.stress.peers import Peer
 from plannercheck.stress.specimens import Specimen
+from plannercheck.stress.supervised import Supervised
 
 Flags = NDArray[np.bool_]
 Outcome = bool | str  # a verdict, or the kind of failure
@@ -119,12 +120,12 @@ def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], number: int) -
         for k, outcome in enumerate(outcomes):
             if tally.add(method, keys[k], outcome) and len(tally.cases) < KEPT:
                 tally.cases.append(_kept(drawn, k, method))
-    others = {peer.name: peer.outcomes for peer in peers}
+    others: dict[str, Callable[[Draw], Iterable[Outcome]]] = {peer.name: Supervised(peer).outcomes for peer in peers}
     if number % CERTIFIED_DRAWS == 0:
         others[CERTIFICATE] = _certified
     for name, ask in others.items():
         started = time.perf_counter()
-        outcomes = ask(drawn)
+        outcomes = list(ask(drawn))
         tally.seconds[name] += time.perf_counter() - started
         for key, outcome in zip(keys, outcomes, strict=True):
             tally.add(name, key, outcome)

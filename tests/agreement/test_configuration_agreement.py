@@ -9,13 +9,14 @@ from configuration_run import case_of, clear_errors, compare
 
 import plannercheck as pc
 from plannercheck.agreement import AgreementReport, merged
-from plannercheck.paths import shipped_folder
+from plannercheck.robot_files import shipped_robots
+from plannercheck.scene import shipped_scenes
 
 # Robots whose base stands in an obstacle are warned about; here that is no matter.
 pytestmark = [pytest.mark.agreement, pytest.mark.filterwarnings("ignore:.*fixed to the world")]
 
-ROBOTS = sorted(path.stem for path in shipped_folder("robots").glob("*.yaml"))
-SCENES = sorted(shipped_folder("configs").glob("*.yaml"))
+ROBOTS = shipped_robots()
+SCENES = shipped_scenes()
 
 # Errors of FCL, all of which exact arithmetic decides against it, where bodies are wider than 1 cm and the gap is over
 # 1e-3 of that. It has a few: it misses overlaps of up to 1.6 mm of tiago's finger tips (64 vertices, 3 cm), one of them
@@ -29,14 +30,14 @@ def test_no_verdict_of_ours_is_refuted(name: str, states_wanted: int, reports: l
     each = -(-states_wanted // (len(ROBOTS) * len(SCENES)))
     done: list[AgreementReport] = []
     clear: list[str] = []
-    for seed, path in enumerate(SCENES):
-        checker = pc.Checker(robot, pc.Scene.load(path))
+    for seed, scene in enumerate(SCENES):
+        checker = pc.Checker(robot, pc.Scene.load(scene))
         report = compare(checker, robot, each, seed)
         done.append(report)
         for number, found in enumerate(report.against_us[:20]):
-            case_of(checker, found).save(tmp_path / f"{path.stem}-{number}.json")
-        assert not report.against_us, f"in {path.stem}, cases saved in {tmp_path}: {report.against_us[:5]}"
-        assert not report.contradictions, f"check_states contradicts the pairs in {path.stem}"
+            case_of(checker, found).save(tmp_path / f"{scene}-{number}.json")
+        assert not report.against_us, f"in {scene}, cases saved in {tmp_path}: {report.against_us[:5]}"
+        assert not report.contradictions, f"check_states contradicts the pairs in {scene}"
         clear += clear_errors(checker, report)
     total = merged(done)
     reports.append(line_of(name, total))

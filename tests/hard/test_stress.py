@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +17,9 @@ from plannercheck import exact
 from plannercheck.cli import main
 from plannercheck.stress import run as stress
 from plannercheck.stress.cases import Case, shrunk
-from plannercheck.stress.draws import FAMILY_NAMES, GAPS, draw, draws
+from plannercheck.stress.draws import FAMILY_NAMES, GAPS, Draw, draw, draws
 from plannercheck.stress.peers import Coal, Fcl
+from plannercheck.stress.supervised import Supervised
 from plannercheck.stress.tables import lines
 
 SAMPLE = 6000  # pairs, about 15 s
@@ -103,7 +106,7 @@ def test_peers_agree_at_wide_gaps_of_bodies_about_a_metre(peer: type[Coal] | typ
     for drawn in itertools.islice(draws(5), 100):
         if min(drawn.p.size, drawn.r.size) < 0.1 or max(drawn.p.size, drawn.r.size) > 10:
             continue
-        outcomes = peer().outcomes(drawn)
+        outcomes = Supervised(peer()).outcomes(drawn)
         for k in wide:
             truth = exact.intersects(
                 drawn.p.vertices, drawn.r.vertices, drawn.poses_p[k], drawn.poses_r[k], drawn.p.swell, drawn.r.swell
@@ -127,3 +130,21 @@ def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None
     assert not list(tmp_path.iterdir())
     assert main(["stress", "--pairs", "0"]) == 2
     assert main(["stress", "--cases", str(tmp_path / "missing")]) == 2
+
+
+class Sleeper:
+    """A peer that does not come back from its third pair."""
+
+    name = "sleeper"
+
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
+        for k in range(first, len(drawn.poses_p)):
+            if k == 2:
+                time.sleep(60)
+            yield k % 2 == 0 if k else "exception"
+
+
+def test_a_peer_that_does_not_come_back_is_stopped() -> None:
+    drawn = draw(np.random.default_rng(0))
+    expected = [k % 2 == 0 for k in range(len(drawn.poses_p))]
+    assert Supervised(Sleeper(), 0.5).outcomes(drawn) == ["exception", False, "timeout", *expected[3:]]
