@@ -41,7 +41,7 @@ class MotionSampler:
         self._positions = np.maximum(_limits(robot.model), np.abs(robot.expand(robot.reference)))
         self._levers = lever_arms(robot, self._positions, excess)
         self._sliding = _sliding_columns(robot)
-        self._turning = np.flatnonzero(np.isinf(robot.lower) & (robot.configuration_map.roles_of_columns() != PLAIN))
+        self._turning = _turning_columns(robot)
         self.is_vector_space = len(robot.joint_names) == robot.nq  # one number a joint: angles and lengths
         self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
 
@@ -118,6 +118,13 @@ class MotionSampler:
             if not checker.check_states(self.states(q0, q1, parameters[first : first + _BATCH])).all():
                 return False
         return True
+
+
+def _turning_columns(robot: Robot) -> NDArray[np.int64]:
+    """Columns of a group that a whole turn does not change: continuous joints, unless one follows at half speed."""
+    used, free = robot.configuration_map, np.isinf(robot.lower) & np.isinf(robot.upper)
+    whole = (used.roles != PLAIN) & (used.multipliers == np.round(used.multipliers))
+    return np.array([c for c in np.flatnonzero(free) if whole[used.columns == c].all()], dtype=np.int64)
 
 
 def _column_levers(robot: Robot, levers: Floats) -> Floats:
