@@ -128,6 +128,18 @@ def near_pair(rng, largest=14, kinds=ROUND):
     return a, b, pose_a, pose_b
 
 
+def nudged(rng, pair, count):
+    """The pair and `count` more whose second polygon is a little off: by a part of its size or by steps of a double."""
+    a, b, pose_a, pose_b = pair
+    pairs = [pair]
+    for _ in range(count):
+        pose = pose_b.copy()
+        axis, gap = rng.integers(2), rng.choice(GAPS)
+        pose[axis, 2] = np.nextafter(pose[axis, 2], rng.choice([-9, 9])) if rng.random() < 0.3 else pose[axis, 2] + gap
+        pairs.append((a, b, pose_a, pose))
+    return pairs
+
+
 def exact_contact(rng, largest=14):
     """Polygons on a grid that share a corner, or a corner and a place on a side, without any rounding."""
     a, b = (with_runs(rng, int(rng.integers(6, largest))) for _ in range(2))

@@ -29,7 +29,8 @@ QUERIES = 1000
 REPETITIONS = 9
 # Vertices of the polygons that are compared with shapely.
 PEER_SIZES = (10, 100, 1000, 10_000)
-BLOCK = 2000  # pairs
+BLOCK = 10_000  # pairs
+NUDGES = 4  # pairs made of one that is drawn
 REPORTED = 50_000  # pairs
 FLATNESS = 0.7  # of the ellipses on which vertices are
 
@@ -152,6 +153,18 @@ def drawn(rng: np.random.Generator) -> tuple[str, tuple[np.ndarray, ...]]:
     return str(kind), make[str(kind)]()
 
 
+def block(rng: np.random.Generator, size: int) -> tuple[list[str], list[tuple[np.ndarray, ...]]]:
+    """Pairs of all kinds: drawn ones, each with some that are a little off."""
+    kinds: list[str] = []
+    pairs: list[tuple[np.ndarray, ...]] = []
+    while len(pairs) < size:
+        kind, pair = drawn(rng)
+        several = cases.nudged(rng, pair, NUDGES)
+        kinds += [kind] * len(several)
+        pairs += several
+    return kinds[:size], pairs[:size]
+
+
 def truths(pairs: list[tuple[np.ndarray, ...]]) -> tuple[np.ndarray, int]:
     """The verdicts of the oracle, and how many needed integers."""
     verdicts, integers = np.zeros(len(pairs), dtype=bool), 0
@@ -183,8 +196,8 @@ def compare(total: int, seed: int) -> int:
     wrong: list[tuple[np.ndarray, ...]] = []
     began = time.perf_counter()
     while counts["pairs"] < total:
-        kinds, pairs = zip(*(drawn(rng) for _ in range(min(BLOCK, total - counts["pairs"]))), strict=True)
-        truth, integers = truths(list(pairs))
+        kinds, pairs = block(rng, min(BLOCK, total - counts["pairs"]))
+        truth, integers = truths(pairs)
         a, b, poses_a, poses_b = zip(*pairs, strict=True)
         found = pc.planar.count_batch(list(a), list(b), np.array(poses_a), np.array(poses_b))
         wrong += [pairs[k] for k in np.flatnonzero(found.shared != truth)]
