@@ -22,9 +22,9 @@ from pathlib import Path
 import coal
 import numpy as np
 import pinocchio as pin
-from states import coal_shape
 
 import plannercheck as pc
+from plannercheck.bench.peers import coal_shape
 from plannercheck.paths import example_robot_data
 from plannercheck.problem_plans import robot_of
 from plannercheck.problems import load_problems
@@ -202,8 +202,9 @@ def cases(n: int, generator: np.random.Generator, folder: Path) -> Iterator[Case
 def coal_body(checker: pc.Checker, k: int) -> coal.CollisionGeometry:
     """Spheres and capsules as such, all else as the hull that the checker has."""
     body, polytope = checker.bodies[k], checker.polytopes[k]
-    if polytope is None or polytope.swell > 0:
-        return coal_shape(body)
+    assert polytope is not None  # of a pair that was judged
+    if polytope.swell > 0:
+        return coal_shape(body, polytope)
     points = coal.StdVec_Vec3s()
     points.extend(list(polytope.vertices))
     return coal.ConvexBase.convexHull(points, True, "Qt")
