@@ -53,7 +53,7 @@ class Nearest:
 
     @property
     def distance(self) -> float:
-        """m."""
+        """Length of `apart`, m."""
         return float(np.linalg.norm(self.apart))
 
     @property

@@ -243,9 +243,18 @@ def _run_complexity(options: argparse.Namespace) -> None:
     print(table(header, [_complexity_cells(row) for row in rows]))
     grown = complexity.growth(rows)
     if grown:
-        print("\nvisited vertices a doubling of n adds (mean); exponents of a power law through the means and the worst")
+        print(
+            "\nvisited vertices a doubling of n adds (mean); exponents of a power law through the means and the worst"
+        )
         cells = [
-            (row.where, row.family, row.method, f"{row.per_doubling:.1f}", f"{row.exponent:.2f}", f"{row.exponent_worst:.2f}")
+            (
+                row.where,
+                row.family,
+                row.method,
+                f"{row.per_doubling:.1f}",
+                f"{row.exponent:.2f}",
+                f"{row.exponent_worst:.2f}",
+            )
             for row in grown
         ]
         print(table(("where", "bodies", "method", "a doubling", "exponent", "of the worst"), cells))
