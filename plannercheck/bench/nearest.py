@@ -13,11 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import cache
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
+
+from plannercheck.errors import PlannercheckError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -103,5 +105,15 @@ def share_a_point(first: Support, second: Support, start: Floats) -> tuple[bool,
 def _weights(points: Floats) -> Floats:
     """Weights of sum 1 that mix the point of a hull nearest to the origin."""
     rows = np.vstack([points.T, np.ones(len(points))])
-    weights = nnls(rows, np.array([0.0, 0.0, 0.0, 1.0]))[0]
+    weights = _optimize().nnls(rows, np.array([0.0, 0.0, 0.0, 1.0]))[0]
     return np.asarray(weights / weights.sum())
+
+
+@cache
+def _optimize() -> Any:
+    """scipy.optimize, which is an extra."""
+    try:
+        import scipy.optimize
+    except ImportError as error:
+        raise PlannercheckError("bench complexity needs SciPy: pip install 'plannercheck[bench]'") from error
+    return scipy.optimize
