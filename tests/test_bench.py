@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from plannercheck import exact
-from plannercheck.bench import covers, cutoffs, distances, pairs
+from plannercheck.bench import complexity, covers, cutoffs, distances, pairs
 from plannercheck.bench.methods import methods
 from plannercheck.bench.sphere_model import SphereModel
 from plannercheck.bench.states import measure
@@ -212,6 +212,29 @@ def test_scale_command(tmp_path, capsys):
     assert [row["boxes"] for row in rows] == ["100", "150"]
     assert all(float(row["bytes_a_vertex"]) > 0 for row in rows)
     assert "bytes a vertex" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["round", "prism", "cone", "doubling"])
+def test_baselines_that_are_counted_are_right(name):
+    rows = [row for row in complexity._in_space(name, 150, 8, 1) if row.method != "brute force"]
+    assert {row.shared for row in rows} == {4}  # gaps alternate
+    assert all(0 < row.visited_mean <= row.visited_worst for row in rows)
+
+
+def test_complexity_command(tmp_path, capsys):
+    assert main(["bench", "complexity", "--most", "300", "--queries", "4", "--output", str(tmp_path)]) == 0
+    rows = read(tmp_path / "complexity.csv")
+    assert {row["where"] for row in rows} == {"space", "plane", "trees, d = 2", "trees, d = 3"}
+    assert {row["shared"] for row in rows} == {"2"}
+    grown = {(row["family"], row["method"]): float(row["exponent"]) for row in read(tmp_path / "complexity_growth.csv")}
+    assert grown["ellipse", "brute force"] == pytest.approx(1)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "complexity.csv",
+        "complexity.png",
+        "complexity.svg",
+        "complexity_growth.csv",
+    }
+    assert "a doubling" in capsys.readouterr().out
 
 
 def test_bad_input_is_one_line(capsys):

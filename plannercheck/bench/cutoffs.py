@@ -32,8 +32,12 @@ _LONGEST = 2.0
 
 def inner_levels(body: Polytope) -> list[Polytope]:
     """Coarser and coarser bodies within a body with volume, the finest first, the body itself left out."""
-    alive = _alive(body.vertices, np.asarray(body.core.levels(False)))
-    return [Polytope(body.vertices[level]) for level in alive]
+    return [Polytope(body.vertices[level]) for level in alive_levels(body)]
+
+
+def alive_levels(body: Polytope) -> list[Ints]:
+    """Indices of a body's vertices that are alive at each level of its inner hierarchy, the finest level left out."""
+    return _alive(body.vertices, np.asarray(body.core.levels(False)))
 
 
 def outer_levels(body: Polytope) -> list[Polytope]:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from plannercheck.bench.complexity import ComplexityRow
 from plannercheck.bench.pairs import GAPS, PairRow
 from plannercheck.bench.states import StateRow
 from plannercheck.errors import PlannercheckError
@@ -93,6 +94,33 @@ def _gap_title(gap: float) -> str:
     return f"gap {100 * gap:+g} % of the size"
 
 
+# Panels of the plot of visited vertices: where, bodies, title.
+_COMPLEXITY_PANELS = (
+    ("space", "round", "space: round bodies"),
+    ("space", "doubling", "space: degree doubling"),
+    ("plane", "crowded", "plane: crowded vertices"),
+    ("trees, d = 3", "round", "trees, d = 3: round bodies"),
+)
+
+
+def visited_against_vertices(rows: Sequence[ComplexityRow], path: Path) -> list[Path]:
+    """Draws the worst query's visited vertices against n, a panel an algorithm, and one more for hard bodies.
+
+    Args:
+        rows: Of `plannercheck bench complexity`.
+        path: Where to, without suffix.
+
+    Returns:
+        The files.
+    """
+    series: dict[str, dict[str, list[tuple[float, float]]]] = {title: {} for _, _, title in _COMPLEXITY_PANELS}
+    for where, family, title in _COMPLEXITY_PANELS:
+        for row in rows:
+            if (row.where, row.family) == (where, family):
+                series[title].setdefault(row.method, []).append((row.vertices, row.visited_worst))
+    return against_size(series, "vertices of each body", "visited vertices, worst query", path)
+
+
 def against_size(
     panels: Mapping[str, Mapping[str, Sequence[tuple[float, float]]]], across: str, up: str, path: Path
 ) -> list[Path]:
@@ -114,8 +142,9 @@ def against_size(
         axis.grid(True, which="major", alpha=0.3)
         for name, points in curves.items():
             axis.plot(*zip(*points, strict=True), marker="o", markersize=4, label=name)
+        if not curves.keys() <= panels[next(iter(panels))].keys() or axis is axes[0]:
+            axis.legend(fontsize="small")
     axes[0].set_ylabel(up)
-    axes[0].legend(fontsize="small")
     return _saved(figure, path)
 
 

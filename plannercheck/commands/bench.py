@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from plannercheck.bench import output, pairs, plots, scale, states, switches
+from plannercheck.bench import complexity, output, pairs, plots, scale, states, switches
+from plannercheck.bench.complexity import ComplexityRow
 from plannercheck.bench.methods import KINDS, methods
 from plannercheck.bench.pairs import PairRow
 from plannercheck.bench.scale import ScaleRow
@@ -115,6 +116,12 @@ def _add_switches(parser: argparse.ArgumentParser) -> None:
 def _add_scale(parser: argparse.ArgumentParser) -> None:
     _add_robot(parser, 10_000)
     parser.add_argument("--boxes", type=_sizes, default=[100, 10_000], help="in each scene (default: 100,10000)")
+
+
+def _add_complexity(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--most", type=_positive, default=10_000, help="vertices of a body (default: %(default)s)")
+    parser.add_argument("--queries", type=_positive, default=100, help="of each body and size (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
 
 
 def _note(text: str) -> None:
@@ -228,6 +235,39 @@ def _scale_cells(row: ScaleRow) -> tuple[object, ...]:
     return row.boxes, row.pairs, *times, *sizes, output.size_of(row.process)
 
 
+def _run_complexity(options: argparse.Namespace) -> None:
+    if options.most < min(complexity.SIZES):
+        raise PlannercheckError(f"--most must be at least {min(complexity.SIZES)}")
+    rows = list(complexity.measure(options.most, options.queries, options.seed))
+    header = ("where", "bodies", "method", "vertices", "rounds: mean", "worst", "visited: mean", "worst", "shared")
+    print(table(header, [_complexity_cells(row) for row in rows]))
+    grown = complexity.growth(rows)
+    if grown:
+        print(
+            "\nvisited vertices a doubling of n adds (mean); exponents of a power law through the means and the worst"
+        )
+        cells = [
+            (
+                row.where,
+                row.family,
+                row.method,
+                f"{row.per_doubling:.1f}",
+                f"{row.exponent:.2f}",
+                f"{row.exponent_worst:.2f}",
+            )
+            for row in grown
+        ]
+        print(table(("where", "bodies", "method", "a doubling", "exponent", "of the worst"), cells))
+        _keep(options.output, "complexity_growth", grown)
+    _keep(options.output, "complexity", rows, plots.visited_against_vertices)
+
+
+def _complexity_cells(row: ComplexityRow) -> tuple[object, ...]:
+    rounds, visited = (row.rounds_mean, row.rounds_worst), (row.visited_mean, row.visited_worst)
+    counts = f"{rounds[0]:.1f}", rounds[1], f"{visited[0]:.0f}", visited[1], f"{row.shared} of {row.queries}"
+    return row.where, row.family, row.method, row.vertices, *counts
+
+
 def _keep(
     folder: Path | None, name: str, rows: Sequence[Any], draw: Callable[[Sequence[Any], Path], object] | None = None
 ) -> None:
@@ -248,4 +288,5 @@ SUBCOMMANDS = {
     "pairs": Subcommand("time a pair of bodies against their vertices", _add_pairs, _run_pairs),
     "switches": Subcommand("what each stage of a check brings", _add_switches, _run_switches),
     "scale": Subcommand("a scene of 10,000 boxes against one of 100; memory", _add_scale, _run_scale),
+    "complexity": Subcommand("rounds and visited vertices against n", _add_complexity, _run_complexity),
 }
