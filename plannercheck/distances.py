@@ -42,9 +42,7 @@ class Distance:
     lower_bound: float
 
 
-def distance(
-    P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None
-) -> Distance:
+def distance(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None) -> Distance:
     """The distance of two posed bodies, swells included.
 
     Args:

@@ -21,8 +21,8 @@ from ompl import base, geometric, util
 
 from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.checker import Checker
-from plannercheck.end_states import checked_end, judged
 from plannercheck.clearance_objective import CLEARANCE_RESOLUTION, MaxMinClearance
+from plannercheck.end_states import checked_end, judged
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.joint_space import JointSpace
 from plannercheck.motion_validators import Space, motion_validator

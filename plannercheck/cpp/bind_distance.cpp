@@ -59,7 +59,8 @@ class ClearanceSearch {
 
   // `rounds`: 0 for distances, else steps of the descent for a bound. `poses`: row-major 4x4, one a body.
   Clearance run(const double* poses, int rounds) {
-    for (std::size_t k = 0; k < bounds_.size(); ++k) bounds_[k] = ball_gap(guest(k, poses), host(k, poses)) + padding(k);
+    for (std::size_t k = 0; k < bounds_.size(); ++k)
+      bounds_[k] = ball_gap(guest(k, poses), host(k, poses)) + padding(k);
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return bounds_[a] < bounds_[b]; });
     Clearance least;

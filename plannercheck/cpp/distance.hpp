@@ -15,10 +15,10 @@ namespace plannercheck {
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 struct PairDistance {
-  bool overlap = false;             // the exact verdict; touching counts
-  double lower = 0, upper = 0;      // m; if they overlap both are −(the depth that is found)
-  Vec3 on_guest, on_host;           // in the world, on the surfaces; if they overlap what is deepest, and where it has to
-  Vec3 direction;                   // in the world, from host to guest: along which the guest leaves
+  bool overlap = false;         // the exact verdict; touching counts
+  double lower = 0, upper = 0;  // m; if they overlap both are −(the depth that is found)
+  Vec3 on_guest, on_host;       // in the world, on the surfaces; if they overlap what is deepest, and where it has to
+  Vec3 direction;               // in the world, from host to guest: along which the guest leaves
 };
 
 // `limit`: a distance beyond which a lower bound that exceeds it will do.

@@ -46,8 +46,8 @@ HullDistance hull_distance(const PosedBody& guest, const PosedBody& host, Vec3 h
 
 // The difference of vertices that is lowest along a direction of the world, from host to guest.
 struct LowestDifference {
-  double height;       // along the direction, relative to its length 1, less what rounding may be
-  Vec3 guest_vertex;   // in the world
+  double height;      // along the direction, relative to its length 1, less what rounding may be
+  Vec3 guest_vertex;  // in the world
 };
 LowestDifference lowest_difference(const PosedBody& guest, const PosedBody& host, Vec3 direction,
                                    PairCounters& counters);

@@ -8,7 +8,7 @@ namespace plannercheck {
 namespace {
 
 constexpr int kDistanceRounds = 256;  // of distances, which have nothing to fall back on
-constexpr int kDouble2Rounds = 32;  // it begins near the end; what is left is decided exactly
+constexpr int kDouble2Rounds = 32;    // it begins near the end; what is left is decided exactly
 
 // An operation errs by 2^-102 of its result, e = 2^-102 below; all lengths are in the unit of the pair, see below.
 //

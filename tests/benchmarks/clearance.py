@@ -3,10 +3,10 @@
 Run: python tests/benchmarks/clearance.py accuracy --pairs 10000
      python tests/benchmarks/clearance.py cost --sizes 8 100 1000 10000
 
-Accuracy: random families, sizes and gaps from 1e-12 to 10 sizes; against the exact distance in Python integers, as a part
-of max(distance, 1e-3 of the radius). Cost: pairs of round bodies at random poses; the two libraries take turns (A B B A)
-and the least time counts. Ours is one call for all poses, coal's is a call from Python a pair, so the cost of an empty
-loop over coal's arguments is not taken off.
+Accuracy: random families, sizes and gaps from 1e-12 to 10 sizes; against the exact distance in Python integers, as a
+part of max(distance, 1e-3 of the radius). Cost: pairs of round bodies at random poses; the two libraries take turns
+(A B B A) and the least time counts. Ours is one call for all poses, coal's is a call from Python a pair, whose cost is
+not taken off.
 """
 
 from __future__ import annotations
