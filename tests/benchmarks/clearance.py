@@ -55,9 +55,10 @@ def accuracy(pairs, seed):
 
 
 def coal_shape(body):
-    return coal.Convex(
-        coal.StdVec_Vec3s(list(body.vertices)), coal.StdVec_Triangle([coal.Triangle(*map(int, f)) for f in body.faces])
-    )
+    points = coal.StdVec_Vec3s()
+    for vertex in body.vertices:
+        points.append(np.array(vertex))
+    return coal.Convex.convexHull(points, False, None)
 
 
 def cost(sizes, poses_a_size, seed):
