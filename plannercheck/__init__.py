@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from plannercheck.certificates import Separation as Separation
     from plannercheck.certificates import SharedPoint as SharedPoint
     from plannercheck.checker import Checker as Checker
+    from plannercheck.distances import Distance as Distance
+    from plannercheck.distances import distance as distance
     from plannercheck.hull import Polytope as Polytope
     from plannercheck.pair import certify as certify
     from plannercheck.pair import intersects as intersects
@@ -31,6 +33,7 @@ __version__ = "0.1.0"
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {
     "Checker": "checker",
+    "Distance": "distances",
     "Polytope": "hull",
     "Robot": "robot",
     "Scene": "scene",
@@ -39,12 +42,14 @@ _HOMES = {
     "ValidityReport": "report",
     "Verdict": "report",
     "certify": "pair",
+    "distance": "distances",
     "intersects": "pair",
 }
 _MODULES = ("ndim", "ompl", "planar")
 
 __all__ = [
     "Checker",
+    "Distance",
     "PlannercheckError",
     "Polytope",
     "Robot",
@@ -55,6 +60,7 @@ __all__ = [
     "Verdict",
     "__version__",
     "certify",
+    "distance",
     "intersects",
     "ndim",
     "ompl",

@@ -118,8 +118,10 @@ class _Certification:
     def __init__(self, checker: Checker) -> None:
         self._checker = checker
         self._given = [
-            None if polytope is None else _given_body(body, polytope, checker.excess)
-            for body, polytope in zip(checker.bodies, checker.polytopes, strict=True)
+            None if polytope is None else _given_body(body, polytope, checker.excess, padding)
+            for body, polytope, padding in zip(
+                checker.bodies, checker.polytopes, checker.paddings.tolist(), strict=True
+            )
         ]
         self._boxes: dict[int, tuple[bytes, Box]] = {}
 
@@ -186,9 +188,10 @@ class _Certification:
         return Unproved(row, first, second, colliding)
 
 
-def _given_body(body: Body, polytope: Polytope, excess: float) -> PosedBody:
-    """The points that a body was made of, not posed yet."""
+def _given_body(body: Body, polytope: Polytope, excess: float, padding: float) -> PosedBody:
+    """The points that a body was made of, not posed yet; its swell includes its padding."""
     points, _, swell = hull_and_swell(body.shape, excess)
+    swell += padding
     source = polytope.source
     if swell != polytope.swell or source.max() >= len(points) or not np.array_equal(points[source], polytope.vertices):
         raise PlannercheckError(f"body {body.name!r} is not made of the points of its shape with excess={excess:g}")

@@ -23,6 +23,7 @@ from plannercheck.hull import Polytope
 from plannercheck.kinematic_rounding import largest_distance
 from plannercheck.motion import MotionSampler
 from plannercheck.motion_verdicts import explained_motion
+from plannercheck.padding import Padding, padding_parts
 from plannercheck.pair import Method, certify, pair_options
 from plannercheck.pairs import Acm, pair_table
 from plannercheck.reach import reach as reach_of
@@ -37,6 +38,10 @@ Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 
 
+# Steps of the descent that a lower bound of a distance takes.
+_BOUND_ROUNDS = 2
+
+
 class Checker:
     """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it.
 
@@ -49,6 +54,7 @@ class Checker:
             tested only beyond the limits, and where all pairs are asked for.
         resting: (k,) which of the pairs no joint of the group moves relative to each other.
         excess: How far polytopes of cylinders and cones stick out, as a part of the radius.
+        paddings: (bodies,) each body's part of the padding, m; `polytopes` are swollen by it.
         motion_sampler: Says how many states a motion needs, and interpolates them.
     """
 
@@ -57,7 +63,7 @@ class Checker:
         robot: Robot,
         scene: Scene | None = None,
         self_collision: bool = True,
-        padding: float = 0.0,
+        padding: Padding = 0.0,
         *,
         acm: Acm = "robot",
         kinematics: Literal["batch", "pinocchio"] = "batch",
@@ -78,7 +84,8 @@ class Checker:
             robot: The robot.
             scene: The scene; None is empty.
             self_collision: Whether the robot's self pairs are tested.
-            padding: Has to be 0 for now.
+            padding: What every pair has to keep apart, m: a configuration is valid if and only if all distances exceed
+                it. Or parts of it by name of body, link or obstacle: a pair then keeps the sum of its two parts.
             acm: Whose allowed collisions act on self pairs: "robot" (SRDF or YAML) or "scene" as well.
             kinematics: "batch", the compiled kernel, or "pinocchio".
             excess: How far polytopes of curved shapes may stick out, as a part of the radius.
@@ -96,8 +103,6 @@ class Checker:
         Raises:
             PlannercheckError: If an argument is none of those above.
         """
-        if padding != 0:
-            raise PlannercheckError(f"padding={padding}: only 0 is supported so far; enlarge the obstacles instead")
         if kinematics not in ("batch", "pinocchio"):
             raise PlannercheckError(f"kinematics must be 'batch' or 'pinocchio', not {kinematics!r}")
         if not isinstance(robot, Robot) or not isinstance(scene, Scene | None):
@@ -115,7 +120,8 @@ class Checker:
         self._row_shape = (robot.nq,)
         self._kernel = robot.kinematics if kinematics == "batch" else None
         self._options = pair_options(method, cached_plane, centre_axis, nearest_points), bounds, boxes, learning
-        self._preparation = Preparation(self.bodies, excess)
+        self.paddings = padding_parts(padding, self.bodies, self._labels)
+        self._preparation = Preparation(self.bodies, excess, self.paddings)
         candidates = np.concatenate([table.pairs, table.resting])
         apart, resting = self._never_meeting(candidates) if reach else np.zeros((2, len(candidates)), dtype=bool)
         self.unreachable, self.resting = apart[: len(self.pairs)], resting[: len(self.pairs)]
@@ -447,12 +453,54 @@ class Checker:
         return self._labels[a], self._labels[b]
 
     def clearance(self, q: ArrayLike, lower_bound: bool = False) -> float:
-        """Not available yet.
+        """The least distance of all pairs, whatever the padding.
 
-        Raises:
-            PlannercheckError: Always.
+        Args:
+            q: (nq,) rad and m.
+            lower_bound: Whether a proved lower bound will do, which is cheaper.
+
+        Returns:
+            m, within 1e-9 of max(distance, 1e-3 of the bodies' radius). Where bodies overlap, it is the negative of a
+            depth: moving one of them by it separates them, but a shorter move may, too (see `distances.Distance`).
+            Infinite without pairs.
         """
-        raise PlannercheckError("clearance is not available yet; `explain(q, separations=True)` gives gaps of planes")
+        return float(self.clearances(self._single(q), lower_bound)[0])
+
+    def clearances(self, q: ArrayLike, lower_bound: bool = False) -> Floats:
+        """`clearance` of a set of configurations.
+
+        Args:
+            q: (n, nq) rad and m.
+            lower_bound: As for `clearance`.
+
+        Returns:
+            (n,), m.
+        """
+        return self._clearances(q, lower_bound)[0]
+
+    def nearest_pair(self, q: ArrayLike) -> Ints:
+        """The pairs that are nearest, or deepest in each other.
+
+        Args:
+            q: (n, nq) rad and m.
+
+        Returns:
+            (n,) rows of `pairs`; -1 if there are none.
+        """
+        return self._clearances(q, False)[1]
+
+    def _clearances(self, q: ArrayLike, lower_bound: bool) -> tuple[Floats, Ints]:
+        rows = self.robot.check_configurations(q)
+        if not len(self.pairs):
+            return np.full(len(rows), np.inf), np.full(len(rows), -1, dtype=np.int32)
+        used = np.unique(self.pairs)
+        table = np.searchsorted(used, self.pairs).astype(np.int32)
+        bodies = [self._preparation.polytope(k).core for k in used.tolist()]
+        poses = np.ascontiguousarray(self.body_poses(rows)[:, used])
+        distances, nearest = core.clearances(
+            bodies, poses, table, self.paddings[used], _BOUND_ROUNDS if lower_bound else 0
+        )
+        return np.asarray(distances), np.asarray(nearest)
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far: states, pairs, what settled them, and the pair test's queries.

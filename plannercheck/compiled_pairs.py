@@ -29,13 +29,18 @@ class Preparation:
     """The bodies of a checker, prepared one by one as they are needed; equal shapes share one.
 
     Attributes:
-        hulls: Points, faces and swell of each body.
+        hulls: Points, faces and swell of each body, its padding included.
+        paddings: (bodies,) how much of the swells is padding, m.
     """
 
-    def __init__(self, bodies: Sequence[Body], excess: float) -> None:
+    def __init__(self, bodies: Sequence[Body], excess: float, paddings: Floats) -> None:
         """Computes points and faces; `excess` says how far polytopes of curved shapes may stick out."""
         self._bodies = bodies
-        self.hulls: list[HullAndSwell] = [hull_and_swell(body.shape, excess) for body in bodies]
+        self.paddings = paddings
+        self.hulls: list[HullAndSwell] = [
+            _padded(hull_and_swell(body.shape, excess), part)
+            for body, part in zip(bodies, paddings.tolist(), strict=True)
+        ]
         self._polytopes: list[Polytope | None] = [None] * len(bodies)
         self._known: dict[bytes, Polytope] = {}
 
@@ -54,6 +59,11 @@ class Preparation:
     def so_far(self) -> tuple[Polytope | None, ...]:
         """The bodies that are prepared, None for the others."""
         return tuple(self._polytopes)
+
+
+def _padded(hull: HullAndSwell, padding: float) -> HullAndSwell:
+    points, faces, swell = hull
+    return points, faces, swell + padding
 
 
 class CompiledPairs:

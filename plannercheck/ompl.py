@@ -21,6 +21,7 @@ from ompl import base, geometric, util
 
 from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.checker import Checker
+from plannercheck.clearance_objective import CLEARANCE_RESOLUTION, MaxMinClearance
 from plannercheck.end_states import checked_end, judged
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.joint_space import JointSpace
@@ -79,6 +80,26 @@ def space_of(checker: AnyChecker, curve: Curve = "straight", turning_radius: flo
     if curve != "straight" or turning_radius is not None:
         raise PlannercheckError("curves and turning radii are for planar robots")
     return JointSpace(checker.robot)  # type: ignore[arg-type]  # the other kind of checker
+
+
+def clearance_objective(checker: AnyChecker, setup: Any, resolution: float = CLEARANCE_RESOLUTION) -> Any:
+    """An objective for paths whose least clearance is as great as possible; see clearance_objective.py.
+
+    Args:
+        checker: Who measures clearances; in space.
+        setup: What `setup` made for it. `setup.setOptimizationObjective(objective)` puts the objective to use.
+        resolution: Between states at which a motion's clearance is measured, in the space's distance (rad).
+
+    Returns:
+        An `ompl.base.OptimizationObjective`.
+
+    Raises:
+        PlannercheckError: If the checker is planar.
+    """
+    space = space_of(checker)
+    if not isinstance(checker, Checker):
+        raise PlannercheckError("clearances are measured in space only, not for planar robots")
+    return MaxMinClearance(setup.getSpaceInformation(), checker, space, resolution)
 
 
 def _setup(checker: AnyChecker, space: Space, resolution: float | None, tolerance: float) -> Any:

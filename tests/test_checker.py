@@ -249,17 +249,6 @@ def test_threads_may_share_a_checker(checker, samples, verdicts):
         np.testing.assert_array_equal(result, verdicts)
 
 
-@pytest.mark.parametrize("padding", [0.01, -0.01, np.nan])
-def test_padding_is_not_there_yet(panda, padding):
-    with pytest.raises(pc.PlannercheckError, match="padding"):
-        pc.Checker(panda, padding=padding)
-
-
-def test_clearance_is_not_there_yet(checker, panda):
-    with pytest.raises(pc.PlannercheckError, match="clearance"):
-        checker.clearance(panda.reference)
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

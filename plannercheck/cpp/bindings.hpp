@@ -12,5 +12,6 @@ void bind_sphere_model(nanobind::module_& m);
 void bind_planar(nanobind::module_& m);
 void bind_planar_checker(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
+void bind_distance(nanobind::module_& m);
 
 }  // namespace plannercheck

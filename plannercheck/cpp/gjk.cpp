@@ -118,7 +118,30 @@ class NearestPoints {
 
   Proximity run(Vec3 direction) {
     Simplex simplex;
-    Proximity out = search(direction, simplex);
+    return with_corners(search(direction, simplex), simplex);
+  }
+
+  HullDistance distance(Vec3 direction, const DistanceGoal& goal) {
+    Simplex simplex;
+    HullDistance out = descend(direction, goal, simplex);
+    out.start.direction = simplex.count > 0 && simplex.count < 4 ? simplex.nearest() : out.direction;
+    out.start = with_corners(out.start, simplex);
+    return out;
+  }
+
+  LowestDifference lowest(Vec3 direction) {
+    const Vec3 d = (1 / norm(direction)) * direction;
+    const Corner corner = furthest_against(d);
+    return {dot(d, corner.difference) - kSupport * size_, corner.guest};
+  }
+
+ private:
+  const PosedBody &guest_, &host_;
+  PairCounters& counters_;
+  Vec3 shift_;
+  double swell_, size_;
+
+  static Proximity with_corners(Proximity out, const Simplex& simplex) {
     out.count = simplex.count;
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
       out.guest[i] = simplex.corner[i].guest_vertex;
@@ -127,11 +150,35 @@ class NearestPoints {
     return out;
   }
 
- private:
-  const PosedBody &guest_, &host_;
-  PairCounters& counters_;
-  Vec3 shift_;
-  double swell_, size_;
+  // Goes on past separating planes, until both bounds meet or doubles make no more progress.
+  HullDistance descend(Vec3 direction, const DistanceGoal& goal, Simplex& simplex) {
+    HullDistance out;
+    out.direction = direction;
+    double square = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < goal.rounds; ++round) {
+      ++counters_.rounds;
+      const double length = norm(direction);
+      if (!(length > 0) || !std::isfinite(length)) return out;
+      direction = (1 / length) * direction;
+      const Corner corner = furthest_against(direction);
+      const double height = dot(direction, corner.difference) - kSupport * size_;
+      if (round == 0 || height > out.lower) out.direction = direction;
+      out.lower = larger(out.lower, height);
+      if (goal.met(out)) return out;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+        if (simplex.corner[i].difference == corner.difference) return out;
+      }
+      simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
+      if (!reduce_to_nearest_face(simplex, square)) return --simplex.count, out;
+      if (simplex.count == 4) return out;  // the origin is inside, as far as doubles tell
+      direction = simplex.nearest();
+      out.upper = norm(direction) + 2 * kDifference * size_;
+      out.on_guest = simplex.on_guest();
+      out.on_host = out.on_guest - direction;
+      if (goal.met(out)) return out;
+    }
+    return out;
+  }
 
   Proximity search(Vec3 direction, Simplex& simplex) {
     Proximity out;
@@ -190,6 +237,16 @@ class NearestPoints {
 
 Proximity nearest_points(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters) {
   return NearestPoints(guest, host, counters).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
+}
+
+HullDistance hull_distance(const PosedBody& guest, const PosedBody& host, Vec3 hint, const DistanceGoal& goal,
+                           PairCounters& counters) {
+  return NearestPoints(guest, host, counters).distance(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0}, goal);
+}
+
+LowestDifference lowest_difference(const PosedBody& guest, const PosedBody& host, Vec3 direction,
+                                   PairCounters& counters) {
+  return NearestPoints(guest, host, counters).lowest(direction);
 }
 
 }  // namespace plannercheck

@@ -7,7 +7,8 @@
 namespace plannercheck {
 namespace {
 
-constexpr int kDouble2Rounds = 32;  // it begins near the end; what is left is decided exactly
+constexpr int kDistanceRounds = 256;  // of distances, which have nothing to fall back on
+constexpr int kDouble2Rounds = 32;    // it begins near the end; what is left is decided exactly
 
 // An operation errs by 2^-102 of its result, e = 2^-102 below; all lengths are in the unit of the pair, see below.
 //
@@ -156,6 +157,27 @@ class FineNearestPoints {
     return answer(out, towards);
   }
 
+  HullDistance distance(HullDistance found, const DistanceGoal& goal) {
+    if (!in_range_) return found;
+    Double2Vec3 towards = widen(norm_1(found.start.direction) > 0 ? found.start.direction : Vec3{1, 0, 0});
+    double square = std::numeric_limits<double>::infinity();
+    load(found.start);
+    if (simplex_.count > 0 && keep_nearest(0, towards, square)) measure(found);
+    for (int round = 0; round < kDistanceRounds && simplex_.count < 4; ++round) {
+      ++counters_.rounds;
+      const double largest = norm_max(rounded(towards));
+      if (!(largest > 0) || !std::isfinite(largest)) break;
+      towards = scaled(towards, 0.5 / power_of_two_below(largest));
+      const FineCorner corner = furthest_against(towards);
+      raise_lower_bound(found, towards, corner);
+      if (goal.met(found) || holds(corner)) break;
+      simplex_.corner[static_cast<std::size_t>(simplex_.count++)] = corner;
+      if (!keep_nearest(1U << (simplex_.count - 1), towards, square)) break;
+      measure(found);
+    }
+    return found;
+  }
+
  private:
   const PosedBody &guest_, &host_;
   PairCounters& counters_;
@@ -165,6 +187,34 @@ class FineNearestPoints {
   bool in_range_ = false;
   FineSimplex simplex_;
   Answer answer_ = Answer::kUndecided;
+
+  // (b), and rounding to doubles.
+  void raise_lower_bound(HullDistance& found, const Double2Vec3& towards, const FineCorner& corner) const {
+    const Vec3 d = rounded(towards);
+    const double height = dot(towards, corner.difference).high / norm(d);
+    const double lower = (height - 0x1p-49 * std::fabs(height) - 2 * kSupport * size_) / to_units_;
+    if (lower > found.lower) found.lower = lower, found.direction = (1 / norm(d)) * d;
+  }
+
+  // The upper bound from the weights: (c), and rounding to doubles.
+  void measure(HullDistance& found) const {
+    Double2Vec3 mixture{};
+    double whole = 0;
+    Vec3 on_guest, on_host;
+    const double largest = largest_weight();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
+      const Double2 w{simplex_.weight[i].high / largest, simplex_.weight[i].low / largest};
+      const FineCorner& corner = simplex_.corner[i];
+      mixture = mixture + w * corner.difference;
+      whole += w.high;
+      on_guest = on_guest + w.high * guest_.pose.apply(guest_.body->inner.points[at(corner.guest)]);
+      on_host = on_host + w.high * host_.pose.apply(host_.body->inner.points[at(corner.host)]);
+    }
+    const double upper = (norm(rounded(mixture)) / whole * (1 + 0x1p-48) + kMixing * size_) / to_units_;
+    if (!(upper < found.upper)) return;
+    found.upper = upper;
+    found.on_guest = (1 / whole) * on_guest, found.on_host = (1 / whole) * on_host;
+  }
 
   // Asks for corners until one proves the bodies apart, the corners prove them to meet, or there is no progress.
   void search(Double2Vec3& towards, double& square) {
@@ -326,6 +376,11 @@ class FineNearestPoints {
 Proximity nearest_points_double2(const PosedBody& guest, const PosedBody& host, const Proximity& start,
                                  PairCounters& counters) {
   return FineNearestPoints(guest, host, counters).run(start);
+}
+
+HullDistance hull_distance_double2(const PosedBody& guest, const PosedBody& host, const HullDistance& found,
+                                   const DistanceGoal& goal, PairCounters& counters) {
+  return FineNearestPoints(guest, host, counters).distance(found, goal);
 }
 
 }  // namespace plannercheck

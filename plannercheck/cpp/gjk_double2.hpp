@@ -9,4 +9,8 @@ namespace plannercheck {
 Proximity nearest_points_double2(const PosedBody& guest, const PosedBody& host, const Proximity& start,
                                  PairCounters& counters);
 
+// The bounds of a distance that doubles leave too far apart.
+HullDistance hull_distance_double2(const PosedBody& guest, const PosedBody& host, const HullDistance& found,
+                                   const DistanceGoal& goal, PairCounters& counters);
+
 }  // namespace plannercheck

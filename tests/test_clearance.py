@@ -1,0 +1,170 @@
+"""Clearances of configurations and padding, against distances pair by pair."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+from plannercheck.core import core
+
+EYE = np.eye(4)
+
+
+def posed(x, y=0.0, z=0.0):
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+@pytest.fixture(scope="module")
+def panda():
+    return pc.Robot.load("panda")
+
+
+@pytest.fixture(scope="module")
+def scene():
+    scene = pc.Scene("some")
+    scene.add_box("shelf", (0.2, 0.8, 0.5), posed(0.75, 0, 0.4))
+    scene.add_sphere("ball", 0.12, posed(0.1, 0.6, 0.7))
+    scene.add_cylinder("pole", 0.05, 1.5, posed(-0.5, -0.3, 0.75))
+    return scene
+
+
+@pytest.fixture(scope="module")
+def samples(panda):
+    return panda.random_configurations(40, seed=3)
+
+
+def pair_clearances(checker, q):
+    """Signed distances (pairs,) of one configuration, one call a pair; the checker has no padding."""
+    poses = checker.body_poses(q)[0] if np.ndim(q) > 1 else checker.body_poses(q[None])[0]
+    out = []
+    for a, b in checker.pairs.tolist():
+        found = pc.distance(checker.polytopes[a], checker.polytopes[b], poses[a], poses[b])
+        out.append(found.distance if found.distance > 0 else found.lower_bound)
+    return np.array(out)
+
+
+def test_clearance_is_the_least_distance(panda, scene, samples):
+    checker = pc.Checker(panda, scene)
+    found = checker.clearances(samples)
+    bounds = checker.clearances(samples, lower_bound=True)
+    valid = checker.check_states(samples)
+    assert valid.any()
+    assert not valid.all()
+    np.testing.assert_array_equal(found > 0, valid)
+    assert (bounds <= found + 1e-12).all()
+    assert (bounds[valid] > 0).any()
+    for k, q in enumerate(samples):
+        each = pair_clearances(checker, q)
+        if valid[k]:
+            assert found[k] == pytest.approx(each.min(), rel=1e-8, abs=1e-12)
+        else:
+            assert found[k] <= 0
+            assert found[k] == pytest.approx(each.min(), abs=1e-9)
+    assert checker.clearance(samples[0]) == found[0]
+    assert checker.nearest_pair(samples).min() >= 0
+
+
+def test_without_pairs_there_is_no_end(panda):
+    checker = pc.Checker(panda, self_collision=False)
+    assert checker.clearance(panda.reference) == np.inf
+    assert checker.nearest_pair(panda.reference[None])[0] == -1
+
+
+@pytest.mark.parametrize("padding", [0.003, 0.02])
+def test_padding_is_exact(panda, scene, samples, padding):
+    """Valid if and only if every distance exceeds the padding, self-collision included."""
+    plain, padded = pc.Checker(panda, scene), pc.Checker(panda, scene, padding=padding)
+    truth = np.array([pair_clearances(plain, q).min() > padding for q in samples])
+    np.testing.assert_array_equal(padded.check_states(samples), truth)
+    assert truth.any()
+    assert (plain.check_states(samples) & ~truth).any()
+    np.testing.assert_array_equal([padded.is_valid(q) for q in samples], truth)
+    np.testing.assert_array_equal(~padded.colliding_pairs(samples).any(axis=1), truth)
+    unbounded = pc.Checker(panda, scene, padding=padding, bounds=False, boxes=False, reach=False, method="exact")
+    np.testing.assert_array_equal(unbounded.check_states(samples), truth)
+
+
+def test_clearance_leaves_padding_out(panda, scene, samples):
+    plain, padded = pc.Checker(panda, scene), pc.Checker(panda, scene, padding=0.05)
+    free = plain.check_states(samples)
+    np.testing.assert_allclose(padded.clearances(samples)[free], plain.clearances(samples)[free], rtol=1e-8, atol=1e-12)
+
+
+def test_padding_at_the_distance_itself():
+    """A distance that equals the padding counts as a collision: exactly, to the last bit."""
+    cube = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    for padding in (0.25, 0.1, 1e-3):
+        halves = [pc.Polytope(cube, swell=padding / 2) for _ in range(2)]
+        gap = 1.0 + 0.25
+        touching = pc.intersects(*halves, posed(gap))
+        assert touching == (padding >= 0.25)
+        assert not pc.intersects(*halves, posed(np.nextafter(gap, 2)))
+
+
+def test_padding_by_name(panda, scene, samples):
+    by_name = pc.Checker(panda, scene, padding={"shelf": 0.03, "panda_hand": 0.01})
+    plain = pc.Checker(panda, scene)
+    for q in samples[:15]:
+        each = pair_clearances(plain, q)
+        names = [plain.pair_names(k) for k in range(len(plain.pairs))]
+        room = np.array([0.03 * ("shelf" in pair) + 0.01 * ("panda_hand" in pair) for pair in names])
+        assert by_name.is_valid(q) == bool((each > room).all())
+
+
+def test_reach_keeps_padding(panda, scene):
+    """What limits keep apart by less than the padding is tested."""
+    plain, padded = pc.Checker(panda, scene), pc.Checker(panda, scene, padding=0.3)
+    assert (padded.unreachable <= plain.unreachable).all()
+    assert padded.unreachable.sum() < plain.unreachable.sum()
+
+
+def test_motions_keep_padding(panda, scene, samples):
+    """A motion proved free with padding has no state within it; one that has is refused."""
+    plain, padded = pc.Checker(panda, scene), pc.Checker(panda, scene, padding=0.02)
+    good = samples[padded.check_states(samples)]
+    starts, ends = good[:-1], good[1:]
+    free = padded.check_motions(starts, ends)
+    t = np.linspace(0, 1, 200)[:, None]
+    for q0, q1, passed in zip(starts, ends, free, strict=True):
+        least = plain.clearances((1 - t) * q0 + t * q1).min()
+        if passed:
+            assert least > 0.02
+        elif least > 0.03:
+            raise AssertionError("a motion far from everything is refused")
+
+
+@pytest.mark.parametrize("padding", [-0.01, np.nan, np.inf, True, "1 cm", {"shelf": -1.0}, {"no such": 0.1}])
+def test_padding_has_to_be_a_length(panda, scene, padding):
+    with pytest.raises(pc.PlannercheckError, match="padd"):
+        pc.Checker(panda, scene, padding=padding)
+
+
+def test_ompl_maximises_the_least_clearance(panda, scene):
+    pytest.importorskip("ompl")
+    checker = pc.Checker(panda, scene)
+    setup = pc.ompl.setup(checker)
+    objective = pc.ompl.clearance_objective(checker, setup)
+    space = setup.getStateSpace()
+    a, b = space.allocState(), space.allocState()
+    q0, q1 = panda.reference, panda.reference + 0.1
+    for state, q in ((a, q0), (b, q1)):
+        for k, value in enumerate(q):
+            state[k] = float(value)
+    assert objective.stateCost(a).value() == pytest.approx(-checker.clearance(q0))
+    t = np.linspace(0, 1, 30)[:, None]
+    fine = checker.clearances((1 - t) * q0 + t * q1).min()
+    assert objective.motionCost(a, b).value() == pytest.approx(-fine, abs=5e-3)
+
+
+def test_clearances_of_the_core_skip_only_what_is_further():
+    """The same with every order of pairs."""
+    cube = pc.Polytope([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    poses = np.array([[posed(3.0 * k + 0.3 * k * k) for k in range(5)]])
+    pairs = np.array([(a, b) for a in range(5) for b in range(a)], dtype=np.int32)
+    for order in (pairs, pairs[::-1].copy()):
+        found, nearest = core.clearances([cube.core] * 5, poses, order, np.zeros(5), 0)
+        assert found[0] == pytest.approx(2.3)
+        assert set(order[nearest[0]].tolist()) == {0, 1}
