@@ -152,7 +152,10 @@ def test_every_planner_asks_for_proofs(checker, ends, name):
     validator = planning.motion_validator(information, checker, space)
     information.setMotionValidator(validator)
     setup.setStartAndGoalStates(*(space.state(information, q) for q in ends))
-    setup.setPlanner(getattr(geometric, name)(information))
+    planner = getattr(geometric, name)(information)
+    if hasattr(planner, "setNumSamples"):
+        planner.setNumSamples(100)  # FMT and BFMT draw all of them before they look at a motion
+    setup.setPlanner(planner)
     setup.solve(base.timedPlannerTerminationCondition(0.7))
     assert validator.getCheckedMotionCount() > 0
     if not setup.haveExactSolutionPath():  # in this time
