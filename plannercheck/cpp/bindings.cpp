@@ -4,6 +4,8 @@
 #include "simd.hpp"
 
 NB_MODULE(PLANNERCHECK_MODULE, m) {
+  // Python does not clear what modules and caches still hold at its exit; that is no leak that users could mend.
+  nanobind::set_leak_warnings(false);
   m.attr("level") = PLANNERCHECK_LEVEL;
   m.attr("lanes") = plannercheck::kLanes;
   plannercheck::bind_body(m);
