@@ -35,8 +35,8 @@ def run(options: argparse.Namespace) -> int:
         codes = [_shown(["validate", *where, "--pairs", "all", str(samples)])]
         print("\n2. How does the arm get out of one compartment and into another?\n")
         codes.append(_shown(["plan", *where, "--seed", "1", "--output", str(plan)]))
-        print("\n3. Is every corner of the path valid?\n")
-        codes.append(_shown(["validate", *where, str(plan)]))
+        print("\n3. Is every motion of the path free, not only its corners?\n")
+        codes.append(_shown(["validate", *where, "--path", str(plan)]))
     print(f"\n{_HOW_TO_GO_ON}", end="")
     return 0 if codes == [1, 0, 0] else max(codes)
 
