@@ -29,6 +29,7 @@ from plannercheck.configuration_files import read_chunks
 from plannercheck.errors import PlannercheckError
 from plannercheck.motion_requests import read_request
 from plannercheck.paths import example_robot_data, shipped_folder
+from plannercheck.scene import shipped_scenes
 
 ROUND = 200  # inputs a process
 TIME_LIMIT = 20  # s for one input
@@ -203,7 +204,7 @@ class Fuzzer:
         pc.certify(cube, cube, pose)
 
     def scene(self) -> None:
-        sources = sorted(shipped_folder("configs").glob("*.yaml"))
+        sources = [shipped_folder("configs") / f"{name}.yaml" for name in shipped_scenes()]
         self.load_scene(sources[int(self.rng.integers(len(sources)))].read_bytes())
 
     def moveit(self) -> None:

@@ -11,13 +11,13 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import numpy as np
 
 import plannercheck as pc
 from plannercheck.core import core
 from plannercheck.pair import pair_options
+from plannercheck.scene import shipped_scenes
 from plannercheck.stress import contacts, families
 
 STAGES = ("cached plane", "centre axis", "solver", "nearest points", "double-double", "exact")
@@ -27,7 +27,7 @@ POSES, VERTICES, SEED = 400, 150, 1
 # Relative gaps of poses near touching: any magnitude from 1 % to far below rounding, and none at all.
 SMALLEST, LARGEST = -17.0, -2.0
 HALVINGS, REPETITIONS = 48, 5
-SCENES = tuple(sorted(path.stem for path in (Path(__file__).parents[2] / "configs").glob("*.yaml")))
+SCENES = tuple(shipped_scenes())
 # States that are timed or counted at once: as few as make the counters' own cost small.
 BLOCK, TURNS = 16, 3
 
