@@ -9,7 +9,7 @@ namespace {
 constexpr double kRelative = 2.5e-10, kLeastPart = 1e-3;
 
 // Poses stretch by 1e-6 at most; the rounding of a ball's centre and of distances, as a part of what goes into it.
-constexpr double kPosedStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
+constexpr double kDistanceStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
 
 double total_swell(const PosedBody& a, const PosedBody& b) { return a.body->swell + b.body->swell; }
 
@@ -88,7 +88,7 @@ DistanceGoal goal_for(const PosedBody& guest, const PosedBody& host, double limi
 
 double ball_gap(const PosedBody& guest, const PosedBody& host) {
   const Vec3 a = posed_centre(guest), b = posed_centre(host);
-  const double radii = (guest.body->radius + host.body->radius) * kPosedStretch + total_swell(guest, host);
+  const double radii = (guest.body->radius + host.body->radius) * kDistanceStretch + total_swell(guest, host);
   const double reach = guest.body->reach + host.body->reach + norm_1(a) + norm_1(b) + radii;
   return norm(a - b) - radii - kBallRounding * reach;
 }
