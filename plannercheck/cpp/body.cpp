@@ -121,8 +121,8 @@ class Reader {
 template <class Stream, class H>
 void each_level_field(Stream& s, H& h) {
   s.array(h.points), s.array(h.level), s.value(h.depth), s.array(h.ring_start), s.array(h.rings), s.array(h.top);
-  s.array(h.top_x), s.array(h.top_y), s.array(h.top_z), s.array(h.chains), s.array(h.blocks), s.array(h.fan_of);
-  s.array(h.fans), s.array(h.wedges), s.array(h.entries), s.value(h.largest_coordinate);
+  s.array(h.top_blocks), s.array(h.chains), s.array(h.blocks), s.array(h.fan_of), s.array(h.fans), s.array(h.wedges);
+  s.array(h.entries), s.value(h.largest_coordinate);
 }
 
 template <class Stream, class H>
@@ -182,8 +182,7 @@ void require_sound_levels(const Levels& h) {
   require(n >= 1 && h.level.size() == n && h.chains.size() == n && h.fan_of.size() == n && h.depth >= 0);
   require(h.ring_start.size() == n + 1 && h.ring_start.front() == 0 && at(h.ring_start.back()) == h.rings.size());
   require(std::is_sorted(h.ring_start.begin(), h.ring_start.end()) && all_below(h.rings, n));
-  require(top > 0 && top % kBlockLanes == 0 && top <= kScannedVertices && all_below(h.top, n));
-  require(h.top_x.size() == top && h.top_y.size() == top && h.top_z.size() == top);
+  require(top > 0 && top <= kScannedVertices && top == h.top_blocks.size() * kTopLanes && all_below(h.top, n));
   for (const ChainRange& c : h.chains) {
     require(c.length >= 0 &&
             within(c.first_block, c.length / kBlockLanes + (c.length % kBlockLanes != 0), h.blocks.size()));

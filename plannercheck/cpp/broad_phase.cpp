@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace plannercheck {
 namespace {
@@ -13,6 +14,11 @@ constexpr double kPosedStretch = 1 + 4e-6;
 constexpr double kCentreError = 0x1p-22;
 // Of an obstacle's vertices posed in doubles: three products and sums.
 constexpr double kVertexError = 8 * 0x1p-53;
+
+// States in a block from which on lanes over states beat lanes over obstacles, and pairs' boxes one by one (measured).
+constexpr int kFewStates = 3;
+// Obstacles in a scene up to which testing all of them beats the tree (measured).
+constexpr std::size_t kFewObstacles = 64;
 
 struct Ball {
   Vec3 centre;
@@ -66,7 +72,7 @@ WorldBox world_box(const MountedBody& mounted) {
 
 BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
                        std::size_t links)
-    : links_(links), pairs_(pairs.size()), obstacles_(0), tree_({}) {
+    : links_(links), pairs_(pairs), obstacles_(0), tree_({}) {
   // A mover's or an obstacle's place, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
   std::vector<bool> used(bodies.size(), false);
@@ -104,29 +110,71 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
     }
   }
   for (std::size_t m = 0; m < movers_.size(); ++m) {
-    if (hunts[m]) hunters_.push_back(static_cast<std::int32_t>(m));
+    if (!hunts[m]) continue;
+    Hunter hunter{static_cast<std::int32_t>(m), listed_.size()};
+    for (std::size_t o = 0; obstacles_ <= kFewObstacles && o < obstacles_; ++o) {
+      const std::int32_t pair = pair_of_[m * obstacles_ + o];
+      if (pair >= 0) listed_.push_back(listed_box(boxes[o], pair));
+    }
+    hunter.last = listed_.size();
+    hunters_.push_back(hunter);
   }
+  std::vector<BodyBox> body_boxes;
+  for (const MountedBody& mounted : bodies) body_boxes.push_back(body_box(mounted));
+  boxes_ = BlockBoxes(std::move(body_boxes), links);
+}
+
+BroadPhase::ListedBox BroadPhase::listed_box(const WorldBox& box, std::int32_t pair) {
+  ListedBox listed;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<int>(i);
+    listed.low[i] = rounded_down(box.low[axis]), listed.high[i] = rounded_up(box.high[axis]);
+  }
+  listed.pair = pair;
+  return listed;
 }
 
 BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
   w.balls.resize(movers_.size());
-  w.obstacles.reserve(obstacles_);
-  for (auto& near : w.near) near.reserve(pairs_);
+  w.boxes = boxes_.new_workspace();
+  w.candidates.reserve(pairs_.size());
+  w.found.reserve(obstacles_);
+  w.reached.reserve(obstacles_);
+  w.states.resize(obstacles_);
+  for (auto& near : w.near) near.reserve(pairs_.size());
   return w;
 }
 
-void BroadPhase::find(const Lanes* links, int count, Workspace& w) const {
+void BroadPhase::find(const Lanes* links, int count, bool boxes, Workspace& w) const {
   for (std::size_t group = 0; group * kLanes < static_cast<std::size_t>(count); ++group) pose_balls(links, group, w);
-  for (auto& near : w.near) near.assign(fixed_pairs_.begin(), fixed_pairs_.end());
+  w.candidates.clear();
   find_among_movers(count, w);
-  find_obstacles(count, w);
+  const bool listed = count >= kFewStates && obstacles_ <= kFewObstacles;
+  for (const Hunter& hunter : hunters_) {
+    if (listed) {
+      find_listed(hunter, count, w);
+    } else {
+      find_in_tree(hunter, count, w);
+    }
+  }
+  w.boxes_apart = 0;
+  w.boxed = boxes && count >= kFewStates;
+  if (w.boxed) test_boxes(links, w);
+  for (auto& near : w.near) near.assign(fixed_pairs_.begin(), fixed_pairs_.end());
+  for (const Candidate& candidate : w.candidates) {
+    for (unsigned left = candidate.states; left != 0; left &= left - 1) {
+      w.near[static_cast<std::size_t>(__builtin_ctz(left))].push_back(candidate.pair);
+    }
+  }
 }
 
 void BroadPhase::take_all(int count, Workspace& w) const {
+  w.boxed = false;
+  w.boxes_apart = 0;
   for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
-    w.near[state].resize(pairs_);
-    for (std::size_t k = 0; k < pairs_; ++k) w.near[state][k] = static_cast<std::int32_t>(k);
+    w.near[state].resize(pairs_.size());
+    for (std::size_t k = 0; k < pairs_.size(); ++k) w.near[state][k] = static_cast<std::int32_t>(k);
   }
 }
 
@@ -156,24 +204,50 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
     const Floats y = load_floats(a.y.data()) - load_floats(b.y.data());
     const Floats z = load_floats(a.z.data()) - load_floats(b.z.data());
     const Floats radius = load_floats(a.radius.data()) + load_floats(b.radius.data());
-    for (unsigned left = ~float_bits((x * x + y * y) + z * z > far_beyond(radius)) & states; left != 0;
-         left &= left - 1) {
-      w.near[static_cast<std::size_t>(__builtin_ctz(left))].push_back(pair.pair);
-    }
+    const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(radius)) & states;
+    if (near != 0) w.candidates.push_back({pair.pair, near});
   }
 }
 
-void BroadPhase::find_obstacles(int count, Workspace& w) const {
-  for (const std::int32_t hunter : hunters_) {
-    const Balls& balls = w.balls[at(hunter)];
-    const std::int32_t* pair_of = pair_of_.data() + at(hunter) * obstacles_;
-    for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
-      w.obstacles.clear();
-      tree_.collect({balls.x[state], balls.y[state], balls.z[state], far_beyond(balls.radius[state])}, w.obstacles);
-      for (const std::int32_t obstacle : w.obstacles) {
-        if (pair_of[obstacle] >= 0) w.near[state].push_back(pair_of[obstacle]);
-      }
+void BroadPhase::find_listed(const Hunter& hunter, int count, Workspace& w) const {
+  const unsigned states = (1U << count) - 1;
+  const Balls& balls = w.balls[at(hunter.mover)];
+  const Floats x = load_floats(balls.x.data()), y = load_floats(balls.y.data()), z = load_floats(balls.z.data());
+  const Floats limit = far_beyond(load_floats(balls.radius.data()));
+  for (std::size_t k = hunter.first; k < hunter.last; ++k) {
+    const ListedBox& box = listed_[k];
+    const Floats dx = beyond(x, box.low[0], box.high[0]), dy = beyond(y, box.low[1], box.high[1]);
+    const Floats dz = beyond(z, box.low[2], box.high[2]);
+    const unsigned near = ~float_bits((dx * dx + dy * dy) + dz * dz > limit) & states;
+    if (near != 0) w.candidates.push_back({box.pair, near});
+  }
+}
+
+void BroadPhase::find_in_tree(const Hunter& hunter, int count, Workspace& w) const {
+  const Balls& balls = w.balls[at(hunter.mover)];
+  w.reached.clear();
+  for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
+    w.found.clear();
+    tree_.collect({balls.x[state], balls.y[state], balls.z[state], far_beyond(balls.radius[state])}, w.found);
+    for (const std::int32_t obstacle : w.found) {
+      if (w.states[at(obstacle)] == 0) w.reached.push_back(obstacle);
+      w.states[at(obstacle)] |= 1U << state;
     }
+  }
+  const std::int32_t* pair_of = pair_of_.data() + at(hunter.mover) * obstacles_;
+  for (const std::int32_t obstacle : w.reached) {
+    if (pair_of[obstacle] >= 0) w.candidates.push_back({pair_of[obstacle], w.states[at(obstacle)]});
+    w.states[at(obstacle)] = 0;
+  }
+}
+
+void BroadPhase::test_boxes(const Lanes* links, Workspace& w) const {
+  BlockBoxes::begin(w.boxes);
+  for (Candidate& candidate : w.candidates) {
+    const auto& pair = pairs_[at(candidate.pair)];
+    const unsigned apart = candidate.states & boxes_.apart(links, at(pair[0]), at(pair[1]), w.boxes);
+    w.boxes_apart += __builtin_popcount(apart);
+    candidate.states &= ~apart;
   }
 }
 

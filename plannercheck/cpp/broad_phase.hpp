@@ -1,5 +1,5 @@
-// Which pairs of bodies may touch, for eight states at once: bounding balls among moving bodies, and a tree over the
-// obstacles.
+// Which pairs of bodies may touch, for eight states at once: bounding balls among moving bodies and against obstacles'
+// boxes, of which many are in a tree; then boxes against boxes.
 //
 // In: posed links of a block of states, in lanes. Out: for each state the pairs that no bound settles. Every bound is
 // proved with its rounding, so that none of these filters can change a verdict. Immutable; what it finds and the balls
@@ -10,20 +10,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "block.hpp"
+#include "block_boxes.hpp"
 #include "mounted_body.hpp"
 #include "obstacle_tree.hpp"
 #include "simd.hpp"
 
 namespace plannercheck {
-
-inline constexpr int kBlockStates = kFloats;                // states judged together: one a float lane
-inline constexpr int kBlockGroups = kBlockStates / kLanes;  // of Lanes that hold a number of each of them
-static_assert(kBlockGroups * kLanes == kBlockStates);
-
-// Link poses of a block: number i of the row-major 3x4 matrix of a link, for the states of a group.
-inline std::size_t pose_index(std::size_t links, std::size_t group, std::size_t link) {
-  return (group * links + link) * 12;
-}
 
 class BroadPhase {
  public:
@@ -35,15 +28,26 @@ class BroadPhase {
     std::array<float, kBlockStates> x, y, z, radius;
   };
 
+  // A pair, and a bit for each state in which it may touch.
+  struct Candidate {
+    std::int32_t pair;
+    unsigned states;
+  };
+
   struct Workspace {
     std::vector<Balls> balls;
-    std::vector<std::int32_t> obstacles;
+    BlockBoxes::Workspace boxes;
+    std::vector<Candidate> candidates;
+    std::vector<std::int32_t> found, reached;                  // obstacles, by one state's ball and by any
+    std::vector<unsigned> states;                              // that reach an obstacle; 0 between searches
     std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
+    bool boxed = false;                                        // boxes have been tested
+    long boxes_apart = 0;                                      // pairs settled by that
   };
   Workspace new_workspace() const;
 
-  // Fills `near` for the first `count` states.
-  void find(const Lanes* links, int count, Workspace& workspace) const;
+  // Fills `near` for the first `count` states. Boxes are tested only for so many states that it pays.
+  void find(const Lanes* links, int count, bool boxes, Workspace& workspace) const;
   // The same without any bound: all pairs.
   void take_all(int count, Workspace& workspace) const;
 
@@ -61,18 +65,36 @@ class BroadPhase {
     std::int32_t pair;
   };
 
-  std::size_t links_, pairs_;
+  // The box of an obstacle that a mover may touch.
+  struct ListedBox {
+    std::array<float, 3> low, high;
+    std::int32_t pair;
+  };
+
+  // A mover that has a pair with an obstacle; its obstacles, where they are few.
+  struct Hunter {
+    std::int32_t mover;
+    std::size_t first = 0, last = 0;  // of the listed boxes
+  };
+
+  std::size_t links_;
+  std::vector<std::array<std::int32_t, 2>> pairs_;
   std::vector<Mover> movers_;
   std::vector<MovingPair> moving_pairs_;
   std::vector<std::int32_t> fixed_pairs_;  // of two bodies that are fixed to the world
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;  // pair_of_[mover * obstacles_ + obstacle], or −1
-  std::vector<std::int32_t> hunters_;  // movers that have a pair with an obstacle
+  std::vector<Hunter> hunters_;
+  std::vector<ListedBox> listed_;
   ObstacleTree tree_;
+  BlockBoxes boxes_;
 
+  static ListedBox listed_box(const WorldBox& box, std::int32_t pair);
   void pose_balls(const Lanes* links, std::size_t group, Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
-  void find_obstacles(int count, Workspace& workspace) const;
+  void find_listed(const Hunter& hunter, int count, Workspace& workspace) const;
+  void find_in_tree(const Hunter& hunter, int count, Workspace& workspace) const;
+  void test_boxes(const Lanes* links, Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

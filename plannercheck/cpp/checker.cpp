@@ -78,7 +78,7 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
   const PairFrame frame({bodies_[guest].body.get(), posed(guest, state, w)},
                         {bodies_[host].body.get(), posed(host, state, w)});
-  if (options_.boxes && frame.boxes_apart()) {
+  if (options_.boxes && !w.broad_phase.boxed && frame.boxes_apart()) {
     ++w.counters.boxes;
     return false;
   }
@@ -137,11 +137,13 @@ void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) c
 
 void CheckerCore::find_near(int count, Workspace& w) const {
   if (options_.bounds) {
-    broad_phase_->find(w.links.data(), count, w.broad_phase);
+    broad_phase_->find(w.links.data(), count, options_.boxes, w.broad_phase);
   } else {
     broad_phase_->take_all(count, w.broad_phase);
   }
   w.counters.states += count;
+  w.counters.boxes += w.broad_phase.boxes_apart;
+  w.counters.bounds -= w.broad_phase.boxes_apart;
   for (std::size_t state = 0; state < at(count); ++state) {
     w.counters.pairs += static_cast<long>(pairs_.size());
     w.counters.bounds += static_cast<long>(pairs_.size() - w.broad_phase.near[state].size());

@@ -1,13 +1,14 @@
 #include <algorithm>
+#include <array>
 
-#include "game.hpp"
+#include "growing_game.hpp"
 #include "solvers.hpp"
 
 namespace plannercheck {
 namespace {
 
-constexpr int kActives = 8;        // keeping only the support cycles near contact (measured: 5 to 12 % of pairs)
-constexpr int kOracleRounds = 48;  // GJK needs fewer at 100,000 vertices; what is left is decided exactly
+constexpr int kActives = GrowingGame::kMost;  // keeping only the support cycles near contact (measured: 5 to 12 %)
+constexpr int kOracleRounds = 48;             // GJK needs fewer at 100,000 vertices; what is left is decided exactly
 
 struct Actives {
   int count = 0;
@@ -17,19 +18,38 @@ struct Actives {
   bool holds(std::int32_t vertex) const {
     return std::find(id.begin(), id.begin() + count, vertex) != id.begin() + count;
   }
+
+  void put(int place, std::int32_t vertex, Vec3 p) {
+    id[at(place)] = vertex;
+    point[at(place)] = p;
+    count = std::max(count, place + 1);
+  }
+
+  Vec3 mixed(const GrowingGame::Numbers& weights) const {
+    Vec3 sum;
+    for (int i = 0; i < count; ++i) sum = sum + weights[at(i)] * point[at(i)];
+    return sum;
+  }
+
+  GrowingGame::Numbers products(Vec3 p) const {
+    GrowingGame::Numbers out{};
+    for (int i = 0; i < count; ++i) out[at(i)] = dot(point[at(i)], p);
+    return out;
+  }
 };
 
 class DoubleOracle {
  public:
-  DoubleOracle(const PairFrame& frame, PairCounters& counters) : frame_(frame), counters_(counters) {}
+  DoubleOracle(const PairFrame& frame, PairCounters& counters)
+      : frame_(frame), counters_(counters), game_(largest_payoff(frame)) {}
 
   Certificate run(std::int32_t vertex) {
     if (!start(vertex)) return certificate_;
     for (int round = 0; round < kOracleRounds; ++round) {
       ++counters_.rounds, ++counters_.games;
-      solve(game_, mixture_);
-      const bool done =
-          mixture_.value > 1 ? ask_guest(mixed(columns_, mixture_.column)) : ask_host(mixed(rows_, mixture_.row));
+      game_.solve();
+      const bool done = game_.value() > 1 ? ask_guest(columns_.mixed(game_.column_weights()))
+                                          : ask_host(rows_.mixed(game_.row_weights()));
       if (done) break;
     }
     return certificate_;
@@ -56,17 +76,13 @@ class DoubleOracle {
   const PairFrame& frame_;
   PairCounters& counters_;
   Actives rows_, columns_;  // vertices of the guest, points of the host's polar
-  Game game_;
-  Mixture mixture_;
+  GrowingGame game_;
+  bool afresh_ = false;  // solved from the beginning since the last vertex or facet came in
   Certificate certificate_;
 
-  static Vec3 mixed(const Actives& actives, const std::array<double, kMaxActives>& weights) {
-    Vec3 sum;
-    for (int i = 0; i < actives.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      sum = sum + weights[k] * actives.point[k];
-    }
-    return sum;
+  // |q·x| over the host's polar and the guest, with room for rounding.
+  static double largest_payoff(const PairFrame& frame) {
+    return 1.001 * frame.host().polar_radius * (norm(frame.guest_centre()) + frame.guest().radius) + 1e-300;
   }
 
   // Looks for the guest's vertex that is deepest below the plane q; true if that ends the search.
@@ -79,7 +95,7 @@ class DoubleOracle {
       certificate_.answer = Answer::kSeparated;
       return true;
     }
-    if (rows_.holds(v)) return true;  // no progress: too close to call
+    if (rows_.holds(v)) return no_progress();
     add_row(v, x);
     return false;
   }
@@ -94,32 +110,31 @@ class DoubleOracle {
       certificate_.answer = Answer::kShared;
       return true;
     }
-    if (columns_.holds(k)) return true;
+    if (columns_.holds(k)) return no_progress();
     add_column(k, q);
     return false;
   }
 
-  // A free place, or that of the active with the least weight in the last game.
-  static std::size_t place(Actives& actives, const std::array<double, kMaxActives>& weights) {
-    if (actives.count < kActives) return static_cast<std::size_t>(actives.count++);
-    return static_cast<std::size_t>(std::min_element(weights.begin(), weights.begin() + kActives) - weights.begin());
+  // The game's rounding has grown, or the bodies are too close to call.
+  bool no_progress() {
+    if (afresh_) return true;
+    afresh_ = true;
+    game_.solve_afresh();
+    return false;
   }
 
   void add_row(std::int32_t vertex, Vec3 x) {
-    const std::size_t i = place(rows_, mixture_.row);
-    rows_.id[i] = vertex;
-    rows_.point[i] = x;
-    game_.rows = rows_.count;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(columns_.count); ++j)
-      game_.payoff[i][j] = dot(columns_.point[j], x);
+    const int place = game_.place_of_row();
+    rows_.put(place, vertex, x);
+    game_.put_row(place, columns_.products(x));
+    afresh_ = false;
   }
 
   void add_column(std::int32_t k, Vec3 q) {
-    const std::size_t j = place(columns_, mixture_.column);
-    columns_.id[j] = k;
-    columns_.point[j] = q;
-    game_.columns = columns_.count;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(rows_.count); ++i) game_.payoff[i][j] = dot(q, rows_.point[i]);
+    const int place = game_.place_of_column();
+    columns_.put(place, k, q);
+    game_.put_column(place, rows_.products(q));
+    afresh_ = false;
   }
 };
 

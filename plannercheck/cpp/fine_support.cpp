@@ -28,7 +28,7 @@ std::int32_t extreme_at_top(const Levels& h, const FineDirection& direction) {
   std::array<double, kScannedVertices> values;
   double highest = -__builtin_inf();
   for (std::size_t i = 0; i < h.top.size(); ++i) {
-    values[i] = (h.top_x[i] * u.x + h.top_y[i] * u.y) + h.top_z[i] * u.z;
+    values[i] = dot(h.points[at(h.top[i])], u);
     highest = larger(highest, values[i]);
   }
   const double tie = highest - kTopDoubt * norm_1(u) * h.largest_coordinate - kUnderflow;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "quads.hpp"
 #include "vec.hpp"
 
 namespace plannercheck {
@@ -56,8 +57,7 @@ class Tableau {
   }
 
  private:
-  static constexpr std::size_t kBlock = 4;
-  typedef double Quad __attribute__((vector_size(kBlock * 8)));
+  static constexpr std::size_t kBlock = kQuad;
 
   int constraints_, variables_;
   std::size_t blocks_;  // of a row: variables and the right-hand side
@@ -67,14 +67,8 @@ class Tableau {
   double& entry(int row, int column) { return entries_[at(row)][at(column)]; }
   double entry(int row, int column) const { return entries_[at(row)][at(column)]; }
 
-  Quad load(int row, std::size_t block) const {
-    Quad quad;
-    std::memcpy(&quad, &entries_[at(row)][block * kBlock], sizeof quad);
-    return quad;
-  }
-  void store(int row, std::size_t block, Quad quad) {
-    std::memcpy(&entries_[at(row)][block * kBlock], &quad, sizeof quad);
-  }
+  Quad load(int row, std::size_t block) const { return load_quad(&entries_[at(row)][block * kBlock]); }
+  void store(int row, std::size_t block, Quad quad) { store_quad(&entries_[at(row)][block * kBlock], quad); }
 
   int entering() const {
     int best = -1;

@@ -69,11 +69,15 @@ void lay_out_rings(const std::vector<Removal>& removals, Levels& h) {
 
 void lay_out_top(const std::vector<std::int32_t>& alive, Levels& h) {
   h.top = alive;
-  while (h.top.size() % kBlockLanes != 0) h.top.push_back(h.top.back());
-  for (const std::int32_t v : h.top) {
-    h.top_x.push_back(h.points[at(v)].x);
-    h.top_y.push_back(h.points[at(v)].y);
-    h.top_z.push_back(h.points[at(v)].z);
+  while (h.top.size() % kTopLanes != 0) h.top.push_back(h.top.back());
+  h.top_blocks.resize(h.top.size() / kTopLanes);
+  const double unit = h.largest_coordinate > 0 ? h.largest_coordinate : 1;
+  for (std::size_t i = 0; i < h.top.size(); ++i) {
+    TopBlock& block = h.top_blocks[i / kTopLanes];
+    const Vec3 p = h.points[at(h.top[i])];
+    block.x[i % kTopLanes] = static_cast<float>(p.x / unit);
+    block.y[i % kTopLanes] = static_cast<float>(p.y / unit);
+    block.z[i % kTopLanes] = static_cast<float>(p.z / unit);
   }
 }
 
@@ -155,7 +159,7 @@ Hierarchy build_hierarchy(const ConvexMesh& mesh) {
 
 std::size_t Levels::bytes() const {
   const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
-  return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_x) * 3 + size(chains) +
+  return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_blocks) + size(chains) +
          size(blocks) + size(fan_of) + size(fans) + size(wedges) + size(entries);
 }
 

@@ -1,20 +1,12 @@
 #include "obstacle_tree.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace plannercheck {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-float down(double value) {
-  const auto rounded = static_cast<float>(value);
-  return static_cast<double>(rounded) > value ? std::nextafterf(rounded, -kInfinity) : rounded;
-}
-
-float up(double value) { return -down(-value); }
 
 double twice_centre(const WorldBox& box, int axis) { return box.low[axis] + box.high[axis]; }
 
@@ -78,9 +70,12 @@ std::int32_t ObstacleTree::build(const std::vector<WorldBox>& boxes, IndexRange 
   for (std::size_t k = 0; k < kFloats; ++k) {
     const bool empty = k >= parts.size();
     const WorldBox box = empty ? WorldBox{} : around(boxes, parts[k]);
-    node.low_x[k] = empty ? kInfinity : down(box.low.x), node.high_x[k] = empty ? -kInfinity : up(box.high.x);
-    node.low_y[k] = empty ? kInfinity : down(box.low.y), node.high_y[k] = empty ? -kInfinity : up(box.high.y);
-    node.low_z[k] = empty ? kInfinity : down(box.low.z), node.high_z[k] = empty ? -kInfinity : up(box.high.z);
+    node.low_x[k] = empty ? kInfinity : rounded_down(box.low.x),
+    node.high_x[k] = empty ? -kInfinity : rounded_up(box.high.x);
+    node.low_y[k] = empty ? kInfinity : rounded_down(box.low.y),
+    node.high_y[k] = empty ? -kInfinity : rounded_up(box.high.y);
+    node.low_z[k] = empty ? kInfinity : rounded_down(box.low.z),
+    node.high_z[k] = empty ? -kInfinity : rounded_up(box.high.z);
     node.child[k] = empty ? kNothing : parts[k].size() == 1 ? ~*parts[k].first : build(boxes, parts[k]);
   }
   nodes_[index] = node;
@@ -106,13 +101,11 @@ void ObstacleTree::collect(const FloatSphere& sphere, std::vector<std::int32_t>&
 }
 
 unsigned ObstacleTree::near_children(const Node& node, const FloatSphere& sphere) {
-  const auto beyond = [](const auto& low, const auto& high, float c) {
-    const Floats below = load_floats(low.data()) - c, above = c - load_floats(high.data());
-    const Floats out = below > above ? below : above;
-    return out > 0 ? out : Floats{};
+  const auto along = [](const auto& low, const auto& high, float c) {
+    return beyond(Floats{} + c, load_floats(low.data()), load_floats(high.data()));
   };
-  const Floats x = beyond(node.low_x, node.high_x, sphere.x), y = beyond(node.low_y, node.high_y, sphere.y);
-  const Floats z = beyond(node.low_z, node.high_z, sphere.z);
+  const Floats x = along(node.low_x, node.high_x, sphere.x), y = along(node.low_y, node.high_y, sphere.y);
+  const Floats z = along(node.low_z, node.high_z, sphere.z);
   return ~float_bits((x * x + y * y) + z * z > sphere.limit) & ((1U << kFloats) - 1);
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -32,6 +33,22 @@ template <class Number>
 Number far_beyond(Number radius) {
   return radius * radius * (1 + 0x1p-20F) + 1e-40F;
 }
+
+// How far coordinates lie outside of intervals; 0 inside, and for NaN.
+template <class Low, class High>
+Floats beyond(Floats c, Low low, High high) {
+  const Floats below = low - c, above = c - high;
+  const Floats out = below > above ? below : above;
+  return out > 0 ? out : Floats{};
+}
+
+// To the next float where it is no float.
+inline float rounded_down(double value) {
+  const auto rounded = static_cast<float>(value);
+  return static_cast<double>(rounded) > value ? std::nextafterf(rounded, -std::numeric_limits<float>::infinity())
+                                              : rounded;
+}
+inline float rounded_up(double value) { return -rounded_down(-value); }
 
 // Some of the boxes: a part of an array of their indices.
 struct IndexRange {

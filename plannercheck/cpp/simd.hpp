@@ -79,4 +79,17 @@ inline unsigned float_bits(FloatMask mask) {
 #endif
 }
 
+inline float largest(Floats floats) {
+#if defined(__AVX__)
+  const __m256 all = reinterpret_cast<__m256>(floats);
+  __m128 four = _mm_max_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps(all, 1));
+  four = _mm_max_ps(four, _mm_movehl_ps(four, four));
+  return _mm_cvtss_f32(_mm_max_ss(four, _mm_movehdup_ps(four)));
+#else
+  float most = floats[0];
+  for (int i = 1; i < kFloats; ++i) most = floats[i] > most ? floats[i] : most;
+  return most;
+#endif
+}
+
 }  // namespace plannercheck

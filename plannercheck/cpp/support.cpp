@@ -1,39 +1,13 @@
 #include "support.hpp"
 
-#if defined(__AVX__)
-#include <immintrin.h>
-#endif
-
 #include <array>
-#include <cstring>
 
 #include "predicates.hpp"
+#include "quads.hpp"
+#include "simd.hpp"
 
 namespace plannercheck {
 namespace {
-
-typedef double Quad __attribute__((vector_size(kBlockLanes * 8)));
-typedef long long QuadMask __attribute__((vector_size(kBlockLanes * 8)));
-
-inline Quad load(const double* from) {
-  Quad q;
-  std::memcpy(&q, from, sizeof q);
-  return q;
-}
-
-inline Quad absolute(Quad q) {
-  return reinterpret_cast<Quad>(reinterpret_cast<QuadMask>(q) & (QuadMask{} + 0x7fffffffffffffffLL));
-}
-
-inline unsigned quad_bits(QuadMask mask) {
-#if defined(__AVX__)
-  return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
-#else
-  unsigned out = 0;
-  for (int i = 0; i < kBlockLanes; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
-  return out;
-#endif
-}
 
 // The difference is rounded (u), the products (u), the sums (2u): |error| <= 4u(1 + …) Σ|terms|; 6u leaves room for
 // the rounding of the bound itself. Products that underflow lose at most 2^-1074 each: below kUnderflow nothing is
@@ -41,17 +15,27 @@ inline unsigned quad_bits(QuadMask mask) {
 constexpr double kDifferenceError = 6 * kRoundoff;
 constexpr double kUnderflow = 1e-300;
 
+// Rounding direction and coordinates to floats, |entries| <= 1, errs by 2^-24 each, so do products; two sums of at most
+// 3 add 5 · 2^-24: a product errs by 14 · 2^-24 at most, underflow included. Vertices further below the highest than
+// twice that are not extreme.
+constexpr float kFloatTie = 32 * 0x1p-24F;
+constexpr double kSmallestDirection = 1e-290, kLargestDirection = 1e290;
+
+constexpr std::size_t kBatch = 4;  // blocks of a scan that are searched for candidates at a time
+
+static_assert(kBlockLanes == kQuad && kTopLanes == kFloats);
+
 struct Beyond {
   unsigned sure, unsure;
 };
 
 inline Beyond compare_block(const Block& block, Vec3 v, Vec3 u) {
-  const Quad x = (load(block.x.data()) - v.x) * u.x;
-  const Quad y = (load(block.y.data()) - v.y) * u.y;
-  const Quad z = (load(block.z.data()) - v.z) * u.z;
+  const Quad x = (load_quad(block.x.data()) - v.x) * u.x;
+  const Quad y = (load_quad(block.y.data()) - v.y) * u.y;
+  const Quad z = (load_quad(block.z.data()) - v.z) * u.z;
   const Quad value = (x + y) + z;
-  const Quad error = ((absolute(x) + absolute(y)) + absolute(z)) * kDifferenceError + kUnderflow;
-  return {quad_bits(value > error), quad_bits(absolute(value) <= error)};
+  const Quad error = ((absolute_quad(x) + absolute_quad(y)) + absolute_quad(z)) * kDifferenceError + kUnderflow;
+  return {quad_bits(value > error), quad_bits(absolute_quad(value) <= error)};
 }
 
 constexpr std::int32_t kScannedEntries = 8;  // more are searched by bisection; removed vertices have no more
@@ -167,33 +151,40 @@ std::int32_t descend(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& cou
   return v;
 }
 
+// Below the top, next_beyond needs a vertex that is truly extreme; where nothing follows, rounded products do.
+bool further_at_top(const Levels& h, Vec3 u, std::int32_t v, std::int32_t than) {
+  const Vec3 a = h.points[at(v)], b = h.points[at(than)];
+  return h.depth > 0 ? compare_along(u, a, b) > 0 : dot(u, a) > dot(u, b);
+}
+
 }  // namespace
 
 std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
-  std::array<double, kScannedVertices> values;
-  const std::size_t count = h.top.size();
-  Quad best = Quad{} - __builtin_inf();
-  for (std::size_t i = 0; i < count; i += kBlockLanes) {
-    const Quad value = (load(&h.top_x[i]) * u.x + load(&h.top_y[i]) * u.y) + load(&h.top_z[i]) * u.z;
-    std::memcpy(&values[i], &value, sizeof value);
-    best = value > best ? value : best;
+  const double length = norm_max(u);
+  // Directions that no float stands for make all vertices tie.
+  const double scale = length > kSmallestDirection && length < kLargestDirection ? 1 / length : 0;
+  const auto x = static_cast<float>(u.x * scale), y = static_cast<float>(u.y * scale);
+  const auto z = static_cast<float>(u.z * scale);
+  const std::size_t blocks = h.top_blocks.size();
+  std::array<Floats, kScannedVertices / kTopLanes + kBatch> values;
+  Floats best = Floats{} - __builtin_inff();
+  for (std::size_t i = 0; i < blocks; ++i) {
+    const TopBlock& block = h.top_blocks[i];
+    values[i] = (load_floats(block.x.data()) * x + load_floats(block.y.data()) * y) + load_floats(block.z.data()) * z;
+    best = values[i] > best ? values[i] : best;
   }
-  counters.blocks += static_cast<long>(count / kBlockLanes);
-  const double highest = larger(larger(best[0], best[1]), larger(best[2], best[3]));
-  const bool exact = h.depth > 0;  // below it, first_beyond needs a vertex that is truly extreme
-  const double tie = exact ? highest - 2 * kScanError * norm_1(u) * h.largest_coordinate - kUnderflow : highest;
-  const Quad ties = Quad{} + tie;
+  counters.blocks += static_cast<long>(blocks);
+  for (std::size_t i = 0; i < kBatch; ++i) values[blocks + i] = Floats{} - __builtin_inff();
+  const Floats ties = Floats{} + (largest(best) - kFloatTie);
   std::int32_t found = -1;
-  for (std::size_t i = 0; i < count; i += kBlockLanes) {
-    unsigned candidates = quad_bits(load(&values[i]) >= ties);
-    for (; candidates != 0; candidates &= candidates - 1) {
-      const std::int32_t v = h.top[i + static_cast<std::size_t>(__builtin_ctz(candidates))];
-      if (found < 0) {
-        found = v;
-        if (!exact) return found;
-      } else if (found != v) {
-        ++counters.exact;
-        if (compare_along(u, h.points[at(v)], h.points[at(found)]) > 0) found = v;
+  for (std::size_t i = 0; i < blocks; i += kBatch) {
+    FloatMask any = values[i] >= ties;
+    for (std::size_t k = 1; k < kBatch; ++k) any |= values[i + k] >= ties;
+    if (float_bits(any) == 0) continue;
+    for (std::size_t k = i; k < i + kBatch; ++k) {
+      for (unsigned left = float_bits(values[k] >= ties); left != 0; left &= left - 1) {
+        const std::int32_t v = h.top[k * kTopLanes + static_cast<std::size_t>(__builtin_ctz(left))];
+        if (found < 0 || (found != v && further_at_top(h, u, v, found))) found = v;
       }
     }
   }

@@ -1,0 +1,45 @@
+// Vectors of four doubles on every instruction set: where the layout of data is the same for all of them.
+#pragma once
+
+#include <cstring>
+
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
+namespace plannercheck {
+
+inline constexpr int kQuad = 4;
+
+typedef double Quad __attribute__((vector_size(kQuad * 8)));
+typedef long long QuadMask __attribute__((vector_size(kQuad * 8)));
+
+inline Quad load_quad(const double* from) {
+  Quad q;
+  std::memcpy(&q, from, sizeof q);
+  return q;
+}
+
+inline void store_quad(double* to, Quad q) { std::memcpy(to, &q, sizeof q); }
+
+inline Quad absolute_quad(Quad q) {
+  return reinterpret_cast<Quad>(reinterpret_cast<QuadMask>(q) & (QuadMask{} + 0x7fffffffffffffffLL));
+}
+
+inline double largest(Quad q) {
+  const double a = q[0] > q[1] ? q[0] : q[1], b = q[2] > q[3] ? q[2] : q[3];
+  return a > b ? a : b;
+}
+
+// Bit k of the result: lane k of a comparison.
+inline unsigned quad_bits(QuadMask mask) {
+#if defined(__AVX__)
+  return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
+#else
+  unsigned out = 0;
+  for (int i = 0; i < kQuad; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
+  return out;
+#endif
+}
+
+}  // namespace plannercheck
