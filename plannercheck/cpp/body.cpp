@@ -63,12 +63,18 @@ double largest_norm(const std::vector<Vec3>& points, Vec3 from) {
   return largest * kRoundUp;
 }
 
+// `points`: the vertices, which differ.
 void enclose(Body& body, const std::vector<Vec3>& points) {
   body.low = body.high = points.front();
   for (const Vec3& p : points) {
     body.low = {smaller(body.low.x, p.x), smaller(body.low.y, p.y), smaller(body.low.z, p.z)};
     body.high = {larger(body.high.x, p.x), larger(body.high.y, p.y), larger(body.high.z, p.z)};
   }
+  const auto at_corner = [&](const Vec3& p) {
+    return (p.x == body.low.x || p.x == body.high.x) && (p.y == body.low.y || p.y == body.high.y) &&
+           (p.z == body.low.z || p.z == body.high.z);
+  };
+  body.is_box = points.size() == 8 && std::all_of(points.begin(), points.end(), at_corner) ? 1 : 0;
 }
 
 class Writer {
@@ -134,7 +140,7 @@ void each_field(Stream& s, H& h) {
 template <class Stream, class B>
 void each_body_field(Stream& s, B& b) {
   s.value(b.dimension), s.value(b.swell), s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach),
-      s.value(b.radius), s.value(b.low), s.value(b.high);
+      s.value(b.radius), s.value(b.low), s.value(b.high), s.value(b.is_box);
   each_field(s, b.inner);
   each_field(s, b.polar);
   s.array(b.polar_triangles);

@@ -20,7 +20,7 @@ namespace plannercheck {
 inline constexpr double kPolarError = 4 * 0x1p-53;
 
 // Raise it whenever the fields of Body or Hierarchy, their order or their meaning change: old files are then refused.
-inline constexpr int kBodyFormat = 6;
+inline constexpr int kBodyFormat = 7;
 
 struct Body {
   std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3
@@ -31,6 +31,7 @@ struct Body {
   double reach = 0;                  // largest |v| over the vertices: distance from the frame's origin
   double radius = 0;                 // largest |v − centre|, rounded up
   Vec3 low, high;                    // the box around the vertices, in the body's frame
+  std::int32_t is_box = 0;           // 1 if the body is that box
   Hierarchy inner;
   Hierarchy polar;
   std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward

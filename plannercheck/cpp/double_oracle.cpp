@@ -56,7 +56,8 @@ class DoubleOracle {
   }
 
  private:
-  // Small bodies take part as a whole; else the given vertex and what the host says to it. False if that is the end.
+  // Small bodies take part as a whole; else the given vertex. The host answers to it, or to a point of the small guest.
+  // False if that is the end.
   bool start(std::int32_t vertex) {
     const std::vector<Vec3>& polar = frame_.host().polar.points;
     const std::size_t vertices = frame_.guest().inner.points.size();
@@ -70,7 +71,8 @@ class DoubleOracle {
     for (std::size_t v = 0; v < vertices; ++v) {
       add_row(static_cast<std::int32_t>(v), frame_.guest_vertex(static_cast<std::int32_t>(v)));
     }
-    return columns_.count > 0 || !ask_host(frame_.guest_centre());
+    if (columns_.count > 0) return true;
+    return !ask_host(frame_.guest().is_box != 0 ? frame_.guest_box_point() : frame_.guest_centre());
   }
 
   const PairFrame& frame_;

@@ -51,6 +51,12 @@ Vec3 PairFrame::guest_direction(Vec3 q) const {
           -(m_[2] * q.x + m_[5] * q.y + m_[8] * q.z)};
 }
 
+Vec3 PairFrame::guest_box_point() const {
+  const Vec3 centre = guest_direction(shift_), low = guest().low, high = guest().high;
+  const auto clamped = [](double c, double least, double most) { return smaller(larger(c, least), most); };
+  return map({clamped(centre.x, low.x, high.x), clamped(centre.y, low.y, high.y), clamped(centre.z, low.z, high.z)});
+}
+
 // The axes are the host's own and the columns of M_Rᵀ M_P, which are the guest's but for the poses' defects: any axis
 // separates if the boxes' shadows on it are apart. A shadow is its centre and half its length.
 bool PairFrame::boxes_apart() const {

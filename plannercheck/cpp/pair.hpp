@@ -51,6 +51,10 @@ class PairFrame {
   Vec3 guest_centre() const { return map(guest().centre); }
   Vec3 polar_point(std::int32_t k) const { return host().polar.points[static_cast<std::size_t>(k)]; }
 
+  // The point of the guest's box that is nearest to the host's centre, up to rounding: where the bodies overlap most
+  // likely. It is in the box whatever the rounding.
+  Vec3 guest_box_point() const;
+
   // The direction in the guest's frame along which to look for the vertex with the least q·x.
   Vec3 guest_direction(Vec3 q) const;
 
