@@ -386,8 +386,9 @@ class Checker:
                 f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
                 "here: choose sampled motions by resolution=, in m"
             )
-        poses = self.body_poses(self.robot.reference)[0]
-        return MotionCertifier(self.robot, self.bodies, self.pairs, self.polytopes, poses, self.excess)
+        return MotionCertifier(
+            self.robot, self.bodies, self.pairs, self._live, lambda: self._all, self._limits, self.excess
+        )
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Starts and ends (n, nq); continuous joints take the short way."""

@@ -123,7 +123,7 @@ def test_proofs_cover_every_pair_up_to_where_the_motion_is_free(robot):
         key = (proof.first_body, proof.second_body)
         if proof.start <= covered.get(key, 0.0):
             covered[key] = max(covered.get(key, 0.0), proof.end)
-    moving = [tuple(checker.pairs[k].tolist()) for k in checker.motion_certifier._rows]
+    moving = [tuple(checker.pairs[k].tolist()) for k in checker.motion_certifier._whole.rows]
     assert min(covered.get(key, 0.0) for key in moving) >= verdict.free_until
 
 
