@@ -142,18 +142,22 @@ class MotionCertifier:
         """
         _check_tolerance(tolerance)
         within = self._within_limits(q0, q1)
-        if within.all():
-            return self._judged(self._live, q0, q1, tolerance, threads)
-        free = self._judged(self._whole, q0, q1, tolerance, threads)
-        if within.any():
-            free[within] = self._judged(self._live, q0[within], q1[within], tolerance, threads)
+        free = np.empty(len(q0), dtype=bool)
+        for rows, whole in ((np.flatnonzero(within), False), (np.flatnonzero(~within), True)):
+            if len(rows):
+                part = self._whole if whole else self._live
+                free[rows] = self._judged(part, q0, q1, rows, tolerance, threads)
         return free
 
-    def _judged(self, part: ChainedPairs, q0: Floats, q1: Floats, tolerance: float, threads: int) -> Bools:
-        error = self._kinematic_error(q0, q1)
-        answers = np.asarray(part.core.check(self._robot.kinematics, q0, q1, tolerance, error, threads))
+    def _judged(
+        self, part: ChainedPairs, q0: Floats, q1: Floats, rows: NDArray[np.int64], tolerance: float, threads: int
+    ) -> Bools:
+        """Some rows by some pairs."""
+        starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
+        error = self._kinematic_error(starts, ends)
+        answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
-            raise _imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
+            raise _imprecise(int(rows[np.argmax(answers == _IMPRECISE)]), tolerance)
         return np.asarray((answers == _FREE) & (not part.touching))
 
     def _within_limits(self, q0: Floats, q1: Floats) -> Bools:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from ompl import base
 
-from plannercheck.configurations import is_continuous, joint_by_name
+from plannercheck.configurations import is_continuous
 from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
 
@@ -102,7 +102,8 @@ def bounded_space(lower: Floats, upper: Floats) -> Any:
 
 
 def _continuous_columns(robot: Robot) -> NDArray[np.bool_]:
-    joints = [joint_by_name(robot.model, name) for name in robot.joint_names]
+    model = robot.model
+    joints = [model.joints[model.getJointId(name)] for name in robot.joint_names]
     turning = [robot.group is not None and is_continuous(joint) for joint in joints]
     for name, joint, free in zip(robot.joint_names, joints, turning, strict=True):
         if joint.nq != 1 and not free:

@@ -163,7 +163,7 @@ def test_verdicts_against_dense_sampling(name, scene):
     robot = pc.Robot.load(name)
     checker = pc.Checker(robot, scattered(7, 12) if scene is None else pc.Scene.load(scene))
     generator = np.random.default_rng(8)
-    q = robot.random_configurations(200, 9)
+    q = robot.reference + 0.5 * (robot.random_configurations(200, 9) - robot.reference)
     q0 = q[checker.check_states(q)][:50]
     way = generator.normal(size=q0.shape) * generator.uniform(0.02, 1.0, (len(q0), 1))
     q1 = q0 + way
@@ -429,3 +429,40 @@ def test_pinocchios_own_poses_prove_nothing():
     with pytest.raises(pc.PlannercheckError, match="resolution="):
         checker.check_motion(q, q)
     assert checker.check_motion(q, q, resolution=0.01)
+
+
+@pytest.mark.parametrize("name", ["panda", "talos"])
+def test_pairs_that_never_meet_within_the_limits_change_no_verdict(name):
+    robot = pc.Robot.load(name)
+    live, plain = (pc.Checker(robot, pc.Scene.load("table"), reach=on) for on in (True, False))
+    assert live.unreachable.any()
+    q = robot.reference + 0.5 * (robot.random_configurations(200, 9) - robot.reference)
+    q0, q1 = q[::2], q[::2] + 0.3 * (q[1::2] - q[::2])
+    q1[::5] += 0.5 * (robot.upper - robot.lower)  # beyond the limits: all pairs count
+    found, truth = live.check_motions(q0, q1), plain.check_motions(q0, q1)
+    np.testing.assert_array_equal(found, truth)
+    assert found.any()
+    assert not found.all()
+    certifiers = live.motion_certifier, plain.motion_certifier
+    assert len(certifiers[0]._live.rows) < len(certifiers[1]._live.rows) == len(certifiers[0]._whole.rows)
+    for a, b, free in zip(q0[:40], q1[:40], found[:40].tolist(), strict=True):
+        assert live.check_motion(a, b) == free
+        passages = [certifier.passage(a, b, 1e-4) for certifier in certifiers]
+        assert passages[0].free == passages[1].free == free
+        assert (passages[0].pair, passages[0].near) == (passages[1].pair, passages[1].near)
+    assert live.motion_certifier.statistics()["motions"] == 180  # both parts count
+
+
+def test_planners_motions_are_those_of_the_checker():
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
+    judge = checker.motion_certifier.motion_validity(1e-4)
+    q = checker.robot.random_configurations(120, 4)
+    q0, q1 = q[::2], q[::2] + 0.4 * (q[1::2] - q[::2])
+    q1[::7] = checker.robot.upper + 0.2
+    free = checker.check_motions(q0, q1).tolist()
+    assert [judge(a.tolist(), b.tolist()) for a, b in zip(q0, q1, strict=True)] == free
+    assert any(free)
+    with pytest.raises((TypeError, IndexError)):
+        judge(["x"] * 7, [0.0] * 7)
+    with pytest.raises(IndexError):
+        judge([0.0] * 3, [0.0] * 7)
