@@ -30,7 +30,7 @@ import pinocchio as pin
 from ompl import base, geometric, util
 
 import plannercheck as pc
-from plannercheck.bench.peers import COAL_TOLERANCES, _geometry_data, _geometry_model
+from plannercheck.bench.peers import COAL_TOLERANCES, coal_geometry_data, coal_geometry_model
 from plannercheck.joint_space import JointSpace
 from plannercheck.ompl import LONGEST_MOTION
 from plannercheck.problem_plans import robot_of
@@ -44,16 +44,15 @@ class CoalTree:
 
     def __init__(self, checker: pc.Checker) -> None:
         robot = checker.robot
-        self._model, self._geometry = robot.model, _geometry_model(checker)
-        self._data, self._geometry_data = self._model.createData(), _geometry_data(self._geometry, COAL_TOLERANCES[0])
+        self._model, self._geometry = robot.model, coal_geometry_model(checker)
+        self._data = self._model.createData()
+        self._geometry_data = coal_geometry_data(self._geometry, COAL_TOLERANCES[0])
         tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager
-        self._tree = tree(self._model, self._geometry, self._geometry_data)
+        self._tree = tree(self._model, self._geometry, self._geometry_data)  # which keeps neither of the two alive
         self._full = np.array(robot.expand(np.zeros(robot.nq)))
-        moved = np.array(robot.expand(np.ones(robot.nq))) != self._full
-        self._columns = np.array(
-            [int(np.flatnonzero(np.array(robot.expand(row)) != self._full)[0]) for row in np.eye(robot.nq)]
-        )
-        assert moved.sum() == robot.nq  # one number a joint, none that follow another
+        moved = [np.flatnonzero(np.array(robot.expand(row)) != self._full) for row in np.eye(robot.nq)]
+        assert all(len(entries) == 1 for entries in moved)  # one number a joint, none that follows another
+        self._columns = np.concatenate(moved)
         self._nq = robot.nq
 
     def __call__(self, state: object) -> bool:
