@@ -23,7 +23,7 @@ PosedBody posed_at(const Body& body, PoseRows poses, std::size_t i) {
   return {&body, pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i))};
 }
 
-void put(std::vector<double>& rows, std::size_t i, Vec3 v) {
+void put_row(std::vector<double>& rows, std::size_t i, Vec3 v) {
   rows[3 * i] = v.x, rows[3 * i + 1] = v.y, rows[3 * i + 2] = v.z;
 }
 
@@ -39,7 +39,7 @@ nb::tuple distance_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRow
     for (std::size_t i = 0; i < n; ++i) {
       const PairDistance found = pair_distance(posed_at(a, poses_a, i), posed_at(b, poses_b, i), kNoLimit, counters);
       overlap[i] = found.overlap, distance[i] = found.upper, lower[i] = found.lower;
-      put(on_a, i, found.on_guest), put(on_b, i, found.on_host), put(directions, i, found.direction);
+      put_row(on_a, i, found.on_guest), put_row(on_b, i, found.on_host), put_row(directions, i, found.direction);
     }
   }
   return nb::make_tuple(output_array(overlap, {n}), output_array(distance, {n}), output_array(lower, {n}),
