@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from plannercheck.certificates import Separation as Separation
     from plannercheck.certificates import SharedPoint as SharedPoint
     from plannercheck.checker import Checker as Checker
+    from plannercheck.depths import Depth as Depth
+    from plannercheck.depths import depth as depth
     from plannercheck.distances import Distance as Distance
     from plannercheck.distances import distance as distance
     from plannercheck.hull import Polytope as Polytope
@@ -33,6 +35,7 @@ __version__ = "0.1.0"
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {
     "Checker": "checker",
+    "Depth": "depths",
     "Distance": "distances",
     "Polytope": "hull",
     "Robot": "robot",
@@ -42,6 +45,7 @@ _HOMES = {
     "ValidityReport": "report",
     "Verdict": "report",
     "certify": "pair",
+    "depth": "depths",
     "distance": "distances",
     "intersects": "pair",
 }
@@ -49,6 +53,7 @@ _MODULES = ("ndim", "ompl", "planar")
 
 __all__ = [
     "Checker",
+    "Depth",
     "Distance",
     "PlannercheckError",
     "Polytope",
@@ -60,6 +65,7 @@ __all__ = [
     "Verdict",
     "__version__",
     "certify",
+    "depth",
     "distance",
     "intersects",
     "ndim",

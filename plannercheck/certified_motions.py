@@ -10,18 +10,17 @@ what rounding moves (`Robot.kinematic_error`, and the core's own bound).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.certificates import Separation
+from plannercheck.chained_pairs import ChainedPairs
+from plannercheck.compiled_pairs import CompiledPairs, added
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
-from plannercheck.hull import Polytope
-from plannercheck.motion_chains import motion_chains
-from plannercheck.pair import certify
 from plannercheck.robot import Robot
 from plannercheck.shapes import Body
 
@@ -31,10 +30,6 @@ Ints = NDArray[np.int32]
 
 # A motion whose clearance falls below this may be refused, m: no robot follows a path so closely.
 DEFAULT_TOLERANCE = 1e-4
-
-# Two bodies that never move against each other and are further apart than this, m, are so at every configuration:
-# far above the rounding of kinematics.
-_LASTING_GAP = 1e-9
 
 # Beyond the limits by this much, rad and m, the bound of kinematic rounding is computed once for all.
 _MARGIN = 10.0
@@ -86,15 +81,19 @@ class Passage(NamedTuple):
 
 
 class MotionCertifier:
-    """Judges motions of one robot among given pairs of bodies. Immutable, so threads may share it."""
+    """Judges motions of one robot among given pairs of bodies. Immutable, so threads may share it.
+
+    Motions within the limits are judged without the pairs that can't meet there, as configurations are.
+    """
 
     def __init__(
         self,
         robot: Robot,
         bodies: Sequence[Body],
-        pairs: NDArray[np.int32],
-        polytopes: Sequence[Polytope | None],
-        body_poses: Floats,
+        pairs: Ints,
+        live: CompiledPairs,
+        whole: Callable[[], CompiledPairs],
+        limits: tuple[Floats, Floats] | None,
         excess: float,
     ) -> None:
         """Digests chains of joints.
@@ -103,8 +102,9 @@ class MotionCertifier:
             robot: The robot.
             bodies: The robot's, then the scene's.
             pairs: (k, 2) indices into bodies.
-            polytopes: The prepared body of each; None where no pair needs it.
-            body_poses: (bodies, 4, 4) at the reference configuration.
+            live: Those that can meet within the limits.
+            whole: All of them.
+            limits: Between which `live` are enough; None for anywhere.
             excess: Of curved shapes.
 
         Raises:
@@ -116,47 +116,17 @@ class MotionCertifier:
                 "motions by resolution=, in m"
             )
         self._robot = robot
-        links = [_link_of(robot, body) for body in bodies]
-        table, polytopes = _ordered(pairs, links), list(polytopes)
-        self._flipped = table[:, 0] != pairs[:, 0]
-        moving = np.array([links[a] >= 0 for a, _ in table.tolist()], dtype=bool)
-        self._rows = np.flatnonzero(moving)
-        self._touching = [
-            int(k) for k in np.flatnonzero(~moving) if not _lastingly_apart(table[k], polytopes, body_poses)
-        ]
-        chains = motion_chains(
-            robot.model,
-            robot.configuration_map,
-            robot.joint_table,
-            robot.frames,
-            bodies,
-            links,
-            table[moving].astype(np.int64),
-            excess,
-        )
-        self._chained = chains.pairs
-        live = [k for k, polytope in enumerate(polytopes) if polytope is not None]
-        position = np.full(len(bodies), -1, dtype=np.int32)
-        position[live] = np.arange(len(live))
-        rows, *arrays = chains.arrays()
-        rows[:, :2] = position[rows[:, :2].astype(np.int64)]
-        standing = [k for k in live if links[k] < 0]
-        placements = np.array([body.pose for body in bodies], dtype=np.float64).reshape(-1, 4, 4)
-        placements[standing] = body_poses[standing]
-        self._core = core.MotionCertifier(
-            [polytope.core for polytope in polytopes if polytope is not None],
-            np.array([links[k] for k in live], dtype=np.int32),
-            np.ascontiguousarray(placements[live]),
-            rows,
-            *arrays,
-            robot.nq,
-            len(robot.link_names),
-            chains.defect,
-            chains.leverage,
-        )
+        self._live = ChainedPairs(robot, bodies, pairs, live, excess)
+        self._compile_whole: Callable[[], ChainedPairs] = lambda: ChainedPairs(robot, bodies, pairs, whole(), excess)
+        self._limits = limits
         low, high = robot.configuration_map.sampled_range()
         self._low, self._high = low - _MARGIN, high + _MARGIN
+        self._range = limits if limits is not None else (self._low, self._high)
         self._error = robot.kinematic_error_within(self._low, self._high)
+
+    @cached_property
+    def _whole(self) -> ChainedPairs:
+        return self._live if self._limits is None else self._compile_whole()
 
     def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int) -> Bools:
         """Whether each motion (n, nq) to (n, nq) is free.
@@ -171,11 +141,31 @@ class MotionCertifier:
             (n,) True means proved free, False that some pair comes within the tolerance.
         """
         _check_tolerance(tolerance)
-        error = self._kinematic_error(q0, q1)
-        answers = np.asarray(self._core.check(self._robot.kinematics, q0, q1, tolerance, error, threads))
+        within = self._within_limits(q0, q1)
+        free = np.empty(len(q0), dtype=bool)
+        for rows, whole in ((np.flatnonzero(within), False), (np.flatnonzero(~within), True)):
+            if len(rows):
+                part = self._whole if whole else self._live
+                free[rows] = self._judged(part, q0, q1, rows, tolerance, threads)
+        return free
+
+    def _judged(
+        self, part: ChainedPairs, q0: Floats, q1: Floats, rows: NDArray[np.int64], tolerance: float, threads: int
+    ) -> Bools:
+        """Some rows by some pairs."""
+        starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
+        error = self._kinematic_error(starts, ends)
+        answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
-            raise _imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
-        return np.asarray((answers == _FREE) & (not self._touching))
+            raise _imprecise(int(rows[np.argmax(answers == _IMPRECISE)]), tolerance)
+        return np.asarray((answers == _FREE) & (not part.touching))
+
+    def _within_limits(self, q0: Floats, q1: Floats) -> Bools:
+        """(n,) whether both ends are, so that all states between them are, up to rounding."""
+        if self._limits is None:
+            return np.ones(len(q0), dtype=bool)
+        low, high = self._limits
+        return np.asarray(((q0 >= low) & (q0 <= high) & (q1 >= low) & (q1 <= high)).all(axis=1))
 
     def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
         """`check` of one motion between configurations given as lists: what planners call.
@@ -189,15 +179,29 @@ class MotionCertifier:
             True means proved free.
         """
         _check_tolerance(tolerance)
-        if self._touching:
+        if self._live.touching:
             return False
-        answer: int = self._core.check_one(
-            self._robot.kinematics, q0, q1, self._low, self._high, tolerance, self._error
-        )
-        if answer <= _REFUSED:
-            return answer == _FREE
-        starts, ends = self._robot.check_configurations(q0), self._robot.check_configurations(q1)
+        kinematics = self._robot.kinematics
+        answer: int = self._live.core.check_one(kinematics, q0, q1, *self._range, tolerance, self._error)
+        return answer == _FREE if answer <= _REFUSED else self._is_free_anywhere(q0, q1, tolerance)
+
+    def _is_free_anywhere(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
+        starts, ends = self._robot.check_configurations([q0]), self._robot.check_configurations([q1])
         return bool(self.check(starts, ends, tolerance, 1)[0])
+
+    def motion_validity(self, tolerance: float) -> Callable[[Any, Any], bool]:
+        """`is_free` as a compiled function of two states of an OMPL RealVectorStateSpace of nq numbers."""
+        _check_tolerance(tolerance)
+        if self._live.touching:
+            return lambda s1, s2: False
+        kinematics, low, high = self._robot.kinematics, *self._range
+        judge: Callable[[Any, Any], bool] = core.motion_validity(
+            self._live.core, kinematics, low, high, tolerance, self._error, partial(self._elsewhere, tolerance)
+        )
+        return judge
+
+    def _elsewhere(self, tolerance: float, q0: list[float], q1: list[float]) -> bool:
+        return self._is_free_anywhere(q0, q1, tolerance)
 
     def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
         """How far one motion (nq,) to (nq,) is free, looked at from its start.
@@ -212,40 +216,31 @@ class MotionCertifier:
             The passage.
         """
         _check_tolerance(tolerance)
-        if self._touching:
-            return Passage(False, 0.0, 0.0, self._touching[0])
+        within = self._within_limits(q0[None], q1[None])[0]
+        part = self._live if within and not proofs else self._whole
+        if part.touching:
+            return Passage(False, 0.0, 0.0, part.touching[0])
         error = self._kinematic_error(q0[None], q1[None])
-        answer, until, near, row, *found = self._core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
+        answer, until, near, row, *found = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
         if answer == _IMPRECISE:
             raise _imprecise(0, tolerance)
-        listed = tuple(proof for proof in self._proofs(*found) if proof.start < until)
+        listed = tuple(proof for proof in _proofs(part, *found) if proof.start < until)
         if answer == _FREE:
             return Passage(True, 1.0, -1.0, -1, listed)
-        return Passage(False, until, near, int(self._rows[row]), listed)
-
-    def _proofs(self, pairs: Ints, intervals: Floats, directions: Floats, gaps: Floats) -> list[Proof]:
-        rows = zip(pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True)
-        return [
-            Proof(
-                int(self._rows[k]),
-                start,
-                end,
-                self._chained[k].frame,
-                bool(self._flipped[self._rows[k]]),
-                direction,
-                gap,
-                bulge,
-            )
-            for k, (start, end), direction, (gap, bulge) in rows
-        ]
+        return Passage(False, until, near, int(part.rows[row]), listed)
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """(k, nq) of one motion (nq,) to (nq,) at parameters (k,) in [0, 1]."""
-        return np.asarray(self._core.states(q0, q1, parameters))
+        return np.asarray(self._live.core.states(q0, q1, parameters))
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far."""
-        return dict(self._core.statistics())
+        counted = dict(self._live.core.statistics())
+        return (
+            counted
+            if "_whole" not in vars(self) or self._whole is self._live
+            else added(counted, self._whole.core.statistics())
+        )
 
     def _kinematic_error(self, q0: Floats, q1: Floats) -> float:
         """The bound for all configurations on these motions, m."""
@@ -256,28 +251,12 @@ class MotionCertifier:
         return self._robot.kinematic_error_within(low, high)
 
 
-def _link_of(robot: Robot, body: Body) -> int:
-    """Index of a body's link; -1 if it stands still whatever the joints do."""
-    if body.link is None:
-        return -1
-    link = robot.link_index(body.link)
-    return -1 if robot.kinematics is None or robot.kinematics.link_is_constant(link) else link
-
-
-def _ordered(pairs: NDArray[np.int32], links: Sequence[int]) -> NDArray[np.int32]:
-    """Pairs with a body that moves first, if there is one."""
-    table = pairs.copy()
-    swapped = np.array([links[a] < 0 <= links[b] for a, b in pairs.tolist()], dtype=bool)
-    table[swapped] = table[swapped][:, ::-1]
-    return table
-
-
-def _lastingly_apart(pair: NDArray[np.int32], polytopes: Sequence[Polytope | None], poses: Floats) -> bool:
-    p, r = (polytopes[int(k)] for k in pair)
-    assert p is not None
-    assert r is not None
-    certificate = certify(p, r, poses[pair[0]], poses[pair[1]])
-    return isinstance(certificate, Separation) and certificate.gap > _LASTING_GAP
+def _proofs(part: ChainedPairs, pairs: Ints, intervals: Floats, directions: Floats, gaps: Floats) -> list[Proof]:
+    rows = zip(pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True)
+    return [
+        Proof(int(part.rows[k]), start, end, part.frames[k], bool(part.flipped[k]), direction, gap, bulge)
+        for k, (start, end), direction, (gap, bulge) in rows
+    ]
 
 
 def _check_tolerance(tolerance: float) -> None:

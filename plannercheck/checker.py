@@ -23,11 +23,11 @@ from plannercheck.hull import Polytope
 from plannercheck.kinematic_rounding import largest_distance
 from plannercheck.motion import MotionSampler
 from plannercheck.motion_verdicts import explained_motion
-from plannercheck.padding import Padding, padding_parts
+from plannercheck.padding import Padding, padded_pairs
 from plannercheck.pair import Method, certify, pair_options
 from plannercheck.pairs import Acm, pair_table
+from plannercheck.reach import Reach, stays_apart
 from plannercheck.reach import reach as reach_of
-from plannercheck.reach import stays_apart
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
@@ -48,7 +48,8 @@ class Checker:
     Attributes:
         robot: The robot.
         scene: The scene, as it was when the checker was built.
-        bodies: The robot's collision bodies, then the scene's, or what stands in for them.
+        bodies: The robot's collision bodies, then the scene's, or what stands in for them; then copies for pairs with
+            a padding of their own.
         pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
         unreachable: (k,) which of the pairs can't collide at any configuration within the limits, by proof; they are
             tested only beyond the limits, and where all pairs are asked for.
@@ -85,7 +86,8 @@ class Checker:
             scene: The scene; None is empty.
             self_collision: Whether the robot's self pairs are tested.
             padding: What every pair has to keep apart, m: a configuration is valid if and only if all distances exceed
-                it. Or parts of it by name of body, link or obstacle: a pair then keeps the sum of its two parts.
+                it. Or by name of body, link or obstacle parts of it, of which a pair keeps the sum of its two, and by
+                pair of names the whole distance: `{"panda_hand": 0.01, ("panda_hand", "shelf"): 0.002}`.
             acm: Whose allowed collisions act on self pairs: "robot" (SRDF or YAML) or "scene" as well.
             kinematics: "batch", the compiled kernel, or "pinocchio".
             excess: How far polytopes of curved shapes may stick out, as a part of the radius.
@@ -113,16 +115,16 @@ class Checker:
         self.robot = robot
         self.excess = excess
         self.scene = scene if scene is not None else Scene("empty")
-        self.bodies = _stand_ins(bodies, (*robot.bodies, *self.scene.bodies))
+        stand_ins = _stand_ins(bodies, (*robot.bodies, *self.scene.bodies))
         table = pair_table(robot, self.scene, self_collision, acm)
-        self.pairs = table.pairs
-        self._labels = (*(b.link or b.name for b in robot.bodies), *self.scene.body_objects)
+        labels = (*(b.link or b.name for b in robot.bodies), *self.scene.body_objects)
+        padded = padded_pairs(padding, stand_ins, labels, (table.pairs, table.resting))
+        self.bodies, self._labels, self.paddings, (self.pairs, at_rest) = padded
         self._row_shape = (robot.nq,)
         self._kernel = robot.kinematics if kinematics == "batch" else None
         self._options = pair_options(method, cached_plane, centre_axis, nearest_points), bounds, boxes, learning
-        self.paddings = padding_parts(padding, self.bodies, self._labels)
         self._preparation = Preparation(self.bodies, excess, self.paddings)
-        candidates = np.concatenate([table.pairs, table.resting])
+        candidates = np.concatenate([self.pairs, at_rest])
         apart, resting = self._never_meeting(candidates) if reach else np.zeros((2, len(candidates)), dtype=bool)
         self.unreachable, self.resting = apart[: len(self.pairs)], resting[: len(self.pairs)]
         self._limits = (robot.lower, robot.upper) if self.unreachable.any() else None
@@ -130,11 +132,11 @@ class Checker:
         self._whole: CompiledPairs | None = None
         self._lock = threading.Lock()
         self.motion_sampler = MotionSampler(robot, excess)
-        self._warn_of_resting(table.resting[~apart[len(self.pairs) :]])
+        self._warn_of_resting(at_rest[~apart[len(self.pairs) :]])
 
     def _never_meeting(self, pairs: Ints) -> tuple[Bools, Bools]:
         """Which pairs never meet within the limits, and which rest relative to each other; see reach.py."""
-        found = reach_of(self.robot, self.bodies, pairs, self._preparation.hulls)
+        found = self._reach(pairs)
         if self._kernel is None or not found.is_proved:
             return np.zeros(len(pairs), dtype=bool), found.resting
         apart, prepared = found.apart.copy(), self._preparation.polytope
@@ -145,6 +147,13 @@ class Checker:
             a, b = pairs[k].tolist()
             apart[k] = stays_apart(prepared(a), prepared(b), poses[a], poses[b])
         return apart, found.resting
+
+    def _reach(self, pairs: Ints) -> Reach:
+        """What limits say of pairs; see reach.py, which has the robot's bodies first."""
+        order = sorted(range(len(self.bodies)), key=lambda k: self.bodies[k].link is None)
+        place = np.argsort(order).astype(np.int32)
+        hulls = self._preparation.hulls
+        return reach_of(self.robot, [self.bodies[k] for k in order], place[pairs], [hulls[k] for k in order])
 
     def _poses_at_reference(self) -> Floats:
         """(bodies, 4, 4) up to rounding, m."""
@@ -386,8 +395,9 @@ class Checker:
                 f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
                 "here: choose sampled motions by resolution=, in m"
             )
-        poses = self.body_poses(self.robot.reference)[0]
-        return MotionCertifier(self.robot, self.bodies, self.pairs, self.polytopes, poses, self.excess)
+        return MotionCertifier(
+            self.robot, self.bodies, self.pairs, self._live, lambda: self._all, self._limits, self.excess
+        )
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Starts and ends (n, nq); continuous joints take the short way."""

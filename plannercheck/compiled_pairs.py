@@ -71,6 +71,7 @@ class CompiledPairs:
 
     Attributes:
         rows: (k,) which of the checker's pairs these are, ascending.
+        polytopes: The prepared bodies in them, by index.
         core: The compiled checker of these pairs.
     """
 
@@ -98,10 +99,11 @@ class CompiledPairs:
         self.rows = rows
         self._count = len(bodies)
         self._used = np.unique(pairs[rows])
+        self.polytopes = {k: preparation.polytope(k) for k in self._used.tolist()}
         links = [-1 if bodies[k].link is None else robot.link_index(str(bodies[k].link)) for k in self._used]
         lower, upper = limits or (np.full(robot.nq, -np.inf), np.full(robot.nq, np.inf))
         self.core = core.Checker(
-            [preparation.polytope(k).core for k in self._used.tolist()],
+            [polytope.core for polytope in self.polytopes.values()],
             np.array(links, dtype=np.int32),
             np.array([bodies[k].pose for k in self._used], dtype=np.float64).reshape(-1, 4, 4),
             np.searchsorted(self._used, pairs[rows]).astype(np.int32).reshape(-1, 2),

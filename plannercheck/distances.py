@@ -34,12 +34,15 @@ class Distance:
             separates them, and the least that does is no longer. Which is found: of disjoint hulls within their
             swells the least one; else the best along all facets' normals, the boxes' axes and the centres' axis,
             where least ones along products of two edges are missed.
+        direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
+            `lower_bound` apart, or to be moved apart.
     """
 
     distance: float
     point_p: Floats
     point_r: Floats
     lower_bound: float
+    direction: Floats
 
 
 def distance(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None) -> Distance:
@@ -59,5 +62,5 @@ def distance(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: 
     """
     poses = (checked_pose(pose, name)[None] for pose, name in ((pose_p, "pose_p"), (pose_r, "pose_r")))
     first, second = poses
-    overlap, found, lower, on_p, on_r = core.distance_batch(P.core, first, R.core, second)
-    return Distance(0.0 if overlap[0] else float(found[0]), on_p[0], on_r[0], float(lower[0]))
+    overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, first, R.core, second)
+    return Distance(0.0 if overlap[0] else float(found[0]), on_p[0], on_r[0], float(lower[0]), along[0])

@@ -47,8 +47,8 @@ def judged(checker: AnyChecker, q: Floats) -> EndState:
         f"{_column_name(robot, k)} is {q[k]:.6g}, not in [{robot.lower[k]:.6g}, {robot.upper[k]:.6g}]"
         for k in np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()
     ]
-    pairs = dict.fromkeys((v.first, v.second) for v in checker.explain(q).collisions)
-    return EndState(tuple(beyond), tuple(pairs))
+    collisions = () if checker.is_valid(q) else checker.explain(q).collisions
+    return EndState(tuple(beyond), tuple(dict.fromkeys((v.first, v.second) for v in collisions)))
 
 
 def checked_end(checker: AnyChecker, q: ArrayLike, name: str) -> Floats:

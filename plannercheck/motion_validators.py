@@ -108,14 +108,24 @@ class ProvedMotions(_CountingValidator):
         super().__init__(information, space)
         self._joints, self._tolerance = space, tolerance
         self._certifier = checker.motion_certifier
-        self._proved = self._certifier.is_free
+        plain_numbers = not space.continuous.any()
+        self._proved = self._certifier.motion_validity(tolerance) if plain_numbers else self._read_and_proved
+
+    def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
+        """Whether the motion between two states is free, both ends included."""
+        free = self._proved(s1, s2)  # what planners wait for: no more calls than that
+        if free:
+            self._valid += 1
+        else:
+            self._invalid += 1
+        return free
 
     def _ends(self, s1: Any, s2: Any) -> tuple[list[float], list[float]]:
         q0 = self._joints.read(s1)
         return q0, self._joints.end(q0, self._joints.read(s2))
 
-    def _is_free(self, s1: Any, s2: Any) -> bool:
-        return self._proved(*self._ends(s1, s2), self._tolerance)
+    def _read_and_proved(self, s1: Any, s2: Any) -> bool:
+        return self._certifier.is_free(*self._ends(s1, s2), self._tolerance)
 
     def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
         q0, q1 = (np.array(q) for q in self._ends(s1, s2))

@@ -10,8 +10,9 @@ are proved free, those in the plane are sampled: see motion_validators.py.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -30,6 +31,7 @@ from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.ompl_space import Curve, PlanarSpace, sampled_curve
 from plannercheck.plans import Plan, joint_length
 from plannercheck.protocols import AnyChecker, AnyRobot
+from plannercheck.state_validators import ExactStates
 
 Floats = NDArray[np.float64]
 
@@ -107,23 +109,26 @@ def _setup(checker: AnyChecker, space: Space, resolution: float | None, toleranc
         if length is not None and not (np.isfinite(length) and length > 0):
             raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
     setup = geometric.SimpleSetup(space.ompl_space())
-    setup.setStateValidityChecker(_state_validity(checker, space))
     information = setup.getSpaceInformation()
+    setup.setStateValidityChecker(_state_validity(information, checker, space))
     information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))
     return setup
 
 
-def _state_validity(checker: AnyChecker, space: Space) -> Callable[[Any], bool]:
-    """The compiled function where states are plain numbers; else one that reads them in Python."""
-    compiled = checker.state_validity() if isinstance(checker, Checker) and not space.continuous.any() else None
+def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
+    """OMPL's judge of states, with clearances in space."""
+    if isinstance(checker, Checker):
+        assert isinstance(space, JointSpace)
+        return ExactStates(information, checker, space)
     read, is_valid = space.read, checker.is_valid
-    return compiled or (lambda state: is_valid(np.array(read(state))))
+    return lambda state: is_valid(np.array(read(state)))
 
 
-def planner_names() -> list[str]:
+@cache
+def planner_names() -> tuple[str, ...]:
     """Names of the planners that OMPL's bindings offer."""
     found = [name for name in dir(geometric) if _is_planner(getattr(geometric, name))]
-    return sorted(found)
+    return tuple(sorted(found))
 
 
 def _is_planner(item: Any) -> bool:

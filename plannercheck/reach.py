@@ -65,8 +65,8 @@ def reach(robot: Robot, bodies: Sequence[Body], pairs: Ints, hulls: Sequence[Hul
     """Which pairs can never meet.
 
     Args:
-        robot: Its bodies come first among `bodies`.
-        bodies: With the obstacles.
+        robot: The robot.
+        bodies: Those on links, then the obstacles.
         pairs: (k, 2) indices into bodies; an obstacle is second.
         hulls: Of each body, see `shapes.hull_and_swell`.
 
@@ -81,7 +81,7 @@ def reach(robot: Robot, bodies: Sequence[Body], pairs: Ints, hulls: Sequence[Hul
     chains = Chains(robot, table, bodies, boxes_of(hulls))
     if not chains.is_proved():
         return Reach(apart, resting, False)
-    with_obstacle = pairs[:, 1] >= len(robot.bodies)
+    with_obstacle = pairs[:, 1] >= sum(body.link is not None for body in bodies)
     own = np.flatnonzero(~with_obstacle)
     apart[own] = _apart_among_links(chains, pairs[own])
     resting[own] = [not any(chains.branches(a, b)) for a, b in pairs[own].tolist()]

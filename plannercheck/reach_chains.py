@@ -95,11 +95,11 @@ class Chains:
     """
 
     def __init__(self, robot: Robot, table: JointTable, bodies: Sequence[Body], boxes: Boxes) -> None:
-        """Digests the joint table; `boxes` are those of `bodies`, the robot's first."""
+        """Digests the joint table; `boxes` are those of `bodies`, of which those on links come first."""
         self._robot, self._table, self._joints = robot, table, len(table.kinds)
         self.boxes = boxes
         self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
-        own = bodies[: len(robot.bodies)]
+        own = [body for body in bodies if body.link is not None]
         self._kernel = _kernel_of_frames(robot, table, own)
         self._moving = [bool((columns >= 0).any()) for columns in table.columns]
         self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]

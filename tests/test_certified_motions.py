@@ -123,7 +123,7 @@ def test_proofs_cover_every_pair_up_to_where_the_motion_is_free(robot):
         key = (proof.first_body, proof.second_body)
         if proof.start <= covered.get(key, 0.0):
             covered[key] = max(covered.get(key, 0.0), proof.end)
-    moving = [tuple(checker.pairs[k].tolist()) for k in checker.motion_certifier._rows]
+    moving = [tuple(checker.pairs[k].tolist()) for k in checker.motion_certifier._whole.rows]
     assert min(covered.get(key, 0.0) for key in moving) >= verdict.free_until
 
 
@@ -429,3 +429,40 @@ def test_pinocchios_own_poses_prove_nothing():
     with pytest.raises(pc.PlannercheckError, match="resolution="):
         checker.check_motion(q, q)
     assert checker.check_motion(q, q, resolution=0.01)
+
+
+@pytest.mark.parametrize("name", ["panda", "tiago"])
+def test_pairs_that_never_meet_within_the_limits_change_no_verdict(name):
+    robot = pc.Robot.load(name)
+    live, plain = (pc.Checker(robot, pc.Scene.load("table"), reach=on) for on in (True, False))
+    assert live.unreachable.any()
+    q = robot.random_configurations(200, 9)
+    q0, q1 = q[::2], q[::2] + 0.3 * (q[1::2] - q[::2])
+    q1[::5] += 0.5 * (robot.upper - robot.lower)  # beyond the limits: all pairs count
+    found, truth = live.check_motions(q0, q1), plain.check_motions(q0, q1)
+    np.testing.assert_array_equal(found, truth)
+    assert found.any()
+    assert not found.all()
+    certifiers = live.motion_certifier, plain.motion_certifier
+    assert len(certifiers[0]._live.rows) < len(certifiers[1]._live.rows) == len(certifiers[0]._whole.rows)
+    for a, b, free in zip(q0[:40], q1[:40], found[:40].tolist(), strict=True):
+        assert live.check_motion(a, b) == free
+        passages = [certifier.passage(a, b, 1e-4) for certifier in certifiers]
+        assert passages[0].free == passages[1].free == free
+        assert (passages[0].pair, passages[0].near) == (passages[1].pair, passages[1].near)
+    assert live.motion_certifier.statistics()["motions"] == 180  # both parts count
+
+
+def test_planners_motions_are_those_of_the_checker():
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
+    judge = checker.motion_certifier.motion_validity(1e-4)
+    q = checker.robot.random_configurations(120, 4)
+    q0, q1 = q[::2], q[::2] + 0.4 * (q[1::2] - q[::2])
+    q1[::7] = checker.robot.upper + 0.2
+    free = checker.check_motions(q0, q1).tolist()
+    assert [judge(a.tolist(), b.tolist()) for a, b in zip(q0, q1, strict=True)] == free
+    assert any(free)
+    with pytest.raises((TypeError, IndexError)):
+        judge(["x"] * 7, [0.0] * 7)
+    with pytest.raises(IndexError):
+        judge([0.0] * 3, [0.0] * 7)

@@ -114,6 +114,67 @@ def test_padding_by_name(panda, scene, samples):
         assert by_name.is_valid(q) == bool((each > room).all())
 
 
+def required(names, padding):
+    """What a pair of labels has to keep."""
+    whole = [length for pair, length in padding.items() if isinstance(pair, tuple) and sorted(pair) == sorted(names)]
+    return whole[-1] if whole else sum(padding.get(name, 0.0) for name in names)
+
+
+def test_padding_of_pairs(panda, scene, samples):
+    """Obstacles and links; a pair's own distance counts instead of the parts, also where it is less."""
+    padding = {
+        "panda_hand": 0.04,
+        "shelf": 0.01,
+        ("shelf", "panda_hand"): 0.002,
+        ("panda_link5", "shelf"): 0.06,
+        ("panda_link7", "panda_link1"): 0.1,
+        ("panda_hand", "panda_link2"): 0.0,
+        ("panda_link3", "ball"): 0.07,
+    }
+    plain, padded = pc.Checker(panda, scene), pc.Checker(panda, scene, padding=padding)
+    assert len(padded.bodies) > len(plain.bodies)
+    rooms = np.array([required(plain.pair_names(k), padding) for k in range(len(plain.pairs))])
+    assert {0.002, 0.06, 0.1, 0.07, 0.04, 0.01} <= set(rooms.tolist())
+    np.testing.assert_array_equal(padded.paddings[padded.pairs].sum(axis=1), rooms)
+    distances = np.array([pair_clearances(plain, q) for q in samples])
+    np.testing.assert_array_equal(padded.colliding_pairs(samples), distances <= rooms)
+    np.testing.assert_array_equal(padded.check_states(samples), (distances > rooms).all(axis=1))
+    assert (plain.check_states(samples) & ~padded.check_states(samples)).any()
+    free = plain.check_states(samples)
+    np.testing.assert_allclose(padded.clearances(samples)[free], plain.clearances(samples)[free], rtol=1e-8, atol=1e-12)
+    whole = pc.Checker(panda, scene, padding=padding, reach=False)
+    np.testing.assert_array_equal(whole.check_states(samples), padded.check_states(samples))
+    np.testing.assert_array_equal(
+        whole.check_motions(samples[:-1], samples[1:]), padded.check_motions(samples[:-1], samples[1:])
+    )
+    assert [padded.pair_names(k) for k in range(len(padded.pairs))] == [
+        plain.pair_names(k) for k in range(len(plain.pairs))
+    ]
+
+
+def test_of_several_pairs_that_fit_the_last_counts(panda, scene):
+    padding = {("panda_hand", "shelf"): 0.1, ("panda_hand", "pole"): 0.05, ("shelf", "panda_hand"): 0.2}
+    checker = pc.Checker(panda, scene, padding=padding)
+    kept = {checker.pair_names(k): checker.paddings[pair].sum() for k, pair in enumerate(checker.pairs)}
+    assert kept["panda_hand", "shelf"] == 0.2
+    assert kept["panda_hand", "pole"] == 0.05
+    assert kept["panda_hand", "ball"] == 0
+
+
+@pytest.mark.parametrize(
+    ("pair", "message"),
+    [
+        (("panda_hand", "no such"), "no such"),
+        (("panda_link1", "panda_link2"), "is tested"),
+        (("panda_hand",), "pair of names"),
+        (3, "pair of names"),
+    ],
+)
+def test_padding_of_pairs_has_to_name_pairs(panda, scene, pair, message):
+    with pytest.raises(pc.PlannercheckError, match=message):
+        pc.Checker(panda, scene, padding={pair: 0.01})
+
+
 def test_reach_keeps_padding(panda, scene):
     """What limits keep apart by less than the padding is tested."""
     plain, padded = pc.Checker(panda, scene), pc.Checker(panda, scene, padding=0.3)
@@ -143,7 +204,7 @@ def test_padding_has_to_be_a_length(panda, scene, padding):
 
 
 def test_ompl_maximises_the_least_clearance(panda, scene):
-    pytest.importorskip("ompl")
+    geometric = pytest.importorskip("ompl.geometric")
     checker = pc.Checker(panda, scene)
     setup = pc.ompl.setup(checker)
     objective = pc.ompl.clearance_objective(checker, setup)
@@ -153,6 +214,10 @@ def test_ompl_maximises_the_least_clearance(panda, scene):
     for state, q in ((a, q0), (b, q1)):
         for k, value in enumerate(q):
             state[k] = float(value)
+    judge = setup.getSpaceInformation().getStateValidityChecker()
+    assert judge.clearance(a) == checker.clearance(q0)
+    path = geometric.PathGeometric(setup.getSpaceInformation(), a, b)
+    assert path.clearance() == pytest.approx(checker.clearances(np.array([q0, q1])).mean())  # OMPL's own, in C++
     assert objective.stateCost(a).value() == pytest.approx(-checker.clearance(q0))
     t = np.linspace(0, 1, 30)[:, None]
     fine = checker.clearances((1 - t) * q0 + t * q1).min()

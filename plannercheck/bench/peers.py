@@ -31,8 +31,8 @@ def coal_with_tree(checker: Checker, tolerance: float) -> Judge:
     """Pinocchio's `computeCollisions` with its dynamic AABB tree over all bodies."""
     import pinocchio as pin
 
-    model, geometry = checker.robot.model, _geometry_model(checker)
-    data, geometry_data = model.createData(), _geometry_data(geometry, tolerance)
+    model, geometry = checker.robot.model, coal_geometry_model(checker)
+    data, geometry_data = model.createData(), coal_geometry_data(geometry, tolerance)
     tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(model, geometry, geometry_data)
 
     def judge(q: Floats) -> NDArray[np.bool_]:
@@ -49,8 +49,8 @@ def coal_all_pairs(checker: Checker, tolerance: float) -> Judge:
     """Pinocchio's `computeCollisions` pair by pair."""
     import pinocchio as pin
 
-    model, geometry = checker.robot.model, _geometry_model(checker)
-    data, geometry_data = model.createData(), _geometry_data(geometry, tolerance)
+    model, geometry = checker.robot.model, coal_geometry_model(checker)
+    data, geometry_data = model.createData(), coal_geometry_data(geometry, tolerance)
 
     def judge(q: Floats) -> NDArray[np.bool_]:
         full = checker.robot.expand(q)
@@ -85,7 +85,8 @@ def _any_collides(bodies: FclBodies, poses: Floats, pairs: NDArray[Any]) -> bool
     return any(bodies.collides(p, r) for p, r in pairs.tolist())
 
 
-def _geometry_data(geometry: Any, tolerance: float) -> Any:
+def coal_geometry_data(geometry: Any, tolerance: float) -> Any:
+    """Data for collision queries without contacts at one of `COAL_TOLERANCES`, m."""
     data = geometry.createData()
     for request in data.collisionRequests:
         request.enable_contact = False
@@ -93,7 +94,7 @@ def _geometry_data(geometry: Any, tolerance: float) -> Any:
     return data
 
 
-def _geometry_model(checker: Checker) -> Any:
+def coal_geometry_model(checker: Checker) -> Any:
     """The checker's bodies and pairs as Pinocchio's geometries, on their links' joints or in the world."""
     import pinocchio as pin
 

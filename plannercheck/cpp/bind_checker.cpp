@@ -12,6 +12,7 @@
 #include "bindings.hpp"
 #include "checker.hpp"
 #include "joined_threads.hpp"
+#include "planner_states.hpp"
 #include "verdicts.hpp"
 
 namespace nb = nanobind;
@@ -150,24 +151,19 @@ nb::object is_valid(BoundChecker& checker, const Kinematics& kinematics, InputAr
   return nb::bool_(valid != 0);
 }
 
-// A function that OMPL calls with states of a RealVectorStateSpace: `state[:width]` is a list of floats. OMPL's own
-// classes have no headers to build against; this asks them as Python would, and skips all else that Python would do.
-// States beyond the limits go to `elsewhere`, a function of an array.
+// A function that OMPL calls with states of a RealVectorStateSpace (planner_states.hpp). States beyond the limits go to
+// `elsewhere`, a function of a list.
 nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
-  const auto width = static_cast<Py_ssize_t>(kernel->width());
-  const nb::object numbers = nb::steal(PySlice_New(nb::int_(0).ptr(), nb::int_(width).ptr(), nullptr));
+  const auto width = static_cast<std::size_t>(kernel->width());
   const auto q = std::make_shared<std::vector<double>>(width);  // shared by all calls: the GIL is held in each
-  const auto is_free = [checker, kinematics, elsewhere, numbers, judge, kernel, width, q](nb::handle state) {
-    const nb::object row = nb::steal(PyObject_GetItem(state.ptr(), numbers.ptr()));
-    if (!row.is_valid()) throw nb::python_error();
-    if (!PyList_CheckExact(row.ptr()) || PyList_GET_SIZE(row.ptr()) != width) throw nb::type_error("not such a state");
-    for (Py_ssize_t i = 0; i < width; ++i) {
-      (*q)[static_cast<std::size_t>(i)] = PyFloat_AsDouble(PyList_GET_ITEM(row.ptr(), i));
-      if (!std::isfinite((*q)[static_cast<std::size_t>(i)])) return false;  // OMPL's spaces hold no such state
+  const auto is_free = [checker, kinematics, elsewhere, judge, kernel, q, states = PlannerStates(width)](nb::handle s) {
+    states.read(s, q->data());
+    for (const double value : *q) {
+      if (!std::isfinite(value)) return false;  // OMPL's spaces hold no such state
     }
-    if (!judge->may_judge(q->data())) return nb::cast<bool>(elsewhere(row));
+    if (!judge->may_judge(q->data())) return nb::cast<bool>(elsewhere(listed(*q)));
     std::uint8_t valid = 0;
     judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q->data(), 1, &valid, w); });
     return valid != 0;

@@ -23,26 +23,28 @@ PosedBody posed_at(const Body& body, PoseRows poses, std::size_t i) {
   return {&body, pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i))};
 }
 
-void append(std::vector<double>& flat, Vec3 v) { flat.insert(flat.end(), {v.x, v.y, v.z}); }
+void put_row(std::vector<double>& rows, std::size_t i, Vec3 v) {
+  rows[3 * i] = v.x, rows[3 * i + 1] = v.y, rows[3 * i + 2] = v.z;
+}
 
-// (overlap, distance, lower bound, points on a, points on b) for n pairs of poses of the same two bodies.
+// (overlap, distance, lower bound, points on a, points on b, directions from b to a) for n pairs of poses of the same
+// two bodies.
 nb::tuple distance_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b) {
-  const std::size_t n = std::max(poses_a.shape(0), poses_b.shape(0));
-  std::vector<std::uint8_t> overlap;
-  std::vector<double> distance, lower, on_a, on_b;
+  const std::size_t n = std::max(poses_a.shape(0), poses_b.shape(0)), axes = 3;
+  std::vector<std::uint8_t> overlap(n);
+  std::vector<double> distance(n), lower(n), on_a(axes * n), on_b(axes * n), directions(axes * n);
   {
     nb::gil_scoped_release release;
     PairCounters counters;
     for (std::size_t i = 0; i < n; ++i) {
       const PairDistance found = pair_distance(posed_at(a, poses_a, i), posed_at(b, poses_b, i), kNoLimit, counters);
-      overlap.push_back(found.overlap);
-      distance.push_back(found.upper), lower.push_back(found.lower);
-      append(on_a, found.on_guest), append(on_b, found.on_host);
+      overlap[i] = found.overlap, distance[i] = found.upper, lower[i] = found.lower;
+      put_row(on_a, i, found.on_guest), put_row(on_b, i, found.on_host), put_row(directions, i, found.direction);
     }
   }
-  const std::size_t axes = 3;
   return nb::make_tuple(output_array(overlap, {n}), output_array(distance, {n}), output_array(lower, {n}),
-                        output_array(on_a, {n, axes}), output_array(on_b, {n, axes}));
+                        output_array(on_a, {n, axes}), output_array(on_b, {n, axes}),
+                        output_array(directions, {n, axes}));
 }
 
 // The least distance among pairs of bodies, the nearest ones first by the balls around them.

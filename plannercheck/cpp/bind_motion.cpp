@@ -4,9 +4,13 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <array>
+#include <memory>
+
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "motion_certifier.hpp"
+#include "planner_states.hpp"
 #include "verdicts.hpp"
 #include "workspace_pool.hpp"
 
@@ -92,26 +96,64 @@ auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configur
   return output_array(answers, {answers.size()});
 }
 
-// For planners, which ask for one motion at a time: MotionAnswer of a motion between configurations within a range, for
-// which the kinematic error holds; kOutside if they are not.
+// Configurations for which a kinematic error holds.
+struct ErrorRange {
+  std::vector<double> low, high;
+  double error;
+
+  bool holds(const std::vector<double>& q) const {
+    bool inside = q.size() == low.size();
+    for (std::size_t c = 0; inside && c < q.size(); ++c) inside = q[c] >= low[c] && q[c] <= high[c];
+    return inside;
+  }
+};
+
+ErrorRange error_range(InputArray<double, -1> low, InputArray<double, -1> high, double error) {
+  return {{low.data(), low.data() + low.shape(0)}, {high.data(), high.data() + high.shape(0)}, error};
+}
+
+// For planners, which ask for one motion at a time: MotionAnswer of a motion between configurations within a range;
+// kOutside if they are not.
 constexpr int kOutside = 3;
+
+int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
+              const std::vector<double>& q1, const ErrorRange& range, double tolerance) {
+  if (!range.holds(q0) || !range.holds(q1)) return kOutside;
+  MotionReport report;
+  bound.with_workspace([&](MotionCertifier::Workspace& w) {
+    report = bound.certifier().check(kinematics, q0.data(), q1.data(), tolerance, range.error, w);
+  });
+  return static_cast<int>(report.answer);
+}
 
 int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
                  const std::vector<double>& q1, InputArray<double, -1> low, InputArray<double, -1> high,
                  double tolerance, double kinematic_error) {
-  if (q0.size() != low.shape(0) || q1.size() != low.shape(0)) return kOutside;
-  for (std::size_t c = 0; c < q0.size(); ++c) {
-    const bool inside = q0[c] >= low(c) && q0[c] <= high(c) && q1[c] >= low(c) && q1[c] <= high(c);
-    if (!inside) return kOutside;
-  }
-  MotionReport report;
-  {
-    nb::gil_scoped_release release;
-    bound.with_workspace([&](MotionCertifier::Workspace& w) {
-      report = bound.certifier().check(kinematics, q0.data(), q1.data(), tolerance, kinematic_error, w);
-    });
-  }
-  return static_cast<int>(report.answer);
+  const ErrorRange range = error_range(low, high, kinematic_error);
+  nb::gil_scoped_release release;
+  return answer_of(bound, kinematics, q0, q1, range, tolerance);
+}
+
+// A function of two states (planner_states.hpp): whether the motion between them is free. What check_motion has no
+// answer for goes to `elsewhere`, a function of two lists.
+nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
+                           InputArray<double, -1> high, double tolerance, double kinematic_error,
+                           nb::object elsewhere) {
+  auto* bound = nb::cast<BoundCertifier*>(certifier);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  using Ends = std::array<std::vector<double>, 2>;
+  const std::size_t width = low.shape(0);
+  const auto ends = std::make_shared<Ends>(Ends{std::vector<double>(width), std::vector<double>(width)});
+  const auto is_free = [certifier, kinematics, elsewhere, bound, kernel, tolerance, ends, states = PlannerStates(width),
+                        range = error_range(low, high, kinematic_error)](nb::handle s0, nb::handle s1) {
+    auto& [q0, q1] = *ends;  // shared by all calls: the GIL is held in each
+    states.read(s0, q0.data());
+    states.read(s1, q1.data());
+    const int answer = answer_of(*bound, *kernel, q0, q1, range, tolerance);
+    if (answer <= static_cast<int>(MotionAnswer::kRefused)) return answer == static_cast<int>(MotionAnswer::kFree);
+    return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
+  };
+  return nb::cpp_function(is_free);
 }
 
 // (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
@@ -178,6 +220,7 @@ void bind_motion(nb::module_& m) {
       .def("explain", &explain_motion)
       .def("states", &motion_states)
       .def("statistics", &BoundCertifier::statistics);
+  m.def("motion_validity", &motion_validity);
 }
 
 }  // namespace plannercheck

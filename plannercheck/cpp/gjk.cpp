@@ -36,38 +36,61 @@ struct Simplex {
   }
 };
 
+// Some corners of a simplex: their differences, in the simplex's order.
+struct CornerFace {
+  unsigned chosen = 0;
+  int count = 0;
+  std::array<Vec3, 4> difference;
+  std::array<double, 4> weight;
+
+  Vec3 nearest() const {
+    Vec3 sum;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * difference[i];
+    return sum;
+  }
+};
+
 // Weights of the projection of the origin on the span of 2, 3 or 4 corners; false unless all are positive.
-bool project(Simplex& s) {
-  const Vec3 a = s.corner[0].difference, b = s.corner[1].difference;
-  if (s.count == 2) {
+bool project(CornerFace& f) {
+  const Vec3 a = f.difference[0], b = f.difference[1];
+  if (f.count == 2) {
     const Vec3 e = b - a;
-    s.weight = {dot(b, e), -dot(a, e), 0, 0};
-  } else if (s.count == 3) {
-    const Vec3 c = s.corner[2].difference, n = cross(b - a, c - a);
-    s.weight = {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b)), 0};
+    f.weight = {dot(b, e), -dot(a, e), 0, 0};
+  } else if (f.count == 3) {
+    const Vec3 c = f.difference[2], n = cross(b - a, c - a);
+    f.weight = {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b)), 0};
   } else {
-    const Vec3 c = s.corner[2].difference, d = s.corner[3].difference;
-    s.weight = {dot(b, cross(c, d)), -dot(a, cross(c, d)), dot(a, cross(b, d)), -dot(a, cross(b, c))};
-    if (s.weight[0] < 0) {
-      for (double& w : s.weight) w = -w;
+    const Vec3 c = f.difference[2], d = f.difference[3];
+    f.weight = {dot(b, cross(c, d)), -dot(a, cross(c, d)), dot(a, cross(b, d)), -dot(a, cross(b, c))};
+    if (f.weight[0] < 0) {
+      for (double& w : f.weight) w = -w;
     }
   }
   double sum = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(s.count); ++i) {
-    if (!(s.weight[i] > 0)) return false;
-    sum += s.weight[i];
+  for (std::size_t i = 0; i < static_cast<std::size_t>(f.count); ++i) {
+    if (!(f.weight[i] > 0)) return false;
+    sum += f.weight[i];
   }
   if (!(sum > 0) || !std::isfinite(sum)) return false;
-  for (double& w : s.weight) w /= sum;
+  for (double& w : f.weight) w /= sum;
   return true;
 }
 
-Simplex face_of(const Simplex& all, unsigned chosen) {
-  Simplex face;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(all.count); ++i) {
-    if ((chosen >> i & 1U) != 0) face.corner[static_cast<std::size_t>(face.count++)] = all.corner[i];
+void take_corners(const Simplex& all, unsigned chosen, CornerFace& face) {
+  face.chosen = chosen, face.count = 0;
+  for (; chosen != 0; chosen &= chosen - 1) {
+    const auto i = static_cast<std::size_t>(__builtin_ctz(chosen));
+    face.difference[static_cast<std::size_t>(face.count++)] = all.corner[i].difference;
   }
-  return face;
+}
+
+void keep_corners(const CornerFace& face, Simplex& simplex) {
+  simplex.count = 0;
+  for (unsigned left = face.chosen; left != 0; left &= left - 1) {
+    const auto i = static_cast<std::size_t>(__builtin_ctz(left));
+    simplex.corner[static_cast<std::size_t>(simplex.count++)] = simplex.corner[i];
+  }
+  simplex.weight = face.weight;
 }
 
 // The face that holds the newest corner and the point nearest to the origin, as far as doubles tell: whatever is
@@ -75,9 +98,9 @@ Simplex face_of(const Simplex& all, unsigned chosen) {
 // distance.
 bool reduce_to_nearest_face(Simplex& simplex, double& square) {
   const unsigned newest = 1U << (simplex.count - 1);
-  Simplex best;
+  CornerFace face, best;
   for (unsigned others = 0; others < newest; ++others) {
-    Simplex face = face_of(simplex, others | newest);
+    take_corners(simplex, others | newest, face);
     if (face.count == 1) {
       face.weight = {1, 0, 0, 0};
     } else if (!project(face)) {
@@ -87,7 +110,7 @@ bool reduce_to_nearest_face(Simplex& simplex, double& square) {
     const double found = face.count == 4 ? 0 : dot(v, v);
     if (found < square) best = face, square = found;
   }
-  if (best.count > 0) simplex = best;
+  if (best.count > 0) keep_corners(best, simplex);
   return best.count > 0;
 }
 

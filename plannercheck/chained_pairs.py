@@ -1,0 +1,112 @@
+"""Pairs of bodies with the joints between them, compiled: what the core certifies motions with.
+
+In: a robot, its bodies, some of a checker's pairs. Out: `ChainedPairs`, the core's certifier of just these pairs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.certificates import Separation
+from plannercheck.compiled_pairs import CompiledPairs
+from plannercheck.core import core
+from plannercheck.hull import Polytope
+from plannercheck.motion_chains import motion_chains
+from plannercheck.pair import certify
+from plannercheck.robot import Robot
+from plannercheck.shapes import Body
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# Two bodies that never move against each other and are further apart than this, m, are so at every configuration:
+# far above the rounding of kinematics.
+_LASTING_GAP = 1e-9
+
+
+class ChainedPairs:
+    """The core's certifier of some pairs.
+
+    Attributes:
+        core: The compiled certifier, of the pairs that move against each other.
+        rows: (k,) which of the checker's pairs these are.
+        flipped: (k,) whether their bodies are taken the other way round.
+        frames: (k,) the link in whose frame each is seen, -1 for the world.
+        touching: Rows of the checker's pairs that never move against each other, and are in contact.
+    """
+
+    def __init__(self, robot: Robot, bodies: Sequence[Body], pairs: Ints, part: CompiledPairs, excess: float) -> None:
+        """Digests chains of joints.
+
+        Args:
+            robot: The robot, posed by the compiled kernel.
+            bodies: The robot's, then the scene's.
+            pairs: (n, 2) indices into bodies: all of the checker's.
+            part: Which of them to take.
+            excess: Of curved shapes.
+        """
+        assert robot.joint_table is not None
+        poses = part.body_poses(robot.link_poses(robot.reference[None]))[0]
+        links = [_link_of(robot, body) for body in bodies]
+        table = _ordered(pairs[part.rows], links)
+        moving = np.array([links[a] >= 0 for a, _ in table.tolist()], dtype=bool)
+        polytopes = part.polytopes
+        self.rows = part.rows[moving]
+        self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
+        resting = np.flatnonzero(~moving).tolist()
+        self.touching = [int(part.rows[k]) for k in resting if not _lastingly_apart(table[k], polytopes, poses)]
+        chains = motion_chains(
+            robot.model,
+            robot.configuration_map,
+            robot.joint_table,
+            robot.frames,
+            bodies,
+            links,
+            table[moving].astype(np.int64),
+            excess,
+        )
+        self.frames = [pair.frame for pair in chains.pairs]
+        live = sorted(polytopes)
+        position = np.full(len(bodies), -1, dtype=np.int32)
+        position[live] = np.arange(len(live))
+        rows, *arrays = chains.arrays()
+        rows[:, :2] = position[rows[:, :2].astype(np.int64)]
+        standing = [k for k in live if links[k] < 0]
+        placements = np.array([body.pose for body in bodies], dtype=np.float64).reshape(-1, 4, 4)
+        placements[standing] = poses[standing]
+        self.core = core.MotionCertifier(
+            [polytopes[k].core for k in live],
+            np.array([links[k] for k in live], dtype=np.int32),
+            np.ascontiguousarray(placements[live]),
+            rows,
+            *arrays,
+            robot.nq,
+            len(robot.link_names),
+            chains.defect,
+            chains.leverage,
+        )
+
+
+def _link_of(robot: Robot, body: Body) -> int:
+    """Index of a body's link; -1 if it stands still whatever the joints do."""
+    if body.link is None:
+        return -1
+    link = robot.link_index(body.link)
+    return -1 if robot.kinematics is None or robot.kinematics.link_is_constant(link) else link
+
+
+def _ordered(pairs: NDArray[np.int32], links: Sequence[int]) -> NDArray[np.int32]:
+    """Pairs with a body that moves first, if there is one."""
+    table = pairs.copy()
+    swapped = np.array([links[a] < 0 <= links[b] for a, b in pairs.tolist()], dtype=bool)
+    table[swapped] = table[swapped][:, ::-1]
+    return table
+
+
+def _lastingly_apart(pair: NDArray[np.int32], polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
+    a, b = pair.tolist()
+    certificate = certify(polytopes[a], polytopes[b], poses[a], poses[b])
+    return isinstance(certificate, Separation) and certificate.gap > _LASTING_GAP

@@ -1,0 +1,116 @@
+"""Depths of overlapping bodies: known ones, against all facets' and edges' directions, and against translations."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+from plannercheck.stress.families import family
+
+CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+FAMILIES = [("box", 8), ("round", 20), ("cloud", 60), ("needle", 20), ("flat", 30), ("prism", 24)]
+
+
+def pose_at(rng, far):
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    pose = np.eye(4)
+    pose[:3, :3] = turn * np.sign(np.linalg.det(turn))
+    way = rng.normal(size=3)
+    pose[:3, 3] = way / np.linalg.norm(way) * far
+    return pose
+
+
+def by_all_directions(first, second, poses):
+    """The least over normals of facets and products of edges, of how far the bodies are in each other along it."""
+    points, normals, edges = [], [], []
+    for body, pose in zip((first, second), poses, strict=True):
+        points.append(body.vertices @ pose[:3, :3].T + pose[:3, 3])
+        a, b, c = (points[-1][body.faces[:, k]] for k in range(3))
+        normals += [np.cross(b - a, c - a), -np.cross(b - a, c - a)]
+        edges.append(np.concatenate([b - a, c - b, a - c]))
+    products = np.cross(edges[0][:, None], edges[1]).reshape(-1, 3)
+    directions = np.concatenate([*normals, products, -products])
+    lengths = np.linalg.norm(directions, axis=1)
+    directions = directions[lengths > 1e-9 * lengths.max()] / lengths[lengths > 1e-9 * lengths.max(), None]
+    return float(((points[0] @ directions.T).max(axis=0) - (points[1] @ directions.T).min(axis=0)).min())
+
+
+@pytest.mark.parametrize(("name", "n"), FAMILIES)
+def test_depths_are_least(name, n):
+    rng = np.random.default_rng(n)
+    for other, m in FAMILIES:
+        first, second = pc.Polytope(family(name, n, 1)), pc.Polytope(family(other, m, 2))
+        poses = pose_at(rng, 0.3), pose_at(rng, 0.0)
+        found = pc.depth(first, second, *poses)
+        if not pc.intersects(first, second, *poses):
+            assert found.depth == found.lower_bound == 0
+            continue
+        assert found.depth == pytest.approx(by_all_directions(first, second, poses), abs=1e-12)
+        assert found.depth - 1e-12 <= found.lower_bound <= found.depth
+        assert found.depth <= -pc.distance(first, second, *poses).lower_bound + 1e-12
+        for factor, shared in ((1 - 1e-9, True), (1 + 1e-9, False)):
+            moved = poses[0].copy()
+            moved[:3, 3] += factor * found.depth * found.direction
+            assert pc.intersects(first, second, moved, poses[1]) == shared
+
+
+def test_edges_of_cubes():
+    """Two cubes edge to edge: the way out is along the product of both edges, which `distance` does not try."""
+    turn = np.eye(4)
+    c = np.sqrt(0.5)
+    turn[:3, :3] = [[c, -c, 0], [c, c, 0], [0, 0, 1]]
+    tilt = np.eye(4)
+    tilt[:3, :3] = [[c, 0, c], [0, 1, 0], [-c, 0, c]]
+    first, second = pc.Polytope(CUBE - 0.5), pc.Polytope(CUBE - 0.5)
+    pose = turn @ tilt  # an edge below
+    pose_r = tilt.copy()
+    pose[2, 3] = 1.35
+    found = pc.depth(first, second, pose, pose_r)
+    if found.depth > 0:
+        assert found.depth == pytest.approx(by_all_directions(first, second, (pose, pose_r)), abs=1e-12)
+    assert found.depth > 0
+
+
+def test_swells_add():
+    cube = pc.Polytope(CUBE, swell=0.1)
+    pose = np.eye(4)
+    pose[0, 3] = 0.7
+    assert pc.depth(cube, cube, pose).depth == pytest.approx(0.5, abs=1e-13)
+    pose[0, 3] = 1.15
+    found = pc.depth(cube, cube, pose)
+    assert found.depth == pytest.approx(0.05, abs=1e-13)
+    assert found.lower_bound == pytest.approx(0.05, abs=1e-13)
+    ball = pc.Polytope([[0.0, 0, 0]], swell=1.0)
+    assert pc.depth(ball, ball, pose).depth == pytest.approx(0.85, abs=1e-13)
+    pose[0, 3] = 1.21
+    assert pc.depth(cube, cube, pose).depth == 0
+
+
+def test_flat_bodies():
+    """Two plates in one plane are parted by nothing at all; crossing ones by what sticks through."""
+    plate = pc.Polytope([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    pose = np.eye(4)
+    pose[0, 3] = 0.3
+    assert pc.depth(plate, plate, pose).depth == pytest.approx(0.0, abs=1e-15)
+    upright = np.eye(4)
+    upright[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    upright[:3, 3] = 0.2, 0.5, -0.25
+    found = pc.depth(plate, plate, upright)
+    assert found.depth == pytest.approx(0.25, abs=1e-13)
+
+
+def test_touching_is_no_depth():
+    cube = pc.Polytope(CUBE)
+    pose = np.eye(4)
+    pose[0, 3] = 1.0
+    assert pc.intersects(cube, cube, pose)
+    assert pc.depth(cube, cube, pose).depth == pytest.approx(0.0, abs=1e-14)
+
+
+def test_large_bodies_are_refused():
+    body = pc.Polytope(family("round", 1000, 1))
+    with pytest.raises(pc.PlannercheckError, match="small bodies"):
+        pc.depth(body, body)
