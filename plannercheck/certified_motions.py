@@ -170,11 +170,11 @@ class MotionCertifier:
         Returns:
             (n,) True means proved free, False that some pair comes within the tolerance.
         """
-        _check_tolerance(tolerance)
+        check_tolerance(tolerance)
         error = self._kinematic_error(q0, q1)
         answers = np.asarray(self._core.check(self._robot.kinematics, q0, q1, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
-            raise _imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
+            raise imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
         return np.asarray((answers == _FREE) & (not self._touching))
 
     def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
@@ -188,7 +188,7 @@ class MotionCertifier:
         Returns:
             True means proved free.
         """
-        _check_tolerance(tolerance)
+        check_tolerance(tolerance)
         if self._touching:
             return False
         answer: int = self._core.check_one(
@@ -211,13 +211,13 @@ class MotionCertifier:
         Returns:
             The passage.
         """
-        _check_tolerance(tolerance)
+        check_tolerance(tolerance)
         if self._touching:
             return Passage(False, 0.0, 0.0, self._touching[0])
         error = self._kinematic_error(q0[None], q1[None])
         answer, until, near, row, *found = self._core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
         if answer == _IMPRECISE:
-            raise _imprecise(0, tolerance)
+            raise imprecise(0, tolerance)
         listed = tuple(proof for proof in self._proofs(*found) if proof.start < until)
         if answer == _FREE:
             return Passage(True, 1.0, -1.0, -1, listed)
@@ -280,12 +280,12 @@ def _lastingly_apart(pair: NDArray[np.int32], polytopes: Sequence[Polytope | Non
     return isinstance(certificate, Separation) and certificate.gap > _LASTING_GAP
 
 
-def _check_tolerance(tolerance: float) -> None:
+def check_tolerance(tolerance: float) -> None:
     if not 0 < tolerance < float("inf"):
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
 
 
-def _imprecise(row: int, tolerance: float) -> PlannercheckError:
+def imprecise(row: int, tolerance: float) -> PlannercheckError:
     return PlannercheckError(
         f"motion {row}: lengths and angles are so large that rounding is no small part of the tolerance of "
         f"{tolerance:g} m; choose a larger tolerance, or smaller numbers"

@@ -27,7 +27,8 @@ from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.joint_space import JointSpace
 from plannercheck.motion_validators import Space, motion_validator
 from plannercheck.planar.checker import Checker as PlanarChecker
-from plannercheck.planar.ompl_space import Curve, PlanarSpace, sampled_curve
+from plannercheck.planar.curves import Curve
+from plannercheck.planar.ompl_space import PlanarSpace, sampled_curve
 from plannercheck.plans import Plan, joint_length
 from plannercheck.protocols import AnyChecker, AnyRobot
 
