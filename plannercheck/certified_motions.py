@@ -281,11 +281,13 @@ def _lastingly_apart(pair: NDArray[np.int32], polytopes: Sequence[Polytope | Non
 
 
 def check_tolerance(tolerance: float) -> None:
+    """Raises an error if a tolerance is no positive length."""
     if not 0 < tolerance < float("inf"):
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
 
 
 def imprecise(row: int, tolerance: float) -> PlannercheckError:
+    """The error for a motion whose rounding exceeds a part of the tolerance."""
     return PlannercheckError(
         f"motion {row}: lengths and angles are so large that rounding is no small part of the tolerance of "
         f"{tolerance:g} m; choose a larger tolerance, or smaller numbers"

@@ -117,4 +117,3 @@ def _continuous_columns(robot: Robot) -> NDArray[np.bool_]:
                 f"joint {name!r} of {robot.name} has limits {low:g} to {high:g}: planning needs both"
             )
     return np.array(turning, dtype=bool)
-

@@ -71,9 +71,7 @@ def _first_collision(checker: AnyChecker, states: States, passage: Passage) -> f
     return high
 
 
-def _stopping_pair(
-    checker: AnyChecker, states: States, passage: Passage, collides_at: float | None
-) -> PairVerdict:
+def _stopping_pair(checker: AnyChecker, states: States, passage: Passage, collides_at: float | None) -> PairVerdict:
     state = states(np.array([passage.near if collides_at is None else collides_at]))[0]
     if collides_at is not None:
         return checker.explain(state).collisions[0]

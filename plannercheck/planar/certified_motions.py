@@ -1,7 +1,7 @@
-"""Planar motions that are proved free: a planar checker's bodies and pairs for the core's certifier (planar_motion.hpp).
+"""Planar motions that are proved free: the checker's bodies and pairs for the core's certifier (planar_motion.hpp).
 
-In: what a planar checker gives its core, motions as both ends and, for curves, their pieces. Out: whether they are free,
-how far, and what proves it. What is proved covers the rounding of configurations and poses.
+In: what a planar checker gives its core, motions as both ends and, for curves, their pieces. Out: whether they are
+free, how far, and what proves it. What is proved covers the rounding of configurations and poses.
 """
 
 from __future__ import annotations

@@ -4,18 +4,19 @@ In: two poses of a robot's root. Out: `Curves.pieces`, on each of which the root
 centre, in closed form, with a bound of how far that is from OMPL's curve.
 
 OMPL's bindings give a curve's length and single states, not its pieces. So a curve is cut into cells between states,
-and each cell is asked whether it is of one kind: with lengths in turning radii, heading rates are -1, 0 or 1 and speed
-is 1, so a cell of length d whose heading changes by d, and whose way along its mean heading is 2 sin(d / 2), turns one
-way and drives one way all along: what does not adds up to less than what rounding leaves open, t. A cell whose way along
-its first heading is d and across it 0 is straight: by construction no curve has two straight pieces, nor, next to one,
-a second arc that is not a quarter turn, so arcs at its ends are shorter than t / d. Cells of two kinds are cut where
-neighbours of known kinds would meet.
+and each cell is asked whether it is of one kind. With lengths in turning radii, heading rates are -1, 0 or 1 and speed
+is 1. So if the heading changes by a cell's length d, and the way along its mean heading is 2 sin(d / 2), the cell turns
+one way and drives one way all along: what does not adds up to about what rounding leaves open, t. A cell whose way
+along its first heading is d, across it 0, is straight: by construction no curve has two straight pieces, nor, next to
+one, a second arc that is no quarter turn, so arcs at its ends are shorter than about t / d. Where neighbours are of
+known kinds, a cell between them is cut where these would meet.
 """
 
 from __future__ import annotations
 
 import math
 import threading
+from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -151,7 +152,7 @@ class Curves:
         if length == 0:
             return []
         places = [first, *(self._at(k / _FIRST_CELLS) for k in range(1, _FIRST_CELLS)), self._at(_LAST)]
-        found = [cells.cell(a, b) for a, b in zip(places[:-1], places[1:], strict=True)]
+        found = [cells.cell(a, b) for a, b in pairwise(places)]
         k, guessed = 0, False
         while k < len(found):
             cell = found[k]

@@ -135,7 +135,7 @@ class PlanarSpace:
 
 
 def sampled_curve(space: PlanarSpace, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> Floats:
-    """All states (k, nq) at which a curved motion is checked, in order, both ends included."""
+    """States (k, nq) of a curved motion so close that no point moves over `resolution` m, both ends included."""
     steps = space.curve_steps(s1, s2, sampler, resolution)
     return space.curve_states(s1, s2, np.arange(steps + 1) / steps)
 
