@@ -20,8 +20,9 @@ constexpr double kPlanarCoarse = 0.05;
 // Into how many intervals one is cut that has pairs left: ε shrinks to a ninth.
 constexpr int kPlanarCut = 3;
 
-// Rounding may take at most this part of the tolerance, else the numbers are too large.
-constexpr double kPlanarRoundingPart = 1.0 / 16;
+// Rounding and slips may take at most this part of the tolerance, else the numbers are too large. Twice as much has to
+// be less than the tolerance for intervals to become short enough.
+constexpr double kPlanarRoundingPart = 1.0 / 4;
 
 // Chords shorter than this have no direction that doubles hold, m.
 constexpr double kShortestChord = 1e-100;

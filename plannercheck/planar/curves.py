@@ -8,7 +8,7 @@ and each cell is asked whether it is of one kind. With lengths in turning radii,
 is 1. So if the heading changes by a cell's length d, and the way along its mean heading is 2 sin(d / 2), the cell turns
 one way and drives one way all along: what does not adds up to about what rounding leaves open, t. A cell whose way
 along its first heading is d, across it 0, is straight: by construction no curve has two straight pieces, nor, next to
-one, a second arc that is no quarter turn, so arcs at its ends are shorter than about t / d. Where neighbours are of
+one, a second arc that is no quarter turn, so arcs at its ends are shorter than about 2 t / d. Where neighbours are of
 known kinds, a cell between them is cut where these would meet.
 """
 
@@ -32,7 +32,7 @@ CURVES: tuple[Curve, ...] = ("straight", "dubins", "reeds_shepp")
 
 # Rounding of OMPL's states in turning radii, for 1 + the size of the coordinates and the length in turning radii: some
 # ten operations of 2^-53 each.
-_ROUNDING = 2.0**-45
+_ROUNDING = 2.0**-48
 
 # The last parameter at which OMPL interpolates; at 1 it gives the end itself.
 _LAST = 1 - 2.0**-53
@@ -43,7 +43,8 @@ _FIRST_CELLS = 3
 # Arcs are recognised up to this length, in turning radii: well below half a turn.
 _LONGEST_ARC = 2.0
 
-# A cell shorter than this is left as it is, in turning radii: no point moves by more than a few times as much in it.
+# A cell shorter than this is left as it is, in turning radii: no point moves by more in it than as much of the lever
+# and the radius.
 _SHORTEST = 1e-7
 
 
@@ -214,7 +215,9 @@ class _Cells:
         if abs(turn) <= t:
             along, across = self._way(a, b, a.heading)
             if abs(along) >= d - t and abs(across) <= t:
-                slip = 4 * min(d, t / max(d, t)) * moved + 4 * t * self._radius
+                # Arcs at the ends, of length c each, have a way across of c (d - c).
+                turned = min(d / 2, 2 * t / max(d, t)) + 2 * t
+                slip = turned * self._lever + 8 * t * self._radius
                 return _Cell(a, b, _Kind(0, 1 if along > 0 else -1), slip)
         if d <= _LONGEST_ARC and abs(turn) >= d - t:
             rate = 1 if turn > 0 else -1
@@ -222,7 +225,7 @@ class _Cells:
             if abs(along) >= 2 * math.sin(d / 2) - t:
                 # Both what turns and what drives the other way is shorter than t / cos(d / 2).
                 return _Cell(a, b, _Kind(rate, 1 if along > 0 else -1), 8 * t * moved * (1 + d))
-        return _Cell(a, b, None, 4 * d * moved)
+        return _Cell(a, b, None, d * moved + 8 * t * self._radius)
 
     def meeting(self, cell: _Cell, before: _Kind | None, after: _Kind | None) -> float | None:
         """The parameter within a cell at which two kinds meet, if these two make up the cell."""
