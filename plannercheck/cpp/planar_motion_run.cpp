@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "planar_filters.hpp"
 #include "planar_grid.hpp"
 #include "planar_motion.hpp"
 #include "vec.hpp"
@@ -23,9 +24,6 @@ constexpr int kPlanarCut = 3;
 // Rounding and slips may take at most this part of the tolerance, else the numbers are too large. Twice as much has to
 // be less than the tolerance for intervals to become short enough.
 constexpr double kPlanarRoundingPart = 1.0 / 4;
-
-// Chords shorter than this have no direction that doubles hold, m.
-constexpr double kShortestChord = 1e-100;
 
 struct PlanarLine {
   bool valid = false;
@@ -173,7 +171,7 @@ class PlanarRun {
     const PlanarMotionPair& pair = certifier_.pairs_[at(index)];
     OpenPlanarPair found{index, (1U << w_.grid.intervals()) - 1, 0, 0};
     const bool still = body(pair.b).link < 0;
-    if (proofs_ == nullptr) found.open = still ? chord_meets_box(pair, apart(index)) : circles_come_near(pair, index);
+    if (proofs_ == nullptr) found.open = near(pair, index);
     if (found.open == 0) return found;
     w_.counters.intervals += __builtin_popcount(found.open);
     found.depth = HUGE_VAL;
@@ -188,6 +186,13 @@ class PlanarRun {
     return found;
   }
 
+  unsigned near(const PlanarMotionPair& pair, std::int32_t index) const {
+    const PlanarBody &a = body(pair.a), &b = body(pair.b);
+    if (b.link < 0) return chords_meet_box(w_.grid, pair.a, b.box, a.radius + apart(index));
+    const double moved = w_.bounds[at(index)].speed * w_.grid.step() / 2;
+    return centres_come_near(w_.grid, pair.a, pair.b, a.radius + b.radius + slack_ + moved);
+  }
+
   // From the nearest point of b's box, or b's centre, to a's centre.
   Vec2 between(const PlanarMotionPair& pair, std::size_t state) const {
     const double* a = w_.grid.centre(pair.a) + state;
@@ -198,46 +203,6 @@ class PlanarRun {
     const std::array<double, 4>& box = body(pair.b).box;
     const double x = a[0], y = a[kPlanarRow];
     return {x - std::clamp(x, box[0], box[2]), y - std::clamp(y, box[1], box[3])};
-  }
-
-  // Intervals on which the circle around a, its centre on a chord, may meet the box of a body in the world: none of the
-  // axes and the normal of the chord separates them.
-  unsigned chord_meets_box(const PlanarMotionPair& pair, double apart) const {
-    const std::array<double, 4>&path = w_.grid.box(pair.a), &box = body(pair.b).box;
-    const double reach = body(pair.a).radius + apart;
-    if (path[0] > box[2] + reach || path[2] < box[0] - reach || path[1] > box[3] + reach || path[3] < box[1] - reach)
-      return 0;
-    const double middle_x = (box[0] + box[2]) / 2, middle_y = (box[1] + box[3]) / 2;
-    const double half_x = (box[2] - box[0]) / 2, half_y = (box[3] - box[1]) / 2;
-    const double *x = w_.grid.centre(pair.a), *y = x + kPlanarRow;
-    unsigned open = 0;
-    for (std::size_t i = 0; i < w_.grid.intervals(); i += kLanes) {
-      const Lanes x0 = load_lanes(x + i), x1 = load_lanes(x + i + 1), y0 = load_lanes(y + i),
-                  y1 = load_lanes(y + i + 1);
-      const Lanes dx = x1 - x0, dy = y1 - y0, square = dx * dx + dy * dy;
-      const Lanes off_x = larger(smaller(x0, x1) - box[2], box[0] - larger(x0, x1));
-      const Lanes off_y = larger(smaller(y0, y1) - box[3], box[1] - larger(y0, y1));
-      const Lanes across =
-          absolute(dx * (middle_y - y0) - dy * (middle_x - x0)) - (absolute(dx) * half_y + absolute(dy) * half_x);
-      const LaneMask beside =
-          (across > 0.0) & (across * across > reach * reach * square) & (square > kShortestChord * kShortestChord);
-      open |= ~bits((off_x > reach) | (off_y > reach) | beside) << i;
-    }
-    return open & ((1U << w_.grid.intervals()) - 1);
-  }
-
-  // Intervals on which circles that both move may meet, at the bodies' greatest speed from the nearer end.
-  unsigned circles_come_near(const PlanarMotionPair& pair, std::int32_t index) const {
-    const double *a = w_.grid.centre(pair.a), *b = w_.grid.centre(pair.b);
-    const double sum =
-        body(pair.a).radius + body(pair.b).radius + slack_ + w_.bounds[at(index)].speed * w_.grid.step() / 2;
-    unsigned near = 0;
-    for (std::size_t i = 0; i <= w_.grid.intervals(); i += kLanes) {
-      const Lanes x = load_lanes(a + i) - load_lanes(b + i),
-                  y = load_lanes(a + kPlanarRow + i) - load_lanes(b + kPlanarRow + i);
-      near |= bits(x * x + y * y <= broadcast(sum * sum)) << i;
-    }
-    return (near | near >> 1) & ((1U << w_.grid.intervals()) - 1);
   }
 
   // ----- one pair on one grid
