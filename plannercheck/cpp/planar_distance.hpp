@@ -9,7 +9,7 @@
 
 namespace plannercheck {
 
-struct Vec2 {
+struct PlanarVector {
   double x = 0, y = 0;
 };
 
@@ -20,8 +20,8 @@ struct PlanarHull {
 struct PlanarPlace {
   double cos = 1, sin = 0, x = 0, y = 0;
 
-  Vec2 turned(Vec2 v) const { return {cos * v.x - sin * v.y, sin * v.x + cos * v.y}; }
-  Vec2 turned_back(Vec2 v) const { return {cos * v.x + sin * v.y, cos * v.y - sin * v.x}; }
+  PlanarVector turned(PlanarVector v) const { return {cos * v.x - sin * v.y, sin * v.x + cos * v.y}; }
+  PlanarVector turned_back(PlanarVector v) const { return {cos * v.x + sin * v.y, cos * v.y - sin * v.x}; }
 };
 
 // Both polygons and the frame at one parameter; of the frame only its turn counts.
@@ -30,16 +30,16 @@ struct PlanarPlaces {
 };
 
 struct PlanarApart {
-  bool apart = false;  // the polygons are more than the limit apart along `direction` at every pose that was given
-  Vec2 direction;      // in the frame, from b to a, of length 1 up to rounding
-  double gap = 0;      // along it: a lower bound but for the rounding that the limit has to cover
+  bool apart = false;      // the polygons are more than the limit apart along `direction` at every pose that was given
+  PlanarVector direction;  // in the frame, from b to a, of length 1 up to rounding
+  double gap = 0;          // along it: a lower bound but for the rounding that the limit has to cover
 };
 
 // At `count` poses, 1 or 2, from a direction to begin with.
 PlanarApart planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces* places, int count, double limit,
-                         Vec2 hint);
+                         PlanarVector hint);
 
 // The gap along a direction of the frame at one pose.
-double planar_gap(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& places, Vec2 direction);
+double planar_gap(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& places, PlanarVector direction);
 
 }  // namespace plannercheck

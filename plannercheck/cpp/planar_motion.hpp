@@ -44,7 +44,7 @@ struct PlanarReport {
 struct PlanarProof {
   std::int32_t pair;
   double from, to;
-  Vec2 direction;
+  PlanarVector direction;
   double gap, bulge;
 };
 

@@ -25,9 +25,11 @@ constexpr int kPlanarCut = 3;
 // be less than the tolerance for intervals to become short enough.
 constexpr double kPlanarRoundingPart = 1.0 / 4;
 
+}  // namespace
+
 struct PlanarLine {
   bool valid = false;
-  Vec2 direction;  // in the pair's frame
+  PlanarVector direction;  // in the pair's frame
 };
 
 // A pair that is not settled on an interval; `refused`: the parameter of an end at which it is within the tolerance, -1
@@ -45,8 +47,6 @@ struct OpenPlanarPair {
   double depth;
   std::size_t state;
 };
-
-}  // namespace
 
 class PlanarCertifier::Workspace {
  public:
@@ -177,7 +177,7 @@ class PlanarRun {
     found.depth = HUGE_VAL;
     for (unsigned open = found.open | found.open << 1; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
-      const Vec2 v = between(pair, i);
+      const PlanarVector v = between(pair, i);
       const double depth = std::sqrt(v.x * v.x + v.y * v.y) - body(pair.a).radius - (still ? 0 : body(pair.b).radius);
       if (depth < found.depth) found.depth = depth, found.state = i;
     }
@@ -194,7 +194,7 @@ class PlanarRun {
   }
 
   // From the nearest point of b's box, or b's centre, to a's centre.
-  Vec2 between(const PlanarMotionPair& pair, std::size_t state) const {
+  PlanarVector between(const PlanarMotionPair& pair, std::size_t state) const {
     const double* a = w_.grid.centre(pair.a) + state;
     if (body(pair.b).link >= 0) {
       const double* b = w_.grid.centre(pair.b) + state;
