@@ -6,6 +6,8 @@ namespace {
 // Chords shorter than this have no direction that doubles hold, m.
 constexpr double kShortestChord = 1e-100;
 
+constexpr unsigned kAllLanes = (1U << kLanes) - 1;
+
 unsigned intervals_of(const PlanarGrid& grid) { return (1U << grid.intervals()) - 1; }
 
 }  // namespace
@@ -28,7 +30,7 @@ unsigned chords_meet_box(const PlanarGrid& grid, std::int32_t body, const std::a
         absolute(dx * (middle_y - y0) - dy * (middle_x - x0)) - (absolute(dx) * half_y + absolute(dy) * half_x);
     const LaneMask beside =
         (across > 0.0) & (across * across > reach * reach * square) & (square > kShortestChord * kShortestChord);
-    open |= ~bits((off_x > reach) | (off_y > reach) | beside) << i;
+    open |= (~bits((off_x > reach) | (off_y > reach) | beside) & kAllLanes) << i;
   }
   return open & intervals_of(grid);
 }
