@@ -140,7 +140,7 @@ class MotionCertifier:
         Returns:
             (n,) True means proved free, False that some pair comes within the tolerance.
         """
-        _check_tolerance(tolerance)
+        check_tolerance(tolerance)
         within = self._within_limits(q0, q1)
         free = np.empty(len(q0), dtype=bool)
         for rows, whole in ((np.flatnonzero(within), False), (np.flatnonzero(~within), True)):
@@ -157,7 +157,7 @@ class MotionCertifier:
         error = self._kinematic_error(starts, ends)
         answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
-            raise _imprecise(int(rows[np.argmax(answers == _IMPRECISE)]), tolerance)
+            raise imprecise(int(rows[np.argmax(answers == _IMPRECISE)]), tolerance)
         return np.asarray((answers == _FREE) & (not part.touching))
 
     def _within_limits(self, q0: Floats, q1: Floats) -> Bools:
@@ -178,7 +178,7 @@ class MotionCertifier:
         Returns:
             True means proved free.
         """
-        _check_tolerance(tolerance)
+        check_tolerance(tolerance)
         if self._live.touching:
             return False
         kinematics = self._robot.kinematics
@@ -191,7 +191,7 @@ class MotionCertifier:
 
     def motion_validity(self, tolerance: float) -> Callable[[Any, Any], bool]:
         """`is_free` as a compiled function of two states of an OMPL RealVectorStateSpace of nq numbers."""
-        _check_tolerance(tolerance)
+        check_tolerance(tolerance)
         if self._live.touching:
             return lambda s1, s2: False
         kinematics, low, high = self._robot.kinematics, *self._range
@@ -215,7 +215,7 @@ class MotionCertifier:
         Returns:
             The passage.
         """
-        _check_tolerance(tolerance)
+        check_tolerance(tolerance)
         within = self._within_limits(q0[None], q1[None])[0]
         part = self._live if within and not proofs else self._whole
         if part.touching:
@@ -223,7 +223,7 @@ class MotionCertifier:
         error = self._kinematic_error(q0[None], q1[None])
         answer, until, near, row, *found = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
         if answer == _IMPRECISE:
-            raise _imprecise(0, tolerance)
+            raise imprecise(0, tolerance)
         listed = tuple(proof for proof in _proofs(part, *found) if proof.start < until)
         if answer == _FREE:
             return Passage(True, 1.0, -1.0, -1, listed)
@@ -259,12 +259,14 @@ def _proofs(part: ChainedPairs, pairs: Ints, intervals: Floats, directions: Floa
     ]
 
 
-def _check_tolerance(tolerance: float) -> None:
+def check_tolerance(tolerance: float) -> None:
+    """Raises an error if a tolerance is no positive length."""
     if not 0 < tolerance < float("inf"):
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
 
 
-def _imprecise(row: int, tolerance: float) -> PlannercheckError:
+def imprecise(row: int, tolerance: float) -> PlannercheckError:
+    """The error for a motion whose rounding exceeds a part of the tolerance."""
     return PlannercheckError(
         f"motion {row}: lengths and angles are so large that rounding is no small part of the tolerance of "
         f"{tolerance:g} m; choose a larger tolerance, or smaller numbers"

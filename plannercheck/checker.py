@@ -381,7 +381,9 @@ class Checker:
             The verdict.
         """
         (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
-        return explained_motion(self, start, end, tolerance, proofs)
+        certifier = self.motion_certifier
+        passage = certifier.passage(start, end, tolerance, proofs)
+        return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance)
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:

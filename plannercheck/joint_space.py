@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from ompl import base
 
-from plannercheck.configurations import is_continuous
+from plannercheck.angles import short_way, wrapped
+from plannercheck.configurations import is_continuous, joint_by_name
 from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
 
@@ -80,7 +81,7 @@ class JointSpace:
     def differences(self, q0: Floats, q1: Floats) -> Floats:
         """From configurations (…, nq) to others, joint by joint; angles take the short way."""
         differences = q1 - q0
-        return np.where(self.continuous, wrapped(differences), differences) if self._turning else differences
+        return np.where(self.continuous, short_way(differences), differences) if self._turning else differences
 
     def end(self, q0: list[float], q1: list[float]) -> list[float]:
         """The end of a motion from q0 to q1 on which angles take the short way."""
@@ -125,9 +126,3 @@ def _continuous_columns(robot: Robot) -> NDArray[np.bool_]:
     columns = np.array(turning, dtype=bool)
     columns.flags.writeable = False
     return columns
-
-
-def wrapped(angles: Floats) -> Floats:
-    """Angles brought to [-pi, pi); those that are there already keep their bits."""
-    inside = (angles >= -np.pi) & (angles < np.pi)
-    return np.where(inside, angles, (angles + np.pi) % (2 * np.pi) - np.pi)

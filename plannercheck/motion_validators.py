@@ -1,7 +1,7 @@
 """OMPL's motion validators: motions proved free by one call of the core, or sampled.
 
-In: a checker, its OMPL space. Out: `motion_validator`. In space motions are proved unless a resolution is given; planar
-robots and curves (Dubins, Reeds-Shepp) are sampled, so densely that no point moves further than a resolution.
+In: a checker, its OMPL space. Out: `motion_validator`. Motions are proved free unless a resolution is given: then they
+are sampled, so densely that no point moves further than it.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.checker import Checker
 from plannercheck.joint_space import JointSpace
 from plannercheck.motion import coarse_to_fine
+from plannercheck.planar.certified_motions import STRAIGHT
+from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.ompl_space import PlanarSpace, sampled_curve
 from plannercheck.protocols import AnyChecker
 
@@ -30,7 +32,7 @@ _FIRST_STATES = 8
 
 
 class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bindings are untyped
-    """What both validators share.
+    """What all validators share.
 
     The counters are kept here: `SpaceInformation.getCheckedMotionCount` asks OMPL's own, which stay 0.
     """
@@ -134,6 +136,33 @@ class ProvedMotions(_CountingValidator):
         return passage.free, passage.free_until, state
 
 
+class ProvedPlanarMotions(_CountingValidator):
+    """Motions in the plane, straight or on curves, each proved free by one call of the core."""
+
+    def __init__(self, information: Any, checker: PlanarChecker, space: PlanarSpace, tolerance: float) -> None:
+        """Takes the checker's certifier; `tolerance` as for `Checker.check_motion`, m."""
+        super().__init__(information, space)
+        self._plane, self._tolerance, self._sampler = space, tolerance, checker.motion_sampler
+        self._certifier = checker.motion_certifier
+
+    def _motion(self, s1: Any, s2: Any) -> tuple[Floats, Floats, Floats]:
+        """Both ends, and the pieces of a curve between them."""
+        q0, q1 = np.array(self._plane.read(s1)), np.array(self._plane.read(s2))
+        q1 = self._sampler.short_way(q0, q1)
+        curves = self._plane.curves
+        return q0, q1, STRAIGHT if curves is None else curves.pieces(q0, q1, self._sampler.reach)
+
+    def _is_free(self, s1: Any, s2: Any) -> bool:
+        q0, q1, pieces = self._motion(s1, s2)
+        return self._certifier.is_free(q0, q1, self._tolerance, pieces)
+
+    def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
+        q0, q1, pieces = self._motion(s1, s2)
+        passage = self._certifier.passage(q0, q1, self._tolerance, pieces=pieces)
+        state = self._certifier.states(q0, q1, np.array([passage.free_until]), pieces)[0]
+        return passage.free, passage.free_until, state
+
+
 class SampledMotions(_CountingValidator):
     """Motions in space or in the plane, judged at sampled states."""
 
@@ -181,18 +210,20 @@ def motion_validator(
     space: Space,
     resolution: float | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
-) -> ProvedMotions | SampledMotions:
+) -> ProvedMotions | ProvedPlanarMotions | SampledMotions:
     """The validator for a checker.
 
     Args:
         information: OMPL's SpaceInformation.
         checker: Who judges motions.
         space: The checker's robot's.
-        resolution: None to prove motions in space free (in the plane: 1 cm); else to sample them, as for
-            `check_motion`, m.
+        resolution: None to prove motions free; else to sample them, as for `check_motion`, m.
         tolerance: Of proofs, as for `Checker.check_motion`, m.
     """
     if resolution is None and isinstance(checker, Checker):
         assert isinstance(space, JointSpace)
         return ProvedMotions(information, checker, space, tolerance)
+    if resolution is None and isinstance(checker, PlanarChecker):
+        assert isinstance(space, PlanarSpace)
+        return ProvedPlanarMotions(information, checker, space, tolerance)
     return SampledMotions(information, checker, space, resolution)

@@ -6,18 +6,18 @@ there on states are checked exactly for the first that collides.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.certified_motions import Passage, Proof
+from plannercheck.protocols import AnyChecker
 from plannercheck.report import MotionProof, MotionVerdict, PairVerdict
 
-if TYPE_CHECKING:
-    from plannercheck.checker import Checker
-
 Floats = NDArray[np.float64]
+States: TypeAlias = Callable[[Floats], Floats]
 
 # States that are looked at for a collision where a motion is no longer proved free: so many over the rest of it, and
 # so many close by, at distances that grow from the least one (parameters).
@@ -29,35 +29,33 @@ _LEAST_STEP = 1e-9
 _MOST_HALVINGS = 60
 
 
-def explained_motion(checker: Checker, q0: Floats, q1: Floats, tolerance: float, proofs: bool) -> MotionVerdict:
+def explained_motion(checker: AnyChecker, passage: Passage, states: States, tolerance: float) -> MotionVerdict:
     """The verdict of a motion.
 
     Args:
-        checker: The checker.
-        q0: (nq,) start, validated.
-        q1: (nq,) end.
+        checker: The checker, in space or in the plane.
+        passage: What its certifier says.
+        states: Gives states (k, nq) of the motion at parameters (k,).
         tolerance: m.
-        proofs: Whether to give what proves the free part.
 
     Returns:
         The verdict.
     """
-    passage = checker.motion_certifier.passage(q0, q1, tolerance, proofs)
     named = tuple(_named(checker, proof) for proof in passage.proofs)
     if passage.free:
         return MotionVerdict(True, tolerance, 1.0, None, None, None, named)
-    collides_at = _first_collision(checker, q0, q1, passage)
-    pair = _stopping_pair(checker, q0, q1, passage, collides_at)
+    collides_at = _first_collision(checker, states, passage)
+    pair = _stopping_pair(checker, states, passage, collides_at)
     return MotionVerdict(False, tolerance, passage.free_until, collides_at, passage.near, pair, named)
 
 
-def _first_collision(checker: Checker, q0: Floats, q1: Floats, passage: Passage) -> float | None:
+def _first_collision(checker: AnyChecker, states: States, passage: Passage) -> float | None:
     """The first parameter that is found to collide."""
-    begin, states = passage.free_until, checker.motion_certifier.states
+    begin = passage.free_until
     close = begin + np.geomspace(_LEAST_STEP, 1.0, _CLOSE)
     parameters = np.unique(np.concatenate([[begin, passage.near, 1.0], np.linspace(begin, 1.0, _SPREAD), close]))
     parameters = parameters[(parameters >= begin) & (parameters <= 1)]
-    colliding = np.flatnonzero(~checker.check_states(states(q0, q1, parameters)))
+    colliding = np.flatnonzero(~checker.check_states(states(parameters)))
     if not len(colliding):
         return None
     first = int(colliding[0])
@@ -66,24 +64,21 @@ def _first_collision(checker: Checker, q0: Floats, q1: Floats, passage: Passage)
         middle = (low + high) / 2
         if not low < middle < high:
             break
-        if checker.check_states(states(q0, q1, np.array([middle])))[0]:
+        if checker.check_states(states(np.array([middle])))[0]:
             low = middle
         else:
             high = middle
     return high
 
 
-def _stopping_pair(
-    checker: Checker, q0: Floats, q1: Floats, passage: Passage, collides_at: float | None
-) -> PairVerdict:
-    parameter = passage.near if collides_at is None else collides_at
-    state = checker.motion_certifier.states(q0, q1, np.array([parameter]))[0]
+def _stopping_pair(checker: AnyChecker, states: States, passage: Passage, collides_at: float | None) -> PairVerdict:
+    state = states(np.array([passage.near if collides_at is None else collides_at]))[0]
     if collides_at is not None:
         return checker.explain(state).collisions[0]
     return checker.explain_pair(passage.pair, state)
 
 
-def _named(checker: Checker, proof: Proof) -> MotionProof:
+def _named(checker: AnyChecker, proof: Proof) -> MotionProof:
     first, second = checker.pair_names(proof.pair)
     a, b = (int(k) for k in checker.pairs[proof.pair])
     frame = None if proof.frame < 0 else checker.robot.link_names[proof.frame]

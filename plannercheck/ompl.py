@@ -3,8 +3,8 @@
 In: a checker. Out: `setup`, an OMPL SimpleSetup with the robot's joint space and validators, and `plan`,
 which runs a planner from a start to a goal.
 
-Bounded joints are real numbers, continuous joints of a planning group are angles (SO2). Motions in space
-are proved free, those in the plane are sampled: see motion_validators.py.
+Bounded joints are real numbers, continuous joints of a planning group are angles (SO2). Motions are proved free unless
+a resolution is given: see motion_validators.py.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.joint_space import JointSpace
 from plannercheck.motion_validators import Space, motion_validator
 from plannercheck.planar.checker import Checker as PlanarChecker
-from plannercheck.planar.ompl_space import Curve, PlanarSpace, sampled_curve
+from plannercheck.planar.curves import Curve
+from plannercheck.planar.ompl_space import PlanarSpace, sampled_curve
 from plannercheck.plans import Plan, joint_length
 from plannercheck.protocols import AnyChecker, AnyRobot
 from plannercheck.state_validators import ExactStates
@@ -58,8 +59,8 @@ def setup(
 
     Args:
         checker: Who judges states and motions, in space or in the plane.
-        resolution: None to prove motions in space free, and to sample those in the plane by 1 cm. Else motions are
-            sampled, and no point of the robot moves further than this between two checked states, m.
+        resolution: None to prove motions free. Else they are sampled, and no point of the robot moves further than this
+            between two checked states, m.
         tolerance: A motion that comes within this of a collision may be refused by the proof, m.
         curve: How a planar robot's root moves: "straight" (SE(2)), "dubins" (forwards) or "reeds_shepp" (either way).
         turning_radius: Of the two latter, m.
@@ -166,8 +167,8 @@ def plan(
         turning_radius: As for `setup`.
 
     Returns:
-        The plan; curved motions are given as all their checked states. If start or goal collide or are beyond the
-        limits, it is unsolved and `reason` says why.
+        The plan; curved motions are given as states between which no point moves over 1 cm, or the resolution. If
+        start or goal collide or are beyond the limits, it is unsolved and `reason` says why.
     """
     if planner not in planner_names():
         raise unknown_name("planner", planner, planner_names())
@@ -229,7 +230,7 @@ def _search(
 
 
 def _configurations(space: Space, states: list[Any], checker: AnyChecker, resolution: float | None) -> Floats:
-    """The path (k, nq) along OMPL states; between them all that was checked, where motions are curved."""
+    """The path (k, nq) along OMPL states; where motions are curved, with states between them."""
     if space.is_straight:
         return np.array([space.read(state) for state in states])
     curves = (sampled_curve(space, a, b, checker.motion_sampler, resolution) for a, b in pairwise(states))

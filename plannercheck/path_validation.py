@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.certified_motions import DEFAULT_TOLERANCE
-from plannercheck.checker import Checker
+from plannercheck.protocols import AnyChecker
 from plannercheck.report import MotionVerdict
 from plannercheck.validation import beyond_limits
 
@@ -57,7 +57,7 @@ class PathVerdict:
 
 
 def validate_path(
-    checker: Checker, path: ArrayLike, tolerance: float = DEFAULT_TOLERANCE, threads: int = 1
+    checker: AnyChecker, path: ArrayLike, tolerance: float = DEFAULT_TOLERANCE, threads: int = 1
 ) -> PathVerdict:
     """Judges a path, every motion of it.
 

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.report import Verdict
+from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 
 Floats = NDArray[np.float64]
 
@@ -22,6 +22,10 @@ class AnyRobot(Protocol):
     @property
     def nq(self) -> int:
         """Numbers in a configuration."""
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links."""
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -87,14 +91,34 @@ class AnyChecker(Protocol):
     def colliding_pairs(self, q: ArrayLike) -> NDArray[np.bool_]:
         """Which pairs collide."""
 
-    def check_motion(self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None) -> bool:
+    def check_motion(
+        self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None, tolerance: float = ...
+    ) -> bool:
         """Whether a motion is free."""
+
+    def check_motions(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        resolution: float | None = None,
+        tolerance: float = ...,
+        threads: int = 1,
+    ) -> NDArray[np.bool_]:
+        """Whether each of several motions is free."""
+
+    def explain_motion(
+        self, q0: ArrayLike, q1: ArrayLike, tolerance: float = ..., proofs: bool = False
+    ) -> MotionVerdict:
+        """How far a motion is free, and what stops it."""
 
     def pair_names(self, k: int) -> tuple[str, str]:
         """What a pair is of."""
 
     def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
         """The verdict of one configuration."""
+
+    def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
+        """The verdict of one pair at a configuration."""
 
     def statistics(self) -> dict[str, Any]:
         """Counters."""

@@ -71,7 +71,7 @@ class MotionProof:
         start: Parameter of the motion, 0 to 1.
         end: Parameter.
         frame: Name of the link in whose frame the normal is fixed; None for the world.
-        normal: (3,) unit vector in the frame, from second to first.
+        normal: (3,) unit vector in the frame, (2,) in the plane, from second to first.
         gap: Along it the bodies are at least this far apart at both ends, m.
         bulge: Bound of what their points leave their chords by, m; less than the gap.
     """

@@ -1,4 +1,4 @@
-"""Pairs of convex polygons for the planar tests: random, near contact, degenerate.
+"""Pairs of convex polygons for the planar tests: random, near contact, degenerate; a robot and a scene.
 
 In: a random generator. Out: vertices (n, 2) of both, and their poses (3, 3).
 """
@@ -6,6 +6,8 @@ In: a random generator. Out: vertices (n, 2) of both, and their poses (3, 3).
 from __future__ import annotations
 
 import numpy as np
+
+import plannercheck as pc
 
 # Gaps of pairs near contact, as a part of the size; negative ones overlap. Below about 1e-16 rounding decides.
 GAPS = (0.0, *(sign * 10.0**-k for k in range(2, 18) for sign in (1, -1)))
@@ -158,3 +160,30 @@ def nested_pair(rng, largest=14):
     pair = (shuffled(rng, outer), inner / 4)
     a, b = pair if rng.random() < 0.5 else pair[::-1]
     return a, b, rotation(rng.uniform(0, 7)), rotation(rng.uniform(0, 7))
+
+
+def chain():
+    """A truck with two trailers, a mast fixed to the second, and a concave truck."""
+    truck = [[-1, -1], [5, -1], [5, 1], [3, 1], [3, 0.2], [-1, 1]]
+    return pc.planar.Robot(
+        [
+            pc.planar.Link("truck", truck, joint="free"),
+            pc.planar.Link(
+                "one", [[-6, -1], [0.5, -1], [0.5, 1], [-6, 1]], "truck", (-0.5, 0.1, 0.2), "revolute", (-1.2, 1.2)
+            ),
+            pc.planar.Link("two", [[-4, -1], [0.5, -1], [0.5, 1], [-4, 1]], "one", (-6, 0, 0), "revolute"),
+            pc.planar.Link("mast", [[0, 0], [0, 6]], "two", (-4, 0, 0.5)),
+        ],
+        name="chain",
+    )
+
+
+def cluttered(seed=0, count=60, reach=20.0):
+    rng = np.random.default_rng(seed)
+    scene = pc.planar.Scene("cluttered", [[-reach, -reach], [reach, reach]])
+    for k in range(count):
+        scene.add_box(
+            f"box{k}", rng.uniform(0.1, 2, 2), pc.planar.pose_of(rng.uniform(-reach, reach, 2), rng.uniform(0, 7))
+        )
+    scene.add_polygon("ell", [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]])
+    return scene

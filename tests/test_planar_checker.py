@@ -7,6 +7,7 @@ import planar_cases as cases
 import pytest
 import shapely
 from mpmath import mp, mpf
+from planar_cases import chain, cluttered
 from planar_oracle import share_point
 
 import plannercheck as pc
@@ -16,29 +17,6 @@ from plannercheck.planar.robot_files import shipped_planar
 
 P = pc.planar
 SHIPPED = [("warehouse", "forklift"), ("parking", "truck_trailer"), ("parking", "forklift")]
-
-
-def chain():
-    """A truck with two trailers, a mast fixed to the second, and a concave truck."""
-    truck = [[-1, -1], [5, -1], [5, 1], [3, 1], [3, 0.2], [-1, 1]]
-    return P.Robot(
-        [
-            P.Link("truck", truck, joint="free"),
-            P.Link("one", [[-6, -1], [0.5, -1], [0.5, 1], [-6, 1]], "truck", (-0.5, 0.1, 0.2), "revolute", (-1.2, 1.2)),
-            P.Link("two", [[-4, -1], [0.5, -1], [0.5, 1], [-4, 1]], "one", (-6, 0, 0), "revolute"),
-            P.Link("mast", [[0, 0], [0, 6]], "two", (-4, 0, 0.5)),
-        ],
-        name="chain",
-    )
-
-
-def cluttered(seed=0, count=60, reach=20.0):
-    rng = np.random.default_rng(seed)
-    scene = P.Scene("cluttered", [[-reach, -reach], [reach, reach]])
-    for k in range(count):
-        scene.add_box(f"box{k}", rng.uniform(0.1, 2, 2), P.pose_of(rng.uniform(-reach, reach, 2), rng.uniform(0, 7)))
-    scene.add_polygon("ell", [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]])
-    return scene
 
 
 @pytest.fixture(scope="module")

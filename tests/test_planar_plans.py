@@ -118,6 +118,14 @@ def test_commands(tmp_path, capsys):
     assert main(["validate", *where, samples, "--pairs", "all", "--output", str(output)]) == 1
     assert (np.load(output)["valid"] == forklift().check_states(np.load(samples))).all()
     assert main(["inspect", *where, "--states", "10"]) == 0
+    assert main(["validate", *where, "--path", str(path)]) == 0
+    assert "proved for all" in capsys.readouterr().out
+    through = tmp_path / "through.csv"
+    np.savetxt(through, [[4.0, 4.0, 0.0], [40.0, 4.0, 0.0]], delimiter=",")
+    assert main(["validate", *where, "--path", str(through), "--format", "json"]) == 1
+    (verdict,) = json.loads(capsys.readouterr().out)
+    assert 0 < verdict["free_until"] <= verdict["collides_at"] < 1
+    assert len(verdict["certificate"]["shared_point"]) == 2
     assert main(["robots", "forklift", "truck_trailer"]) == 0
 
 

@@ -26,7 +26,7 @@ from plannercheck.commands.common import (
 from plannercheck.errors import PlannercheckError
 from plannercheck.ompl import LONGEST_MOTION, plan, planner_names
 from plannercheck.path_checks import check_path
-from plannercheck.planar.ompl_space import CURVES
+from plannercheck.planar.curves import CURVES
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.plans import Plan, check_suffix
 from plannercheck.protocols import AnyChecker

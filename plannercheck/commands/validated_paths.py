@@ -10,10 +10,14 @@ import json
 from pathlib import Path
 from typing import Any
 
-from plannercheck.certificates import Separation, SharedPoint
+from plannercheck import planar
+from plannercheck.certificates import Separation
 from plannercheck.checker import Checker
+from plannercheck.commands.common import planar_checker
+from plannercheck.errors import PlannercheckError
 from plannercheck.path_files import read_path
 from plannercheck.path_validation import PathVerdict, validate_path
+from plannercheck.planar.robot_files import is_planar
 from plannercheck.reading import within
 from plannercheck.report import PairVerdict
 from plannercheck.robot import Robot
@@ -26,6 +30,27 @@ def run(options: argparse.Namespace) -> int:
     Returns:
         0 if all are free and within the limits, else 1.
     """
+    verdicts = _planar(options) if is_planar(options.robot, "robots") else _in_space(options)
+    if options.format == "json":
+        print(json.dumps([_as_json(path, v) for path, v in zip(options.path, verdicts, strict=True)], indent=1))
+    else:
+        for path, verdict in zip(options.path, verdicts, strict=True):
+            print(f"{path}: {_sentence(verdict)}")
+    return 0 if all(verdict.passed for verdict in verdicts) else 1
+
+
+def _planar(options: argparse.Namespace) -> list[PathVerdict]:
+    checker, verdicts = planar_checker(options), []
+    for path in options.path:
+        file = read_path(path, checker.robot.joint_names, checker.robot.nq)
+        with within(f"path file {str(path)!r}"):
+            if file.others:
+                raise PlannercheckError(f"{checker.robot.name!r} has no joint {', '.join(file.others)}")
+            verdicts.append(validate_path(checker, file.states, options.tolerance, options.threads))
+    return verdicts
+
+
+def _in_space(options: argparse.Namespace) -> list[PathVerdict]:
     robot = Robot.load(options.robot)
     scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
     checkers: dict[tuple[tuple[str, float], ...], Checker] = {}
@@ -38,12 +63,7 @@ def run(options: argparse.Namespace) -> int:
                 posed = robot.holding(file.others) if held else robot
                 checkers[held] = Checker(posed, scene, self_collision=not options.no_self_collision)
             verdicts.append(validate_path(checkers[held], file.states, options.tolerance, options.threads))
-    if options.format == "json":
-        print(json.dumps([_as_json(path, v) for path, v in zip(options.path, verdicts, strict=True)], indent=1))
-    else:
-        for path, verdict in zip(options.path, verdicts, strict=True):
-            print(f"{path}: {_sentence(verdict)}")
-    return 0 if all(verdict.passed for verdict in verdicts) else 1
+    return verdicts
 
 
 def _sentence(verdict: PathVerdict) -> str:
@@ -62,8 +82,7 @@ def _sentence(verdict: PathVerdict) -> str:
 
 def _certificate(pair: PairVerdict) -> str:
     certificate = pair.certificate
-    assert isinstance(certificate, Separation | SharedPoint)  # checkers in space give no others
-    if isinstance(certificate, Separation):
+    if isinstance(certificate, Separation | planar.Separation):
         return f"apart by at least {certificate.gap:.3g} m along ({_listed(certificate.normal.tolist())})"
     return f"which share the point ({_listed(certificate.point.tolist())})"
 
@@ -87,8 +106,7 @@ def _as_json(path: Path, verdict: PathVerdict) -> dict[str, Any]:
         return out
     pair, stopped = verdict.stopped.pair, verdict.stopped
     certificate = pair.certificate
-    assert isinstance(certificate, Separation | SharedPoint)  # checkers in space give no others
-    if isinstance(certificate, Separation):
+    if isinstance(certificate, Separation | planar.Separation):
         proof: dict[str, Any] = {
             "normal": certificate.normal.tolist(),
             "offset": certificate.offset,

@@ -9,7 +9,7 @@
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "joined_threads.hpp"
-#include "planar_checker.hpp"
+#include "planar_arrays.hpp"
 
 namespace nb = nanobind;
 
@@ -28,8 +28,9 @@ class BoundPlanarChecker {
                      InputArray<double, -1, 3> circles, InputArray<double, -1, 4> boxes,
                      InputArray<std::int32_t, -1, 2> pairs, bool bounds, Precision first)
       : polygons_(polygons),
-        core_(links_from(links, anchors), width, bodies_from(polygons, mounts, poses, circles, boxes),
-              pairs_from(pairs), bounds, first) {}
+        core_(planar_arrays::links_from(links, anchors), width,
+              planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), planar_arrays::pairs_from(pairs),
+              bounds, first) {}
 
   const PlanarChecker& core() const { return core_; }
 
@@ -62,40 +63,6 @@ class BoundPlanarChecker {
   PlanarChecker core_;
   std::mutex mutex_;
   PlanarCheckerCounters total_;
-
-  static std::vector<PlanarLink> links_from(InputArray<std::int32_t, -1, 3> links, InputArray<double, -1, 3> anchors) {
-    std::vector<PlanarLink> out;
-    for (std::size_t i = 0; i < links.shape(0); ++i) {
-      out.push_back({links(i, 0), static_cast<PlanarJoint>(links(i, 1)), links(i, 2), anchors(i, 0), anchors(i, 1),
-                     anchors(i, 2)});
-    }
-    return out;
-  }
-
-  static std::vector<PlanarBody> bodies_from(const nb::list& polygons, InputArray<std::int32_t, -1> mounts,
-                                             InputArray<double, -1, 3, 3> poses, InputArray<double, -1, 3> circles,
-                                             InputArray<double, -1, 4> boxes) {
-    std::vector<PlanarBody> out;
-    for (std::size_t i = 0; i < polygons.size(); ++i) {
-      const auto vertices = nb::cast<InputArray<double, -1, 2>>(polygons[i], false);
-      PlanarBody body{{vertices.data(), vertices.shape(0)},
-                      mounts(i),
-                      {},
-                      circles(i, 0),
-                      circles(i, 1),
-                      circles(i, 2),
-                      {boxes(i, 0), boxes(i, 1), boxes(i, 2), boxes(i, 3)}};
-      std::copy_n(poses.data() + 9 * i, 6, body.pose.m.begin());
-      out.push_back(body);
-    }
-    return out;
-  }
-
-  static std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
-    std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};
-    return out;
-  }
 };
 
 // work(first, last, counters) over parts of n rows, one a thread.

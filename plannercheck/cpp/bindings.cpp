@@ -13,6 +13,7 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_checker(m);
   plannercheck::bind_sphere_model(m);
   plannercheck::bind_planar(m);
+  plannercheck::bind_planar_motion(m);
   plannercheck::bind_motion(m);
   plannercheck::bind_distance(m);
 }

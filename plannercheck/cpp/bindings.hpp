@@ -11,6 +11,7 @@ void bind_checker(nanobind::module_& m);
 void bind_sphere_model(nanobind::module_& m);
 void bind_planar(nanobind::module_& m);
 void bind_planar_checker(nanobind::module_& m);
+void bind_planar_motion(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
 void bind_distance(nanobind::module_& m);
 

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
-#include "simd.hpp"
-#include "sincos.hpp"
+#include "planar_poses.hpp"
+#include "vec.hpp"
 
 namespace plannercheck {
 namespace {
-
-std::size_t offset_of(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 // Rounding of a posed circle's centre and of a distance is below 20u of the coordinates' sizes; this is far more.
 constexpr double kCircleMargin = 1e-12;
@@ -17,15 +15,12 @@ constexpr double kCircleMargin = 1e-12;
 
 // kLanes states.
 struct PlanarChecker::Block {
-  struct LinkLanes {
-    Lanes angle, cos, sin, x, y;
-  };
   struct CircleLanes {
     Lanes x, y, radius;
   };
 
   std::vector<Lanes> columns;
-  std::vector<LinkLanes> links;
+  std::vector<PlanarLinkLanes> links;
   std::vector<CircleLanes> circles;
 };
 
@@ -39,35 +34,12 @@ void PlanarChecker::load(const double* q, std::size_t n, Block& block) const {
 }
 
 void PlanarChecker::pose(Block& block) const {
-  block.links.resize(links_.size());
+  pose_planar_links(links_, block.columns, block.links);
   block.circles.resize(bodies_.size());
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    const PlanarLink& link = links_[k];
-    Block::LinkLanes& to = block.links[k];
-    to.angle = broadcast(link.angle);
-    to.x = broadcast(link.x);
-    to.y = broadcast(link.y);
-    if (link.parent >= 0) {
-      const Block::LinkLanes& from = block.links[offset_of(link.parent)];
-      to.angle = from.angle + link.angle;
-      to.x = from.x + (from.cos * link.x - from.sin * link.y);
-      to.y = from.y + (from.sin * link.x + from.cos * link.y);
-    }
-    const Lanes* q = block.columns.data() + link.column;
-    if (link.joint == PlanarJoint::kRevolute) to.angle = to.angle + q[0];
-    if (link.joint == PlanarJoint::kFree) {
-      to.x = to.x + q[0];
-      to.y = to.y + q[1];
-      to.angle = to.angle + q[2];
-    }
-    const SinCos turn = sincos(to.angle);
-    to.cos = turn.cos;
-    to.sin = turn.sin;
-  }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const PlanarBody& body = bodies_[b];
     if (body.link < 0) continue;
-    const Block::LinkLanes& link = block.links[offset_of(body.link)];
+    const PlanarLinkLanes& link = block.links[at(body.link)];
     Block::CircleLanes& circle = block.circles[b];
     circle.x = link.x + (link.cos * body.x - link.sin * body.y);
     circle.y = link.y + (link.sin * body.x + link.cos * body.y);
@@ -78,16 +50,16 @@ void PlanarChecker::pose(Block& block) const {
 // The lanes in which the bounds of a pair meet.
 unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Block& block) const {
   constexpr unsigned kAll = (1U << kLanes) - 1;
-  const PlanarBody &a = bodies_[offset_of(pair[0])], &b = bodies_[offset_of(pair[1])];
+  const PlanarBody &a = bodies_[at(pair[0])], &b = bodies_[at(pair[1])];
   if (!bounds_ || (a.link < 0 && b.link < 0)) return kAll;
   Lanes dx, dy, reach;
   if (a.link >= 0 && b.link >= 0) {
-    const Block::CircleLanes &one = block.circles[offset_of(pair[0])], &two = block.circles[offset_of(pair[1])];
+    const Block::CircleLanes &one = block.circles[at(pair[0])], &two = block.circles[at(pair[1])];
     dx = one.x - two.x;
     dy = one.y - two.y;
     reach = one.radius + two.radius;
   } else {
-    const Block::CircleLanes& circle = block.circles[offset_of(a.link >= 0 ? pair[0] : pair[1])];
+    const Block::CircleLanes& circle = block.circles[at(a.link >= 0 ? pair[0] : pair[1])];
     const std::array<double, 4>& box = a.link >= 0 ? b.box : a.box;
     const Lanes zero = broadcast(0);
     dx = larger(larger(box[0] - circle.x, circle.x - box[2]), zero);
@@ -99,9 +71,9 @@ unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Bloc
 }
 
 PosedPolygon PlanarChecker::posed(std::int32_t index, std::size_t state, const Block& block) const {
-  const PlanarBody& body = bodies_[offset_of(index)];
+  const PlanarBody& body = bodies_[at(index)];
   if (body.link < 0) return {body.shape, body.pose};
-  const Block::LinkLanes& link = block.links[offset_of(body.link)];
+  const PlanarLinkLanes& link = block.links[at(body.link)];
   const double c = link.cos[state], s = link.sin[state];
   return {body.shape, {{c, -s, link.x[state], s, c, link.y[state]}}};
 }
@@ -141,7 +113,7 @@ void PlanarChecker::link_poses(const double* q, std::size_t n, double* poses) co
     load(q + row * width_, count, block);
     pose(block);
     for (std::size_t state = 0; state < count; ++state) {
-      for (const Block::LinkLanes& link : block.links) {
+      for (const PlanarLinkLanes& link : block.links) {
         const double c = link.cos[state], s = link.sin[state];
         const double matrix[9] = {c, -s, link.x[state], s, c, link.y[state], 0, 0, 1};
         poses = std::copy_n(matrix, 9, poses);

@@ -7,19 +7,24 @@ core (cpp/planar_checker).
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.motion_verdicts import explained_motion
 from plannercheck.planar.certificates import certify
+from plannercheck.planar.certified_motions import STRAIGHT, MotionCertifier
+from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion import MotionSampler
 from plannercheck.planar.polygons import METHODS, Method
 from plannercheck.planar.robot import Body, Robot
 from plannercheck.planar.scene import Scene
-from plannercheck.report import PairVerdict, Verdict
+from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -76,7 +81,7 @@ class Checker:
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
         self.pairs = _pair_table(robot, len(self.bodies), self_collision)
         self.motion_sampler = MotionSampler(self.robot)
-        self._core = core.PlanarChecker(
+        self._arguments = (
             *robot.core_links(),
             [body.vertices for body in self.bodies],
             np.array([body.link for body in self.bodies], dtype=np.int32),
@@ -84,9 +89,9 @@ class Checker:
             np.array([_circle(body.vertices) for body in self.bodies]).reshape(-1, 3),
             np.array([_box(body) for body in self.bodies]).reshape(-1, 4),
             self.pairs,
-            bounds,
-            getattr(core.Precision, method),
         )
+        self._core = core.PlanarChecker(*self._arguments, bounds, getattr(core.Precision, method))
+        self._curves: dict[tuple[Curve, float], Curves] = {}
 
     def is_valid(self, q: ArrayLike) -> bool:
         """Whether one configuration (nq,) is free of collision; limits are not looked at."""
@@ -107,9 +112,7 @@ class Checker:
     def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
         """The first colliding pair of each configuration (n, nq): (n,) rows of `pairs`, -1 where it is valid."""
         rows = self.robot.check_configurations(q)
-        if not isinstance(threads, int) or threads < 1:
-            raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
-        return np.asarray(self._core.first_of_states(rows, min(threads, max(len(rows), 1))))
+        return np.asarray(self._core.first_of_states(rows, min(_checked_threads(threads), max(len(rows), 1))))
 
     def colliding_pairs(self, q: ArrayLike) -> Bools:
         """Which pairs collide: (n, k) for configurations (n, nq) and the k rows of `pairs`."""
@@ -124,26 +127,143 @@ class Checker:
             poses[:, k] = body.pose if body.link < 0 else links[:, body.link]
         return poses
 
-    def check_motion(self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None) -> bool:
-        """Whether a straight motion is free at sampled states, both ends included.
+    def check_motion(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        resolution: float | None = None,
+        tolerance: float = DEFAULT_TOLERANCE,
+        *,
+        curve: Curve = "straight",
+        turning_radius: float | None = None,
+    ) -> bool:
+        """Whether a motion is free, both ends included: proved for every state on it, or sampled.
+
+        Angles without limits (the heading, free hinges) take the short way, all other numbers go linearly; on curves
+        the root moves as OMPL's Dubins and Reeds-Shepp spaces have it.
 
         Args:
             q0: (nq,) start, m and rad.
-            q1: (nq,) end. Angles go from one number to the other, not the short way.
-            resolution: No point of the robot moves further than this between two states, in m; default 1 cm.
+            q1: (nq,) end.
+            resolution: None for a proof. Else only states are checked, so close that no point of the robot moves
+                further than this between two of them, in m; nothing is proved about what lies between.
+            tolerance: A motion that is never within this of a collision is proved free, in m; one that is may be
+                refused. Free motions that touch something are never passed, whatever the tolerance.
+            curve: How the root moves: "straight", "dubins" (forwards) or "reeds_shepp" (either way).
+            turning_radius: Of curves, m.
 
         Returns:
-            True if all sampled states are valid.
+            True if the motion is free.
         """
-        return bool(self.check_motions(self._single(q0), self._single(q1), resolution)[0])
+        ends = self._single(q0), self._single(q1)
+        free = self.check_motions(*ends, resolution, tolerance, curve=curve, turning_radius=turning_radius)
+        return bool(free[0])
 
-    def check_motions(self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None) -> Bools:
-        """The same for n motions, (n, nq) to (n, nq): (n,), True means free."""
+    def check_motions(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        resolution: float | None = None,
+        tolerance: float = DEFAULT_TOLERANCE,
+        threads: int = 1,
+        *,
+        curve: Curve = "straight",
+        turning_radius: float | None = None,
+    ) -> Bools:
+        """Whether each of n motions is free.
+
+        Args:
+            q0: (n, nq) starts, m and rad.
+            q1: (n, nq) ends.
+            resolution: As for `check_motion`.
+            tolerance: As for `check_motion`.
+            threads: How many to use for proofs of straight motions.
+            curve: As for `check_motion`.
+            turning_radius: As for `check_motion`.
+
+        Returns:
+            (n,), True means free.
+        """
+        starts, ends = self._motion_ends(q0, q1)
+        check_curve(self.robot, curve, turning_radius)
+        if curve != "straight":
+            rows = zip(starts, ends, strict=True)
+            judged = [self._curve_is_free(a, b, resolution, tolerance, curve, turning_radius) for a, b in rows]
+            return np.array(judged, dtype=bool)
+        if resolution is None:
+            return self.motion_certifier.check(starts, ends, tolerance, _checked_threads(threads))
+        steps = self.motion_sampler.steps(starts, ends, resolution)
+        return np.asarray(self._core.motions_are_free(starts, ends, steps)).astype(bool)
+
+    def explain_motion(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        tolerance: float = DEFAULT_TOLERANCE,
+        proofs: bool = False,
+        *,
+        curve: Curve = "straight",
+        turning_radius: float | None = None,
+    ) -> MotionVerdict:
+        """How far a motion is free, what stops it, and the certificates behind that.
+
+        Args:
+            q0: (nq,) start, m and rad.
+            q1: (nq,) end.
+            tolerance: As for `check_motion`.
+            proofs: Whether to give what proves the free part: lines for all pairs, interval by interval.
+            curve: As for `check_motion`.
+            turning_radius: As for `check_motion`.
+
+        Returns:
+            The verdict.
+        """
+        (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
+        check_curve(self.robot, curve, turning_radius)
+        pieces, certifier = self._pieces(start, end, curve, turning_radius), self.motion_certifier
+        passage = certifier.passage(start, end, tolerance, proofs, pieces)
+        return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance)
+
+    @cached_property
+    def motion_certifier(self) -> MotionCertifier:
+        """Proves motions free; built when it is first needed."""
+        return MotionCertifier(*self._arguments)
+
+    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
+        """Starts and ends (n, nq); angles without limits take the short way."""
         starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
         if starts.shape != ends.shape:
             raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
-        steps = self.motion_sampler.steps(starts, ends, resolution)
-        return np.asarray(self._core.motions_are_free(starts, ends, steps)).astype(bool)
+        return starts, self.motion_sampler.short_way(starts, ends)
+
+    def _curve_is_free(
+        self,
+        start: Floats,
+        end: Floats,
+        resolution: float | None,
+        tolerance: float,
+        curve: Curve,
+        turning_radius: float | None,
+    ) -> bool:
+        pieces = self._pieces(start, end, curve, turning_radius)
+        if resolution is None:
+            return self.motion_certifier.is_free(start, end, tolerance, pieces)
+        way = self._curves_of(curve, turning_radius).way(start, end, self.motion_sampler)
+        steps = int(self.motion_sampler.steps_of_way(np.array([way]), resolution)[0])
+        states = self.motion_certifier.states(start, end, np.arange(steps + 1) / steps, pieces)
+        return bool(self.check_states(states).all())
+
+    def _curves_of(self, curve: Curve, turning_radius: float | None) -> Curves:
+        assert turning_radius is not None  # it was checked
+        key = curve, float(turning_radius)
+        if key not in self._curves:
+            self._curves[key] = Curves(*key)
+        return self._curves[key]
+
+    def _pieces(self, start: Floats, end: Floats, curve: Curve, turning_radius: float | None) -> Floats:
+        if curve == "straight":
+            return STRAIGHT
+        return self._curves_of(curve, turning_radius).pieces(start, end, self.motion_sampler.reach)
 
     def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
         """The verdict of one configuration with the names and certificates behind it.
@@ -165,6 +285,11 @@ class Checker:
             tuple(v for v in found if not v.colliding),
             self._kinematic_error(row[0]),
         )
+
+    def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
+        """The verdict of row k of `pairs` alone at one configuration (nq,), with its certificate."""
+        row = self._single(q)
+        return self.pair_verdict(k, self.body_poses(row)[0], bool(self.colliding_pairs(row)[0, k]))
 
     def pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
         """The verdict of row k of `pairs` at poses of all bodies (bodies, 3, 3), with its certificate."""
@@ -197,6 +322,12 @@ class Checker:
 
     def __repr__(self) -> str:
         return f"planar.Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
+
+
+def _checked_threads(threads: int) -> int:
+    if not isinstance(threads, int) or threads < 1:
+        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
+    return threads
 
 
 def _pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:

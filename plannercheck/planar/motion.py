@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.angles import whole_turns
 from plannercheck.errors import PlannercheckError
 from plannercheck.planar.robot import Robot
 
@@ -36,6 +37,10 @@ class MotionSampler:
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
         """How many steps each motion (n, nq) to (n, nq) needs: no point moves over `resolution` m in one."""
         return self.steps_of_way(self.way(q1 - q0), resolution)
+
+    def short_way(self, q0: Floats, q1: Floats) -> Floats:
+        """Ends (…, nq) with angles without limits within half a turn of the starts'; these stay as they are."""
+        return np.asarray(np.where(self._robot.angles, q1 - whole_turns(q1 - q0), q1))
 
     def way(self, differences: Floats) -> Floats:
         """(n,) m: no point travels further on straight motions with these differences (n, nq)."""

@@ -8,20 +8,20 @@ root and one part a joint.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from ompl import base
 
-from plannercheck.errors import PlannercheckError, unknown_name
-from plannercheck.joint_space import bounded_space, wrapped
+from plannercheck.angles import short_way, wrapped
+from plannercheck.errors import PlannercheckError
+from plannercheck.joint_space import bounded_space
+from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion import MotionSampler
 from plannercheck.planar.robot import Robot
 
 Floats = NDArray[np.float64]
-Curve: TypeAlias = Literal["straight", "dubins", "reeds_shepp"]
-CURVES: tuple[Curve, ...] = ("straight", "dubins", "reeds_shepp")
 
 
 class PlanarSpace:
@@ -30,6 +30,7 @@ class PlanarSpace:
     Attributes:
         continuous: (nq,) which numbers are angles without limits.
         is_straight: Whether motions are straight, number by number; else the root follows curves.
+        curves: These curves, taken apart; None if motions are straight.
     """
 
     def __init__(self, robot: Robot, curve: Curve = "straight", turning_radius: float | None = None) -> None:
@@ -43,6 +44,7 @@ class PlanarSpace:
         _check(robot, curve, turning_radius)
         self._curve, self._radius = curve, turning_radius
         self.is_straight = curve == "straight"
+        self.curves = Curves(curve, turning_radius) if turning_radius is not None else None
         self._free = robot.is_free
         self._lower, self._upper = robot.lower, robot.upper
         self._width = robot.nq
@@ -108,7 +110,7 @@ class PlanarSpace:
     def differences(self, q0: Floats, q1: Floats) -> Floats:
         """From configurations (…, nq) to others, number by number; free angles take the short way."""
         differences = q1 - q0
-        return np.where(self.continuous, wrapped(differences), differences)
+        return np.where(self.continuous, short_way(differences), differences)
 
     def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
         """A new OMPL state of a configuration (nq,)."""
@@ -117,17 +119,11 @@ class PlanarSpace:
         return state
 
     def curve_steps(self, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> int:
-        """How many steps a curved motion needs: no point moves over `resolution` m in one.
-
-        A curve of length s turns the root by s / radius at most.
-        """
-        root = self._space if self._is_root_alone else self._space.getSubspace(0)
-        ends = (s1, s2) if self._is_root_alone else (s1[0], s2[0])
-        assert self._radius is not None
-        joints = self.differences(np.array(self.read(s1)), np.array(self.read(s2)))
-        joints[:3] = 0
-        way = float(root.distance(*ends)) * (1 + sampler.levers[2] / self._radius) + sampler.way(joints[None])
-        return int(sampler.steps_of_way(way, resolution)[0])
+        """How many steps a curved motion needs: no point moves over `resolution` m in one."""
+        assert self.curves is not None
+        q0 = np.array(self.read(s1))
+        way = self.curves.way(q0, q0 + self.differences(q0, np.array(self.read(s2))), sampler)
+        return int(sampler.steps_of_way(np.array([way]), resolution)[0])
 
     def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
         """The states (k, nq) of a motion at parameters (k,) in [0, 1], as OMPL interpolates."""
@@ -139,20 +135,13 @@ class PlanarSpace:
 
 
 def sampled_curve(space: PlanarSpace, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> Floats:
-    """All states (k, nq) at which a curved motion is checked, in order, both ends included."""
+    """States (k, nq) of a curved motion so close that no point moves over `resolution` m, both ends included."""
     steps = space.curve_steps(s1, s2, sampler, resolution)
     return space.curve_states(s1, s2, np.arange(steps + 1) / steps)
 
 
 def _check(robot: Robot, curve: Curve, turning_radius: float | None) -> None:
-    if curve not in CURVES:
-        raise unknown_name("curve", curve, CURVES)
-    if curve != "straight" and not robot.is_free:
-        raise PlannercheckError(f"the root of {robot.name!r} is fixed: it can't follow {curve} curves")
-    if (curve == "straight") != (turning_radius is None):
-        raise PlannercheckError(f"turning_radius goes with dubins and reeds_shepp curves, not with {curve!r} alone")
-    if turning_radius is not None and not (np.isfinite(turning_radius) and turning_radius > 0):
-        raise PlannercheckError(f"turning_radius must be a positive length in m, not {turning_radius!r}")
+    check_curve(robot, curve, turning_radius)
     if robot.is_free and not np.isfinite([*robot.lower[:2], *robot.upper[:2]]).all():
         raise PlannercheckError(
             f"x and y of {robot.name!r} have no limits, planning needs them: give the scene bounds, "

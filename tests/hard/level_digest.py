@@ -1,7 +1,7 @@
 """Hashes of what must not depend on the instruction set: `PLANNERCHECK_LEVEL=v2 python tests/hard/level_digest.py`.
 
 Out: one line of JSON with a hash each of serialised bodies, verdicts and stages on stress pairs, link poses, and
-verdicts on robot states.
+verdicts on robot states, planar motions.
 """
 
 from __future__ import annotations
@@ -57,8 +57,29 @@ def of_states() -> str:
     return digest([first.tobytes(), np.packbits(pairs).tobytes()])
 
 
+def of_planar_motions() -> str:
+    """Verdicts, where motions end, and what proves them, straight and on curves."""
+    checker = pc.planar.Checker(pc.planar.Robot.load("truck_trailer"), pc.planar.Scene.load("parking"))
+    q = checker.robot.random_configurations(400, 3)
+    parts = [checker.check_motions(q[::2], q[1::2]).tobytes()]
+    for a, b in zip(q[:20:2], q[1:20:2], strict=True):
+        for how in ({}, {"curve": "reeds_shepp", "turning_radius": 6.0}):
+            found = checker.explain_motion(a, b, proofs=True, **how)
+            parts.append(repr((found.free, found.free_until, found.near_at)).encode())
+            parts += [proof.normal.tobytes() + np.float64(proof.gap).tobytes() for proof in found.proofs]
+    return digest(parts)
+
+
 if __name__ == "__main__":
     given = stress_draws()
     print(
-        json.dumps({"bodies": of_bodies(given), "pairs": of_pairs(given), "poses": of_poses(), "states": of_states()})
+        json.dumps(
+            {
+                "bodies": of_bodies(given),
+                "pairs": of_pairs(given),
+                "poses": of_poses(),
+                "states": of_states(),
+                "planar motions": of_planar_motions(),
+            }
+        )
     )

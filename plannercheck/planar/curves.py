@@ -1,0 +1,259 @@
+"""Dubins and Reeds-Shepp curves as OMPL interpolates them, taken apart into arcs and lines.
+
+In: two poses of a robot's root. Out: `Curves.pieces`, on each of which the root goes straight or turns about a fixed
+centre, in closed form, with a bound of how far that is from OMPL's curve.
+
+OMPL's bindings give a curve's length and single states, not its pieces. So a curve is cut into cells between states,
+and each cell is asked whether it is of one kind. With lengths in turning radii, heading rates are -1, 0 or 1 and speed
+is 1. So if the heading changes by a cell's length d, and the way along its mean heading is 2 sin(d / 2), the cell turns
+one way and drives one way all along: what does not adds up to about what rounding leaves open, t. A cell whose way
+along its first heading is d, across it 0, is straight: by construction no curve has two straight pieces, nor, next to
+one, a second arc that is no quarter turn, so arcs at its ends are shorter than about 2 t / d. Where neighbours are of
+known kinds, a cell between them is cut where these would meet.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.planar.motion import MotionSampler
+from plannercheck.planar.robot import Robot
+
+Floats = NDArray[np.float64]
+Curve: TypeAlias = Literal["straight", "dubins", "reeds_shepp"]
+CURVES: tuple[Curve, ...] = ("straight", "dubins", "reeds_shepp")
+
+# Rounding of OMPL's states in turning radii, for 1 + the size of the coordinates and the length in turning radii: some
+# ten operations of 2^-53 each.
+_ROUNDING = 2.0**-48
+
+# The last parameter at which OMPL interpolates; at 1 it gives the end itself.
+_LAST = 1 - 2.0**-53
+
+# Cells at first; curves have up to five pieces, but often one or two long ones (measured).
+_FIRST_CELLS = 3
+
+# Arcs are recognised up to this length, in turning radii: well below half a turn.
+_LONGEST_ARC = 2.0
+
+# A cell shorter than this is left as it is, in turning radii: no point moves by more in it than as much of the lever
+# and the radius.
+_SHORTEST = 1e-7
+
+
+def check_curve(robot: Robot, curve: Curve, turning_radius: float | None) -> None:
+    """Raises an error if a robot's root can't follow such curves, or the turning radius does not go with them."""
+    if curve not in CURVES:
+        raise unknown_name("curve", curve, CURVES)
+    if curve != "straight" and not robot.is_free:
+        raise PlannercheckError(f"the root of {robot.name!r} is fixed: it can't follow {curve} curves")
+    if (curve == "straight") != (turning_radius is None):
+        raise PlannercheckError(f"turning_radius goes with dubins and reeds_shepp curves, not with {curve!r} alone")
+    if turning_radius is not None and not (np.isfinite(turning_radius) and turning_radius > 0):
+        raise PlannercheckError(f"turning_radius must be a positive length in m, not {turning_radius!r}")
+
+
+class _Place(NamedTuple):
+    """A state on a curve: parameter, position in m, heading in rad."""
+
+    t: float
+    x: float
+    y: float
+    heading: float
+
+
+class _Kind(NamedTuple):
+    """How a piece goes: heading rate (-1, 0, 1) and whether forwards (1) or backwards (-1)."""
+
+    rate: int
+    drive: int
+
+
+class _Cell(NamedTuple):
+    """Between two states; `kind` is None where there are several."""
+
+    start: _Place
+    end: _Place
+    kind: _Kind | None
+    slip: float
+
+
+class Curves:
+    """Curves of one kind and turning radius."""
+
+    def __init__(self, curve: Curve, turning_radius: float) -> None:
+        """Makes OMPL's space.
+
+        Args:
+            curve: "dubins" or "reeds_shepp"; see `check_curve`.
+            turning_radius: m.
+        """
+        from ompl import base  # an optional part of what planar robots need
+
+        made = {"dubins": base.DubinsStateSpace, "reeds_shepp": base.ReedsSheppStateSpace}
+        self._radius = float(turning_radius)
+        self._space = made[curve](self._radius)
+        self._own = threading.local()
+
+    def way(self, start: Floats, end: Floats, sampler: MotionSampler) -> float:
+        """No point of the robot travels further on the curve between two configurations (nq,), m.
+
+        A curve of length s turns the root by s / radius at most.
+        """
+        states = self._states()
+        for state, q in zip(states[:2], (start, end), strict=True):
+            _write(state, q)
+        joints = end - start
+        joints[:3] = 0
+        length = float(self._space.distance(*states[:2]))
+        return length * (1 + float(sampler.levers[2]) / self._radius) + float(sampler.way(joints[None])[0])
+
+    def pieces(self, start: Floats, end: Floats, lever: float) -> Floats:
+        """The pieces of the curve between two poses of the root.
+
+        Args:
+            start: x, y in m and heading in rad; what follows does not matter.
+            end: The same.
+            lever: No point of the robot is further than this from its root, m.
+
+        Returns:
+            (k, 11) as the core takes them; the last one is the end itself, which OMPL's curve meets up to 1e-6.
+        """
+        states = self._states()
+        first = _write(states[0], start)
+        _write(states[1], end)
+        length = float(self._space.distance(*states[:2])) / self._radius
+        size = (abs(first.x) + abs(first.y) + abs(float(end[0])) + abs(float(end[1]))) / self._radius
+        cells = _Cells(self._radius, lever, length, _ROUNDING * (1 + size + length))
+        rows = [cells.row(cell) for cell in self._cells(cells, first, length)]
+        rows.append((1.0, 1.0, float(end[0]), float(end[1]), 0.0, 0.0, float(end[2]), 0.0, 0.0, 0.0, 0.0))
+        return np.array(rows)
+
+    def _states(self) -> tuple[Any, Any, Any]:
+        """This thread's states: start, end and one between. They are kept, since freeing them is not safe."""
+        if not hasattr(self._own, "states"):
+            self._own.states = tuple(self._space.allocState() for _ in range(3))
+        states: tuple[Any, Any, Any] = self._own.states
+        return states
+
+    def _at(self, t: float) -> _Place:
+        start, end, between = self._states()
+        self._space.interpolate(start, end, t, between)
+        return _Place(t, between.getX(), between.getY(), between.getYaw())
+
+    def _cells(self, cells: _Cells, first: _Place, length: float) -> list[_Cell]:
+        """Cells of one kind each, but for those too short to matter."""
+        if length == 0:
+            return []
+        places = [first, *(self._at(k / _FIRST_CELLS) for k in range(1, _FIRST_CELLS)), self._at(_LAST)]
+        found = [cells.cell(a, b) for a, b in pairwise(places)]
+        k, guessed = 0, False
+        while k < len(found):
+            cell = found[k]
+            if cell.kind is not None or cells.length(cell.start, cell.end) <= _SHORTEST:
+                k, guessed = k + 1, False
+                continue
+            before = found[k - 1].kind if k > 0 else None
+            after = found[k + 1].kind if k + 1 < len(found) else None
+            guess = None if guessed else cells.meeting(cell, before, after)
+            middle = self._at((cell.start.t + cell.end.t) / 2 if guess is None else guess)
+            found[k : k + 1] = [cells.cell(cell.start, middle), cells.cell(middle, cell.end)]
+            guessed = guess is not None
+        return _joined(cells, found)
+
+
+def _write(state: Any, pose: Floats) -> _Place:
+    x, y, heading = (float(value) for value in pose[:3])
+    heading = math.remainder(heading, 2 * math.pi)
+    state.setX(x)
+    state.setY(y)
+    state.setYaw(heading)
+    return _Place(0.0, x, y, heading)
+
+
+def _joined(cells: _Cells, found: list[_Cell]) -> list[_Cell]:
+    """Neighbours of one kind as one cell, where it is known to be of that kind."""
+    joined = found[:1]
+    for cell in found[1:]:
+        last = joined[-1]
+        both = cells.cell(last.start, cell.end) if cell.kind == last.kind else last
+        if cell.kind is not None and cell.kind == both.kind == last.kind:
+            joined[-1] = both
+        else:
+            joined.append(cell)
+    return joined
+
+
+class _Cells:
+    """What is known of the cells of one curve."""
+
+    def __init__(self, radius: float, lever: float, length: float, rounding: float) -> None:
+        self._radius, self._lever, self._length, self._rounding = radius, lever, length, rounding
+
+    def length(self, a: _Place, b: _Place) -> float:
+        """Of the curve between two states, in turning radii."""
+        return (b.t - a.t) * self._length
+
+    def _way(self, a: _Place, b: _Place, heading: float) -> tuple[float, float]:
+        """From one state to another, along a heading and across it to the left, in turning radii."""
+        x, y = (b.x - a.x) / self._radius, (b.y - a.y) / self._radius
+        c, s = math.cos(heading), math.sin(heading)
+        return x * c + y * s, y * c - x * s
+
+    def cell(self, a: _Place, b: _Place) -> _Cell:
+        """The cell between two states, with its kind."""
+        d, t = self.length(a, b), self._rounding
+        turn = math.remainder(b.heading - a.heading, 2 * math.pi)
+        moved = self._radius + self._lever  # no point moves by more than this for a length of 1
+        if abs(turn) <= t:
+            along, across = self._way(a, b, a.heading)
+            if abs(along) >= d - t and abs(across) <= t:
+                # Arcs at the ends, of length c each, have a way across of c (d - c).
+                turned = min(d / 2, 2 * t / max(d, t)) + 2 * t
+                slip = turned * self._lever + 8 * t * self._radius
+                return _Cell(a, b, _Kind(0, 1 if along > 0 else -1), slip)
+        if d <= _LONGEST_ARC and abs(turn) >= d - t:
+            rate = 1 if turn > 0 else -1
+            along, _ = self._way(a, b, a.heading + rate * d / 2)
+            if abs(along) >= 2 * math.sin(d / 2) - t:
+                # Both what turns and what drives the other way is shorter than t / cos(d / 2).
+                return _Cell(a, b, _Kind(rate, 1 if along > 0 else -1), 8 * t * moved * (1 + d))
+        return _Cell(a, b, None, d * moved + 8 * t * self._radius)
+
+    def meeting(self, cell: _Cell, before: _Kind | None, after: _Kind | None) -> float | None:
+        """The parameter within a cell at which two kinds meet, if these two make up the cell."""
+        a, b, d = cell.start, cell.end, self.length(cell.start, cell.end)
+        if before is None or after is None or before == after or d > _LONGEST_ARC:
+            return None
+        if before.rate != after.rate:
+            turn = math.remainder(b.heading - a.heading, 2 * math.pi)
+            part = (turn - after.rate * d) / (before.rate - after.rate)
+        else:
+            # There and back: both half-ways and the whole one on the other side are chords of the same circle.
+            along, across = self._way(a, b, a.heading)
+            whole = math.sin(d), before.rate * (1 - math.cos(d))
+            half = (whole[0] + before.drive * along) / 2, (whole[1] + before.drive * across) / 2
+            part = 2 * math.asin(min(1.0, math.hypot(*half) / 2))
+        t = a.t + (b.t - a.t) * part / d
+        return t if a.t < t < b.t else None
+
+    def row(self, cell: _Cell) -> tuple[float, ...]:
+        """The cell as a piece for the core."""
+        a, b, d = cell.start, cell.end, self.length(cell.start, cell.end)
+        end = 1.0 if b.t == _LAST else b.t
+        if cell.kind is None:
+            return a.t, end, a.x, a.y, 0.0, 0.0, a.heading, 0.0, 0.0, 0.0, cell.slip
+        rate, drive = cell.kind
+        c, s = math.cos(a.heading), math.sin(a.heading)
+        way = drive * d * self._radius
+        if rate == 0:
+            return a.t, end, a.x, a.y, way * c, way * s, a.heading, 0.0, 0.0, 0.0, cell.slip
+        arm = -drive * rate * self._radius  # to the left of the heading, from the centre to the root
+        return a.t, end, a.x + s * arm, a.y - c * arm, 0.0, 0.0, a.heading, rate * d, 0.0, arm, cell.slip
