@@ -1,8 +1,8 @@
 """Any dimension, measured: `python tests/benchmarks/ndim.py agreement|rounds|speed|trees [--pairs 100000] [--seed 0]`.
 
 agreement: random and near-touching pairs in dimensions 2 to 6, by points and by halfspaces, against a linear program
-(HiGHS through SciPy); pairs that it finds close are confirmed by integers alone, whose certificate is verified in
-fractions. rounds: of the walk through the trees, and vertices it visits, against n. speed: a query against the
+(HiGHS through SciPy); the truth about pairs that it finds close is a certificate that was verified in fractions, from
+the bodies' own numbers. Runs with other seeds add up. rounds: of the walk through the trees, and vertices it visits, against n. speed: a query against the
 linear program's feasibility question. trees: memory, depth and seconds of preparation.
 """
 
@@ -20,7 +20,7 @@ from scipy.optimize import linprog
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from ndim_pairs import depth, near_poses, random_body, random_pose
+from ndim_pairs import depth_program, depths, near_poses, random_body, random_pose
 
 from plannercheck import ndim
 
@@ -30,7 +30,9 @@ CLEAR = 1e-5
 # Part of the pairs that are near contact.
 NEAR = 0.25
 # Pairs of poses for each pair of bodies.
-POSES = 10
+POSES = 20
+# Vertices beyond the dimension; more of them in part of the bodies up to a dimension.
+FEW, MANY, LARGE, LARGE_UP_TO = 8, 60, 0.1, 4
 
 
 def agreement(pairs: int, seed: int) -> None:
@@ -56,26 +58,28 @@ def show_agreement(counts: dict[int, Counter]) -> None:
 
 
 def judge_bodies(rng: np.random.Generator, d: int, count: Counter) -> None:
-    """Two bodies at ten pairs of poses, some of them near contact."""
-    first, second = random_body(rng, d), random_body(rng, d)
+    """Two bodies at some pairs of poses, part of them near contact: the linear programs of all at once."""
+    most = MANY if d <= LARGE_UP_TO and rng.random() < LARGE else FEW
+    first, second = random_body(rng, d, most), random_body(rng, d, most)
+    pairs = []
     for _ in range(POSES):
         near = rng.random() < NEAR
         count["near"] += near
         if near:
-            judge(first, second, near_poses(rng, first, second, d), count)
+            pairs.append(near_poses(rng, first, second, d))
         else:
-            poses = random_pose(rng, d, rng.uniform(0, 3), affine=True), random_pose(rng, d, rng.uniform(0, 1))
-            judge(first, second, poses, count)
+            pairs.append((random_pose(rng, d, rng.uniform(0, 3), affine=True), random_pose(rng, d, rng.uniform(0, 1))))
+    for poses, clear in zip(pairs, depths([depth_program(first, second, *poses) for poses in pairs]), strict=True):
+        judge(first, second, poses, clear, count)
 
 
-def judge(first, second, poses, count: Counter) -> None:
-    """One pair, with both methods."""
-    clear = depth(first, second, *poses)
+def judge(first, second, poses, clear: float, count: Counter) -> None:
+    """One pair, with both methods, against the program's verdict or a certificate that fractions prove."""
     count["pairs"] += 1
     if abs(clear) > CLEAR:
         truth = clear > 0
     else:
-        certificate = ndim.certify(first.polytope, second.polytope, *poses, method="exact")
+        certificate = ndim.certify(first.polytope, second.polytope, *poses, method="oracle")
         assert certificate.verify()
         truth = certificate.shares
         count["confirmed"] += 1
