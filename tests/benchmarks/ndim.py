@@ -2,8 +2,9 @@
 
 agreement: random and near-touching pairs in dimensions 2 to 6, by points and by halfspaces, against a linear program
 (HiGHS through SciPy); the truth about pairs that it finds close is a certificate that was verified in fractions, from
-the bodies' own numbers. Runs with other seeds add up. rounds: of the walk through the trees, and vertices it visits, against n. speed: a query against the
-linear program's feasibility question. trees: memory, depth and seconds of preparation.
+the bodies' own numbers. Runs with other seeds add up. rounds: of the walk through the trees, and vertices it visits,
+against n. speed: a query against the linear program's feasibility question. trees: memory, depth and seconds of
+preparation.
 """
 
 from __future__ import annotations
