@@ -87,7 +87,7 @@ def time_against_vertices(rows: Sequence[PairRow], path: Path) -> list[Path]:
     series: dict[str, dict[str, list[tuple[float, float]]]] = {_gap_title(gap): {} for gap in GAPS}
     for row in rows:
         series[_gap_title(row.gap)].setdefault(row.method, []).append((row.vertices, row.microseconds))
-    return against_size(series, "vertices of each body", "time a pair (µs)", path)
+    return against_size({"time a pair (µs)": series}, "vertices of each body", path)
 
 
 def _gap_title(gap: float) -> str:
@@ -104,7 +104,7 @@ _COMPLEXITY_PANELS = (
 
 
 def visited_against_vertices(rows: Sequence[ComplexityRow], path: Path) -> list[Path]:
-    """Draws the worst query's visited vertices against n, a panel an algorithm, and one more for hard bodies.
+    """Draws the worst query's visited vertices and rounds against n, a column an algorithm, one more for hard bodies.
 
     Args:
         rows: Of `plannercheck bench complexity`.
@@ -113,38 +113,55 @@ def visited_against_vertices(rows: Sequence[ComplexityRow], path: Path) -> list[
     Returns:
         The files.
     """
+    counts: Mapping[str, Callable[[ComplexityRow], float]] = {
+        "visited vertices, worst query": lambda row: row.visited_worst,
+        "rounds, worst query": lambda row: row.rounds_worst,
+    }
+    return against_size({up: _panels(rows, count) for up, count in counts.items()}, "vertices of each body", path)
+
+
+def _panels(
+    rows: Sequence[ComplexityRow], count: Callable[[ComplexityRow], float]
+) -> dict[str, dict[str, list[tuple[float, float]]]]:
+    """Curves of the four panels, less what takes a single round."""
     series: dict[str, dict[str, list[tuple[float, float]]]] = {title: {} for _, _, title in _COMPLEXITY_PANELS}
     for where, family, title in _COMPLEXITY_PANELS:
         for row in rows:
-            if (row.where, row.family) == (where, family):
-                series[title].setdefault(row.method, []).append((row.vertices, row.visited_worst))
-    return against_size(series, "vertices of each body", "visited vertices, worst query", path)
+            if (row.where, row.family) == (where, family) and count(row) > 1:
+                series[title].setdefault(row.method, []).append((row.vertices, count(row)))
+    return series
 
 
 def against_size(
-    panels: Mapping[str, Mapping[str, Sequence[tuple[float, float]]]], across: str, up: str, path: Path
+    rows: Mapping[str, Mapping[str, Mapping[str, Sequence[tuple[float, float]]]]], across: str, path: Path
 ) -> list[Path]:
-    """Draws curves on logarithmic axes, panels side by side.
+    """Draws curves on logarithmic axes: a row for each quantity, panels side by side, a colour a name.
 
     Args:
-        panels: By title and name of the curve its points (x, y), both positive.
+        rows: By what y is: by title and name of the curve its points (x, y), both positive.
         across: What x is.
-        up: What y is.
         path: Where to, without suffix.
 
     Returns:
         The files.
     """
-    figure = _figure(4.6 * len(panels), 4.4)
-    axes = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
-    for axis, (title, curves) in zip(axes, panels.items(), strict=True):
-        axis.set(title=title, xlabel=across, xscale="log", yscale="log")
-        axis.grid(True, which="major", alpha=0.3)
-        for name, points in curves.items():
-            axis.plot(*zip(*points, strict=True), marker="o", markersize=4, label=name)
-        if not curves.keys() <= panels[next(iter(panels))].keys() or axis is axes[0]:
-            axis.legend(fontsize="small")
-    axes[0].set_ylabel(up)
+    columns = len(next(iter(rows.values())))
+    figure = _figure(4.6 * columns, 4.4 * len(rows))
+    grid = figure.subplots(len(rows), columns, squeeze=False, sharey="row", sharex="col")
+    names = list(dict.fromkeys(name for panels in rows.values() for curves in panels.values() for name in curves))
+    for row, (up, panels) in enumerate(rows.items()):
+        grid[row, 0].set_ylabel(up)
+        for column, (title, curves) in enumerate(panels.items()):
+            axis = grid[row, column]
+            axis.set(title="" if row else title, xscale="log", yscale="log")
+            axis.grid(True, which="major", alpha=0.3)
+            for name, points in curves.items():
+                colour = f"C{names.index(name)}"
+                axis.plot(*zip(*points, strict=True), marker="o", markersize=4, label=name, color=colour)
+            if row == 0 and (column == 0 or not curves.keys() <= panels[next(iter(panels))].keys()):
+                axis.legend(fontsize="small")
+    for axis in grid[-1]:
+        axis.set_xlabel(across)
     return _saved(figure, path)
 
 

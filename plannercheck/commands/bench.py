@@ -238,7 +238,7 @@ def _scale_cells(row: ScaleRow) -> tuple[object, ...]:
 def _run_complexity(options: argparse.Namespace) -> None:
     if options.most < min(complexity.SIZES):
         raise PlannercheckError(f"--most must be at least {min(complexity.SIZES)}")
-    rows = list(complexity.measure(options.most, options.queries, options.seed))
+    rows = list(complexity.measure(options.most, options.queries, options.seed, _note))
     header = ("where", "bodies", "method", "vertices", "rounds: mean", "worst", "visited: mean", "worst", "shared")
     print(table(header, [_complexity_cells(row) for row in rows]))
     grown = complexity.growth(rows)

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <cmath>
 #include <vector>
 
 #include "array_types.hpp"
@@ -39,6 +40,18 @@ PlanarPose planar_pose(const PlanarPoseRows& poses, std::size_t k) {
   return pose;
 }
 
+// The first pose whose M is farther from a rotation than `largest`, as ||M^T M - 1||, or that is not finite; -1 if
+// none.
+std::int64_t first_bent_pose(PlanarPoseRows poses, double largest) {
+  for (std::size_t k = 0; k < poses.shape(0); ++k) {
+    const double* m = poses.data() + 9 * k;
+    const double xx = m[0] * m[0] + m[3] * m[3] - 1, xy = m[0] * m[1] + m[3] * m[4], yy = m[1] * m[1] + m[4] * m[4] - 1;
+    const bool rigid = std::sqrt(xx * xx + 2 * xy * xy + yy * yy) <= largest && m[0] * m[4] - m[1] * m[3] > 0;
+    if (!rigid || !std::isfinite(m[2]) || !std::isfinite(m[5])) return static_cast<std::int64_t>(k);
+  }
+  return -1;
+}
+
 // Verdicts on n pairs; lists and poses of length 1 stand for all. Also the counters of each pair.
 nb::tuple planar_intersect_batch(const PolygonList& a, PlanarPoseRows poses_a, const PolygonList& b,
                                  PlanarPoseRows poses_b, std::size_t n, Precision first, bool count) {
@@ -67,6 +80,7 @@ void bind_planar(nb::module_& m) {
       .value("double_double", Precision::kDoubleDouble)
       .value("exact", Precision::kExact);
   nb::class_<PolygonList>(m, "PolygonList").def(nb::init<const nb::list&>());
+  m.def("first_bent_pose", &first_bent_pose);
   m.def("planar_intersect_batch", &planar_intersect_batch);
   bind_planar_checker(m);
 }

@@ -1,6 +1,7 @@
 #include "planar.hpp"
 
 #include <array>
+#include <bit>
 
 namespace plannercheck {
 namespace {
@@ -8,35 +9,44 @@ namespace {
 // What is known about the triangles: a line apart, a common point, or that the host's triangle is within the guest's.
 enum class Relation { kApart, kVertex, kCrossing, kInside };
 
-// Corners and lines are counted 0 to 2.
+// Corners and lines are counted 0 to 2, as they are stored.
 struct Finding {
   Relation relation = Relation::kInside;
   std::size_t a = 0, b = 0;  // kVertex: guest corner a. kCrossing: the way from corner a to b comes in over line i.
   std::size_t i = 0, j = 0;  // kApart: over lines i and j, with the walk's weights.
 };
 
-constexpr std::size_t next(std::size_t k) { return k == 2 ? 0 : k + 1; }
-constexpr std::size_t previous(std::size_t k) { return k == 0 ? 2 : k - 1; }
+constexpr std::array<std::size_t, 3> kNext{1, 2, 0}, kPrevious{2, 0, 1};
 
 // Three places on a cyclic array, in order, and what is left of it: at first the whole cycle, cut in three; later the
-// chain from the first place to the last, and nothing between the last and the first.
+// chain from the first place to the last, and nothing between the last and the first. Places are stored in any order.
 struct Places {
-  std::size_t count;  // of the array
-  std::array<std::size_t, 3> at;
+  std::size_t count;              // of the array
+  std::array<std::size_t, 3> at;  // as stored
+  std::array<std::size_t, 3> order{0, 1, 2};
   bool closed = true;
 
   explicit Places(std::size_t n) : count(n), at{0, n / 3, 2 * n / 3} {}
 
-  // How many steps there are from a place to the next one, as far as that is left.
+  // How many steps there are from the k-th place to the next one, as far as that is left.
   std::size_t steps(std::size_t k) const {
-    if (k == 2) return closed ? count - at[2] + at[0] : 0;
-    return at[k + 1] >= at[k] ? at[k + 1] - at[k] : at[k + 1] + count - at[k];
+    if (k == 2 && !closed) return 0;
+    const std::size_t from = at[order[k]], to = at[order[kNext[k]]];
+    return to + (to < from ? count : 0) - from;
   }
   std::size_t after(std::size_t index) const { return index + 1 == count ? 0 : index + 1; }
-  std::size_t before(std::size_t index) const { return index == 0 ? count - 1 : index - 1; }
+  std::size_t before(std::size_t index) const { return (index == 0 ? count : index) - 1; }
   std::size_t halfway(std::size_t k) const {
-    const std::size_t index = at[k] + steps(k) / 2;
-    return index < count ? index : index - count;
+    const std::size_t index = at[order[k]] + steps(k) / 2;
+    return index - (index < count ? 0 : count);
+  }
+  // Keeps the chain from the k-th place to the next one, with a place halfway, which is stored where the third was.
+  std::size_t keep(std::size_t k) {
+    const std::size_t middle = halfway(k), from = order[k], to = order[kNext[k]], third = order[kPrevious[k]];
+    at[third] = middle;
+    order = {from, third, to};
+    closed = false;
+    return third;
   }
 };
 
@@ -51,14 +61,15 @@ class Walk {
       : signs_(guest, host, turn, first, counters),
         counters_(counters),
         vertices_(guest.shape.count),
-        lines_(host.shape.count) {}
-
-  bool run() {
+        lines_(host.shape.count) {
     for (std::size_t k = 0; k < 3; ++k) {
       corners_[k] = signs_.point(vertices_.at[k]);
       edges_[k] = edge(lines_.at[k]);
     }
     for (std::size_t k = 0; k < 3; ++k) measure_corner(k);
+  }
+
+  bool run() {
     while (true) {
       ++counters_.rounds;
       const Finding found = relation();
@@ -81,17 +92,19 @@ class Walk {
 
   HostLine edge(std::size_t k) const { return signs_.line(k, lines_.after(k)); }
 
-  void measure(std::size_t i, std::size_t k) {
-    sides_[i][k] = signs_.side(edges_[i], corners_[k]);
-    const unsigned bit = 1U << i;
-    const bool is_beyond = signs_.sign(sides_[i][k], edges_[i], corners_[k]) < 0;
-    beyond_[k] = is_beyond ? beyond_[k] | bit : beyond_[k] & ~bit;
-  }
   void measure_corner(std::size_t k) {
-    for (std::size_t i = 0; i < 3; ++i) measure(i, k);
+    unsigned bits = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      sides_[i][k] = signs_.side(edges_[i], corners_[k]);
+      bits |= signs_.is_beyond(sides_[i][k], edges_[i], corners_[k]) << i;
+    }
+    beyond_[k] = bits;
   }
   void measure_edge(std::size_t i) {
-    for (std::size_t k = 0; k < 3; ++k) measure(i, k);
+    for (std::size_t k = 0; k < 3; ++k) {
+      sides_[i][k] = signs_.side(edges_[i], corners_[k]);
+      beyond_[k] = (beyond_[k] & ~(1U << i)) | signs_.is_beyond(sides_[i][k], edges_[i], corners_[k]) << i;
+    }
   }
 
   bool beyond(std::size_t i, std::size_t k) const { return (beyond_[k] >> i & 1U) != 0; }
@@ -106,26 +119,25 @@ class Walk {
     const unsigned all = beyond_[0] & beyond_[1] & beyond_[2];
     if (all != 0) {
       found.relation = Relation::kApart;
-      found.i = found.j = all & 1U ? 0 : all & 2U ? 1 : 2;
+      found.i = found.j = static_cast<std::size_t>(std::countr_zero(all));
       set_single_weight();
       return found;
     }
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (beyond_[k] == 0) {
-        found.relation = Relation::kVertex;
-        found.a = k;
-        return found;
-      }
+    const unsigned within = unsigned(beyond_[0] == 0) | unsigned(beyond_[1] == 0) << 1 | unsigned(beyond_[2] == 0) << 2;
+    if (within != 0) {
+      found.relation = Relation::kVertex;
+      found.a = static_cast<std::size_t>(std::countr_zero(within));
+      return found;
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      if (crosses(k, next(k), found)) return found;
+      if (crosses(k, kNext[k], found)) return found;
     }
     // By Helly's theorem triangles apart are so over two of the lines; else T_Q is inside T_P.
     for (std::size_t i = 0; i < 3; ++i) {
-      if (is_wedge_apart(i, next(i))) {
+      if (is_wedge_apart(i, kNext[i])) {
         found.relation = Relation::kApart;
         found.i = i;
-        found.j = next(i);
+        found.j = kNext[i];
         set_weights(found.i, found.j);
         return found;
       }
@@ -226,34 +238,23 @@ class Walk {
   // Separation invariant: the host is where the mixed side is at least 0, T_P where it is negative. What the guest has
   // of the former is beyond one side of T_P. False if there is nothing, so that the polygons are apart.
   bool prune_guest(const Finding& apart) {
-    const std::size_t arc = arc_towards(apart);
-    if (arc == kNone || is_pocket_apart(apart, arc)) return false;
-    const std::size_t middle = vertices_.halfway(arc), last = next(arc);
-    const GuestPoint from = corners_[arc], to = corners_[last];
-    const std::array<Side, 3> from_sides{sides_[0][arc], sides_[1][arc], sides_[2][arc]};
-    const std::array<Side, 3> to_sides{sides_[0][last], sides_[1][last], sides_[2][last]};
-    const unsigned from_beyond = beyond_[arc], to_beyond = beyond_[last];
-    corners_ = {from, signs_.point(middle), to};
-    vertices_.at = {from.index, middle, to.index};
-    vertices_.closed = false;
-    for (std::size_t i = 0; i < 3; ++i) {
-      sides_[i][0] = from_sides[i];
-      sides_[i][2] = to_sides[i];
-    }
-    beyond_[0] = from_beyond;
-    beyond_[2] = to_beyond;
-    measure_corner(1);
+    const Slope slope = signs_.slope(weights_, edges_[apart.i], edges_[apart.j]);
+    const std::size_t arc = arc_towards(slope);
+    if (arc == kNone || is_pocket_apart(apart, slope, arc)) return false;
+    const std::size_t added = vertices_.keep(arc);
+    corners_[added] = signs_.point(vertices_.at[added]);
+    measure_corner(added);
     return true;
   }
 
   // Whether an arc that rises above T_P surely stays where the mixed side is negative: it lies within the triangle that
   // its first and last edge's lines make with its chord. This ends most queries of polygons apart after a few rounds;
   // the walk does not need it.
-  bool is_pocket_apart(const Finding& apart, std::size_t arc) const {
-    const std::size_t from = corners_[arc].index, to = corners_[next(arc)].index;
+  bool is_pocket_apart(const Finding& apart, const Slope& slope, std::size_t arc) const {
+    const std::size_t from = corner(arc), to = corner(kNext[arc]), stored = vertices_.order[arc];
     const std::size_t ahead = vertices_.after(from), behind = vertices_.before(to);
-    const Side level = signs_.value(weights_, sides_[apart.i][arc], sides_[apart.j][arc]);
-    const Side climb = signs_.difference(weights_, edges_[apart.i], edges_[apart.j], ahead, from);
+    const Side level = signs_.value(weights_, sides_[apart.i][stored], sides_[apart.j][stored]);
+    const Side climb = signs_.climb(slope, ahead, from);
     ++counters_.vertices;
     const double highest = (climb.value + climb.error) * signs_.meeting(from, ahead, to, behind);
     return highest >= 0 && highest * planar_detail::kSlack < -(level.value + level.error);
@@ -261,47 +262,48 @@ class Walk {
 
   static constexpr std::size_t kNone = 3;
 
+  // Index of the k-th corner.
+  std::size_t corner(std::size_t k) const { return vertices_.at[vertices_.order[k]]; }
+
   // Which arc of the guest, from which corner to the next, rises above T_P.
-  std::size_t arc_towards(const Finding& apart) const {
+  std::size_t arc_towards(const Slope& slope) const {
     std::array<int, 3> step;  // of the mixed side from each corner to the next
-    for (std::size_t k = 0; k < 3; ++k) {
-      step[k] = signs_.compare(weights_, edges_[apart.i], edges_[apart.j], corners_[next(k)].index, corners_[k].index);
-    }
+    for (std::size_t k = 0; k < 3; ++k) step[k] = signs_.compare(slope, corner(kNext[k]), corner(k));
     if (step[0] == 0 && step[1] == 0 && step[2] == 0) return arc_off_line();
     for (std::size_t k = 0; k < 3; ++k) {
       // Two corners level above the third: only the arc between them can rise above both.
-      if (step[k] == 0 && step[previous(k)] > 0) return rises_after(apart, k) ? k : kNone;
+      if (step[k] == 0 && step[kPrevious[k]] > 0) return rises_after(slope, k) ? k : kNone;
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      if (step[k] >= 0 || step[previous(k)] <= 0) continue;
-      return rises_after(apart, k) ? k : rises_before(apart, k) ? previous(k) : kNone;
+      if (step[k] >= 0 || step[kPrevious[k]] <= 0) continue;
+      return rises_after(slope, k) ? k : rises_before(slope, k) ? kPrevious[k] : kNone;
     }
     return kNone;
   }
 
-  bool rises_after(const Finding& apart, std::size_t k) const {
-    return vertices_.steps(k) > 1 && rises(apart, k, vertices_.after(corners_[k].index));
+  bool rises_after(const Slope& slope, std::size_t k) const {
+    return vertices_.steps(k) > 1 && rises(slope, corner(k), vertices_.after(corner(k)));
   }
-  bool rises_before(const Finding& apart, std::size_t k) const {
-    return vertices_.steps(previous(k)) > 1 && rises(apart, k, vertices_.before(corners_[k].index));
+  bool rises_before(const Slope& slope, std::size_t k) const {
+    return vertices_.steps(kPrevious[k]) > 1 && rises(slope, corner(k), vertices_.before(corner(k)));
   }
-  bool rises(const Finding& apart, std::size_t from, std::size_t towards) const {
+  bool rises(const Slope& slope, std::size_t from, std::size_t towards) const {
     ++counters_.vertices;
-    return signs_.compare(weights_, edges_[apart.i], edges_[apart.j], towards, corners_[from].index) > 0;
+    return signs_.compare(slope, towards, from) > 0;
   }
 
   // All corners are level: the arcs to the one between the others lie on that line, so whatever else is left is on the
   // third arc.
   std::size_t arc_off_line() const {
     const PlanarPolygon& shape = signs_.guest();
-    const auto x = [&](std::size_t k) { return shape.x(corners_[k].index); };
-    const auto y = [&](std::size_t k) { return shape.y(corners_[k].index); };
+    const auto x = [&](std::size_t k) { return shape.x(corner(k)); };
+    const auto y = [&](std::size_t k) { return shape.y(corner(k)); };
     const bool along_x = x(0) != x(1) || x(0) != x(2);
     const auto position = [&](std::size_t k) { return along_x ? x(k) : y(k); };
     for (std::size_t k = 0; k < 3; ++k) {
-      const double here = position(k), before = position(previous(k)), after = position(next(k));
+      const double here = position(k), before = position(kPrevious[k]), after = position(kNext[k]);
       const bool is_between = (before <= here && here <= after) || (after <= here && here <= before);
-      if (is_between) return vertices_.steps(next(k)) > 1 ? next(k) : kNone;
+      if (is_between) return vertices_.steps(kNext[k]) > 1 ? kNext[k] : kNone;
     }
     return kNone;
   }
@@ -310,14 +312,12 @@ class Walk {
   // the host's edges between these two are all that matter: who meets the rest of the host from x passes through it.
   // False if x is beyond no chord: then it is in the host, or sees only edges that were dropped, so they share a point.
   bool prune_host(const Finding& common) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (lines_.steps(i) < 2 || !is_beyond_chord(common, edges_[i].to, edges_[next(i)].from)) continue;
-      const std::size_t middle = lines_.halfway(i);
-      keep_edges(i, next(i));
-      edges_[1] = edge(middle);
-      lines_.at = {edges_[0].from, middle, edges_[2].from};
-      lines_.closed = false;
-      measure_edge(1);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const HostLine &from = edges_[lines_.order[k]], &to = edges_[lines_.order[kNext[k]]];
+      if (lines_.steps(k) < 2 || !is_beyond_chord(common, from.to, to.from)) continue;
+      const std::size_t added = lines_.keep(k);
+      edges_[added] = edge(lines_.at[added]);
+      measure_edge(added);
       return true;
     }
     return false;
@@ -327,24 +327,10 @@ class Walk {
     const HostLine chord = signs_.line(from, to);
     const GuestPoint& a = corners_[common.a];
     const Side side_a = signs_.side(chord, a);
-    if (common.relation == Relation::kVertex) return signs_.sign(side_a, chord, a) < 0;
+    if (common.relation == Relation::kVertex) return signs_.is_beyond(side_a, chord, a) != 0;
     const GuestPoint& b = corners_[common.b];
     return signs_.mixed(edges_[common.i], chord, a, b, sides_[common.i][common.a], sides_[common.i][common.b], side_a,
                         signs_.side(chord, b)) > 0;
-  }
-
-  // Makes two edges the first and the last.
-  void keep_edges(std::size_t first, std::size_t last) {
-    const HostLine from = edges_[first], to = edges_[last];
-    edges_[0] = from;
-    edges_[2] = to;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Side from_side = sides_[first][k], to_side = sides_[last][k];
-      const unsigned from_bit = beyond_[k] >> first & 1U, to_bit = beyond_[k] >> last & 1U;
-      sides_[0][k] = from_side;
-      sides_[2][k] = to_side;
-      beyond_[k] = from_bit | to_bit << 2;
-    }
   }
 };
 

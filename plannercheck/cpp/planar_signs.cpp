@@ -4,13 +4,12 @@
 #include "predicates.hpp"
 
 namespace plannercheck {
+using planar_detail::is_usable;
+using planar_detail::kInfinite;
 using planar_detail::kLargestSize;
 using planar_detail::kSmallestSize;
 
 namespace {
-
-// A difference of sides: D as above 3u, M (a - b) 3u, cross product 2u, weight and sum 2u: 10u + O(u^2).
-constexpr double kCompareBound = 12 * kRoundoff;
 
 // The same polynomials take at most 14 operations of relative error 2^-102 a term, 2^-98.1 of the permanent (a side);
 // squares of sides twice that.
@@ -143,29 +142,14 @@ int PlanarSigns::finer_mixed(const HostLine& i, const HostLine& j, const GuestPo
 
 Side PlanarSigns::value(const LineWeights& weights, const Side& i, const Side& j) const {
   const double first = weights.first * i.value, second = weights.second * j.value;
-  if (weights.exact) return {0, std::numeric_limits<double>::infinity()};
+  if (weights.exact) return {0, kInfinite};
   // Two products and a sum: 2u of the terms.
   const double size = std::fabs(first) + std::fabs(second);
   return {first + second,
           planar_detail::kSlack * (weights.first * i.error + weights.second * j.error + 3 * kRoundoff * size)};
 }
 
-Side PlanarSigns::difference(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
-                             std::size_t b) const {
-  const auto& m = guest_.pose.m;
-  const double vx = guest_.shape.x(a) - guest_.shape.x(b), vy = guest_.shape.y(a) - guest_.shape.y(b);
-  const double wxx = m[0] * vx, wxy = m[1] * vy, wyx = m[3] * vx, wyy = m[4] * vy;
-  const double wx = wxx + wxy, wy = wyx + wyy;
-  const double size_wx = std::fabs(wxx) + std::fabs(wxy), size_wy = std::fabs(wyx) + std::fabs(wyy);
-  const double value = weights.first * (i.dx * wy - i.dy * wx) + weights.second * (j.dx * wy - j.dy * wx);
-  const double size = weights.first * (i.size_dx * size_wy + i.size_dy * size_wx) +
-                      weights.second * (j.size_dx * size_wy + j.size_dy * size_wx);
-  const bool usable = first_ == Precision::kDoubles && !weights.exact && size > kSmallestSize && size < kLargestSize;
-  return {turn_ * value, usable ? kCompareBound * size : std::numeric_limits<double>::infinity()};
-}
-
 double PlanarSigns::meeting(std::size_t from, std::size_t ahead, std::size_t other, std::size_t behind) const {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
   const PlanarPolygon& p = guest_.shape;
   const double ax = p.x(ahead) - p.x(from), ay = p.y(ahead) - p.y(from);
   const double bx = p.x(behind) - p.x(other), by = p.y(behind) - p.y(other);
@@ -180,20 +164,12 @@ double PlanarSigns::meeting(std::size_t from, std::size_t ahead, std::size_t oth
   const double sign = sine > 0 ? 1 : -1;
   // Meeting points ahead of both: reach / sine > 0, back / sine > 0.
   if (!usable || std::fabs(sine) <= sine_error || sign * reach <= reach_error || sign * back <= back_error)
-    return kNone;
+    return kInfinite;
   return planar_detail::kSlack * (std::fabs(reach) + reach_error) / (std::fabs(sine) - sine_error);
 }
 
-int PlanarSigns::compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
-                         std::size_t b) const {
-  if (a == b) return 0;
-  const Side found = difference(weights, i, j, a, b);
-  if (std::fabs(found.value) > found.error) return sign_of_side(found.value);
-  return finer_compare(weights, i, j, a, b);
-}
-
-int PlanarSigns::finer_compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
-                               std::size_t b) const {
+int PlanarSigns::finer_compare(const Slope& slope, std::size_t a, std::size_t b) const {
+  const auto& [weights, i, j, x, y, size_x, size_y] = slope;
   const auto& m = guest_.pose.m;
   const double vx = std::fabs(guest_.shape.x(a) - guest_.shape.x(b)),
                vy = std::fabs(guest_.shape.y(a) - guest_.shape.y(b));
@@ -201,7 +177,8 @@ int PlanarSigns::finer_compare(const LineWeights& weights, const HostLine& i, co
                size_wy = std::fabs(m[3]) * vx + std::fabs(m[4]) * vy;
   const double size = weights.first * (i.size_dx * size_wy + i.size_dy * size_wx) +
                       weights.second * (j.size_dx * size_wy + j.size_dy * size_wx);
-  if (first_ != Precision::kExact && !weights.exact && size > kSmallestSize && size < kLargestSize) {
+  if (first_ != Precision::kExact && !weights.exact && size > kSmallestSize && size < kLargestSize &&
+      is_usable(vx + vy)) {
     ++counters_.double_double;
     const Double2 finer = Double2{weights.first, 0} * side_difference<Double2>(guest_, host_, turn_, i, a, b) +
                           Double2{weights.second, 0} * side_difference<Double2>(guest_, host_, turn_, j, a, b);

@@ -50,16 +50,16 @@ struct NotFiniteError : std::invalid_argument {
 };
 
 // A vertex of the guest, seen from the origin of the host's frame along the axes of the world, and the sums of the
-// absolute values of the terms of its coordinates.
+// absolute values of the terms of its coordinates; infinite where these are too large for a filter.
 struct GuestPoint {
   std::size_t index = 0;
   double x = 0, y = 0, size_x = 0, size_y = 0;
 };
 
-// The line through two vertices of the host, with its direction.
+// The line through two vertices of the host, with the direction that has the host on its left; sizes as above.
 struct HostLine {
   std::size_t from = 0, to = 0;
-  double dx = 0, dy = 0, size_dx = 0, size_dy = 0;  // M (to - from)
+  double dx = 0, dy = 0, size_dx = 0, size_dy = 0;  // M (to - from), turned round if the host runs clockwise
   double x = 0, y = 0, size_x = 0, size_y = 0;      // M from
 };
 
@@ -75,19 +75,38 @@ struct LineWeights {
   std::optional<std::array<Dyadic, 2>> exact;  // stands for both where no doubles could be certified
 };
 
+// How the mixed side function w_i i(p) + w_j j(p) grows along the guest's own axes, and the sums of the absolute values
+// of the terms; infinite or NaN where doubles can't be trusted.
+struct Slope {
+  const LineWeights& weights;
+  const HostLine &i, &j;
+  double x, y, size_x, size_y;
+};
+
 namespace planar_detail {
 
 // A filter is trusted where the sum of the absolute values of all terms and their factors are in this range: then
 // products of four sides neither overflow nor lose to underflow what the bounds do not count.
 inline constexpr double kSmallestSize = 1e-100, kLargestSize = 1e45;
+// Nor where a coordinate is so large that the other factor of a product, of a trusted size, can have lost to underflow.
+inline constexpr double kLargestCoordinate = 1e100;
 
 // A side is the cross product of D = M (to - from) and X - Y with X = M p + t, Y = M from. D: difference, product, sum,
 // 3u of its size; X: t is a rounded difference (u), product, two sums, 4u; Y: product, sum, 2u; X - Y: 1u; product and
 // difference of the cross product: 2u. Together 10u + O(u^2) of the permanent, whose own rounding 12u covers as well.
 inline constexpr double kSideBound = 12 * kRoundoff;
 
+// A climb is the product of g = M^T (w_i n_i + w_j n_j), n the lines' normals, and a difference of vertices. n: 3u of
+// its size as above; weight and sum: 2u; M^T: 2u; difference, product, sum: 3u. Together 10u + O(u^2) of the permanent.
+inline constexpr double kCompareBound = 12 * kRoundoff;
+inline constexpr double kSmallestError = kCompareBound * kSmallestSize, kLargestError = kCompareBound * kLargestSize;
+
 // A sum of positive terms that are bounds is itself computed with at most 16 roundings.
 inline constexpr double kSlack = 1 + 0x1p-48;
+
+inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+inline bool is_usable(double coordinates) { return coordinates < kLargestCoordinate; }
 
 }  // namespace planar_detail
 
@@ -99,7 +118,8 @@ class PlanarSigns {
         host_(host),
         turn_(turn),
         first_(first),
-        side_bound_(first == Precision::kDoubles ? planar_detail::kSideBound : std::numeric_limits<double>::infinity()),
+        side_bound_(first == Precision::kDoubles ? planar_detail::kSideBound : planar_detail::kInfinite),
+        compare_bound_(first == Precision::kDoubles ? planar_detail::kCompareBound : planar_detail::kInfinite),
         offset_x_(guest.pose.m[2] - host.pose.m[2]),
         offset_y_(guest.pose.m[5] - host.pose.m[5]),
         counters_(counters) {}
@@ -109,8 +129,11 @@ class PlanarSigns {
     const auto& m = guest_.pose.m;
     const double x = guest_.shape.x(index), y = guest_.shape.y(index);
     const double xx = m[0] * x, xy = m[1] * y, yx = m[3] * x, yy = m[4] * y;
-    return {index, xx + xy + offset_x_, yx + yy + offset_y_, std::fabs(xx) + std::fabs(xy) + std::fabs(offset_x_),
-            std::fabs(yx) + std::fabs(yy) + std::fabs(offset_y_)};
+    GuestPoint point{index, xx + xy + offset_x_, yx + yy + offset_y_,
+                     std::fabs(xx) + std::fabs(xy) + std::fabs(offset_x_),
+                     std::fabs(yx) + std::fabs(yy) + std::fabs(offset_y_)};
+    if (!planar_detail::is_usable(point.size_x + point.size_y)) point.size_x = point.size_y = planar_detail::kInfinite;
+    return point;
   }
 
   HostLine line(std::size_t from, std::size_t to) const {
@@ -120,30 +143,33 @@ class PlanarSigns {
     const double vx = host_.shape.x(to) - x, vy = host_.shape.y(to) - y;
     const double dxx = m[0] * vx, dxy = m[1] * vy, dyx = m[3] * vx, dyy = m[4] * vy;
     const double xx = m[0] * x, xy = m[1] * y, yx = m[3] * x, yy = m[4] * y;
-    return {from,
-            to,
-            dxx + dxy,
-            dyx + dyy,
-            std::fabs(dxx) + std::fabs(dxy),
-            std::fabs(dyx) + std::fabs(dyy),
-            xx + xy,
-            yx + yy,
-            std::fabs(xx) + std::fabs(xy),
-            std::fabs(yx) + std::fabs(yy)};
+    HostLine line{from,
+                  to,
+                  turn_ * (dxx + dxy),
+                  turn_ * (dyx + dyy),
+                  std::fabs(dxx) + std::fabs(dxy),
+                  std::fabs(dyx) + std::fabs(dyy),
+                  xx + xy,
+                  yx + yy,
+                  std::fabs(xx) + std::fabs(xy),
+                  std::fabs(yx) + std::fabs(yy)};
+    if (!planar_detail::is_usable(line.size_dx + line.size_dy + line.size_x + line.size_y)) {
+      line.size_dx = line.size_dy = planar_detail::kInfinite;
+    }
+    return line;
   }
 
   Side side(const HostLine& line, const GuestPoint& point) const {
     const double size = permanent(line, point);
     const bool trusted = size > planar_detail::kSmallestSize && size < planar_detail::kLargestSize;
-    const double value = turn_ * (line.dx * (point.y - line.y) - line.dy * (point.x - line.x));
-    return {value, trusted ? side_bound_ * size : std::numeric_limits<double>::infinity()};
+    const double value = line.dx * (point.y - line.y) - line.dy * (point.x - line.x);
+    return {value, trusted ? side_bound_ * size : planar_detail::kInfinite};
   }
 
-  // Sign of the side of `point`: at least 0 on the host's side.
-  int sign(const Side& side, const HostLine& line, const GuestPoint& point) const {
-    if (side.value > side.error) return 1;
-    if (side.value < -side.error) return -1;
-    return finer_sign(line, point);
+  // Whether `point` is beyond a line, off the host's side; 1 or 0.
+  unsigned is_beyond(const Side& side, const HostLine& line, const GuestPoint& point) const {
+    if (std::fabs(side.value) > side.error) return side.value < 0;
+    return finer_sign(line, point) < 0;
   }
 
   // Sign of i(a) j(b) - i(b) j(a), of the sides of two points to two lines.
@@ -159,18 +185,46 @@ class PlanarSigns {
     return finer_mixed(i, j, a, b);
   }
 
-  // The mixed side function's value at a point, from its sides; and its difference w_i (i(a) - i(b)) + w_j (j(a) -
-  // j(b)). Infinite error where doubles can't be trusted.
+  // The mixed side function's value at a point, from its sides. Infinite error where doubles can't be trusted.
   Side value(const LineWeights& weights, const Side& i, const Side& j) const;
-  Side difference(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a, std::size_t b) const;
+
+  // References stay in the slope.
+  Slope slope(const LineWeights& weights, const HostLine& i, const HostLine& j) const {
+    const auto& m = guest_.pose.m;
+    const double x = -(weights.first * i.dy + weights.second * j.dy), y = weights.first * i.dx + weights.second * j.dx;
+    const double size_x = weights.first * i.size_dy + weights.second * j.size_dy;
+    const double size_y = weights.first * i.size_dx + weights.second * j.size_dx;
+    const double doubt = weights.exact ? planar_detail::kInfinite : compare_bound_;
+    return {weights,
+            i,
+            j,
+            m[0] * x + m[3] * y,
+            m[1] * x + m[4] * y,
+            doubt * (std::fabs(m[0]) * size_x + std::fabs(m[3]) * size_y),
+            doubt * (std::fabs(m[1]) * size_x + std::fabs(m[4]) * size_y)};
+  }
+
+  // The mixed side function at one of the guest's vertices less that at another.
+  Side climb(const Slope& slope, std::size_t a, std::size_t b) const {
+    const double vx = guest_.shape.x(a) - guest_.shape.x(b), vy = guest_.shape.y(a) - guest_.shape.y(b);
+    const double size_x = std::fabs(vx), size_y = std::fabs(vy);
+    const double error = slope.size_x * size_x + slope.size_y * size_y;
+    const bool trusted = error > planar_detail::kSmallestError && error < planar_detail::kLargestError &&
+                         planar_detail::is_usable(size_x + size_y);
+    return {slope.x * vx + slope.y * vy, trusted ? error : planar_detail::kInfinite};
+  }
 
   // How far along `ahead` - `from`, as a part of it, the line through these two vertices of the guest meets that
   // through `other` and `behind`; both lines lead towards the meeting point. At least that, and infinite if there is
   // none or it is not clear.
   double meeting(std::size_t from, std::size_t ahead, std::size_t other, std::size_t behind) const;
 
-  // Sign of the mixed side function's difference w_i (i(a) - i(b)) + w_j (j(a) - j(b)).
-  int compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a, std::size_t b) const;
+  // Sign of a climb.
+  int compare(const Slope& slope, std::size_t a, std::size_t b) const {
+    const Side found = climb(slope, a, b);
+    if (std::fabs(found.value) > found.error) return (found.value > 0) - (found.value < 0);
+    return a == b ? 0 : finer_compare(slope, a, b);
+  }
 
   Dyadic exact_side(const HostLine& line, const GuestPoint& point) const;
   const PlanarPolygon& guest() const { return guest_.shape; }
@@ -180,8 +234,8 @@ class PlanarSigns {
   const PosedPolygon& host_;
   double turn_;
   Precision first_;
-  double side_bound_;           // infinite where doubles are not to be used
-  double offset_x_, offset_y_;  // of the guest's origin from the host's, rounded
+  double side_bound_, compare_bound_;  // infinite where doubles are not to be used
+  double offset_x_, offset_y_;         // of the guest's origin from the host's, rounded
   PlanarCounters& counters_;
 
   static double permanent(const HostLine& line, const GuestPoint& point) {
@@ -190,8 +244,7 @@ class PlanarSigns {
 
   int finer_sign(const HostLine& line, const GuestPoint& point) const;
   int finer_mixed(const HostLine& i, const HostLine& j, const GuestPoint& a, const GuestPoint& b) const;
-  int finer_compare(const LineWeights& weights, const HostLine& i, const HostLine& j, std::size_t a,
-                    std::size_t b) const;
+  int finer_compare(const Slope& slope, std::size_t a, std::size_t b) const;
   void check_finite(const HostLine& line, std::size_t point) const;
 };
 

@@ -20,8 +20,10 @@ as a scan in NumPy costs no more than a level or two of a walk in Python at most
 rounds and visited vertices of the walk grow with the logarithm, but the time of a query does not show it: `Effort`
 counts both parts apart, and tests/benchmarks/ndim.py prints them.
 
-Which method: `oracle` needs no preparation and is what to take for few queries, many dimensions or many vertices. Trees
-take seconds to minutes and megabytes to build (the same script prints them).
+Which method: the oracle needs no preparation and, as its scans run in NumPy and the walk in Python, answers faster at
+all sizes whose trees fit in memory. So `auto` takes it. Trees take up to minutes and some hundred megabytes to build
+(the same script prints them); they are built only for `method="tree"`, whose rounds and visited vertices grow with the
+logarithm, and whose certificates hold its hyperplanes.
 """
 
 from __future__ import annotations

@@ -60,12 +60,12 @@ class OverlapGraph:
         return way[::-1]
 
 
-def overlap_graph(regions: Sequence[Polytope], method: Method = "oracle") -> OverlapGraph:
+def overlap_graph(regions: Sequence[Polytope], method: Method = "auto") -> OverlapGraph:
     """Finds which regions of a set share a point; touching counts.
 
     Args:
         regions: All of the same dimension, in one frame.
-        method: As for `intersects`. "auto" builds trees, which pays only for many queries on the same bodies.
+        method: As for `intersects`.
 
     Returns:
         The graph.

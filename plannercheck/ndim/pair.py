@@ -42,9 +42,10 @@ def intersects(P: Polytope, R: Polytope, pose_p: Pose = None, pose_r: Pose = Non
         R: The second polytope, of the same dimension d.
         pose_p: Where the first is: None, a (d + 1, d + 1) matrix, or a pair (M, t); any invertible affine map.
         pose_r: The same for the second.
-        method: "tree" (the paper's hierarchical trees), "oracle" (double oracle over plain supports), "exact"
-            (integers alone), or "auto": trees if both bodies have them within their memory, else the oracle. Verdicts
-            are the same.
+        method: "oracle" (double oracle over plain supports), "tree" (the paper's hierarchical trees; built at first
+            use, which can take minutes; a body that has none within its memory takes the oracle, and `Effort` says
+            so), "exact" (integers alone), or "auto": what answers fastest, which is the oracle at all sizes whose trees
+            fit in memory, so it never builds any. Verdicts are the same.
 
     Returns:
         True if they share a point, also if they only touch.
@@ -140,18 +141,12 @@ class _Pair:
         return np.column_stack([normals, 1.0 + normals @ centre])
 
     def _find(self, method: Method) -> None:
-        note = ""
-        if method == "tree" or (method == "auto" and self.P.uses_tree and self.R.uses_tree):
-            note = self._walk(insist=method == "tree")
-        elif method == "auto":
-            note = "; ".join(f"{body.name}: {body.tree_note}" for body in (self.P, self.R) if body.tree_note)
-        self._prove(note)
+        self._prove(self._walk() if method == "tree" else "")
 
-    def _walk(self, insist: bool) -> str:
+    def _walk(self) -> str:
         """Walks the trees; says why not if a body has none."""
         tree, inner, polar = self.P.tree, self.P.polar_tree, self.R.polar_tree
         if tree is None or inner is None or polar is None:
-            assert insist, "bodies that use trees have them"
             return "; ".join(f"{body.name}: {body.tree_note}" for body in (self.P, self.R) if body.tree_note)
         linear = np.asarray(np.linalg.solve(self.pose_r.matrix, self.pose_p.matrix), dtype=np.float64)
         shift = in_frame(self.pose_p.shift[None], self.pose_r)[0] - self.R.centre

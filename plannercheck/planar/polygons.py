@@ -33,6 +33,7 @@ METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
 LARGEST_DEFECT = 1e-6
 
 _IDENTITY = np.eye(3)[None]
+_LAST_ROW = np.array([0.0, 0.0, 1.0])
 
 
 class Polygons:
@@ -185,21 +186,12 @@ def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
         array = array[None]
     if array.ndim != 3 or array.shape[1:] != (3, 3):
         raise PlannercheckError(f"{name} must be (3, 3) or (n, 3, 3), not of shape {np.shape(poses)}")
-    if not (array[:, 2] == (0, 0, 1)).all():
+    if not (array[:, 2] == _LAST_ROW).all():
         raise PlannercheckError(f"{name}: the last row of a pose must be 0, 0, 1")
-    bad = np.flatnonzero(~_is_rigid(array))
-    if len(bad):
-        raise PlannercheckError(
-            f"{name} must be rigid up to {LARGEST_DEFECT:g} and finite, not {array[bad[0]].tolist()}"
-        )
+    bad = core.first_bent_pose(array, LARGEST_DEFECT)
+    if bad >= 0:
+        raise PlannercheckError(f"{name} must be rigid up to {LARGEST_DEFECT:g} and finite, not {array[bad].tolist()}")
     return array
-
-
-def _is_rigid(poses: Floats) -> Bools:
-    (a, b), (c, d) = ((poses[:, i, 0], poses[:, i, 1]) for i in (0, 1))
-    with np.errstate(all="ignore"):
-        defect = np.sqrt((a * a + c * c - 1) ** 2 + 2 * (a * b + c * d) ** 2 + (b * b + d * d - 1) ** 2)
-        return np.asarray((defect <= LARGEST_DEFECT) & (a * d - b * c > 0) & np.isfinite(poses).all(axis=(1, 2)))
 
 
 def _batch(

@@ -1,14 +1,16 @@
 """Any dimension, measured: `python tests/benchmarks/ndim.py agreement|rounds|speed|trees [--pairs 100000] [--seed 0]`.
 
 agreement: random and near-touching pairs in dimensions 2 to 6, by points and by halfspaces, against a linear program
-(HiGHS through SciPy); pairs that it finds close are confirmed by integers alone, whose certificate is verified in
-fractions. rounds: of the walk through the trees, and vertices it visits, against n. speed: a query against the
-linear program's feasibility question. trees: memory, depth and seconds of preparation.
+(HiGHS through SciPy); the truth about pairs that it finds close is a certificate that was verified in fractions, from
+the bodies' own numbers. Runs with other seeds add up. rounds: of the walk through the trees, and vertices it visits,
+against n. speed: a query against the linear program's feasibility question. trees: memory, depth and seconds of
+preparation.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
 import time
 from collections import Counter
@@ -20,7 +22,7 @@ from scipy.optimize import linprog
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from ndim_pairs import depth, near_poses, random_body, random_pose
+from ndim_pairs import depth_program, depths, near_poses, random_body, random_pose
 
 from plannercheck import ndim
 
@@ -30,7 +32,9 @@ CLEAR = 1e-5
 # Part of the pairs that are near contact.
 NEAR = 0.25
 # Pairs of poses for each pair of bodies.
-POSES = 10
+POSES = 20
+# Vertices beyond the dimension; more of them in part of the bodies up to a dimension.
+FEW, MANY, LARGE, LARGE_UP_TO = 8, 60, 0.1, 4
 
 
 def agreement(pairs: int, seed: int) -> None:
@@ -56,26 +60,28 @@ def show_agreement(counts: dict[int, Counter]) -> None:
 
 
 def judge_bodies(rng: np.random.Generator, d: int, count: Counter) -> None:
-    """Two bodies at ten pairs of poses, some of them near contact."""
-    first, second = random_body(rng, d), random_body(rng, d)
+    """Two bodies at some pairs of poses, part of them near contact: the linear programs of all at once."""
+    most = MANY if d <= LARGE_UP_TO and rng.random() < LARGE else FEW
+    first, second = random_body(rng, d, most), random_body(rng, d, most)
+    pairs = []
     for _ in range(POSES):
         near = rng.random() < NEAR
         count["near"] += near
         if near:
-            judge(first, second, near_poses(rng, first, second, d), count)
+            pairs.append(near_poses(rng, first, second, d))
         else:
-            poses = random_pose(rng, d, rng.uniform(0, 3), affine=True), random_pose(rng, d, rng.uniform(0, 1))
-            judge(first, second, poses, count)
+            pairs.append((random_pose(rng, d, rng.uniform(0, 3), affine=True), random_pose(rng, d, rng.uniform(0, 1))))
+    for poses, clear in zip(pairs, depths([depth_program(first, second, *poses) for poses in pairs]), strict=True):
+        judge(first, second, poses, clear, count)
 
 
-def judge(first, second, poses, count: Counter) -> None:
-    """One pair, with both methods."""
-    clear = depth(first, second, *poses)
+def judge(first, second, poses, clear: float, count: Counter) -> None:
+    """One pair, with both methods, against the program's verdict or a certificate that fractions prove."""
     count["pairs"] += 1
     if abs(clear) > CLEAR:
         truth = clear > 0
     else:
-        certificate = ndim.certify(first.polytope, second.polytope, *poses, method="exact")
+        certificate = ndim.certify(first.polytope, second.polytope, *poses, method="oracle")
         assert certificate.verify()
         truth = certificate.shares
         count["confirmed"] += 1
@@ -102,6 +108,41 @@ def touching_pose(rng: np.random.Generator, p: np.ndarray, r: np.ndarray, gap: f
     return matrix, high - low + gap * u
 
 
+def cyclic(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Points of a trigonometric or, in odd dimensions, the plain moment curve: the most facets n vertices can have."""
+    t = 2 * np.pi * (np.arange(n) + rng.uniform(0.2, 0.8, n)) / n
+    if d % 2:
+        return np.column_stack([(t / np.pi - 1) ** k for k in range(1, d + 1)])
+    return np.column_stack([f(k * t) / k for k in range(1, d // 2 + 1) for f in (np.cos, np.sin)])
+
+
+def product(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """About n vertices: a product of polygons with, in odd dimensions, a segment; few facets meet many vertices."""
+    planes = d // 2
+    sides = max(3, round((n / (1 + d % 2)) ** (1 / planes)))
+    t = 2 * np.pi * np.arange(sides) / sides
+    factors = [np.column_stack([np.cos(t + a), np.sin(t + a)]) for a in rng.uniform(0, 1, planes)]
+    factors += [np.array([[-1.0], [1.0]])] * (d % 2)
+    return np.array([np.concatenate(parts) for parts in itertools.product(*factors)]) / 2
+
+
+def cross(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """The cross polytope, and n - 2 d vertices beside its own, within 1e-3: nearly flat facets, crowded vertices."""
+    corners = np.concatenate([np.eye(d), -np.eye(d)])
+    beside = corners[rng.integers(2 * d, size=max(0, n - 2 * d))]
+    return np.concatenate([corners, beside * (1 - 1e-6) + 1e-3 * rng.normal(size=beside.shape)])
+
+
+def thin(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Points of a sphere that is a millionth as thick along one axis."""
+    return sphere(rng, n, d) * np.append(np.ones(d - 1), 1e-6)
+
+
+def round_body(rng: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Points of the unit sphere."""
+    return sphere(rng, n, d)
+
+
 SIZES = {
     2: (100, 1000, 10_000, 100_000),
     3: (100, 1000, 10_000),
@@ -109,28 +150,43 @@ SIZES = {
     5: (50, 100, 200),
     6: (30, 60),
 }
+# Bodies with many facets or vertices of large degree, or nearly flat ones; their sizes as memory allows.
+ADVERSARIES = {
+    4: {cyclic: (30, 60, 100), product: (36, 144, 900), cross: (30, 100, 300), thin: (30, 100, 300)},
+    5: {cyclic: (20, 40, 60), product: (50, 200), cross: (30, 60), thin: (50, 100)},
+    6: {cyclic: (20,), product: (64, 125), cross: (30,), thin: (30,)},
+}
 
 
 def rounds(seed: int, queries: int = 200) -> None:
-    """Prints rounds and vertices visited by the walk."""
-    print("dimension       n    m (polar)   depths   rounds mean / worst   visited mean / worst   rounds of the oracle")
+    """Prints rounds and vertices visited by the walk: round bodies, then adversarial ones."""
+    print("| d | bodies | n | m (polar) | depths | rounds: mean | worst | visited: mean | worst | oracle's rounds |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for d, sizes in SIZES.items():
-        for n in sizes:
-            rng = np.random.default_rng(seed)
-            p, r = sphere(rng, n, d), sphere(rng, n, d)
-            P, R = ndim.Polytope(p, memory=1 << 30), ndim.Polytope(r, memory=1 << 30)
-            efforts, oracle = [], []
-            for k in range(queries):
-                pose = touching_pose(rng, p, r, (1e-3, -1e-3, 1e-1, -1e-1)[k % 4])
-                efforts.append(ndim.verdict(P, R, pose, method="tree")[1])
-                oracle.append(ndim.verdict(P, R, pose, method="oracle")[1].rounds)
-            walked, visited = ([getattr(e, name) for e in efforts] for name in ("rounds", "visited"))
-            depths = f"{P.tree.depth} + {R.polar_tree.depth}{'' if P.uses_tree and R.uses_tree else ' cut'}"
-            print(
-                f"{d:9d} {n:7d}   {len(R.polar_tree.points):10d}   {depths:>6s}   {np.mean(walked):11.1f} / "
-                f"{max(walked):5d}   {np.mean(visited):12.0f} / {max(visited):5d}   {np.mean(oracle):12.1f}",
-                flush=True,
-            )
+        for make, numbers in {round_body: sizes, **ADVERSARIES.get(d, {})}.items():
+            for n in numbers:
+                print(rounds_of(make, d, n, seed, queries), flush=True)
+
+
+def rounds_of(make, d: int, n: int, seed: int, queries: int) -> str:
+    """One row of the table."""
+    rng = np.random.default_rng(seed)
+    p, r = make(rng, n, d), make(rng, n, d)
+    P, R = ndim.Polytope(p, memory=1 << 30), ndim.Polytope(r, memory=1 << 30)
+    efforts, oracle = [], []
+    for k in range(queries):
+        pose = touching_pose(rng, p, r, (1e-3, -1e-3, 1e-1, -1e-1)[k % 4])
+        efforts.append(ndim.verdict(P, R, pose, method="tree")[1])
+        oracle.append(ndim.verdict(P, R, pose, method="oracle")[1].rounds)
+    name = make.__name__.removesuffix("_body")
+    if P.tree is None or R.polar_tree is None:
+        return f"| {d} | {name} | {len(p)} | no trees: {P.tree_note or R.tree_note} | | | | | | {np.mean(oracle):.1f} |"
+    walked, visited = ([getattr(e, part) for e in efforts] for part in ("rounds", "visited"))
+    depths = f"{P.tree.depth} + {R.polar_tree.depth}{'' if P.uses_tree and R.uses_tree else ', cut'}"
+    return (
+        f"| {d} | {name} | {len(p):,} | {len(R.polar_tree.points):,} | {depths} "
+        f"| {np.mean(walked):.1f} | {max(walked)} | {np.mean(visited):.0f} | {max(visited)} | {np.mean(oracle):.1f} |"
+    )
 
 
 def feasible_by_program(p: np.ndarray, r: np.ndarray, pose) -> bool:
@@ -146,7 +202,8 @@ def feasible_by_program(p: np.ndarray, r: np.ndarray, pose) -> bool:
 
 def speed(seed: int, queries: int = 40) -> None:
     """Prints ms a query: minima of two interleaved passes, means over queries."""
-    print("dimension       n   gap       program   oracle   trees   (ms)      program / oracle   program / trees")
+    print("| d | n | gap | program, ms | oracle, ms | trees, ms | program / oracle | program / trees |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for d in DIMENSIONS:
         for n in (100, 1000, 10_000):
             rng = np.random.default_rng(seed)
@@ -161,20 +218,24 @@ def speed(seed: int, queries: int = 40) -> None:
                 }
                 if trees:
                     ways["trees"] = partial(ndim.intersects, P, R, method="tree")
-                best = {name: np.full(queries, np.inf) for name in ways}
-                for name in [*ways, *reversed(ways)]:
-                    for k, pose in enumerate(poses):
-                        start = time.perf_counter()
-                        ways[name](pose)
-                        best[name][k] = min(best[name][k], time.perf_counter() - start)
-                ms = {name: 1e3 * float(values.mean()) for name, values in best.items()}
-                tree = f"{ms['trees']:7.2f}" if trees else "      -"
-                ratio = f"{ms['program'] / ms['trees']:15.1f}" if trees else "              -"
+                ms = timed(ways, poses)
+                tree, over = (f"{ms['trees']:.2f}", f"{ms['program'] / ms['trees']:.1f}") if trees else ("-", "-")
                 print(
-                    f"{d:9d} {n:7d}   {gap:6.0e}   {ms['program']:8.2f} {ms['oracle']:8.2f} {tree}"
-                    f"             {ms['program'] / ms['oracle']:16.1f}   {ratio}",
+                    f"| {d} | {n:,} | {gap:g} | {ms['program']:.2f} | {ms['oracle']:.2f} | {tree} "
+                    f"| {ms['program'] / ms['oracle']:.1f} | {over} |",
                     flush=True,
                 )
+
+
+def timed(ways: dict, poses: list) -> dict[str, float]:
+    """Mean ms of each way over poses, the least of two passes in turns A B B A for each pose."""
+    best = {name: np.full(len(poses), np.inf) for name in ways}
+    for name in [*ways, *reversed(ways)]:
+        for k, pose in enumerate(poses):
+            start = time.perf_counter()
+            ways[name](pose)
+            best[name][k] = min(best[name][k], time.perf_counter() - start)
+    return {name: 1e3 * float(values.mean()) for name, values in best.items()}
 
 
 def trees(seed: int) -> None:
