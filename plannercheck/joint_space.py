@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ompl import base
 
 from plannercheck.angles import short_way, wrapped
-from plannercheck.configurations import is_continuous, joint_by_name
+from plannercheck.configurations import is_continuous
 from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
 
