@@ -76,6 +76,7 @@ class Checker:
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
         self.pairs = _pair_table(robot, len(self.bodies), self_collision)
         self.motion_sampler = MotionSampler(self.robot)
+        self._arguments = robot, self.scene, self_collision, method, bounds
         self._core = core.PlanarChecker(
             *robot.core_links(),
             [body.vertices for body in self.bodies],
@@ -87,6 +88,9 @@ class Checker:
             bounds,
             getattr(core.Precision, method),
         )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, self._arguments
 
     def is_valid(self, q: ArrayLike) -> bool:
         """Whether one configuration (nq,) is free of collision; limits are not looked at."""
@@ -197,6 +201,11 @@ class Checker:
 
     def __repr__(self) -> str:
         return f"planar.Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
+
+
+def _rebuilt(robot: Robot, scene: Scene, self_collision: bool, method: Method, bounds: bool) -> Checker:
+    """A checker from a pickle; there is nothing in it that takes long to prepare."""
+    return Checker(robot, scene, self_collision, method=method, bounds=bounds)
 
 
 def _pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:

@@ -25,11 +25,11 @@ from pathlib import Path
 import numpy as np
 
 import plannercheck as pc
-from plannercheck.configuration_files import read_chunks
 from plannercheck.errors import PlannercheckError
 from plannercheck.motion_requests import read_request
 from plannercheck.paths import example_robot_data, shipped_folder
 from plannercheck.scene import shipped_scenes
+from plannercheck.sets.chunks import read_chunks
 
 ROUND = 200  # inputs a process
 TIME_LIMIT = 20  # s for one input

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plannercheck import configuration_files
-from plannercheck.configuration_files import read_chunks
 from plannercheck.errors import PlannercheckError
+from plannercheck.sets import chunks
+from plannercheck.sets.chunks import read_chunks
 
 JOINTS = ("a", "b", "c")
 
@@ -29,7 +29,7 @@ def read(path: Path) -> np.ndarray:
 @pytest.mark.parametrize("order", ["C", "F"])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32, np.int64])
 def test_npy(tmp_path, rows, monkeypatch, order, dtype):
-    monkeypatch.setattr(configuration_files, "CHUNK_ROWS", 7)
+    monkeypatch.setattr(chunks, "CHUNK_ROWS", 7)
     values = np.array(10 * rows, dtype=dtype, order=order)
     np.save(tmp_path / "q.npy", values)
     assert np.array_equal(read(tmp_path / "q.npy"), values.astype(np.float64))
@@ -54,7 +54,7 @@ def test_npz(tmp_path, rows, arrays):
 @pytest.mark.parametrize("separator", [",", ";", "\t", " "])
 @pytest.mark.parametrize("header", [None, ["c", "time", "a", "b"]])
 def test_csv(tmp_path, rows, monkeypatch, separator, header):
-    monkeypatch.setattr(configuration_files, "CHUNK_ROWS", 7)
+    monkeypatch.setattr(chunks, "CHUNK_ROWS", 7)
     columns = rows if header is None else np.column_stack([rows[:, 2], rows[:, 0] * 0, rows[:, 0], rows[:, 1]])
     lines = [separator.join(map(repr, row)) for row in columns.tolist()]
     text = "\n".join(["# a comment", *([separator.join(header)] if header else []), *lines, ""])
@@ -63,7 +63,7 @@ def test_csv(tmp_path, rows, monkeypatch, separator, header):
 
 
 def test_a_nan_is_named_by_its_row_in_the_file(tmp_path, rows, monkeypatch):
-    monkeypatch.setattr(configuration_files, "CHUNK_ROWS", 7)
+    monkeypatch.setattr(chunks, "CHUNK_ROWS", 7)
     rows[16, 1] = np.nan
     np.save(tmp_path / "q.npy", rows)
     with pytest.raises(PlannercheckError, match=r"q\.npy.*row 16 is not finite"):
