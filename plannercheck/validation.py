@@ -82,8 +82,9 @@ def beyond_limits(checker: AnyChecker, q: NDArray[np.float64]) -> Bools:
 
 def _first_counts(checker: AnyChecker, first: Ints) -> tuple[PairCount, ...]:
     counts: Counter[tuple[str, str]] = Counter()
-    for pair, n in zip(*np.unique(first[first >= 0], return_counts=True), strict=True):
-        counts[checker.pair_names(int(pair))] += int(n)
+    found = np.bincount(first + 1)[1:]  # valid ones are -1
+    for pair in np.flatnonzero(found).tolist():
+        counts[checker.pair_names(pair)] += int(found[pair])
     return pair_counts(counts)
 
 

@@ -112,7 +112,7 @@ def _outcome(options: argparse.Namespace, checker: AnyChecker, judge: Judge, jou
         write_results(options.output, Results.of(journal, judge, options.only_invalid, files, checker))
     elapsed = time.perf_counter() - began
     found = verification.agreement, verification.certification
-    return Outcome(checker, report, judge.limits, elapsed, this.resumed, *found)
+    return Outcome(checker, report, judge.limits, elapsed, this.checking, this.resumed, *found)
 
 
 @contextmanager

@@ -31,6 +31,7 @@ class Outcome:
         report: Of all rows.
         limits: What limits mean.
         elapsed: From the first row that was read to the last output that was written, s.
+        checking: Time of that in checkers, all workers together, s.
         resumed: Rows of the report that an earlier run had judged.
         agreement: With FCL, if that was asked for.
         certification: By proofs, if that was asked for.
@@ -40,6 +41,7 @@ class Outcome:
     report: ValidityReport
     limits: Limits
     elapsed: float
+    checking: float
     resumed: int
     agreement: AgreementReport | None
     certification: CertificationReport | None
@@ -54,6 +56,7 @@ def as_json(outcome: Outcome) -> dict[str, Any]:
         "invalid": outcome.report.invalid,
         "limits": outcome.limits,
         "elapsed": outcome.elapsed,
+        "checking": outcome.checking,
         "resumed": outcome.resumed,
     }
     if outcome.agreement is not None:
@@ -73,9 +76,9 @@ def show_table(outcome: Outcome) -> None:
     print(table(("", "count", "part"), [(name, n, percentage(n, report.states)) for name, n in counts]))
     if outcome.resumed:
         print(f"{outcome.resumed:,} configurations were judged by the run that this one went on with")
-    if report.duration > 0:
-        rate = f"{report.rate:,.0f} configurations a second"
-        print(f"{report.duration:.3f} s of checking, {rate}; {outcome.elapsed:.3f} s in all")
+    if outcome.elapsed > 0:
+        rate = f"{(report.states - outcome.resumed) / outcome.elapsed:,.0f} configurations a second"
+        print(f"{outcome.elapsed:.3f} s, {rate}; {outcome.checking:.3f} s in the checker")
     if 2 * report.beyond_limits > report.states:
         print("Most are beyond the limits: are they in degrees (--degrees), or in another order (--columns)?")
     _show_pairs(report)

@@ -25,6 +25,7 @@ class Run:
     Attributes:
         report: The summary so far.
         resumed: Rows that were judged by an earlier run.
+        checking: Time that this run spent in checkers, all workers together, s.
     """
 
     def __init__(self, judge: Judge, journal: Journal | None = None, progress: Progress | None = None) -> None:
@@ -39,7 +40,7 @@ class Run:
         self._progress = Progress("none") if progress is None else progress
         self._met: set[tuple[int, int]] = set()
         self.report = merged([])
-        self.resumed = 0
+        self.resumed, self.checking = 0, 0.0
 
     def over(self, chunks: Iterable[Chunk], engine: Engine, watchers: Iterable[Watcher] = ()) -> ValidityReport:
         """Judges all chunks.
@@ -82,6 +83,7 @@ class Run:
     def _keep(self, chunk: Chunk, findings: Findings) -> None:
         if self._journal is not None:
             self._journal.append(chunk, findings, int(self._judge.fails(findings.arrays).sum()))
+        self.checking += findings.report.duration
         self._add(findings.report)
 
     def _add(self, report: ValidityReport) -> None:
