@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from plannercheck.commands.validate import JOURNAL_SUFFIX
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
 from plannercheck.sets.fingerprint import content_hash
+from plannercheck.sets.journal import Journal
 from plannercheck.sets.progress import Progress, duration
 
 PANDA = ["validate", "--robot", "panda", "--scene", "bookshelf"]
@@ -266,6 +268,12 @@ def test_a_killed_run_goes_on(tmp_path, checker):
     assert 65_536 <= json.loads((tmp_path / "s.json").read_text())["resumed"] < len(rows)
     with np.load(tmp_path / "v.npz") as arrays:
         assert np.array_equal(arrays["first_pair"], checker.first_colliding_pair(rows))
+
+
+def test_two_runs_at_once_are_refused(file, tmp_path, capsys):
+    with closing(Journal(tmp_path / "v.npz.progress", {})):
+        assert run(file, "--output", tmp_path / "v.npz") == 2
+    assert "another run is writing" in capsys.readouterr().err
 
 
 def test_an_unfinished_run_begins_anew_without_resume(file, tmp_path, small_chunks, monkeypatch, capsys):

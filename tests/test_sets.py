@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from plannercheck.errors import PlannercheckError
-from plannercheck.sets import chunks
+from plannercheck.sets import chunks, text
 from plannercheck.sets.chunks import read_chunks
 
 JOINTS = ("a", "b", "c")
@@ -60,6 +60,24 @@ def test_csv(tmp_path, rows, monkeypatch, separator, header):
     text = "\n".join(["# a comment", *([separator.join(header)] if header else []), *lines, ""])
     (tmp_path / "q.csv").write_text(text)
     assert np.array_equal(read(tmp_path / "q.csv"), rows)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_csv_by_arrow(tmp_path, monkeypatch, separator):
+    arrow = pytest.importorskip("pyarrow.csv")
+    called: list[int] = []
+    monkeypatch.setattr(text, "MANY_LINES", 2)
+    monkeypatch.setattr(arrow, "read_csv", lambda *args, read=arrow.read_csv: called.append(1) or read(*args))
+    values = np.random.default_rng(1).integers(0, 2**64, size=(600, 3), dtype=np.uint64).view(np.float64)
+    values = values[np.isfinite(values).all(axis=1) & (np.abs(values).max(axis=1) < 1e300)]  # of every exponent
+    lines = [separator.join(map(repr, row)) for row in values.tolist()]
+    (tmp_path / "q.csv").write_text("\n".join(lines))
+    assert read(tmp_path / "q.csv").tobytes() == values.tobytes()
+    assert called
+    for bad in ("1,2", "1,,3", "1,2,x", "1,2,NA", '"1",2,3'):
+        (tmp_path / "q.csv").write_text("1,2,3\n1,2,3\n" + bad)
+        with pytest.raises(PlannercheckError, match="row 2 must have 3 numbers|are no table of numbers"):
+            read(tmp_path / "q.csv")
 
 
 def test_a_nan_is_named_by_its_row_in_the_file(tmp_path, rows, monkeypatch):
@@ -118,7 +136,7 @@ def test_an_npz_with_several_arrays_needs_the_usual_name(tmp_path, rows):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("content", "message"),
     [
         ("", "holds no configuration"),
         ("1,2\n3,4\n", r"must have 3 columns \(a, b, c\), not 2"),
@@ -129,8 +147,8 @@ def test_an_npz_with_several_arrays_needs_the_usual_name(tmp_path, rows):
         ("1,2,3\n1,2,nan\n", "row 1 is not finite"),
     ],
 )
-def test_bad_csv(tmp_path, text, message):
-    (tmp_path / "q.csv").write_text(text)
+def test_bad_csv(tmp_path, content, message):
+    (tmp_path / "q.csv").write_text(content)
     with pytest.raises(PlannercheckError, match=message):
         read(tmp_path / "q.csv")
 

@@ -10,6 +10,8 @@ each worker are under way at a time, and that is all that is held.
 from __future__ import annotations
 
 import pickle
+import signal
+import threading
 import uuid
 from collections.abc import Iterable, Iterator
 from types import TracebackType
@@ -34,13 +36,15 @@ _RETRIES, _PATIENCE = 3, 30
 class CheckerOnWorker(distributed.WorkerPlugin):  # type: ignore[misc]  # that library is optional
     """What a worker holds: the checker, unpacked when the worker gets it."""
 
-    def __init__(self, name: str, packed: bytes, judge: Judge) -> None:
-        self.name, self._packed, self._judge = name, packed, judge
+    def __init__(self, name: str, packed: bytes, judge: Judge, is_child: bool) -> None:
+        self.name, self._packed, self._judge, self._is_child = name, packed, judge, is_child
         self._checker: AnyChecker | None = None
 
     def setup(self, worker: Any) -> None:
         """Called by distributed on the worker."""
         self._checker = pickle.loads(self._packed)
+        if self._is_child and threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it, too, but its parent ends it in order
 
     def teardown(self, worker: Any) -> None:
         """Called when the worker or its plugin goes."""
@@ -79,7 +83,7 @@ class ClusterEngine:
         try:
             self.client = self._connected(scheduler)
             self._plugin = f"plannercheck-{uuid.uuid4().hex}"
-            self._send(CheckerOnWorker(self._plugin, pickle.dumps(checker), judge))
+            self._send(CheckerOnWorker(self._plugin, pickle.dumps(checker), judge, self._cluster is not None))
         except BaseException:
             self.close()
             raise

@@ -37,7 +37,9 @@ def hdf5_blocks(path: Path, columns: Columns, size: int, key: str | None = None)
                 yield from _of_joints(joints, columns, size)
             else:
                 yield from _of_table(_dataset(h5py, file, key), columns, size)
-    except (OSError, RuntimeError, KeyError) as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+        if isinstance(error, PlannercheckError):
+            raise
         raise PlannercheckError(f"is no whole hdf5 file: {error}") from None
 
 

@@ -8,8 +8,10 @@ cut off is known for what it is. Nothing is rewritten, and a chunk is written by
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import io
 import json
+import os
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
@@ -79,19 +81,21 @@ class Journal:
         """
         self.path = path
         self.records: dict[tuple[int, int], Record] = {}
-        header = _MAGIC + json.dumps(dict(fingerprint)).encode() + b"\n"
         with self._writing():
-            if resume and path.exists() and path.stat().st_size:
-                self._file: BinaryIO = path.open("r+b")
-                try:
+            self._file = _opened(path)
+            try:
+                if resume and path.stat().st_size:
                     self._take_up(dict(fingerprint))
-                except PlannercheckError:
-                    self._file.close()
-                    raise
-            else:
-                self._file = path.open("w+b")
-                self._file.write(header)
-                self._file.flush()
+                else:
+                    self._begin(dict(fingerprint))
+            except PlannercheckError:
+                self._file.close()
+                raise
+
+    def _begin(self, fingerprint: dict[str, str]) -> None:
+        self._file.truncate(0)
+        self._file.write(_MAGIC + json.dumps(fingerprint).encode() + b"\n")
+        self._file.flush()
 
     def _take_up(self, fingerprint: dict[str, str]) -> None:
         """Reads what is there, and cuts off a record that is not whole."""
@@ -187,6 +191,19 @@ class Journal:
             yield
         except OSError as error:
             raise PlannercheckError(f"journal {str(self.path)!r} can't be written: {error.strerror or error}") from None
+
+
+def _opened(path: Path) -> BinaryIO:
+    """The file, for this process alone."""
+    file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b")
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        file.close()
+        raise PlannercheckError(
+            f"another run is writing {str(path)!r}: wait for its end, or choose another --output"
+        ) from None
+    return file
 
 
 def row_checksum(chunk: Chunk) -> int:

