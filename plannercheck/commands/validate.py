@@ -21,7 +21,7 @@ from plannercheck.commands.validate_options import add_set_arguments, check_opti
 from plannercheck.commands.validation_text import Outcome, as_json, show_table
 from plannercheck.commands.verification import Verification, check_proofs
 from plannercheck.protocols import AnyChecker
-from plannercheck.sets.chunks import CHUNK_ROWS, STANDARD_INPUT, read_sets
+from plannercheck.sets.chunks import CHUNK_ROWS, STANDARD_INPUT, files_of, read_sets
 from plannercheck.sets.columns import columns_of
 from plannercheck.sets.engines import Engine, LocalEngine
 from plannercheck.sets.fingerprint import fingerprint
@@ -52,6 +52,7 @@ def run(options: argparse.Namespace) -> int:
         check_folder(path)
     if options.output is not None:
         check_output(options.output)
+    options.files = files_of(options.files)
     checker, judge = load_checker(options), _judge(options)
     with _journal(options, checker, judge) as journal:
         outcome = _outcome(options, checker, judge, journal)

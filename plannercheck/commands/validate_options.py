@@ -11,10 +11,10 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.sets.chunks import STANDARD_INPUT
 
 _EPILOG = """\
-Files: npy, npz (its only array, or q, or configurations), csv, parquet (a column a joint, or one of lists), hdf5 (a
-dataset, or one a joint); - is standard input, npy or csv. (n, nq) in the order of the robot's joints, rad and m; where
-a file names its columns (csv's first line, parquet, fields, or joint_names beside the array), the joints are found by
-name, in any order.
+Files: npy, npz (its only array, or q, or configurations), csv, parquet (a column a joint, or one of lists; or a
+folder of such files), hdf5 (a dataset, or one a joint); - is standard input, npy or csv. (n, nq) in the order of the
+robot's joints, rad and m; where a file names its columns (csv's first line, parquet, fields, or joint_names beside the
+array), the joints are found by name, in any order.
 
 Output: npz has valid, first_pair (row of pairs, or -1), beyond_limits, pairs, files, file_rows; csv and parquet have
 file, row, valid, beyond_limits, first, second. While a run goes on, what it found is in OUTPUT.progress.

@@ -63,6 +63,15 @@ class Chunk:
     part: float | None = None
 
 
+def files_of(paths: Sequence[Path]) -> list[Path]:
+    """The paths, with the parquet files in a folder, in the order of their names, in place of it."""
+    files: list[Path] = []
+    for path in paths:
+        parts = sorted(path.glob("*.parquet")) if path.is_dir() else []
+        files += parts or [path]
+    return files
+
+
 def read_sets(
     paths: Sequence[Path], columns: Columns, key: str | None = None, size: int = CHUNK_ROWS
 ) -> Iterator[Chunk]:
@@ -82,6 +91,9 @@ def read_sets(
     """
     if paths.count(STANDARD_INPUT) > 1:
         raise PlannercheckError("standard input can be read only once")
+    for path in paths:  # not after hours of work on those before it
+        with within(_called(path)):
+            _check_file(path)
     sizes = [_size(path) for path in paths]
     total = None if None in sizes else max(1, sum(size or 0 for size in sizes))
     for number, path in enumerate(paths):
@@ -103,20 +115,24 @@ def _called(path: Path) -> str:
 
 
 def _size(path: Path) -> int | None:
-    """Bytes of a file; None of standard input. Files that are not there are found out later."""
+    """Bytes of a file; None of standard input."""
+    return None if path == STANDARD_INPUT else path.stat().st_size
+
+
+def _check_file(path: Path) -> None:
+    """Raises if a file is not there, or in no format that can be read."""
     if path == STANDARD_INPUT:
-        return None
-    return path.stat().st_size if path.is_file() else 0
+        return
+    if path.suffix.lower() not in SUFFIXES:
+        raise PlannercheckError(f"must be one of {', '.join(SUFFIXES)}, not {path.suffix or 'without suffix'}")
+    if not path.is_file():
+        raise PlannercheckError("is a folder" if path.is_dir() else "does not exist")
 
 
 def _blocks(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[Block]:
     if path == STANDARD_INPUT:
         return _stream_blocks(sys.stdin.buffer, columns, size)
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise PlannercheckError(f"must be one of {', '.join(SUFFIXES)}, not {path.suffix or 'without suffix'}")
-    if not path.is_file():
-        raise PlannercheckError("is a folder" if path.is_dir() else "does not exist")
     if suffix in _KEYED:
         return _KEYED[suffix](path, columns, size, key)
     return _SINGLE[suffix](path, columns, size)

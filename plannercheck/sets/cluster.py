@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator
 from types import TracebackType
 from typing import Any
 
+from plannercheck import __version__
 from plannercheck.errors import PlannercheckError
 from plannercheck.extras import extra_module
 from plannercheck.protocols import AnyChecker
@@ -38,10 +39,13 @@ class CheckerOnWorker(distributed.WorkerPlugin):  # type: ignore[misc]  # that l
 
     def __init__(self, name: str, packed: bytes, judge: Judge, is_child: bool) -> None:
         self.name, self._packed, self._judge, self._is_child = name, packed, judge, is_child
+        self._version = __version__
         self._checker: AnyChecker | None = None
 
     def setup(self, worker: Any) -> None:
         """Called by distributed on the worker."""
+        if self._version != __version__:
+            raise PlannercheckError(f"the worker has plannercheck {__version__}, the run {self._version}")
         self._checker = pickle.loads(self._packed)
         if self._is_child and threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it, too, but its parent ends it in order
