@@ -26,7 +26,7 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.extras import extra_module
 from plannercheck.output_files import written_aside
 from plannercheck.protocols import AnyChecker
-from plannercheck.sets.journal import Journal, Record
+from plannercheck.sets.journal import Journal
 from plannercheck.sets.judging import Arrays, Judge
 
 SUFFIXES = (".npz", ".csv", ".parquet")
@@ -73,14 +73,25 @@ class Results:
             counts[record.file] += record.rows
         return counts
 
-    def parts(self) -> Iterator[tuple[Record, Arrays]]:
-        """Arrays of the rows to write, chunk by chunk; `row` is that in the file."""
+    def parts(self) -> Iterator[Arrays]:
+        """Arrays of the rows to write, chunk by chunk, with `file` and `row` in it."""
         for record, arrays in self.journal.in_order():
-            arrays = {**arrays, "row": record.first_row + np.arange(record.rows, dtype=np.int64)}
+            arrays["file"] = np.full(record.rows, record.file, dtype=np.int32)
+            arrays["row"] = record.first_row + np.arange(record.rows, dtype=np.int64)
             if self.only_failed:
                 failed = self.judge.fails(arrays)
                 arrays = {name: array[failed] for name, array in arrays.items()}
-            yield record, arrays
+            yield arrays
+
+    def sample(self) -> Arrays:
+        """Arrays of some of the rows, for their names and types; of none, if there is none."""
+        return next(self.parts(), None) or self._no_rows()
+
+    def _no_rows(self) -> Arrays:
+        arrays: Arrays = {"first_pair": np.zeros(0, dtype=np.int32)}
+        if self.judge.limits != "ignore":
+            arrays["beyond_limits"] = np.zeros(0, dtype=bool)
+        return {**arrays, "file": np.zeros(0, dtype=np.int32), "row": np.zeros(0, dtype=np.int64)}
 
 
 def check_output(path: Path) -> None:
@@ -101,11 +112,9 @@ def _npz(path: Path, results: Results) -> None:
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED, allowZip64=True) as archive:
         for name, array in _constants(results).items():
             _write_member(archive, name, array.dtype, array.shape, iter([array]))
-        first = next(results.parts(), None)
-        known = _columns(results, first[1]) if first else _columns(results, _no_rows(results))
-        for name, sample in known.items():
+        for name, sample in _columns(results, results.sample()).items():
             shape = (results.count, *sample.shape[1:])
-            parts = (_columns(results, arrays)[name] for _, arrays in _with_file(results))
+            parts = (_columns(results, arrays)[name] for arrays in results.parts())
             _write_member(archive, name, sample.dtype, shape, parts)
 
 
@@ -117,29 +126,10 @@ def _constants(results: Results) -> dict[str, NDArray[Any]]:
     }
 
 
-def _with_file(results: Results) -> Iterator[tuple[Record, Arrays]]:
-    for record, arrays in results.parts():
-        yield record, {**arrays, "file": np.full(len(arrays["row"]), record.file, dtype=np.int32)}
-
-
 def _columns(results: Results, arrays: Arrays) -> Arrays:
-    """What npz has for each row."""
-    first_pair = arrays["first_pair"]
-    columns: Arrays = {"valid": first_pair < 0, **arrays}
-    if not results.only_failed:  # rows go by themselves
-        columns.pop("row")
-        columns.pop("file", None)
-    else:
-        columns.setdefault("file", np.zeros(len(first_pair), dtype=np.int32))
-    return columns
-
-
-def _no_rows(results: Results) -> Arrays:
-    """Arrays of a set without rows."""
-    arrays: Arrays = {"first_pair": np.zeros(0, dtype=np.int32), "row": np.zeros(0, dtype=np.int64)}
-    if results.judge.limits != "ignore":
-        arrays["beyond_limits"] = np.zeros(0, dtype=bool)
-    return arrays
+    """What npz has for each row; where all are written, they need no file and row."""
+    implied = () if results.only_failed else ("file", "row")
+    return {"valid": arrays["first_pair"] < 0, **{k: array for k, array in arrays.items() if k not in implied}}
 
 
 def _write_member(
@@ -158,8 +148,10 @@ def _csv(path: Path, results: Results) -> None:
     tails: dict[tuple[int, int], str] = {}
     with path.open("w", encoding="utf-8", newline="") as file:
         file.write(_line(_csv_header(results)) + "\n")
-        for record, arrays in results.parts():
-            start = _line([results.files[record.file]])
+        for arrays in results.parts():
+            if not len(arrays["row"]):
+                continue
+            start = _line([results.files[arrays["file"][0]]])  # a chunk is of one file
             rows = arrays["row"].tolist()
             verdicts = list(zip(_told_pairs(arrays).tolist(), _codes(arrays), strict=True))
             for pair, code in set(verdicts) - set(tails):
@@ -189,8 +181,8 @@ def _csv_header(results: Results) -> list[str]:
 
 def _dimension(results: Results) -> int:
     """Of space or the plane, as the certificates say."""
-    first = next(results.parts(), None)
-    return len(_AXES) if first is None else int(first[1]["point"].shape[1])
+    points = results.sample().get("point")
+    return len(_AXES) if points is None else int(points.shape[1])
 
 
 def _line(fields: Sequence[object]) -> str:
@@ -233,10 +225,8 @@ def _parquet(path: Path, results: Results) -> None:
     """A row group a chunk; names are dictionaries."""
     arrow = extra_module("pyarrow", "parquet", "parquet files")
     parquet = extra_module("pyarrow.parquet", "parquet", "parquet files")
-    first = next(_with_file(results), None)
-    sample = first[1] if first else {**_no_rows(results), "file": np.zeros(0, dtype=np.int32)}
-    with parquet.ParquetWriter(path, _table(arrow, results, sample).schema) as writer:
-        for _, arrays in _with_file(results):
+    with parquet.ParquetWriter(path, _table(arrow, results, results.sample()).schema) as writer:
+        for arrays in results.parts():
             writer.write_table(_table(arrow, results, arrays))
 
 
