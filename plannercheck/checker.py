@@ -41,6 +41,9 @@ Ints = NDArray[np.int32]
 # Steps of the descent that a lower bound of a distance takes.
 _BOUND_ROUNDS = 2
 
+# Attributes that hold compiled objects or a lock, which a pickle can't have; they are made anew.
+_COMPILED = frozenset({"_live", "_whole", "_lock", "motion_certifier"})
+
 
 class Checker:
     """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it.
@@ -122,7 +125,7 @@ class Checker:
         self.bodies, self._labels, self.paddings, (self.pairs, at_rest) = padded
         self._row_shape = (robot.nq,)
         self._kernel = robot.kinematics if kinematics == "batch" else None
-        self._options = pair_options(method, cached_plane, centre_axis, nearest_points), bounds, boxes, learning
+        self._options = (method, cached_plane, centre_axis, nearest_points), (bounds, boxes, learning)
         self._preparation = Preparation(self.bodies, excess, self.paddings)
         candidates = np.concatenate([self.pairs, at_rest])
         apart, resting = self._never_meeting(candidates) if reach else np.zeros((2, len(candidates)), dtype=bool)
@@ -133,6 +136,18 @@ class Checker:
         self._lock = threading.Lock()
         self.motion_sampler = MotionSampler(robot, excess)
         self._warn_of_resting(at_rest[~apart[len(self.pairs) :]])
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a pickle has: prepared bodies and tables, so that nothing is prepared twice; nothing compiled."""
+        return {name: value for name, value in self.__dict__.items() if name not in _COMPILED} | {
+            "_kernel": self._kernel is not None
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._kernel = self.robot.kinematics if state["_kernel"] else None
+        self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
+        self._whole, self._lock = None, threading.Lock()
 
     def _never_meeting(self, pairs: Ints) -> tuple[Bools, Bools]:
         """Which pairs never meet within the limits, and which rest relative to each other; see reach.py."""
@@ -162,7 +177,9 @@ class Checker:
         return np.array([world @ body.pose for world, body in zip(worlds, self.bodies, strict=True)])
 
     def _compiled(self, pairs: Ints, rows: NDArray[np.int64], limits: tuple[Floats, Floats] | None) -> CompiledPairs:
-        return CompiledPairs(self.robot, self.bodies, self._preparation, pairs, rows, limits, self._options)
+        test, switches = self._options
+        options = (pair_options(*test), *switches)
+        return CompiledPairs(self.robot, self.bodies, self._preparation, pairs, rows, limits, options)
 
     @property
     def _all(self) -> CompiledPairs:

@@ -24,7 +24,7 @@ INTERRUPTED = 130
 BROKEN_PIPE = 141
 
 COMMANDS = {
-    "validate": "check sets of configurations: npy, npz or csv files",
+    "validate": "check sets of configurations of any size: npy, npz, csv, parquet or hdf5 files",
     "plan": "plan with OMPL, one problem or a whole problem set",
     "demo": "validate a shipped set and plan in a shipped scene",
     "robots": "list the shipped robots",

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.configuration_files import read_chunks
 from plannercheck.errors import PlannercheckError
 from plannercheck.reading import numbers, parse_yaml, read_bytes, required, sequence, text, within
+from plannercheck.sets.chunks import read_chunks
 
 Floats = NDArray[np.float64]
 

@@ -81,6 +81,7 @@ class Checker:
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
         self.pairs = _pair_table(robot, len(self.bodies), self_collision)
         self.motion_sampler = MotionSampler(self.robot)
+        self._recipe = robot, self.scene, self_collision, method, bounds
         self._arguments = (
             *robot.core_links(),
             [body.vertices for body in self.bodies],
@@ -92,6 +93,9 @@ class Checker:
         )
         self._core = core.PlanarChecker(*self._arguments, bounds, getattr(core.Precision, method))
         self._curves: dict[tuple[Curve, float], Curves] = {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, self._recipe
 
     def is_valid(self, q: ArrayLike) -> bool:
         """Whether one configuration (nq,) is free of collision; limits are not looked at."""
@@ -328,6 +332,11 @@ def _checked_threads(threads: int) -> int:
     if not isinstance(threads, int) or threads < 1:
         raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
     return threads
+
+
+def _rebuilt(robot: Robot, scene: Scene, self_collision: bool, method: Method, bounds: bool) -> Checker:
+    """A checker from a pickle; there is nothing in it that takes long to prepare."""
+    return Checker(robot, scene, self_collision, method=method, bounds=bounds)
 
 
 def _pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:

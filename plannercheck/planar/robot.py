@@ -14,7 +14,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -245,8 +245,23 @@ class Robot:
             sides.append(values)
         return sides[0], sides[1]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        bounds = (self.lower[:2], self.upper[:2]) if self.is_free else None
+        return _rebuilt, (self.links, self.name, self.disabled_pairs, bounds)
+
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, {len(self.links)} links, {len(self.bodies)} bodies, nq={self.nq})"
+
+
+def _rebuilt(
+    links: tuple[Link, ...],
+    name: str,
+    disabled_pairs: tuple[tuple[str, str], ...],
+    bounds: tuple[Floats, Floats] | None,
+) -> Robot:
+    """A robot from a pickle."""
+    robot = Robot(links, name=name, disabled_pairs=disabled_pairs)
+    return robot if bounds is None else robot.within(*bounds)
 
 
 def _checked_links(given: ArrayLike | Sequence[ArrayLike] | Sequence[Link]) -> tuple[Link, ...]:

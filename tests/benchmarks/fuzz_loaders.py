@@ -22,14 +22,16 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
+import pyarrow.parquet
 
 import plannercheck as pc
-from plannercheck.configuration_files import read_chunks
 from plannercheck.errors import PlannercheckError
 from plannercheck.motion_requests import read_request
 from plannercheck.paths import example_robot_data, shipped_folder
 from plannercheck.scene import shipped_scenes
+from plannercheck.sets.chunks import read_chunks
 
 ROUND = 200  # inputs a process
 TIME_LIMIT = 20  # s for one input
@@ -241,12 +243,17 @@ class Fuzzer:
 
     def configurations(self) -> None:
         rows = self.rng.normal(size=(5, 3))
-        suffix = str(self.rng.choice(["npy", "npz", "csv", "txt", "parquet"]))
+        suffix = str(self.rng.choice(["npy", "npz", "csv", "txt", "parquet", "h5"]))
         path = self.folder / f"q.{suffix}"
         if suffix == "npy":
             np.save(path, rows)
         elif suffix == "npz":
             np.savez(path, q=rows)
+        elif suffix == "parquet":
+            pyarrow.parquet.write_table(pyarrow.table(dict(zip("abc", rows.T, strict=True))), path)
+        elif suffix == "h5":
+            with h5py.File(path, "w") as file:
+                file["q"] = rows
         else:
             path.write_text("a,b,c\n" + "\n".join(",".join(map(str, row)) for row in rows))
         data = path.read_bytes()

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plannercheck import configuration_files
-from plannercheck.configuration_files import read_chunks
 from plannercheck.errors import PlannercheckError
+from plannercheck.sets import chunks, text
+from plannercheck.sets.chunks import read_chunks
 
 JOINTS = ("a", "b", "c")
 
@@ -29,7 +29,7 @@ def read(path: Path) -> np.ndarray:
 @pytest.mark.parametrize("order", ["C", "F"])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32, np.int64])
 def test_npy(tmp_path, rows, monkeypatch, order, dtype):
-    monkeypatch.setattr(configuration_files, "CHUNK_ROWS", 7)
+    monkeypatch.setattr(chunks, "CHUNK_ROWS", 7)
     values = np.array(10 * rows, dtype=dtype, order=order)
     np.save(tmp_path / "q.npy", values)
     assert np.array_equal(read(tmp_path / "q.npy"), values.astype(np.float64))
@@ -54,7 +54,7 @@ def test_npz(tmp_path, rows, arrays):
 @pytest.mark.parametrize("separator", [",", ";", "\t", " "])
 @pytest.mark.parametrize("header", [None, ["c", "time", "a", "b"]])
 def test_csv(tmp_path, rows, monkeypatch, separator, header):
-    monkeypatch.setattr(configuration_files, "CHUNK_ROWS", 7)
+    monkeypatch.setattr(chunks, "CHUNK_ROWS", 7)
     columns = rows if header is None else np.column_stack([rows[:, 2], rows[:, 0] * 0, rows[:, 0], rows[:, 1]])
     lines = [separator.join(map(repr, row)) for row in columns.tolist()]
     text = "\n".join(["# a comment", *([separator.join(header)] if header else []), *lines, ""])
@@ -62,8 +62,26 @@ def test_csv(tmp_path, rows, monkeypatch, separator, header):
     assert np.array_equal(read(tmp_path / "q.csv"), rows)
 
 
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_csv_by_arrow(tmp_path, monkeypatch, separator):
+    arrow = pytest.importorskip("pyarrow.csv")
+    called: list[int] = []
+    monkeypatch.setattr(text, "MANY_LINES", 2)
+    monkeypatch.setattr(arrow, "read_csv", lambda *args, read=arrow.read_csv: called.append(1) or read(*args))
+    values = np.random.default_rng(1).integers(0, 2**64, size=(600, 3), dtype=np.uint64).view(np.float64)
+    values = values[np.isfinite(values).all(axis=1) & (np.abs(values).max(axis=1) < 1e300)]  # of every exponent
+    lines = [separator.join(map(repr, row)) for row in values.tolist()]
+    (tmp_path / "q.csv").write_text("\n".join(lines))
+    assert read(tmp_path / "q.csv").tobytes() == values.tobytes()
+    assert called
+    for bad in ("1,2", "1,,3", "1,2,x", "1,2,NA", '"1",2,3'):
+        (tmp_path / "q.csv").write_text("1,2,3\n1,2,3\n" + bad)
+        with pytest.raises(PlannercheckError, match=r"row 2 must have 3 numbers|are no table of numbers"):
+            read(tmp_path / "q.csv")
+
+
 def test_a_nan_is_named_by_its_row_in_the_file(tmp_path, rows, monkeypatch):
-    monkeypatch.setattr(configuration_files, "CHUNK_ROWS", 7)
+    monkeypatch.setattr(chunks, "CHUNK_ROWS", 7)
     rows[16, 1] = np.nan
     np.save(tmp_path / "q.npy", rows)
     with pytest.raises(PlannercheckError, match=r"q\.npy.*row 16 is not finite"):
@@ -118,7 +136,7 @@ def test_an_npz_with_several_arrays_needs_the_usual_name(tmp_path, rows):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("content", "message"),
     [
         ("", "holds no configuration"),
         ("1,2\n3,4\n", r"must have 3 columns \(a, b, c\), not 2"),
@@ -129,8 +147,8 @@ def test_an_npz_with_several_arrays_needs_the_usual_name(tmp_path, rows):
         ("1,2,3\n1,2,nan\n", "row 1 is not finite"),
     ],
 )
-def test_bad_csv(tmp_path, text, message):
-    (tmp_path / "q.csv").write_text(text)
+def test_bad_csv(tmp_path, content, message):
+    (tmp_path / "q.csv").write_text(content)
     with pytest.raises(PlannercheckError, match=message):
         read(tmp_path / "q.csv")
 
