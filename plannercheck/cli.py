@@ -27,6 +27,7 @@ COMMANDS = {
     "validate": "check sets of configurations: npy, npz or csv files",
     "plan": "plan with OMPL, one problem or a whole problem set",
     "demo": "validate a shipped set and plan in a shipped scene",
+    "view": "show a robot in its scene, what collides, and what proves it, in the browser",
     "robots": "list the shipped robots",
     "stress": "hold verdicts on hard pairs of bodies against exact arithmetic",
     "bench": "measure run time against error, beside other methods and libraries",
@@ -34,7 +35,7 @@ COMMANDS = {
 }
 
 # Options whose value may start with a minus sign.
-_VECTOR_OPTIONS = ("--start", "--goal")
+_VECTOR_OPTIONS = ("--start", "--goal", "--q")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
