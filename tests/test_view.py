@@ -24,7 +24,7 @@ from plannercheck.robot import Robot
 from plannercheck.robot_files import find_description, read_description
 from plannercheck.scene import Scene
 from plannercheck.urdf import read_geometry, read_model
-from plannercheck.view import along_path, delivered_meshes, picture, write_page
+from plannercheck.view import along_path, delivered_meshes, picture, serve, write_page
 from plannercheck.view.model import COLLIDING, COLOURS
 from plannercheck.view.page import data_of, page_of
 
@@ -168,21 +168,18 @@ def test_a_page_in_a_browser(drawn, tmp_path):
 
 
 def test_the_server_shows_the_model(drawn):
-    viser = pytest.importorskip("viser")
-    from plannercheck.view.server import Stage
-
-    server = viser.ViserServer(host="localhost", port=0, verbose=False)
+    pytest.importorskip("viser")
+    stage = serve(drawn, port=0)
     try:
-        stage = Stage(server, drawn)
         for frame in (1, 0):
             stage.show(frame)
             for mesh, handle in zip(drawn.meshes, stage.meshes, strict=True):
                 np.testing.assert_allclose(handle.position, mesh.pose(frame)[:3, 3], atol=1e-6)
                 assert tuple(handle.color) == tuple(round(255 * part) for part in mesh.colour(frame))
-        with urllib.request.urlopen(f"http://localhost:{server.get_port()}", timeout=10) as answer:
+        with urllib.request.urlopen(f"http://localhost:{stage.server.get_port()}", timeout=10) as answer:
             assert answer.status == 200
     finally:
-        server.stop()
+        stage.server.stop()
 
 
 def test_view_on_the_command_line(tmp_path, capsys):

@@ -6,7 +6,6 @@ In: a robot, a scene, a configuration, a set of them or a path. Out: a page for 
 from __future__ import annotations
 
 import argparse
-import time
 from pathlib import Path
 
 import numpy as np
@@ -87,13 +86,14 @@ def run(options: argparse.Namespace) -> int:
         size = options.html.stat().st_size / 1e6
         print(f"{drawn.title}, {drawn.frames} frames: written to {options.html} ({size:.1f} MB)")
         return 0
-    server = serve(drawn, options.port, options.host)
-    print(f"{drawn.title}, {drawn.frames} frames: http://{options.host}:{server.get_port()}, until Ctrl-C", flush=True)
+    stage = serve(drawn, options.port, options.host)
+    address = f"http://{options.host}:{stage.server.get_port()}"
+    print(f"{drawn.title}, {drawn.frames} frames: {address}, until Ctrl-C", flush=True)
     try:
-        while True:
-            time.sleep(3600)
+        stage.play()
     finally:
-        server.stop()
+        stage.server.stop()
+    return 0
 
 
 def _check(options: argparse.Namespace) -> None:

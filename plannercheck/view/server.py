@@ -5,6 +5,7 @@ In: a `Picture`. Out: a running server. Needs `pip install 'plannercheck[view]'`
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,15 @@ from plannercheck.poses import quaternion_of_rotation
 from plannercheck.view.model import PLANE, Mesh, Picture
 
 DEFAULT_PORT = 8080
+# Time a frame is shown, s: of an animation, and of a set of configurations.
+_ANIMATION_STEP, _SET_STEP = 1 / 30, 0.8
+# Where one looks from at first, seen from the centre, in radii: from behind robots that look along x.
+_EYE = np.array([-1.6, -2.2, 1.2])
 # Radius of drawn points and thickness of lines as parts of the radius of what is looked at.
 _POINT_PART, _LINE_PART = 0.008, 0.004
 
 
-def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -> Any:
+def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -> Stage:
     """Starts a viser server that shows a picture.
 
     Args:
@@ -27,7 +32,7 @@ def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -
         host: On which of this machine's addresses to listen; "0.0.0.0" is all of them.
 
     Returns:
-        The `viser.ViserServer`; its `stop()` ends it.
+        The stage; its `server.stop()` ends it, its `play()` plays frames as long as the box is ticked.
 
     Raises:
         PlannercheckError: If viser is not installed.
@@ -38,20 +43,19 @@ def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -
         raise PlannercheckError(
             "viser is not installed: pip install 'plannercheck[view]', or write a page by --html FILE (write_page)"
         ) from None
-    server = viser.ViserServer(host=host, port=port, verbose=False)
-    Stage(server, picture)
-    return server
+    return Stage(viser.ViserServer(host=host, port=port, verbose=False), picture)
 
 
 class Stage:
     """The picture's handles in viser, and the controls that move them.
 
     Attributes:
+        server: viser's server.
         meshes: viser's handle of each of the picture's meshes.
     """
 
     def __init__(self, server: Any, picture: Picture) -> None:
-        self._server, self._picture = server, picture
+        self.server, self._picture = server, picture
         self._marks: list[Any] = []
         server.scene.set_up_direction("+z")
         server.scene.world_axes.visible = False
@@ -59,14 +63,15 @@ class Stage:
         self._verdict = server.gui.add_markdown("")
         self._slider = server.gui.add_slider("frame", 0, max(picture.frames - 1, 1), 1, 0, disabled=picture.frames == 1)
         self._slider.on_update(lambda _: self.show(int(self._slider.value)))
+        self._playing = server.gui.add_checkbox("play", False, disabled=picture.frames == 1)
         for layer in dict.fromkeys(mesh.layer for mesh in picture.meshes):
             self._add_switch(layer)
         server.initial_camera.look_at = picture.centre
-        server.initial_camera.position = picture.centre + picture.radius * np.array([2.0, -2.0, 1.2])
+        server.initial_camera.position = picture.centre + picture.radius * _EYE
         self.show(0)
 
     def _added(self, k: int, mesh: Mesh) -> Any:
-        return self._server.scene.add_mesh_simple(
+        return self.server.scene.add_mesh_simple(
             f"/{mesh.layer}/{k} {mesh.name.replace('/', ' ')}",
             vertices=mesh.vertices.astype(np.float32),
             faces=mesh.faces.astype(np.uint32),
@@ -76,7 +81,7 @@ class Stage:
         )
 
     def _add_switch(self, layer: str) -> None:
-        box = self._server.gui.add_checkbox(layer, True)
+        box = self.server.gui.add_checkbox(layer, True)
         handles = [h for mesh, h in zip(self._picture.meshes, self.meshes, strict=True) if mesh.layer == layer]
 
         def switch(_: Any) -> None:
@@ -85,9 +90,16 @@ class Stage:
 
         box.on_update(switch)
 
+    def play(self) -> None:
+        """Steps through the frames as long as the box is ticked; never returns."""
+        while True:
+            time.sleep(_ANIMATION_STEP if self._picture.animated else _SET_STEP)
+            if self._playing.value:
+                self._slider.value = (int(self._slider.value) + 1) % self._picture.frames
+
     def show(self, frame: int) -> None:
         """Shows a frame."""
-        with self._server.atomic():
+        with self.server.atomic():
             for mesh, handle in zip(self._picture.meshes, self.meshes, strict=True):
                 x, y, z, w = quaternion_of_rotation(mesh.pose(frame)[:3, :3])
                 handle.position, handle.wxyz = mesh.pose(frame)[:3, 3], (w, x, y, z)
@@ -99,7 +111,7 @@ class Stage:
 
     def _drawn_witnesses(self, frame: int) -> list[Any]:
         return [
-            self._server.scene.add_icosphere(
+            self.server.scene.add_icosphere(
                 f"/witness/{k}", radius=self._picture.radius * _POINT_PART, color=(20, 20, 20), position=each.point
             )
             for k, each in enumerate(self._picture.witnesses)
@@ -107,7 +119,7 @@ class Stage:
         ]
 
     def _drawn_planes(self, frame: int) -> list[Any]:
-        drawn, scene, blue, thick = [], self._server.scene, _bytes(PLANE), self._picture.radius * _LINE_PART
+        drawn, scene, blue, thick = [], self.server.scene, _bytes(PLANE), self._picture.radius * _LINE_PART
         for k, plane in enumerate(self._picture.planes):
             if plane.frame == frame:
                 corners, faces = square(plane.centre, plane.normal, plane.size)
