@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = _joined_vectors(list(sys.argv[1:] if argv is None else argv))
     try:
-        options = _parser(arguments).parse_args(arguments)
+        options = parser_for(arguments).parse_args(arguments)
     except SystemExit as stop:  # argparse has said why
         return int(stop.code or 0)
     with warnings.catch_warnings():
@@ -72,7 +72,7 @@ def _run(options: argparse.Namespace) -> int:
         return BROKEN_PIPE
 
 
-def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
+def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """The parser, complete for the command that is asked for."""
     parser = argparse.ArgumentParser(
         prog="plannercheck",
