@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.hints import shape_hint
 from plannercheck.reading import within
 
 Floats = NDArray[np.float64]
@@ -68,7 +69,8 @@ def read_chunks(path: str | Path, joint_names: Sequence[str], width: int) -> Ite
             raise PlannercheckError(f"must be one of {', '.join(_READERS)}, not {path.suffix or 'without suffix'}")
         if not path.is_file():
             raise PlannercheckError("is a folder" if path.is_dir() else "does not exist")
-        blocks = _csv_blocks(path, joint_names, width) if path.suffix.lower() == ".csv" else _blocks(path, width)
+        is_text = path.suffix.lower() == ".csv"
+        blocks = _csv_blocks(path, joint_names, width) if is_text else _blocks(path, joint_names, width)
         yield from _checked(blocks)
 
 
@@ -83,8 +85,8 @@ def _checked(blocks: Iterator[NDArray[Any]]) -> Iterator[Chunk]:
         first += len(rows)
 
 
-def _blocks(path: Path, width: int) -> Iterator[NDArray[Any]]:
-    array = _shaped(_npy(path) if path.suffix.lower() == ".npy" else _npz(path), width)
+def _blocks(path: Path, joint_names: Sequence[str], width: int) -> Iterator[NDArray[Any]]:
+    array = _shaped(_npy(path) if path.suffix.lower() == ".npy" else _npz(path), joint_names, width)
     return (array[first : first + CHUNK_ROWS] for first in range(0, len(array), CHUNK_ROWS))
 
 
@@ -96,7 +98,7 @@ def _npy(path: Path) -> NDArray[Any]:
     except (OSError, ValueError, EOFError, tokenize.TokenError) as error:  # the last for a broken header
         if isinstance(error, PlannercheckError):
             raise
-        raise PlannercheckError(f"is no whole npy file of numbers: {error}") from None
+        raise PlannercheckError(f"is no whole npy file of numbers, cut short perhaps: {error}") from None
 
 
 def _npz(path: Path) -> NDArray[Any]:
@@ -129,13 +131,14 @@ def _npz_key(names: list[str]) -> str:
     return found[0]
 
 
-def _shaped(array: NDArray[Any], width: int) -> NDArray[Any]:
+def _shaped(array: NDArray[Any], joint_names: Sequence[str], width: int) -> NDArray[Any]:
     """The array as (n, nq); a single configuration (nq,) is one row."""
     if array.dtype.kind not in "fiu":
         raise PlannercheckError(f"must hold real numbers, not {array.dtype}")
     rows = array[None] if array.ndim == 1 else array
     if rows.ndim != 2 or rows.shape[1] != width:
-        raise PlannercheckError(f"must have shape (n, {width}), not {array.shape}")
+        hint = shape_hint(array.shape, joint_names, width)
+        raise PlannercheckError(f"must have shape (n, {width}), not {array.shape}; {hint}")
     return rows
 
 
@@ -205,6 +208,11 @@ def _columns(names: Sequence[str], joint_names: Sequence[str], width: int) -> li
         if names.count(joint) > 1:
             raise PlannercheckError(f"has {names.count(joint)} columns named {joint!r}")
     missing = [joint for joint in joint_names if joint not in names]
+    if len(missing) == len(joint_names):
+        raise PlannercheckError(
+            f"begins with neither numbers nor names of joints: {', '.join(names)[:60]!r}; write decimal points, not "
+            f"commas, or a header of {', '.join(joint_names)}"
+        )
     if missing:
         raise PlannercheckError(f"has no column for joint {missing[0]!r}; its header is {', '.join(names)}")
     return [names.index(joint) for joint in joint_names]

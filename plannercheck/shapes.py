@@ -242,7 +242,7 @@ def checked_pose(pose: ArrayLike | None, what: str) -> Points:
         return _frozen(np.eye(4))
     matrix = _array(pose, f"pose of {what}")
     if matrix.shape != (4, 4):
-        raise PlannercheckError(f"pose of {what} must have shape (4, 4), not {matrix.shape}")
+        raise PlannercheckError(f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}")
     if not np.isfinite(matrix).all():
         raise PlannercheckError(f"pose of {what} has values that are not finite: {matrix.tolist()}")
     if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:

@@ -6,12 +6,14 @@ In: a checker and configurations. Out: the first colliding pair of each, and a `
 from __future__ import annotations
 
 import time
+import warnings
 from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.hints import limits_hint
 from plannercheck.protocols import AnyChecker
 from plannercheck.report import PairCount, ValidityReport, pair_counts
 
@@ -56,10 +58,13 @@ def validate(checker: AnyChecker, q: ArrayLike, threads: int = 1, all_pairs: boo
     rows = checker.robot.check_configurations(q)
     first = checker.first_colliding_pair(rows, threads)
     counts = _all_counts(checker, rows[first >= 0]) if all_pairs else _first_counts(checker, first)
+    beyond = int(beyond_limits(checker, rows).sum())
+    if beyond > len(rows) / 2:
+        warnings.warn(limits_hint(checker.robot, rows), RuntimeWarning, stacklevel=2)
     report = ValidityReport(
         states=len(rows),
         valid=int((first < 0).sum()),
-        beyond_limits=int(beyond_limits(checker, rows).sum()),
+        beyond_limits=beyond,
         pairs=counts,
         all_pairs=all_pairs,
         duration=time.perf_counter() - began,

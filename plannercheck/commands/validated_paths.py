@@ -12,6 +12,7 @@ from typing import Any
 
 from plannercheck.certificates import Separation, SharedPoint
 from plannercheck.checker import Checker
+from plannercheck.commands.common import padding_of
 from plannercheck.path_files import read_path
 from plannercheck.path_validation import PathVerdict, validate_path
 from plannercheck.reading import within
@@ -36,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
         with within(f"path file {str(path)!r}"):
             if held not in checkers:
                 posed = robot.holding(file.others) if held else robot
-                checkers[held] = Checker(posed, scene, self_collision=not options.no_self_collision)
+                checkers[held] = Checker(posed, scene, not options.no_self_collision, padding_of(options, scene))
             verdicts.append(validate_path(checkers[held], file.states, options.tolerance, options.threads))
     if options.format == "json":
         print(json.dumps([_as_json(path, v) for path, v in zip(options.path, verdicts, strict=True)], indent=1))
