@@ -120,6 +120,20 @@ def test_delivered_meshes_are_within_their_hulls(checker, rows):
         np.testing.assert_allclose(mesh.vertices.max(axis=0), hull.vertices.max(axis=0))
 
 
+def test_plates_have_two_sides():
+    scene, away = Scene("plates"), np.eye(4)
+    away[0, 3] = 5.0
+    corners = [[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1, 0], [0.5, -0.5, 0]]
+    scene.add_hull("plate", corners, away)
+    scene.add_hull("rod", [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], away)
+    plate, rod = picture(Checker(Robot.load("ur5"), scene), np.zeros(6), planes=0).meshes[-2:]
+    assert len(rod.faces) == 0
+    a, b, c = (plate.vertices[plate.faces[:, k]] for k in range(3))
+    areas = np.cross(b - a, c - a)[:, 2] / 2
+    assert areas[areas > 0].sum() == pytest.approx(1.25)
+    assert areas[areas < 0].sum() == pytest.approx(-1.25)
+
+
 def test_pictures_of_the_plane():
     checker = PlanarChecker(PlanarRobot.load("truck_trailer"), PlanarScene.load("parking"))
     rows = checker.robot.random_configurations(200, 0)

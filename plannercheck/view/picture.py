@@ -140,11 +140,10 @@ def _names_hit(checker: AnyChecker, colliding: Bools) -> tuple[tuple[str, str], 
 def _evidence(checker: Checker, rows: Floats, colliding: Bools, count: int) -> tuple[list[Witness], list[Plane]]:
     points: list[Witness] = []
     planes: list[Plane] = []
-    poses = checker.body_poses(rows)
-    for frame, row in enumerate(rows):
-        here = Evidence(checker, frame, poses[frame], colliding[frame])
-        points += here.witnesses()
-        planes += here.planes(count, row)
+    evidence = Evidence(checker)
+    for frame, poses in enumerate(checker.body_poses(rows)):
+        points += evidence.witnesses(frame, poses, colliding[frame])
+        planes += evidence.planes(frame, poses, colliding[frame], count)
     return points, planes
 
 

@@ -30,8 +30,19 @@ def surface_of(shape: Shape, name: str) -> Surface:
     points, faces = shape.vertices_and_faces(_DRAWN_EXCESS)
     if isinstance(shape, Hull) or faces is None:
         hull = prepared(points, name=name)
-        return hull.vertices, hull.faces
+        return hull.vertices, hull.faces if hull.dimension == 3 else _sheet(hull.vertices)
     return points, fans(faces, len(points), name)
+
+
+def _sheet(corners: NDArray[np.float64]) -> NDArray[np.int32]:
+    """Triangles of both sides of a convex polygon (n, 3) in any order; none of a segment or a point."""
+    if len(corners) < 3:
+        return np.zeros((0, 3), dtype=np.int32)
+    centred = corners - corners.mean(axis=0)
+    x, y, _ = (centred @ np.linalg.svd(centred, full_matrices=True)[2].T).T
+    ring = np.argsort(np.arctan2(y, x)).astype(np.int32)
+    above = np.column_stack([np.full(len(ring) - 2, ring[0]), ring[1:-1], ring[2:]])
+    return np.concatenate([above, above[:, ::-1]])
 
 
 def delivered_meshes(name_or_path: str | Path) -> dict[str, Surface]:
