@@ -14,11 +14,20 @@ from command_reference import write_reference  # noqa: E402
 
 project = "plannercheck"
 copyright = "2026, the plannercheck developers"
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+autoclass_content = "both"
+napoleon_google_docstring = True
+napoleon_use_ivar = True
 source_suffix = {".md": "markdown"}
 myst_heading_anchors = 3
 html_theme = "alabaster"
-html_theme_options = {"description": "Exact collision verdicts for motion planning", "page_width": "1080px"}
+html_theme_options = {
+    "description": "Exact collision verdicts for motion planning",
+    "page_width": "1120px",
+    "sidebar_width": "260px",
+}
 html_static_path: list[str] = []
 exclude_patterns = ["build"]
 

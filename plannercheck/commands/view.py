@@ -6,6 +6,7 @@ In: a robot, a scene, a configuration, a set of them or a path. Out: a page for 
 from __future__ import annotations
 
 import argparse
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,9 @@ from plannercheck.commands.common import (
     vector,
 )
 from plannercheck.configuration_files import read_chunks
+from plannercheck.end_states import checked_end
 from plannercheck.errors import PlannercheckError
+from plannercheck.hints import degrees_hint
 from plannercheck.path_files import read_path
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.protocols import AnyChecker
@@ -121,8 +124,17 @@ def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
     if options.file is not None:
         return _of_set(options, checker)
     if options.q is not None:
-        return robot.check_configurations(vector(options.q, "--q")), ("--q",)
+        return _given(options.q, checker), ("--q",)
     return _declared(checker)
+
+
+def _given(text: str, checker: AnyChecker) -> Floats:
+    """One configuration (1, nq) from the command line."""
+    q = checked_end(checker, vector(text, "--q"), "--q")
+    hint = degrees_hint(checker.robot, q)
+    if hint:
+        warnings.warn(f"--q is beyond the limits; {hint}", RuntimeWarning, stacklevel=2)
+    return q[None]
 
 
 def _of_set(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, tuple[str, ...]]:
