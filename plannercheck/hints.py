@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.protocols import AnyRobot
+from plannercheck.protocols import AnyChecker, AnyRobot
 
 Floats = NDArray[np.float64]
 
@@ -20,6 +20,8 @@ Floats = NDArray[np.float64]
 _MOST = 0.5
 # No link or object is as large: meshes in millimetres are, from 2 cm on. m.
 _LARGEST_USUAL_MESH = 20.0
+# Configurations that tell what always collides, at least and at most, and how many pairs are named.
+_ENOUGH, _SAMPLES, _SHOWN_PAIRS = 20, 200, 8
 # What only xacro knows.
 _XACRO_SIGNS = (b"<xacro:", b"${")
 
@@ -40,6 +42,22 @@ def limits_hint(robot: AnyRobot, rows: Floats) -> str:
     if _part_within(robot, rows[:, ::-1]) >= _MOST:
         return f"{start}, and in reverse order they would not be: {_order(robot)}"
     return f"{start}: {_order(robot)}, in rad and m"
+
+
+def always_hint(checker: AnyChecker, rows: Floats) -> str:
+    """What configurations (n, nq) that all collide have in common; empty if nothing, or too few to tell."""
+    if len(rows) < _ENOUGH:
+        return ""
+    always = np.flatnonzero(checker.colliding_pairs(rows[:_SAMPLES]).all(axis=0))
+    pairs = dict.fromkeys(checker.pair_names(int(pair)) for pair in always)
+    if not pairs:
+        return ""
+    shown = ", ".join(f"{a} – {b}" for a, b in list(pairs)[:_SHOWN_PAIRS])
+    more = f" and {len(pairs) - _SHOWN_PAIRS} more pairs" if len(pairs) > _SHOWN_PAIRS else ""
+    return (
+        f"every configuration collides, each time by these pairs: {shown}{more}; links that touch by design belong "
+        "into the SRDF or the robot YAML's disabled_pairs, obstacles that are to be touched into the scene's allowed pairs"
+    )
 
 
 def degrees_hint(robot: AnyRobot, q: Floats) -> str:

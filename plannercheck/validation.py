@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.hints import limits_hint
+from plannercheck.hints import always_hint, limits_hint
 from plannercheck.protocols import AnyChecker
 from plannercheck.report import PairCount, ValidityReport, pair_counts
 
@@ -58,6 +58,8 @@ def validate(checker: AnyChecker, q: ArrayLike, threads: int = 1, all_pairs: boo
     rows = checker.robot.check_configurations(q)
     first = checker.first_colliding_pair(rows, threads)
     counts = _all_counts(checker, rows[first >= 0]) if all_pairs else _first_counts(checker, first)
+    if len(rows) and (first >= 0).all() and (hint := always_hint(checker, rows)):
+        warnings.warn(hint, RuntimeWarning, stacklevel=2)
     beyond = int(beyond_limits(checker, rows).sum())
     if beyond > len(rows) / 2:
         warnings.warn(limits_hint(checker.robot, rows), RuntimeWarning, stacklevel=2)

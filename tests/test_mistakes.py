@@ -225,6 +225,16 @@ def test_a_urdf_without_collision_geometry(folder):
         pc.Robot.from_urdf("arm.urdf")
 
 
+def test_no_srdf_and_links_that_touch_by_design(folder, capsys):
+    tool = f'<link name="tool">{BOX}</link><joint name="flange" type="fixed"><parent link="tip"/><child link="tool"/>'
+    long = urdf(BOX.replace("0.1 0.1 0.2", "0.1 0.1 0.7")).replace("</robot>", f"{tool}</joint></robot>")
+    (folder / "arm.urdf").write_text(long)
+    np.save(folder / "q.npy", np.linspace(-0.5, 0.5, 50)[:, None])
+    message = "every configuration collides, each time by these pairs: base – tool; .*disabled_pairs"
+    assert re.search(message, said(capsys, "validate", "--robot", "arm.urdf", "q.npy", code=1))
+    assert re.search(message, said(capsys, "inspect", "--robot", "arm.urdf", "--states", "50", code=0))
+
+
 def test_a_urdf_that_is_cut_short(folder):
     (folder / "arm.urdf").write_text(urdf()[:200])
     with pytest.raises(pc.PlannercheckError, match=r"URDF arm.urdf does not parse"):

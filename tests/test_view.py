@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 import urllib.request
 
 import numpy as np
@@ -194,6 +195,12 @@ def test_the_server_shows_the_model(drawn):
             assert answer.status == 200
     finally:
         stage.server.stop()
+
+
+def test_without_viser_one_is_told_what_to_do(drawn, monkeypatch):
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(PlannercheckError, match=r"pip install 'plannercheck\[view\]', or write a page by --html"):
+        serve(drawn)
 
 
 def test_view_on_the_command_line(tmp_path, capsys):
