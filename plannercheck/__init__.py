@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import plannercheck.ndim as ndim
     import plannercheck.ompl as ompl
     import plannercheck.planar as planar
+    import plannercheck.view as view
     from plannercheck.certificates import Separation as Separation
     from plannercheck.certificates import SharedPoint as SharedPoint
     from plannercheck.checker import Checker as Checker
@@ -49,7 +50,7 @@ _HOMES = {
     "distance": "distances",
     "intersects": "pair",
 }
-_MODULES = ("ndim", "ompl", "planar")
+_MODULES = ("ndim", "ompl", "planar", "view")
 
 __all__ = [
     "Checker",
@@ -71,6 +72,7 @@ __all__ = [
     "ndim",
     "ompl",
     "planar",
+    "view",
 ]
 
 

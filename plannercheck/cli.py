@@ -27,6 +27,7 @@ COMMANDS = {
     "validate": "check sets of configurations of any size: npy, npz, csv, parquet or hdf5 files",
     "plan": "plan with OMPL, one problem or a whole problem set",
     "demo": "validate a shipped set and plan in a shipped scene",
+    "view": "show a robot in its scene, what collides, and what proves it, in the browser",
     "robots": "list the shipped robots",
     "stress": "hold verdicts on hard pairs of bodies against exact arithmetic",
     "bench": "measure run time against error, beside other methods and libraries",
@@ -34,7 +35,7 @@ COMMANDS = {
 }
 
 # Options whose value may start with a minus sign.
-_VECTOR_OPTIONS = ("--start", "--goal")
+_VECTOR_OPTIONS = ("--start", "--goal", "--q")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -48,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = _joined_vectors(list(sys.argv[1:] if argv is None else argv))
     try:
-        options = _parser(arguments).parse_args(arguments)
+        options = parser_for(arguments).parse_args(arguments)
     except SystemExit as stop:  # argparse has said why
         return int(stop.code or 0)
     with warnings.catch_warnings():
@@ -71,7 +72,7 @@ def _run(options: argparse.Namespace) -> int:
         return BROKEN_PIPE
 
 
-def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
+def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """The parser, complete for the command that is asked for."""
     parser = argparse.ArgumentParser(
         prog="plannercheck",

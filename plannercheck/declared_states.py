@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.errors import PlannercheckError
 
 Array = NDArray[np.float64]
 
@@ -67,15 +67,15 @@ class DeclaredStates:
 
     def start(self, robot: str) -> Array:
         """The start configuration (nq,) that the scene declares for a robot."""
-        return self._declared(robot, "start", self._states_of(robot).start)
+        return self._declared(robot, "start", self._states_of(robot, "start").start)
 
     def goal(self, robot: str) -> Array:
         """The goal configuration (nq,) that the scene declares for a robot."""
-        return self._declared(robot, "goal", self._states_of(robot).goal)
+        return self._declared(robot, "goal", self._states_of(robot, "goal").goal)
 
     def samples(self, robot: str) -> Array:
         """The sample configurations (n, nq) that the scene declares for a robot."""
-        states = self._states_of(robot)
+        states = self._states_of(robot, "samples")
         if states.samples is None:
             raise self._undeclared(robot, "samples")
         samples = _load_samples(states.samples)
@@ -85,9 +85,9 @@ class DeclaredStates:
             raise PlannercheckError(f"samples {file!r} have {samples.shape[1]} columns, start has {width}")
         return samples
 
-    def _states_of(self, robot: str) -> RobotStates:
+    def _states_of(self, robot: str, what: str) -> RobotStates:
         if robot not in self.states:
-            raise unknown_name(f"robot among the states of scene {self.name!r}", robot, self.states)
+            raise self._undeclared(robot, what)
         return self.states[robot]
 
     def _declared(self, robot: str, what: str, value: Array | None) -> Array:
@@ -96,7 +96,10 @@ class DeclaredStates:
         return value
 
     def _undeclared(self, robot: str, what: str) -> PlannercheckError:
-        return PlannercheckError(f"scene {self.name!r} declares no {what} for robot {robot!r}")
+        others = ", ".join(self.states) or "none"
+        return PlannercheckError(
+            f"scene {self.name!r} declares no {what} for robot {robot!r}, but for {others}: give the {what} yourself"
+        )
 
 
 def _configuration(values: ArrayLike, what: str) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.hints import degrees_hint
 from plannercheck.protocols import AnyChecker, AnyRobot
 
 Floats = NDArray[np.float64]
@@ -23,10 +24,12 @@ class EndState:
     Attributes:
         beyond: A text for each joint limit that is exceeded.
         pairs: Links with the links or obstacles they collide with, in the order of the checker's pair table.
+        hint: What the numbers look like; empty if like themselves.
     """
 
     beyond: tuple[str, ...]
     pairs: tuple[tuple[str, str], ...]
+    hint: str = ""
 
     @property
     def accepted(self) -> bool:
@@ -36,6 +39,7 @@ class EndState:
     def reason(self, name: str) -> str:
         """Why it is not accepted, in words that call it by a name; empty if it is."""
         parts = [f"{name} is beyond the limits: {', '.join(self.beyond)}"] if self.beyond else []
+        parts += [self.hint] if self.hint else []
         collisions = ", ".join(f"{first} with {second}" for first, second in self.pairs)
         return "; ".join(parts + ([f"{name} collides: {collisions}"] if self.pairs else []))
 
@@ -48,7 +52,8 @@ def judged(checker: AnyChecker, q: Floats) -> EndState:
         for k in np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()
     ]
     collisions = () if checker.is_valid(q) else checker.explain(q).collisions
-    return EndState(tuple(beyond), tuple(dict.fromkeys((v.first, v.second) for v in collisions)))
+    pairs = dict.fromkeys((v.first, v.second) for v in collisions)
+    return EndState(tuple(beyond), tuple(pairs), degrees_hint(robot, q))
 
 
 def checked_end(checker: AnyChecker, q: ArrayLike, name: str) -> Floats:

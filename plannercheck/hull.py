@@ -70,7 +70,7 @@ class Polytope:
             if faces is None:
                 self._adopt(core.Body.from_points(points, _checked_swell(swell, name)))
             else:
-                self._adopt(core.Body.from_faces(points, _fans(faces, len(points), name), _checked_swell(swell, name)))
+                self._adopt(core.Body.from_faces(points, fans(faces, len(points), name), _checked_swell(swell, name)))
         except core.HullError as error:
             raise PlannercheckError(f"{name} ({len(points)} points) has no hull to work with: {error}") from error
 
@@ -234,7 +234,7 @@ def _checked_swell(swell: float, name: str) -> float:
     return float(swell)
 
 
-def _fans(faces: Sequence[ArrayLike] | NDArray[np.integer[Any]], points: int, name: str) -> Ints:
+def fans(faces: Sequence[ArrayLike] | NDArray[np.integer[Any]], points: int, name: str) -> Ints:
     """Cuts polygons into fans of triangles (m, 3)."""
     triangles: list[tuple[int, int, int]] = []
     for number, face in enumerate(faces):

@@ -6,6 +6,7 @@ hulls.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.hints import mesh_hint
 from plannercheck.shapes import Hull
 
 
@@ -30,9 +32,13 @@ def load_mesh(path: str | Path, scale: float | Sequence[float] = 1.0) -> Hull:
     if not Path(path).is_file():
         raise PlannercheckError(f"mesh file {str(path)!r} does not exist")
     try:
-        return Hull(_points(Path(path)) * factors)
+        hull = Hull(_points(Path(path)) * factors)
     except PlannercheckError as error:
         raise PlannercheckError(f"mesh file {str(path)!r}: {error}") from None
+    hint = mesh_hint(hull.vertices)
+    if hint:
+        warnings.warn(f"mesh file {str(path)!r} {hint}", RuntimeWarning, stacklevel=3)
+    return hull
 
 
 def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:

@@ -6,7 +6,8 @@ An object may have a pose of its own: its primitives' and meshes' poses are rela
 frame that its header names, if the scene gives that frame's transform. Vectors are lists or mappings of
 x, y, z (, w). Of a mesh, the hull is taken. The robot's model name, its state and identity virtual joints are
 ignored; what would change verdicts and is not supported is an error (planes, octomaps, moved virtual joints)
-or a warning that names it (attached objects, frames without a transform, link padding).
+or a warning that names it (attached objects, frames without a transform, link scales). Link padding is kept as
+`scene.link_padding`, for `Checker(padding=)`.
 """
 
 from __future__ import annotations
@@ -85,8 +86,9 @@ def planning_scene(document: Node, folder: Path, package_dirs: Sequence[Path] = 
     """
     check_keys(document, _SCENE_KEYS)
     check_robot_state(mapping(document.get("robot_state"), "'robot_state'"), "scene")
-    _warn_of_padding(document)
     scene = Scene(text(document.get("name") or "", "name"))
+    scene.link_padding = _link_padding(document)
+    _warn_of_scale(document)
     world = mapping(document.get("world"), "'world'")
     check_keys(world, _WORLD_KEYS)
     _refuse_octomap(mapping(world.get("octomap"), "'octomap'"))
@@ -114,13 +116,26 @@ def check_robot_state(state: Node, what: str) -> None:
         warnings.warn(f"attached objects are not supported yet, left out: {', '.join(ids)}", stacklevel=2)
 
 
-def _warn_of_padding(document: Node) -> None:
-    """Warns if the scene asks for links larger than they are."""
-    for key, value, neutral in (("link_padding", "padding", 0.0), ("link_scale", "scale", 1.0)):
-        nodes = [mapping(n, key) for n in sequence(document.get(key), repr(key))]
-        links = [str(n.get("link_name")) for n in nodes if number(n.get(value, neutral), value) != neutral]
-        if links:
-            warnings.warn(f"the scene's {key} is ignored, for {', '.join(links)}", stacklevel=2)
+def _link_padding(document: Node) -> dict[str, float]:
+    """Lengths by link, m; says how they are put to use."""
+    nodes = [mapping(n, "link_padding") for n in sequence(document.get("link_padding"), "'link_padding'")]
+    given = {text(required(n, "link_name"), "link_name"): number(n.get("padding", 0.0), "padding") for n in nodes}
+    padding = {link: length for link, length in given.items() if length}
+    if padding:
+        warnings.warn(
+            f"the scene's link_padding, for {', '.join(padding)}, is used if asked for: Checker(..., "
+            "padding=scene.link_padding), or --padding scene; then from other links, too, not only from obstacles",
+            stacklevel=2,
+        )
+    return padding
+
+
+def _warn_of_scale(document: Node) -> None:
+    """Warns if the scene asks for links of another size than they are."""
+    nodes = [mapping(n, "link_scale") for n in sequence(document.get("link_scale"), "'link_scale'")]
+    links = [str(n.get("link_name")) for n in nodes if number(n.get("scale", 1.0), "scale") != 1.0]
+    if links:
+        warnings.warn(f"the scene's link_scale is ignored, for {', '.join(links)}", stacklevel=2)
 
 
 def _refuse_octomap(node: Node) -> None:

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.hints import xacro_hint
 from plannercheck.paths import example_robot_data, is_planar_file, shipped_folder
 from plannercheck.reading import (
     check_keys,
@@ -92,7 +93,11 @@ def find_description(name_or_path: str | Path) -> Path:
         if not path.is_file():
             raise PlannercheckError(f"robot file {path} does not exist")
         return path
+    if path.suffix == ".xacro":
+        raise PlannercheckError(f"robot file {path}: {xacro_hint(path) or 'does not exist'}")
     shipped = shipped_folder("robots") / f"{name_or_path}.yaml"
+    if not shipped.is_file() and (path.suffix or path.exists()):
+        raise PlannercheckError(f"robot {str(name_or_path)!r} must be a shipped robot's name, a YAML or a URDF file")
     if not shipped.is_file():
         raise unknown_name("robot", str(name_or_path), shipped_robots())
     return shipped
@@ -108,6 +113,8 @@ def read_description(path: Path) -> RobotDescription:
         What it says.
     """
     content = parse_yaml(read_bytes(path))
+    if "objects" in content:
+        raise PlannercheckError("is a scene, not a robot")
     check_keys(content, _KEYS)
     folders = (example_robot_data(), path.parent)
     group, joints = _group(content.get("group"))

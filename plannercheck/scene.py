@@ -99,12 +99,14 @@ class Scene(DeclaredStates):
         name: For reports.
         allowed: Which links and objects may touch.
         states: Start, goal and samples by robot name.
+        link_padding: What a MoveIt scene asks to be kept from links, by name, m; a checker takes it as `padding=`.
     """
 
     def __init__(self, name: str = "") -> None:
         """Makes an empty scene."""
         super().__init__(name)
         self.allowed = AllowedCollisions()
+        self.link_padding: dict[str, float] = {}
         self._bodies: dict[str, tuple[Body, ...]] = {}
         self._parts: dict[str, tuple[Part, ...]] = {}
         self._body_names: set[str] = set()
@@ -152,7 +154,7 @@ class Scene(DeclaredStates):
 
     def add_box(self, name: str, size: Sequence[float], pose: ArrayLike | None = None) -> None:
         """Adds a box of full edge lengths `size` (3,) in m."""
-        self.add(name, [Part(Box(tuple(size)), pose)])  # type: ignore[arg-type]  # Box checks the length
+        self.add(name, [Part(Box(size), pose)])  # type: ignore[arg-type]  # Box checks it
 
     def add_sphere(self, name: str, radius: float, pose: ArrayLike | None = None) -> None:
         """Adds a sphere of a radius in m."""

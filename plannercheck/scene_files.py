@@ -58,6 +58,8 @@ def read_scene(path: Path, package_dirs: Sequence[Path] = ()) -> Scene:
     Returns:
         The scene, named after the file if it has no name of its own.
     """
+    if not path.is_file():
+        raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if path.is_dir() else 'does not exist'}")
     with within(f"scene file {str(path)!r}"):
         document = parse_yaml(read_bytes(path))
         if moveit.is_planning_scene(document):
@@ -69,6 +71,8 @@ def read_scene(path: Path, package_dirs: Sequence[Path] = ()) -> Scene:
 
 
 def _scene(document: Node, folder: Path) -> Scene:
+    if "urdf" in document:
+        raise PlannercheckError("is a robot, not a scene")
     check_keys(document, _SCENE_KEYS)
     scene = Scene(text(document.get("name", ""), "name"))
     for k, item in enumerate(sequence(required(document, "objects"), "'objects'")):

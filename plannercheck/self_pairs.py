@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.robot_files import DisabledPair
 from plannercheck.shapes import Body
+from plannercheck.srdf import disabled_link_names, read_srdf
 from plannercheck.urdf import LinkTree
 
 
@@ -40,7 +41,8 @@ def self_pairs(
             raise PlannercheckError(f"SRDF {srdf}: its disabled collisions can't be read: {error}") from None
         if len(geometry.collisionPairs) == before:
             warnings.warn(
-                f"SRDF {srdf} disables no pair of links: adjacent ones, which usually touch, are tested as well",
+                f"SRDF {srdf} disables no pair of links{_of_another(srdf, tree)}: adjacent ones, which usually touch, "
+                "are tested as well",
                 RuntimeWarning,
                 stacklevel=5,
             )
@@ -50,6 +52,12 @@ def self_pairs(
     pairs = [(pair.first, pair.second) for pair in geometry.collisionPairs]
     kept = [(a, b) for a, b in pairs if frozenset((bodies[a].link, bodies[b].link)) not in left_out]
     return np.array(kept, dtype=np.int64).reshape(-1, 2)
+
+
+def _of_another(srdf: Path, tree: LinkTree) -> str:
+    """Words if an SRDF speaks of other links than the robot has."""
+    unknown = [name for name in disabled_link_names(read_srdf(srdf)) if name not in tree.names]
+    return f" of this robot, but of {', '.join(unknown[:3])}, which it has not" if unknown else ""
 
 
 def _disabled_links(disabled: Iterable[DisabledPair], tree: LinkTree) -> set[frozenset[str | None]]:

@@ -58,7 +58,7 @@ class Box:
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """The eight corners (8, 3) in m and six quadrilaterals, exact whatever the excess."""
         signs = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
-        return signs * (np.array(self.size) / 2), _prism_faces(4)
+        return signs * (np.array(self.size) / 2), prism_faces(4)
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Cylinder:
         """A prism (2 k, 3) in m over a polygon around the circle, and its faces."""
         ring = ring_around(self.radius, _checked_excess(excess))
         low = np.column_stack([ring, np.full(len(ring), -self.length / 2)])
-        return np.vstack([low, low * (1.0, 1.0, -1.0)]), _prism_faces(len(ring))
+        return np.vstack([low, low * (1.0, 1.0, -1.0)]), prism_faces(len(ring))
 
 
 @dataclass(frozen=True)
@@ -242,7 +242,7 @@ def checked_pose(pose: ArrayLike | None, what: str) -> Points:
         return _frozen(np.eye(4))
     matrix = _array(pose, f"pose of {what}")
     if matrix.shape != (4, 4):
-        raise PlannercheckError(f"pose of {what} must have shape (4, 4), not {matrix.shape}")
+        raise PlannercheckError(f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}")
     if not np.isfinite(matrix).all():
         raise PlannercheckError(f"pose of {what} has values that are not finite: {matrix.tolist()}")
     if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
@@ -299,7 +299,7 @@ def _checked_excess(excess: float) -> float:
     return float(excess)
 
 
-def _prism_faces(k: int) -> Faces:
+def prism_faces(k: int) -> Faces:
     """Faces of a prism: points 0 to k - 1 are the lower polygon, counter-clockwise from above."""
     return list(_read_only_prism_faces(k))
 

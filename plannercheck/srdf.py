@@ -37,6 +37,12 @@ def group_names(root: Element) -> list[str]:
     return [group.get("name", "") for group in root.findall("group")]
 
 
+def disabled_link_names(root: Element) -> list[str]:
+    """The links that it says may touch, each once."""
+    pairs = root.findall("disable_collisions")
+    return list(dict.fromkeys(pair.get(key, "") for pair in pairs for key in ("link1", "link2")))
+
+
 def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
     """The joints of a planning group.
 
@@ -50,7 +56,10 @@ def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
         chains from base to tip, and those of subgroups. Fixed and virtual joints are among them.
     """
     if root is None:
-        raise PlannercheckError(f"planning group {name!r}: without an SRDF, a group must be a list of joints")
+        joints = ", ".join(tree.joints[link] for link in tree.parents)
+        raise PlannercheckError(
+            f"planning group {name!r}: without an SRDF, a group must be a list of joints, some of {joints}"
+        )
     return list(dict.fromkeys(_group_joints(root, name, tree, ())))
 
 

@@ -11,6 +11,7 @@ import contextlib
 import os
 import sys
 import tempfile
+import warnings
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -24,6 +25,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.hints import mesh_hint, xacro_hint
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
@@ -78,7 +80,8 @@ def read_model(urdf: Path, floating: bool = False) -> pin.Model:
         try:
             model = pin.buildModelFromUrdf(str(urdf), *([pin.JointModelFreeFlyer()] if floating else []))
         except (ValueError, RuntimeError, IndexError) as error:
-            raise PlannercheckError(f"URDF {urdf} does not parse: {_one_line(messages(), str(error))}") from None
+            reason = xacro_hint(urdf) or _one_line(messages(), str(error))
+            raise PlannercheckError(f"URDF {urdf} does not parse: {reason}") from None
     _check_names(model, urdf)
     _check_limits(model, urdf)
     return model
@@ -113,20 +116,32 @@ def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) ->
     Returns:
         Pinocchio's geometry model, without pairs.
     """
-    folders = [str(folder) for folder in package_dirs]
+    # Also relative to the URDF, and to what lies above it: a package's folder often does.
+    folders = [str(folder) for folder in (*package_dirs, *urdf.resolve().parents)]
     with _collected_messages() as messages:
         try:
             loader = coal.CachedMeshLoader(_BOUNDS)
             geometry = pin.buildGeomFromUrdf(model, str(urdf), pin.COLLISION, package_dirs=folders, mesh_loader=loader)
             _check_complete(model, geometry, urdf, messages())
+            _warn_if_empty(geometry, urdf)
             return geometry
         except PlannercheckError:
             raise
         except (ValueError, RuntimeError) as error:
             reason = _one_line(messages(), str(error))
     raise PlannercheckError(
-        f"URDF {urdf}: a collision mesh does not load: {reason}; "
-        f"package_dirs searched: {', '.join(folders) or 'none given'}"
+        f"URDF {urdf}: a collision mesh does not load: {reason}{_where_sought(reason, package_dirs)}"
+    )
+
+
+def _where_sought(reason: str, package_dirs: Sequence[Path]) -> str:
+    """What to do about a mesh that was not found; empty if it was."""
+    if "could not be found" not in reason:
+        return ""
+    return (
+        " Searched were the folders above the URDF and package_dirs "
+        f"({', '.join(map(str, package_dirs)) or 'none given'}): package://NAME/... needs the folder that contains "
+        "NAME, from package_dirs= or the robot YAML's package_dirs"
     )
 
 
@@ -136,10 +151,20 @@ def _check_complete(model: pin.Model, geometry: pin.GeometryModel, urdf: Path, m
     for link in _root(urdf).findall("link"):
         name, wanted = link.get("name", ""), len(link.findall("collision"))
         if loaded[name] != wanted:
+            if xacro_hint(urdf):
+                raise PlannercheckError(f"URDF {urdf}: {xacro_hint(urdf)}")
             raise PlannercheckError(
                 f"URDF {urdf}: {loaded[name]} of {wanted} collision elements of link {name!r} could be read; "
                 f"a URDF may hold box, cylinder, sphere and mesh; {_one_line(messages)}"
             )
+
+
+def _warn_if_empty(geometry: pin.GeometryModel, urdf: Path) -> None:
+    if not len(geometry.geometryObjects):
+        drawn = " (it has <visual> ones, which are only drawn)" if _root(urdf).find("link/visual") is not None else ""
+        warnings.warn(
+            f"URDF {urdf} has no <collision> elements{drawn}: nothing will ever collide", RuntimeWarning, stacklevel=5
+        )
 
 
 def bodies_of(model: pin.Model, geometry: pin.GeometryModel) -> tuple[Body, ...]:
@@ -206,9 +231,13 @@ def _hull_of(geometry: pin.GeometryObject) -> Hull:
             "known are boxes, spheres, cylinders, capsules, cones and meshes"
         )
     try:
-        return Hull(points)
+        hull = Hull(points)
     except PlannercheckError as error:
         raise PlannercheckError(f"collision geometry {geometry.name!r} ({geometry.meshPath}): {error}") from None
+    hint = mesh_hint(points)
+    if hint:
+        warnings.warn(f"collision mesh {geometry.meshPath!r} {hint} (scale= in the URDF)", RuntimeWarning, stacklevel=6)
+    return hull
 
 
 def _points_of(shape: Any) -> NDArray[np.float64] | None:

@@ -6,12 +6,14 @@ In: a checker and configurations. Out: the first colliding pair of each, and a `
 from __future__ import annotations
 
 import time
+import warnings
 from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.hints import always_hint, limits_hint
 from plannercheck.protocols import AnyChecker
 from plannercheck.report import PairCount, ValidityReport, pair_counts
 
@@ -60,6 +62,7 @@ def validate(checker: AnyChecker, q: ArrayLike, threads: int = 1, all_pairs: boo
     counts = _all_counts(checker, rows[first >= 0]) if all_pairs else None
     duration = time.perf_counter() - began
     beyond = beyond_limits(checker, rows)
+    _warn_of_doubts(checker, rows, first, beyond)
     report = ValidityReport(
         states=len(rows),
         valid=int((first < 0).sum()),
@@ -69,6 +72,14 @@ def validate(checker: AnyChecker, q: ArrayLike, threads: int = 1, all_pairs: boo
         duration=duration,
     )
     return Validation(first, beyond, report)
+
+
+def _warn_of_doubts(checker: AnyChecker, rows: NDArray[np.float64], first: Ints, beyond: Bools) -> None:
+    """Says so where a set can be judged, but is hardly meant."""
+    if len(rows) and (first >= 0).all() and (hint := always_hint(checker, rows)):
+        warnings.warn(hint, RuntimeWarning, stacklevel=3)
+    if beyond.sum() > len(rows) / 2:
+        warnings.warn(limits_hint(checker.robot, rows), RuntimeWarning, stacklevel=3)
 
 
 def beyond_limits(checker: AnyChecker, q: NDArray[np.float64]) -> Bools:

@@ -121,7 +121,7 @@ def test_unknown_names(tmp_path, capsys):
         capsys, "validate", "--robot", "panda", "--scene", "bookshelv", SAMPLES
     )
     assert "RRTConnect" in error_of(capsys, "plan", *PANDA, "--planner", "RRTT")
-    assert "states of scene 'bookshelf' 'ur3'" in error_of(capsys, "plan", "--robot", "ur3", "--scene", "bookshelf")
+    assert "no start for robot 'ur3'" in error_of(capsys, "plan", "--robot", "ur3", "--scene", "bookshelf")
     assert "there is no folder" in error_of(capsys, "validate", *PANDA, SAMPLES, "--output", tmp_path / "no" / "v.npz")
     assert "threads" in error_of(capsys, "validate", *PANDA, SAMPLES, "--threads", "0")
 
@@ -151,9 +151,9 @@ def test_plan_writes_json_that_reads_back(tmp_path, capsys, checker):
 
 
 def test_plan_takes_ends_that_start_with_a_minus(capsys):
-    assert main(["plan", *PANDA, "--start", "-0.1,0,0,0,0,0,0", "--goal", "-1 0 0 -1.5 0 1.5 0"]) == 1
-    printed = capsys.readouterr().out
-    assert "not solved: start is beyond the limits: panda_joint4 is 0" in printed
+    assert main(["plan", *PANDA, "--start", "-0.1,0,0,0,0,0,0", "--goal", "-1 0 0 -1.5 0 1.5 0"]) == 2
+    printed = capsys.readouterr().err
+    assert "not planned: start is beyond the limits: panda_joint4 is 0" in printed
 
 
 def test_bad_arguments_of_plan(tmp_path, capsys):
@@ -250,7 +250,7 @@ def test_help_imports_nothing_heavy():
     assert "validate" in done.stdout
 
 
-@pytest.mark.parametrize("command", ["validate", "plan", "demo", "robots", "inspect"])
+@pytest.mark.parametrize("command", ["validate", "plan", "demo", "view", "robots", "inspect", "stress", "bench"])
 def test_every_command_has_help(command, capsys):
     assert main([command, "--help"]) == 0
     assert "usage: plannercheck" in capsys.readouterr().out

@@ -236,7 +236,7 @@ def test_what_would_change_verdicts_is_refused(tmp_path, changes, message):
             {"robot_state__attached_collision_objects": [{"object": {"id": "cup"}, "link_name": "hand"}]},
             "attached objects are not supported yet, left out: cup",
         ),
-        ({"link_padding": [{"link_name": "hand", "padding": 0.01}]}, "link_padding is ignored, for hand"),
+        ({"link_padding": [{"link_name": "hand", "padding": 0.01}]}, "link_padding, for hand, is used if asked for"),
         ({"world__collision_objects__0__header__frame_id": "tool"}, "frame 'tool' of object 'group'"),
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import shutil
 import struct
 import time
 
@@ -431,11 +432,13 @@ def test_unknown_robots_and_files():
         Robot.from_urdf("missing.urdf")
 
 
-def test_missing_meshes_name_the_file_and_where_it_was_sought():
-    with pytest.raises(PlannercheckError, match=r"panda\.urdf.*link0\.stl.*package_dirs searched: none given"):
-        Robot.from_urdf(PANDA)
-    with pytest.raises(PlannercheckError, match="package_dirs searched: /nowhere"):
-        Robot.from_urdf(PANDA, package_dirs="/nowhere")
+def test_missing_meshes_name_the_file_and_where_it_was_sought(tmp_path):
+    assert len(Robot.from_urdf(PANDA).bodies) == len(Robot.load("panda").bodies)  # they are above the URDF
+    alone = shutil.copy(PANDA, tmp_path)
+    with pytest.raises(PlannercheckError, match=r"panda\.urdf.*link0\.stl.*package_dirs \(none given\)"):
+        Robot.from_urdf(alone)
+    with pytest.raises(PlannercheckError, match=r"package_dirs \(/nowhere\)"):
+        Robot.from_urdf(alone, package_dirs="/nowhere")
 
 
 def test_a_malformed_urdf_is_named_and_nothing_is_printed(capfd):

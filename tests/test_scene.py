@@ -149,7 +149,8 @@ def test_a_bad_pose_names_the_object():
 
 def test_meshes_are_loaded_and_scaled(folder):
     scene = Scene()
-    scene.add_mesh("tap", folder / "tap.obj", scale=(0.001, 0.01, 1.0))
+    with pytest.warns(RuntimeWarning, match="millimetres"):
+        scene.add_mesh("tap", folder / "tap.obj", scale=(0.001, 0.01, 1.0))
     assert np.ptp(scene.bodies[0].shape.vertices, axis=0).tolist() == [0.1, 2.0, 300.0]
 
 
@@ -268,7 +269,7 @@ def test_bad_files_name_file_object_and_key(tmp_path, text, message):
 
 
 def test_missing_scenes_are_named(tmp_path):
-    with pytest.raises(PlannercheckError, match=r"none\.yaml' can't be read: No such file"):
+    with pytest.raises(PlannercheckError, match=r"none\.yaml' does not exist"):
         Scene.load(tmp_path / "none.yaml")
     with pytest.raises(PlannercheckError, match="unknown scene 'bookshelv': did you mean 'bookshelf'"):
         Scene.load("bookshelv")
@@ -276,7 +277,7 @@ def test_missing_scenes_are_named(tmp_path):
 
 def test_undeclared_states_are_named(folder):
     scene = Scene.load(folder / "everything.yaml")
-    with pytest.raises(PlannercheckError, match="unknown robot among the states of scene 'everything' 'ur5'"):
+    with pytest.raises(PlannercheckError, match="'everything' declares no start for robot 'ur5', but for panda"):
         scene.start("ur5")
     scene.set_states("ur5", start=[0.0] * 6)
     with pytest.raises(PlannercheckError, match="declares no goal for robot 'ur5'"):

@@ -18,6 +18,7 @@ from plannercheck import planar
 from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
 from plannercheck.output_files import written_aside
+from plannercheck.padding import Padding
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.protocols import AnyChecker
 from plannercheck.robot import Robot
@@ -43,6 +44,12 @@ def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: em
 def add_checker_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what the checker is told."""
     parser.add_argument("--no-self-collision", action="store_true", help="test only against the scene")
+    parser.add_argument(
+        "--padding",
+        default="0",
+        metavar="M",
+        help="distance that all pairs have to keep, m, or 'scene' for the link_padding of a MoveIt scene; default: 0",
+    )
 
 
 def load_checker(options: argparse.Namespace) -> AnyChecker:
@@ -56,6 +63,8 @@ def load_checker(options: argparse.Namespace) -> AnyChecker:
 
 def planar_checker(options: argparse.Namespace) -> planar.Checker:
     """The checker of a planar --robot in --scene."""
+    if options.padding != "0":
+        raise PlannercheckError("--padding is for robots in space")
     scene = planar.Scene("empty") if options.scene is None else planar.Scene.load(options.scene)
     return planar.Checker(planar.Robot.load(options.robot), scene, self_collision=not options.no_self_collision)
 
@@ -64,7 +73,17 @@ def space_checker(options: argparse.Namespace) -> Checker:
     """The checker of --robot in --scene in space."""
     robot = Robot.load(options.robot)
     scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
-    return Checker(robot, scene, self_collision=not options.no_self_collision)
+    return Checker(robot, scene, not options.no_self_collision, padding_of(options, scene))
+
+
+def padding_of(options: argparse.Namespace, scene: Scene) -> Padding:
+    """What --padding says."""
+    if options.padding == "scene":
+        return scene.link_padding
+    try:
+        return float(options.padding)
+    except ValueError:
+        raise PlannercheckError(f"--padding must be a length in m or 'scene', not {options.padding!r}") from None
 
 
 def vector(text: str, name: str) -> Floats:

@@ -17,6 +17,7 @@ How to go on:
   plannercheck robots                                   the other robots
   plannercheck inspect --robot ur5 --scene kitchen      bodies, pairs, and what checking takes
   plannercheck validate --robot panda --scene my_scene.yaml my_configurations.npy
+  plannercheck view --robot panda --scene bookshelf --html panda.html     a page to look at, what collides in red
   plannercheck plan --help                              planners, problem sets, verification by FCL
 """
 

@@ -23,6 +23,7 @@ from plannercheck.commands.common import (
     table,
 )
 from plannercheck.errors import PlannercheckError
+from plannercheck.hints import always_hint
 from plannercheck.protocols import AnyChecker
 
 _EPILOG = """\
@@ -122,6 +123,8 @@ def _show_sample(checker: AnyChecker, states: int, seed: int) -> None:
     print()
     tests = [(_words(name), n, f"{n / states:.2f}") for name, n in queries.items()]
     print(table(("pair test", "total", "each configuration"), tests))
+    if not valid and (hint := always_hint(checker, q)):
+        warnings.warn(hint, RuntimeWarning, stacklevel=2)
 
 
 def _words(name: str) -> str:

@@ -23,6 +23,7 @@ from plannercheck.commands.common import (
     table,
     vector,
 )
+from plannercheck.end_states import checked_end, judged
 from plannercheck.errors import PlannercheckError
 from plannercheck.ompl import LONGEST_MOTION, plan, planner_names
 from plannercheck.path_checks import check_path
@@ -37,8 +38,8 @@ _EPILOG = """\
 Every motion in space is proved free, not sampled; one that comes within 0.1 mm of a collision may be refused.
 Motions in the plane are checked at states so close that no point moves further than 1 cm between them.
 
-Exit codes: 0 solved, 1 not (all) solved, 2 bad input. A problem whose start or goal collides or is beyond the
-limits is not solved; the colliding pairs are named.
+Exit codes: 0 solved, 1 not (all) solved, 2 bad input, such as a start or goal that collides (the pairs are named) or
+is beyond the limits; in a set, such problems count as not solved.
 
 Examples:
   plannercheck plan --robot panda --scene bookshelf --output plan.csv
@@ -114,6 +115,7 @@ def _run_one(options: argparse.Namespace) -> int:
     robot, scene = checker.robot.name, checker.scene
     start = scene.start(robot) if options.start is None else vector(options.start, "--start")
     goal = scene.goal(robot) if options.goal is None else vector(options.goal, "--goal")
+    _check_ends(checker, start=start, goal=goal)
     found = plan(
         checker,
         start,
@@ -135,6 +137,14 @@ def _run_one(options: argparse.Namespace) -> int:
     check = check_path(_in_space(checker), found.path)
     show_checks([check])
     return 0 if check.passed else 1
+
+
+def _check_ends(checker: AnyChecker, **ends: Floats) -> None:
+    """Raises if a search could not even begin."""
+    reasons = (judged(checker, checked_end(checker, q, name)).reason(name) for name, q in ends.items())
+    reason = "; ".join(filter(None, reasons))
+    if reason:
+        raise PlannercheckError(f"not planned: {reason}")
 
 
 def _shown_rows(found: Plan) -> list[tuple[int, list[float]]]:

@@ -13,7 +13,7 @@ from typing import Any
 from plannercheck import planar
 from plannercheck.certificates import Separation
 from plannercheck.checker import Checker
-from plannercheck.commands.common import planar_checker
+from plannercheck.commands.common import padding_of, planar_checker
 from plannercheck.errors import PlannercheckError
 from plannercheck.path_files import read_path
 from plannercheck.path_validation import PathVerdict, validate_path
@@ -61,7 +61,7 @@ def _in_space(options: argparse.Namespace) -> list[PathVerdict]:
         with within(f"path file {str(path)!r}"):
             if held not in checkers:
                 posed = robot.holding(file.others) if held else robot
-                checkers[held] = Checker(posed, scene, self_collision=not options.no_self_collision)
+                checkers[held] = Checker(posed, scene, not options.no_self_collision, padding_of(options, scene))
             verdicts.append(validate_path(checkers[held], file.states, options.tolerance, options.threads))
     return verdicts
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.hints import shape_hint
 from plannercheck.sets.columns import Columns
 
 Floats = NDArray[np.float64]
@@ -59,11 +60,11 @@ def check_real(dtype: np.dtype[Any]) -> None:
         raise PlannercheckError(f"must hold real numbers, not {dtype}")
 
 
-def table_shape(shape: tuple[int, ...], width: int) -> tuple[int, int]:
+def table_shape(shape: tuple[int, ...], width: int, joints: Sequence[str] = ()) -> tuple[int, int]:
     """The shape as (n, nq); a single configuration (nq,) is one row."""
     rows = (1, *shape) if len(shape) == 1 else shape
     if len(rows) != 2 or rows[1] != width:
-        raise PlannercheckError(f"must have shape (n, {width}), not {shape}")
+        raise PlannercheckError(f"must have shape (n, {width}), not {shape}; {shape_hint(shape, joints, width)}")
     return rows[0], rows[1]
 
 

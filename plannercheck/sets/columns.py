@@ -79,6 +79,11 @@ class Columns:
         missing = [name for name in self.names if name not in header]
         if not missing:
             return
+        if len(missing) == len(self.names):
+            raise PlannercheckError(
+                f"begins with neither numbers nor names of joints: {', '.join(header)[:60]!r}; write decimal points, "
+                f"not commas, or a header of {', '.join(self.names)}"
+            )
         unknown = [name for name in header if name not in self.names]
         close = get_close_matches(missing[0], unknown, n=1)
         hint = f" (is it {close[0]!r}?)" if close else ""

@@ -1,0 +1,61 @@
+"""The frames of an animated path: configurations at even steps, the path's own among them.
+
+In: a checker, a path. Out: configurations and a label for each.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checker import Checker
+from plannercheck.errors import PlannercheckError
+from plannercheck.protocols import AnyChecker
+
+Floats = NDArray[np.float64]
+
+# Of an animation: four seconds.
+DEFAULT_FRAMES = 120
+
+
+def along_path(checker: AnyChecker, path: ArrayLike, frames: int = DEFAULT_FRAMES) -> tuple[Floats, tuple[str, ...]]:
+    """Configurations along a path of straight motions.
+
+    Args:
+        checker: Knows how its robot moves from one configuration to the next.
+        path: (k, nq) rad and m.
+        frames: About how many to make; the path's own configurations are always among them.
+
+    Returns:
+        (n, nq) configurations, and their labels: motion and parameter.
+
+    Raises:
+        PlannercheckError: If the path is empty or `frames` is less than 1.
+    """
+    rows = checker.robot.check_configurations(path)
+    if not len(rows) or frames < 1:
+        raise PlannercheckError(f"an animation needs a path and at least 1 frame, not {len(rows)} states and {frames}")
+    steps = _steps(checker, rows, frames)
+    parts, labels = [rows[:1]], ["start"]
+    for k, count in enumerate(steps.tolist()):
+        parameters = np.arange(1, count + 1) / count
+        parts.append(_states(checker, rows[k], rows[k + 1], parameters))
+        labels += [f"motion {k} at {t:.3g}" for t in parameters.tolist()]
+    return np.concatenate(parts), tuple(labels)
+
+
+def _steps(checker: AnyChecker, rows: Floats, frames: int) -> NDArray[np.int64]:
+    """(motions,) at least one each, else by the part of the way that it takes."""
+    ends = rows[1:]
+    if isinstance(checker, Checker):
+        ends = checker.motion_sampler.short_way(rows[:-1], ends)
+    lengths = np.linalg.norm(ends - rows[:-1], axis=1)
+    whole = float(lengths.sum())
+    return np.maximum(1, np.round(frames * lengths / whole)).astype(np.int64) if whole else np.ones(len(ends), np.int64)
+
+
+def _states(checker: AnyChecker, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+    if isinstance(checker, Checker):
+        sampler = checker.motion_sampler
+        return sampler.states(q0, sampler.short_way(q0, q1), parameters)
+    return q0 + parameters[:, None] * (q1 - q0)

@@ -1,0 +1,141 @@
+"""What a picture consists of, in metres and world coordinates, whatever draws it.
+
+In: numbers. Out: frozen values: meshes with a pose a frame, separating planes, witness points. Both back ends
+(page.py, server.py) draw exactly this.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Bools = NDArray[np.bool_]
+
+# What a mesh is: the hull of a link, a link's mesh as it was delivered, or an obstacle.
+Layer: TypeAlias = Literal["hull", "mesh", "obstacle"]
+
+# Red, green and blue from 0 to 1, and how opaque.
+COLOURS: dict[Layer, tuple[float, float, float]] = {
+    "hull": (0.67, 0.74, 0.80),
+    "mesh": (0.55, 0.61, 0.68),
+    "obstacle": (0.85, 0.70, 0.51),
+}
+COLLIDING = (0.84, 0.12, 0.10)
+PLANE = (0.16, 0.45, 0.80)
+OBSTACLE_OPACITY = 0.45
+# Of hulls around the meshes as delivered, which show through.
+VEIL_OPACITY = 0.35
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A body, drawn.
+
+    Attributes:
+        name: Of the body.
+        owner: The link or obstacle that it belongs to.
+        layer: What it is.
+        vertices: (n, 3) in the body's frame, m.
+        faces: (m, 3) indices, counter-clockwise from outside.
+        poses: (frames, 4, 4) in the world, or (1, 4, 4) if it does not move.
+        colliding: (frames,) whether it collides with anything.
+        opacity: 0 to 1.
+    """
+
+    name: str
+    owner: str
+    layer: Layer
+    vertices: Floats
+    faces: Ints
+    poses: Floats
+    colliding: Bools
+    opacity: float = 1.0
+
+    def pose(self, frame: int) -> Floats:
+        """(4, 4) at a frame."""
+        pose: Floats = self.poses[frame if len(self.poses) > 1 else 0]
+        return pose
+
+    def colour(self, frame: int) -> tuple[float, float, float]:
+        """At a frame."""
+        return COLLIDING if self.colliding[frame] else COLOURS[self.layer]
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """A separating plane, drawn as a square.
+
+    Attributes:
+        frame: At which it is shown.
+        pair: Names of the link and the link or obstacle that it keeps apart.
+        gap: They are at least this far apart, m.
+        centre: (3,) on the plane, between the two, m.
+        normal: (3,) unit vector from the second to the first.
+        size: Edge of the square, m.
+        nearest: (2, 3) the nearest points of the two, m.
+    """
+
+    frame: int
+    pair: tuple[str, str]
+    gap: float
+    centre: Floats
+    normal: Floats
+    size: float
+    nearest: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Witness:
+    """A point of two colliding bodies.
+
+    Attributes:
+        frame: At which it is shown.
+        pair: Names of the link and the link or obstacle that share it.
+        point: (3,) m.
+    """
+
+    frame: int
+    pair: tuple[str, str]
+    point: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A robot in a scene at one or several configurations.
+
+    Attributes:
+        title: Words.
+        labels: What each frame is called.
+        animated: Whether frames follow each other in time; else each stands for itself.
+        meshes: Bodies.
+        collisions: For each frame the colliding pairs, by names.
+        planes: Of all frames.
+        witnesses: Of all frames.
+        centre: (3,) what to look at, m.
+        radius: Of what to look at, m.
+    """
+
+    title: str
+    labels: tuple[str, ...]
+    animated: bool
+    meshes: tuple[Mesh, ...]
+    collisions: tuple[tuple[tuple[str, str], ...], ...]
+    planes: tuple[Plane, ...]
+    witnesses: tuple[Witness, ...]
+    centre: Floats
+    radius: float
+
+    @property
+    def frames(self) -> int:
+        """How many there are."""
+        return len(self.labels)
+
+    def verdict(self, frame: int) -> str:
+        """A frame's verdict in words."""
+        pairs = self.collisions[frame]
+        return "collision: " + ", ".join(f"{a} – {b}" for a, b in pairs) if pairs else "free of collision"

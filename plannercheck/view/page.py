@@ -1,0 +1,82 @@
+"""A picture as one HTML file: data and renderer inlined, nothing fetched when it is looked at.
+
+In: a `Picture`. Out: the file. Numbers are packed as little-endian 32-bit values in base64; viewer.html draws them with
+WebGL 2. Pictures are for the eye: what is drawn is rounded to single precision, verdicts and names are not.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.output_files import written_aside
+from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Mesh, Picture
+
+_TEMPLATE = Path(__file__).with_name("viewer.html")
+_TITLE, _DATA = "<!--TITLE-->", "/*DATA*/"
+
+
+def write_page(picture: Picture, path: str | Path) -> None:
+    """Writes a picture as one HTML file; aside first, then renamed."""
+    text = page_of(picture)
+    written_aside(Path(path), lambda aside: aside.write_text(text, encoding="utf-8"))
+
+
+def page_of(picture: Picture) -> str:
+    """The HTML of a picture."""
+    # In a script, "</" could end it.
+    data = json.dumps(data_of(picture), separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    template = _TEMPLATE.read_text(encoding="utf-8")
+    return template.replace(_TITLE, html.escape(picture.title)).replace(_DATA, data)
+
+
+def data_of(picture: Picture) -> dict[str, Any]:
+    """What viewer.html reads."""
+    return {
+        "title": picture.title,
+        "labels": list(picture.labels),
+        "animated": picture.animated,
+        "verdicts": [picture.verdict(frame) for frame in range(picture.frames)],
+        "valid": [not pairs for pairs in picture.collisions],
+        "red": list(COLLIDING),
+        "blue": list(PLANE),
+        "centre": picture.centre.tolist(),
+        "radius": picture.radius,
+        "meshes": [_mesh(mesh) for mesh in picture.meshes],
+        "planes": [
+            {
+                "frame": plane.frame,
+                "text": f"{' – '.join(plane.pair)}: at least {plane.gap:.4g} m apart",
+                "centre": plane.centre.tolist(),
+                "normal": plane.normal.tolist(),
+                "size": plane.size,
+                "nearest": plane.nearest.ravel().tolist(),
+            }
+            for plane in picture.planes
+        ],
+        "witnesses": [{"frame": each.frame, "point": each.point.tolist()} for each in picture.witnesses],
+    }
+
+
+def _mesh(mesh: Mesh) -> dict[str, Any]:
+    return {
+        "name": mesh.owner if mesh.owner == mesh.name else f"{mesh.owner} ({mesh.name})",
+        "layer": mesh.layer,
+        "colour": list(COLOURS[mesh.layer]),
+        "opacity": mesh.opacity,
+        "vertices": _packed(mesh.vertices, "<f4"),
+        "faces": _packed(mesh.faces, "<u4"),
+        # Column by column, without the last row: 12 numbers a frame.
+        "poses": _packed(mesh.poses[:, :3].transpose(0, 2, 1), "<f4"),
+        "colliding": np.flatnonzero(mesh.colliding).tolist(),
+    }
+
+
+def _packed(array: NDArray[Any], kind: str) -> str:
+    return base64.b64encode(np.ascontiguousarray(array, dtype=kind).tobytes()).decode("ascii")

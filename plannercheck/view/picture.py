@@ -1,0 +1,156 @@
+"""Makes the picture of a checker's robot and scene at configurations.
+
+In: a checker in space or in the plane, configurations. Out: a `Picture` whose poses are those that verdicts use, with
+colliding bodies in red. Planar bodies are drawn as flat prisms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checker import Checker
+from plannercheck.errors import PlannercheckError
+from plannercheck.planar.checker import Checker as PlanarChecker
+from plannercheck.protocols import AnyChecker
+from plannercheck.view.evidence import Evidence
+from plannercheck.view.model import OBSTACLE_OPACITY, VEIL_OPACITY, Mesh, Picture, Plane, Witness
+from plannercheck.view.planar_bodies import planar_meshes, planar_witnesses
+from plannercheck.view.surfaces import Surface, surface_of
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+# Planes a frame: several for a state that is looked at, one where frames pass by.
+_PLANES_OF_ONE, _PLANES_OF_MANY = 3, 1
+# More frames than these make pages that are slow to load.
+MOST_FRAMES = 2000
+# What to look at reaches so much further than the robot.
+_MARGIN = 1.15
+
+
+def picture(
+    checker: AnyChecker,
+    q: ArrayLike,
+    *,
+    labels: Sequence[str] | None = None,
+    animated: bool = False,
+    planes: int | None = None,
+    meshes: Mapping[str, Surface] | None = None,
+) -> Picture:
+    """Makes a picture.
+
+    Args:
+        checker: A checker in space, or a planar one.
+        q: (nq,) or (n, nq) a configuration a frame.
+        labels: What the frames are called; default: their numbers.
+        animated: Whether the frames follow each other in time, as those of `along_path` do.
+        planes: Separating planes a frame, of the nearest pairs; default: 3 for one frame, 1 for several; in the plane
+            none are drawn.
+        meshes: Of `delivered_meshes`, to be drawn inside their hulls.
+
+    Returns:
+        The picture.
+
+    Raises:
+        PlannercheckError: If there are no configurations or more than `MOST_FRAMES`, or labels do not fit them.
+    """
+    rows = checker.robot.check_configurations(q)
+    names = [f"configuration {k}" for k in range(len(rows))] if labels is None else list(labels)
+    if not 0 < len(rows) <= MOST_FRAMES or len(names) != len(rows):
+        raise PlannercheckError(
+            f"a picture takes 1 to {MOST_FRAMES} configurations, each with a label: not {len(rows)}"
+        )
+    colliding = checker.colliding_pairs(rows)
+    if isinstance(checker, PlanarChecker):
+        drawn = planar_meshes(checker, rows, _bodies_hit(checker, colliding))
+        points, found = planar_witnesses(checker, rows, colliding), list[Plane]()
+    else:
+        assert isinstance(checker, Checker)
+        drawn = space_meshes(checker, rows, _bodies_hit(checker, colliding), meshes or {})
+        count = planes if planes is not None else _PLANES_OF_ONE if len(rows) == 1 else _PLANES_OF_MANY
+        points, found = _evidence(checker, rows, colliding, count)
+    centre, radius = _focus([mesh for mesh in drawn if mesh.layer != "obstacle"] or drawn)
+    return Picture(
+        title=f"{checker.robot.name} in {checker.scene.name}",
+        labels=tuple(names),
+        animated=animated,
+        meshes=tuple(drawn),
+        collisions=tuple(_names_hit(checker, row) for row in colliding),
+        planes=tuple(found),
+        witnesses=tuple(points),
+        centre=centre,
+        radius=radius,
+    )
+
+
+def space_meshes(checker: Checker, rows: Floats, hit: Bools, delivered: Mapping[str, Surface]) -> list[Mesh]:
+    """A mesh for each body, and one for each delivered mesh.
+
+    Args:
+        checker: The checker.
+        rows: (n, nq) configurations.
+        hit: (n, bodies) which bodies collide.
+        delivered: Triangles by body's name.
+    """
+    poses = drawn_poses(checker, rows)
+    owners = (*(body.link or body.name for body in checker.robot.bodies), *checker.scene.body_objects)
+    drawn: list[Mesh] = []
+    for k, (body, owner) in enumerate(zip(checker.bodies, owners, strict=True)):
+        at = poses[:, k] if (poses[:, k] != poses[0, k]).any() else poses[:1, k]
+        surface = surface_of(body.shape, body.name)
+        if body.link is None:
+            drawn.append(Mesh(body.name, owner, "obstacle", *surface, at, hit[:, k], OBSTACLE_OPACITY))
+            continue
+        inside = delivered.get(body.name)
+        drawn.append(Mesh(body.name, owner, "hull", *surface, at, hit[:, k], VEIL_OPACITY if inside else 1.0))
+        if inside is not None:
+            drawn.append(Mesh(body.name, owner, "mesh", *inside, at, hit[:, k]))
+    return drawn
+
+
+def drawn_poses(checker: Checker, rows: Floats) -> Floats:
+    """(n, bodies, 4, 4) in the world, those of bodies that no pair needs, too, m."""
+    poses = checker.body_poses(rows).copy()
+    missing = np.flatnonzero(np.isnan(poses).any(axis=(0, 2, 3)))
+    links = checker.robot.link_poses(rows) if len(missing) else None
+    for k in missing.tolist():
+        body = checker.bodies[k]
+        assert links is not None
+        poses[:, k] = body.pose if body.link is None else links[:, checker.robot.link_index(body.link)] @ body.pose
+    return poses
+
+
+def _bodies_hit(checker: AnyChecker, colliding: Bools) -> Bools:
+    """(n, bodies) which bodies are in a colliding pair."""
+    bodies = len(checker.bodies) if isinstance(checker, Checker | PlanarChecker) else 0
+    hit = np.zeros((len(colliding), bodies), dtype=bool)
+    for row, pair in np.argwhere(colliding).tolist():
+        hit[row, checker.pairs[pair]] = True
+    return hit
+
+
+def _names_hit(checker: AnyChecker, colliding: Bools) -> tuple[tuple[str, str], ...]:
+    """Names of colliding pairs, each once: links may have several bodies."""
+    return tuple(dict.fromkeys(checker.pair_names(int(k)) for k in np.flatnonzero(colliding)))
+
+
+def _evidence(checker: Checker, rows: Floats, colliding: Bools, count: int) -> tuple[list[Witness], list[Plane]]:
+    points: list[Witness] = []
+    planes: list[Plane] = []
+    evidence = Evidence(checker)
+    for frame, poses in enumerate(checker.body_poses(rows)):
+        points += evidence.witnesses(frame, poses, colliding[frame])
+        planes += evidence.planes(frame, poses, colliding[frame], count)
+    return points, planes
+
+
+def _focus(meshes: Sequence[Mesh]) -> tuple[Floats, float]:
+    """Centre (3,) and radius of the box around meshes at all frames, m."""
+    if not meshes:
+        return np.zeros(3), 1.0
+    corners = [mesh.vertices @ pose[:3, :3].T + pose[:3, 3] for mesh in meshes for pose in mesh.poses]
+    low, high = np.min([c.min(axis=0) for c in corners], axis=0), np.max([c.max(axis=0) for c in corners], axis=0)
+    return (low + high) / 2, _MARGIN * float(np.linalg.norm(high - low)) / 2

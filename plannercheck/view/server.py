@@ -1,0 +1,148 @@
+"""A picture in the browser through viser, for looking around and stepping through frames.
+
+In: a `Picture`. Out: a running server. Needs `pip install 'plannercheck[view]'`.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from plannercheck.errors import PlannercheckError
+from plannercheck.poses import quaternion_of_rotation
+from plannercheck.view.model import PLANE, Mesh, Picture
+
+DEFAULT_PORT = 8080
+# Time a frame is shown, s: of an animation, and of a set of configurations.
+_ANIMATION_STEP, _SET_STEP = 1 / 30, 0.8
+# Where one looks from at first, seen from the centre, in radii: from behind robots that look along x.
+_EYE = np.array([-1.6, -2.2, 1.2])
+# Radius of drawn points and thickness of lines as parts of the radius of what is looked at.
+_POINT_PART, _LINE_PART = 0.008, 0.004
+
+
+def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -> Stage:
+    """Starts a viser server that shows a picture.
+
+    Args:
+        picture: The picture.
+        port: Where to listen.
+        host: On which of this machine's addresses to listen; "0.0.0.0" is all of them.
+
+    Returns:
+        The stage; its `server.stop()` ends it, its `play()` plays frames as long as the box is ticked.
+
+    Raises:
+        PlannercheckError: If viser is not installed.
+    """
+    try:
+        import viser
+    except ImportError:
+        raise PlannercheckError(
+            "viser is not installed: pip install 'plannercheck[view]', or write a page by --html FILE (write_page)"
+        ) from None
+    return Stage(viser.ViserServer(host=host, port=port, verbose=False), picture)
+
+
+class Stage:
+    """The picture's handles in viser, and the controls that move them.
+
+    Attributes:
+        server: viser's server.
+        meshes: viser's handle of each of the picture's meshes.
+    """
+
+    def __init__(self, server: Any, picture: Picture) -> None:
+        self.server, self._picture = server, picture
+        self._marks: list[Any] = []
+        server.scene.set_up_direction("+z")
+        server.scene.world_axes.visible = False
+        self.meshes = [self._added(k, mesh) for k, mesh in enumerate(picture.meshes)]
+        self._verdict = server.gui.add_markdown("")
+        self._slider = server.gui.add_slider("frame", 0, max(picture.frames - 1, 1), 1, 0, disabled=picture.frames == 1)
+        self._slider.on_update(lambda _: self.show(int(self._slider.value)))
+        self._playing = server.gui.add_checkbox("play", False, disabled=picture.frames == 1)
+        for layer in dict.fromkeys(mesh.layer for mesh in picture.meshes):
+            self._add_switch(layer)
+        server.initial_camera.look_at = picture.centre
+        server.initial_camera.position = picture.centre + picture.radius * _EYE
+        self.show(0)
+
+    def _added(self, k: int, mesh: Mesh) -> Any:
+        return self.server.scene.add_mesh_simple(
+            f"/{mesh.layer}/{k} {mesh.name.replace('/', ' ')}",
+            vertices=mesh.vertices.astype(np.float32),
+            faces=mesh.faces.astype(np.uint32),
+            color=_bytes(mesh.colour(0)),
+            opacity=None if mesh.opacity == 1 else mesh.opacity,
+            flat_shading=True,
+        )
+
+    def _add_switch(self, layer: str) -> None:
+        box = self.server.gui.add_checkbox(layer, True)
+        handles = [h for mesh, h in zip(self._picture.meshes, self.meshes, strict=True) if mesh.layer == layer]
+
+        def switch(_: Any) -> None:
+            for handle in handles:
+                handle.visible = bool(box.value)
+
+        box.on_update(switch)
+
+    def play(self) -> None:
+        """Steps through the frames as long as the box is ticked; never returns."""
+        while True:
+            time.sleep(_ANIMATION_STEP if self._picture.animated else _SET_STEP)
+            if self._playing.value:
+                self._slider.value = (int(self._slider.value) + 1) % self._picture.frames
+
+    def show(self, frame: int) -> None:
+        """Shows a frame."""
+        with self.server.atomic():
+            for mesh, handle in zip(self._picture.meshes, self.meshes, strict=True):
+                x, y, z, w = quaternion_of_rotation(mesh.pose(frame)[:3, :3])
+                handle.position, handle.wxyz = mesh.pose(frame)[:3, 3], (w, x, y, z)
+                handle.color = _bytes(mesh.colour(frame))
+            for mark in self._marks:
+                mark.remove()
+            self._marks = [*self._drawn_witnesses(frame), *self._drawn_planes(frame)]
+        self._verdict.content = f"**{self._picture.labels[frame]}**: {self._picture.verdict(frame)}"
+
+    def _drawn_witnesses(self, frame: int) -> list[Any]:
+        return [
+            self.server.scene.add_icosphere(
+                f"/witness/{k}", radius=self._picture.radius * _POINT_PART, color=(20, 20, 20), position=each.point
+            )
+            for k, each in enumerate(self._picture.witnesses)
+            if each.frame == frame
+        ]
+
+    def _drawn_planes(self, frame: int) -> list[Any]:
+        drawn, scene, blue, thick = [], self.server.scene, _bytes(PLANE), self._picture.radius * _LINE_PART
+        for k, plane in enumerate(self._picture.planes):
+            if plane.frame == frame:
+                corners, faces = square(plane.centre, plane.normal, plane.size)
+                drawn.append(
+                    scene.add_mesh_simple(
+                        f"/plane/{k}", vertices=corners, faces=faces, color=blue, opacity=0.4, side="double"
+                    )
+                )
+                drawn.append(
+                    scene.add_line_segments(f"/nearest/{k}", plane.nearest[None], colors=blue, thickness=thick)
+                )
+        return drawn
+
+
+def square(centre: Any, normal: Any, size: float) -> tuple[Any, Any]:
+    """Corners (4, 3) and triangles of a square about a centre, in the plane with a normal."""
+    away = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    u = np.cross(normal, away)
+    u = u / np.linalg.norm(u) * size / 2
+    v = np.cross(normal, u)
+    return np.stack([centre - u - v, centre + u - v, centre + u + v, centre - u + v]), np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def _bytes(colour: tuple[float, float, float]) -> tuple[int, int, int]:
+    red, green, blue = (round(255 * part) for part in colour)
+    return red, green, blue
