@@ -28,6 +28,7 @@ BodyBox body_box(const MountedBody& mounted) {
   box.link = mounted.link;
   box.centre = p.apply(0.5 * (body.low + body.high));
   box.axes = {Vec3{p.m[0], p.m[4], p.m[8]}, Vec3{p.m[1], p.m[5], p.m[9]}, Vec3{p.m[2], p.m[6], p.m[10]}};
+  box.upright = box.axes == std::array<Vec3, 3>{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
   double edges = 0;
   for (std::size_t j = 0; j < 3; ++j) {
     const auto axis = static_cast<int>(j);
@@ -67,7 +68,8 @@ void BlockBoxes::pose(const Lanes* links, const BodyBox& box, Posed& posed) cons
       store_floats(&posed.centre[i][lane], centre);
       for (std::size_t j = 0; j < 3; ++j) {
         const Vec3 axis = box.axes[j];
-        store_floats(&posed.axes[3 * j + i][lane], (row[0] * axis.x + row[1] * axis.y) + row[2] * axis.z);
+        const Lanes entry = box.upright ? row[j] : (row[0] * axis.x + row[1] * axis.y) + row[2] * axis.z;
+        store_floats(&posed.axes[3 * j + i][lane], entry);
       }
     }
     store_floats(&posed.room[lane], (size * kCentre + static_cast<double>(box.room)) * (1 + kCentre));

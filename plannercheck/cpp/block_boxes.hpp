@@ -19,6 +19,7 @@ struct BodyBox {
   Vec3 centre;
   std::array<Vec3, 3> axes;
   std::array<float, 3> half;  // of its edges, with the body's swell
+  bool upright;               // the axes are exactly those of the frame
   float room;                 // what the axes may be off, times the edges, and the rounding of posing
 };
 
