@@ -8,8 +8,9 @@ the robot is loaded.
 
 from __future__ import annotations
 
+import copy
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.carrying import carried_pairs, check_objects, on_links
 from plannercheck.configurations import ConfigurationMap, planning_group, whole_robot
 from plannercheck.errors import unknown_name
 from plannercheck.kinematic_rounding import KinematicRounding
@@ -34,6 +36,7 @@ from plannercheck.planning_groups import explicit_group, srdf_group, usable_mimi
 from plannercheck.reading import within
 from plannercheck.reference import all_values, checked_values, given_values, reference_of
 from plannercheck.robot_files import DisabledPair, RobotDescription, find_description, read_description
+from plannercheck.scene_objects import SceneObject
 from plannercheck.self_pairs import self_pairs
 from plannercheck.shapes import Body
 from plannercheck.srdf import group_state, read_srdf
@@ -55,8 +58,9 @@ class Robot:
         joint_names: Joints of the group (one column each; without a group, as many as Pinocchio has numbers
             for them).
         link_names: The URDF's links in the order of Pinocchio's body frames.
-        bodies: Collision bodies in the order of Pinocchio's geometries.
+        bodies: Collision bodies in the order of Pinocchio's geometries, then those of carried objects.
         self_pairs: (k, 2) indices into bodies: what is tested for self-collision.
+        carried: Objects that links carry.
         disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
         reference: (nq,) the group's reference configuration, rad and m.
         model: Pinocchio's model.
@@ -76,14 +80,15 @@ class Robot:
         values: Mapping[str, Floats],
         group: str | None,
         joints: tuple[str, ...] | None,
+        carried: tuple[SceneObject, ...] = (),
     ) -> None:
         self.name = name
         self.model = model
-        self.bodies = bodies
-        self.self_pairs = _frozen(pairs)
+        self._tree = tree
+        self._own_bodies, self._own_pairs = bodies, _frozen(pairs)
+        self._carry(carried)
         self.disabled_pairs = disabled_pairs
         self.group = group
-        self._tree = tree
         self._mimics = mimics
         self._values = values
         self._joints = joints
@@ -326,6 +331,28 @@ class Robot:
         """
         return self._changed(group=name, joints=explicit_group(self.model, joints, self._mimics))
 
+    def carrying(self, objects: Iterable[SceneObject]) -> Robot:
+        """The same robot, whose links carry other objects than now.
+
+        Args:
+            objects: Attached ones, see `Scene.attach`; none for the robot alone.
+
+        Returns:
+            A robot that shares everything else with this one.
+        """
+        other = copy.copy(self)
+        for name in ("kinematic_error", "_rounding"):  # they depend on the bodies
+            other.__dict__.pop(name, None)
+        other._carry(on_links(self, tuple(objects)))
+        return other
+
+    def _carry(self, objects: tuple[SceneObject, ...]) -> None:
+        check_objects(objects, self.link_names, self._own_bodies)
+        self.carried = objects
+        self.bodies = (*self._own_bodies, *(body for item in objects for body in item.bodies))
+        more = carried_pairs(objects, self._own_bodies)
+        self.self_pairs = _frozen(np.concatenate([self._own_pairs, np.array(more, dtype=np.int64).reshape(-1, 2)]))
+
     def __repr__(self) -> str:
         group = f"group {self.group!r}, " if self.group else ""
         return f"Robot({self.name!r}, {group}nq={self.nq}, {len(self.bodies)} bodies)"
@@ -338,8 +365,9 @@ class Robot:
             "name": self.name,
             "model": self.model,
             "tree": self._tree,
-            "bodies": self.bodies,
-            "pairs": self.self_pairs,
+            "bodies": self._own_bodies,
+            "pairs": self._own_pairs,
+            "carried": self.carried,
             "disabled_pairs": self.disabled_pairs,
             "mimics": self._mimics,
             "values": self._values,
