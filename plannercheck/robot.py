@@ -31,15 +31,14 @@ from plannercheck.kinematics import (
     joint_table,
     pinocchio_poses,
 )
-from plannercheck.paths import example_robot_data
 from plannercheck.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.reading import within
 from plannercheck.reference import all_values, checked_values, given_values, reference_of
-from plannercheck.robot_files import DisabledPair, RobotDescription, find_description, read_description
+from plannercheck.robot_files import DisabledPair, RobotDescription, description_of, find_description, read_description
 from plannercheck.scene_objects import SceneObject
 from plannercheck.self_pairs import self_pairs
 from plannercheck.shapes import Body
-from plannercheck.srdf import group_state, read_srdf
+from plannercheck.srdf import group_state, read_srdf, warn_of_unheeded
 from plannercheck.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
 
 Floats = NDArray[np.float64]
@@ -109,9 +108,9 @@ class Robot:
         """
         path = find_description(name_or_path)
         if path.suffix == ".urdf":
-            return cls.from_urdf(path, package_dirs=example_robot_data())
+            return cls.from_description(description_of(path))
         with within(f"robot file {path}"):
-            return cls._from_description(read_description(path), None)
+            return cls.from_description(read_description(path))
 
     @classmethod
     def from_urdf(
@@ -149,16 +148,19 @@ class Robot:
             group=name,
             joints=joints,
         )
-        return cls._from_description(description, reference)
+        return cls.from_description(description, reference)
 
     @classmethod
-    def _from_description(cls, description: RobotDescription, reference: Reference) -> Robot:
+    def from_description(cls, description: RobotDescription, reference: Reference = None) -> Robot:
+        """Builds a robot from what its YAML says; `reference` as for `from_urdf`, if it does not say one."""
         model = read_model(description.urdf, description.floating)
         geometry = read_geometry(model, description.urdf, description.package_dirs)
         tree = link_tree(model)
         bodies = bodies_of(model, geometry)
         mimics = usable_mimics(model, description.urdf)
         semantics = read_srdf(description.srdf) if description.srdf else None
+        if semantics is not None and description.srdf is not None:
+            warn_of_unheeded(semantics, description.srdf, tree)
         if isinstance(reference, str):
             reference = group_state(semantics, reference, model.names)
         joints = None
@@ -294,6 +296,16 @@ class Robot:
     def configuration_map(self) -> ConfigurationMap:
         """Where the numbers in Pinocchio's q come from."""
         return self._map
+
+    @property
+    def link_tree(self) -> LinkTree:
+        """How the links hang together."""
+        return self._tree
+
+    @property
+    def mimics(self) -> Mapping[str, Mimic]:
+        """The joints that follow others, by name."""
+        return self._mimics
 
     @property
     def frames(self) -> Sequence[int]:

@@ -98,6 +98,15 @@ def find_description(name_or_path: str | Path) -> Path:
     return shipped
 
 
+def description_of(name_or_path: str | Path) -> RobotDescription:
+    """What the YAML of a robot says, or of a URDF alone, that there is none."""
+    path = find_description(name_or_path)
+    if path.suffix == ".urdf":
+        return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
+    with within(f"robot file {path}"):
+        return read_description(path)
+
+
 def read_description(path: Path) -> RobotDescription:
     """Reads a robot's YAML file.
 
