@@ -6,15 +6,13 @@ is exact or counts a mesh that lies wholly within another one; it tells a hull's
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 import coal
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.robot import Robot
 from plannercheck.robot_files import RobotDescription
-from plannercheck.urdf import read_geometry
+from plannercheck.urdf import bodies_of, read_geometry
 
 Floats = NDArray[np.float64]
 
@@ -25,12 +23,10 @@ class LinkMeshes:
     def __init__(self, robot: Robot, description: RobotDescription) -> None:
         """Loads the meshes; `description` is the robot's."""
         geometry = read_geometry(robot.model, description.urdf, description.package_dirs)
-        shapes = {each.name: each.geometry for each in geometry.geometryObjects}
         self._robot = robot
-        self._bodies: Mapping[str, Sequence[tuple[coal.CollisionGeometry, Floats]]] = {
-            link: [(shapes[body.name], body.pose) for body in robot.bodies if body.link == link]
-            for link in {str(body.link) for body in robot.bodies}
-        }
+        self._bodies: dict[str, list[tuple[coal.CollisionGeometry, Floats]]] = {}
+        for body, each in zip(bodies_of(robot.model, geometry), geometry.geometryObjects, strict=True):
+            self._bodies.setdefault(str(body.link), []).append((each.geometry, body.pose))
 
     def collisions(self, link_a: str, link_b: str, q: Floats) -> int:
         """In how many of the configurations (n, nq) the surfaces of two links intersect."""

@@ -8,9 +8,11 @@ the robot is loaded.
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,6 +23,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.carrying import carried_pairs, check_objects, on_links
 from plannercheck.configurations import ConfigurationMap, planning_group, whole_robot
+from plannercheck.decomposed_links import decomposed
+from plannercheck.decomposition import Decomposition, Pieces
 from plannercheck.errors import unknown_name
 from plannercheck.kinematic_rounding import KinematicRounding
 from plannercheck.kinematics import (
@@ -34,7 +38,7 @@ from plannercheck.kinematics import (
 from plannercheck.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.reading import within
 from plannercheck.reference import all_values, checked_values, given_values, reference_of
-from plannercheck.robot_files import DisabledPair, RobotDescription, description_of, find_description, read_description
+from plannercheck.robot_files import DisabledPair, RobotDescription, description_of, find_description
 from plannercheck.scene_objects import SceneObject
 from plannercheck.self_pairs import self_pairs
 from plannercheck.shapes import Body
@@ -60,6 +64,7 @@ class Robot:
         bodies: Collision bodies in the order of Pinocchio's geometries, then those of carried objects.
         self_pairs: (k, 2) indices into bodies: what is tested for self-collision.
         carried: Objects that links carry.
+        pieces: Of the bodies that were decomposed, by the name of the body.
         disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
         reference: (nq,) the group's reference configuration, rad and m.
         model: Pinocchio's model.
@@ -80,11 +85,13 @@ class Robot:
         group: str | None,
         joints: tuple[str, ...] | None,
         carried: tuple[SceneObject, ...] = (),
+        pieces: Mapping[str, Pieces] | None = None,
     ) -> None:
         self.name = name
         self.model = model
         self._tree = tree
         self._own_bodies, self._own_pairs = bodies, _frozen(pairs)
+        self.pieces = dict(pieces or {})
         self._carry(carried)
         self.disabled_pairs = disabled_pairs
         self.group = group
@@ -97,20 +104,22 @@ class Robot:
         self.kinematics = self._checked_kinematics()
 
     @classmethod
-    def load(cls, name_or_path: str | Path) -> Robot:
+    def load(cls, name_or_path: str | Path, decomposition: Decomposition | None = None) -> Robot:
         """Loads a robot.
 
         Args:
             name_or_path: A name from robots/ such as "panda", or the path of a YAML description or of a URDF.
+            decomposition: Makes concave links of convex pieces, with CoACD; None does what the YAML says.
 
         Returns:
             The robot.
         """
         path = find_description(name_or_path)
-        if path.suffix == ".urdf":
-            return cls.from_description(description_of(path))
-        with within(f"robot file {path}"):
-            return cls.from_description(read_description(path))
+        description = description_of(path)
+        if decomposition is not None:
+            description = replace(description, decomposition=decomposition)
+        with contextlib.nullcontext() if path.suffix == ".urdf" else within(f"robot file {path}"):
+            return cls.from_description(description)
 
     @classmethod
     def from_urdf(
@@ -122,6 +131,7 @@ class Robot:
         reference: Reference = None,
         *,
         floating: bool = False,
+        decomposition: Decomposition | None = None,
     ) -> Robot:
         """Builds a robot from a URDF.
 
@@ -134,6 +144,7 @@ class Robot:
                 neutral), an array in Pinocchio's order, or the name of an SRDF group state. Default: within
                 its limits, the nearest to Pinocchio's neutral configuration. rad and m.
             floating: Whether the root link is free to move.
+            decomposition: Makes concave links of convex pieces, with CoACD; None takes their hulls.
 
         Returns:
             The robot.
@@ -147,6 +158,7 @@ class Robot:
             floating=floating,
             group=name,
             joints=joints,
+            decomposition=decomposition,
         )
         return cls.from_description(description, reference)
 
@@ -168,12 +180,17 @@ class Robot:
             joints = explicit_group(model, description.joints, mimics)
         elif description.group is not None:
             joints = srdf_group(model, semantics, description.group, tree, mimics)
+        pairs = self_pairs(model, geometry, bodies, description.srdf, tree, description.disabled_pairs)
+        pieces: Mapping[str, Pieces] = {}
+        if description.decomposition is not None:
+            bodies, pairs, pieces = decomposed(bodies, pairs, geometry, description.decomposition)
         return cls(
             name=description.name or model.name,
             model=model,
             tree=tree,
             bodies=bodies,
-            pairs=self_pairs(model, geometry, bodies, description.srdf, tree, description.disabled_pairs),
+            pairs=pairs,
+            pieces=pieces,
             disabled_pairs=description.disabled_pairs,
             mimics=mimics,
             values=given_values(model, description.values or reference),
@@ -380,6 +397,7 @@ class Robot:
             "bodies": self._own_bodies,
             "pairs": self._own_pairs,
             "carried": self.carried,
+            "pieces": self.pieces,
             "disabled_pairs": self.disabled_pairs,
             "mimics": self._mimics,
             "values": self._values,
