@@ -33,7 +33,7 @@ from plannercheck.pairs import Acm, pair_table
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
-from plannercheck.scene_objects import Parts
+from plannercheck.scene_objects import Parts, SceneObject
 from plannercheck.shapes import DEFAULT_EXCESS, Body
 
 Floats = NDArray[np.float64]
@@ -127,7 +127,8 @@ class Checker:
                 f"not {type(robot).__name__} and {type(scene).__name__}"
             )
         self.excess = excess
-        self._settings = _Settings(robot, self_collision, padding, acm, kinematics, bodies, reach)
+        alone = _without(robot, () if scene is None else scene.attached)
+        self._settings = _Settings(alone, self_collision, padding, acm, kinematics, bodies, reach)
         self._options = pair_options(method, cached_plane, centre_axis, nearest_points), bounds, boxes, learning
         self._prepare(scene if scene is not None else Scene("empty"), None)
 
@@ -173,12 +174,12 @@ class Checker:
 
     def _carrier(self, earlier: Checker | None) -> Robot:
         """The robot with what the scene attaches to it; the scene then has poses on links."""
-        attached = self.scene.attached
-        if earlier is not None and earlier.robot.carried == attached:
+        carried = (*self._settings.robot.carried, *self.scene.attached)
+        if earlier is not None and earlier.robot.carried == carried:
             return earlier.robot
         robot = self._settings.robot
-        if attached or robot.carried:
-            robot = robot.carrying((*robot.carried, *attached)) if attached else robot
+        if self.scene.attached:
+            robot = robot.carrying(carried)
             self.scene.anchored(robot.carried)
         return robot
 
@@ -659,6 +660,14 @@ class _Settings:
     kinematics: str
     bodies: Sequence[Body] | None
     reach: bool
+
+
+def _without(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
+    """The robot without what a scene attaches to it: the robot of another checker carries that already."""
+    names = {item.name for item in attached}
+    if names.isdisjoint(item.name for item in robot.carried):
+        return robot
+    return robot.carrying(item for item in robot.carried if item.name not in names)
 
 
 def _known_parts(padding: Padding, bodies: Sequence[Body], labels: Sequence[str]) -> Padding:

@@ -224,6 +224,9 @@ def test_attaching_in_any_way_is_attaching_in_the_scene(panda, scene, q):
     scene.remove("can")
     attached = pc.Checker(panda, scene).attach("can", Cylinder(0.03, 0.3), HAND, at(0, 0, 0.2), FINGERS)
     assert_same(attached, whole, q)
+    again = pc.Checker(attached.robot, attached.scene)
+    assert_same(again, whole, q)
+    assert again.detach("can").robot.bodies == panda.bodies
     assert_same(attached.detach("can"), pc.Checker(panda, scene), q)
 
 
