@@ -9,8 +9,7 @@ from __future__ import annotations
 import copy
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any, Literal
 
@@ -19,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.carrying import inverse
 from plannercheck.certified_motions import DEFAULT_TOLERANCE, MotionCertifier
+from plannercheck.checker_settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
 from plannercheck.compiled_pairs import CompiledPairs, Preparation, added
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
@@ -33,22 +33,13 @@ from plannercheck.pairs import Acm, pair_table
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
-from plannercheck.scene_objects import Parts, SceneObject
+from plannercheck.scene_objects import Parts
 from plannercheck.shapes import DEFAULT_EXCESS, Body
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 
-
-_UNCOUNTED = (
-    "{0!r} of {robot}, which is fixed to the world, touches obstacle {1!r}; "
-    "this pair is not counted at any configuration"
-)
-_COUNTED = (
-    "{1!r}, which a link of {robot} carries, touches {0!r} at every configuration, since no joint of the group moves "
-    "one against the other: no configuration is valid unless {0!r} is one of its touch_links"
-)
 
 # Steps of the descent that a lower bound of a distance takes.
 _BOUND_ROUNDS = 2
@@ -127,8 +118,8 @@ class Checker:
                 f"not {type(robot).__name__} and {type(scene).__name__}"
             )
         self.excess = excess
-        alone = _without(robot, () if scene is None else scene.attached)
-        self._settings = _Settings(alone, self_collision, padding, acm, kinematics, bodies, reach)
+        alone = without(robot, () if scene is None else scene.attached)
+        self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, reach)
         self._options = pair_options(method, cached_plane, centre_axis, nearest_points), bounds, boxes, learning
         self._prepare(scene if scene is not None else Scene("empty"), None)
 
@@ -137,13 +128,13 @@ class Checker:
         settings = self._settings
         self.scene = scene.copy()
         self.robot = robot = self._carrier(earlier)
-        self.bodies = _stand_ins(settings.bodies, (*robot.bodies, *self.scene.bodies))
+        self.bodies = stand_ins(settings.bodies, (*robot.bodies, *self.scene.bodies))
         table = pair_table(robot, self.scene, settings.self_collision, settings.acm)
         self.pairs = table.pairs
         self._labels = (*(b.label for b in robot.bodies), *self.scene.body_objects)
         self._row_shape = (robot.nq,)
         self._kernel = robot.kinematics if settings.kinematics == "batch" else None
-        padding = settings.padding if earlier is None else _known_parts(settings.padding, self.bodies, self._labels)
+        padding = settings.padding if earlier is None else known_parts(settings.padding, self.bodies, self._labels)
         self.paddings = padding_parts(padding, self.bodies, self._labels)
         self._preparation = Preparation(
             self.bodies, self.excess, self.paddings, None if earlier is None else earlier._preparation
@@ -297,7 +288,7 @@ class Checker:
             earlier: The checker that this one follows.
         """
         known = set() if earlier is None else set(earlier.bodies)
-        for rows, words in ((uncounted, _UNCOUNTED), (counted, _COUNTED)):
+        for rows, words in ((uncounted, UNCOUNTED), (counted, COUNTED)):
             news = [row for row in rows.tolist() if not known.issuperset(self.bodies[k] for k in row)]
             for a, b in self._touching(np.array(news, dtype=np.int32).reshape(-1, 2)):
                 text = words.format(self._labels[a], self._labels[b], robot=self.robot.name)
@@ -649,47 +640,7 @@ class Checker:
         return f"Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
 
 
-@dataclass(frozen=True)
-class _Settings:
-    """What a checker was built with and keeps in any scene; see `Checker`."""
-
-    robot: Robot
-    self_collision: bool
-    padding: Padding
-    acm: Acm
-    kinematics: str
-    bodies: Sequence[Body] | None
-    reach: bool
-
-
-def _without(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
-    """The robot without what a scene attaches to it: the robot of another checker carries that already."""
-    names = {item.name for item in attached}
-    if names.isdisjoint(item.name for item in robot.carried):
-        return robot
-    return robot.carrying(item for item in robot.carried if item.name not in names)
-
-
-def _known_parts(padding: Padding, bodies: Sequence[Body], labels: Sequence[str]) -> Padding:
-    """Paddings without the names of what the scene has no more."""
-    if not isinstance(padding, Mapping):
-        return padding
-    names = {*labels, *(body.name for body in bodies)}
-    return {name: length for name, length in padding.items() if name in names}
-
-
 def _useful_threads(threads: int, rows: int) -> int:
     if not isinstance(threads, int) or threads < 1:
         raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
     return min(threads, max(rows, 1))
-
-
-def _stand_ins(given: Sequence[Body] | None, bodies: tuple[Body, ...]) -> tuple[Body, ...]:
-    """The bodies that are given in place of others, on the same links."""
-    if given is None:
-        return bodies
-    if [body.link for body in given] != [body.link for body in bodies]:
-        raise PlannercheckError(
-            f"bodies must stand in for the {len(bodies)} of the robot and the scene, each on the same link"
-        )
-    return tuple(given)
