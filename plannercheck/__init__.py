@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from plannercheck.certificates import Separation as Separation
     from plannercheck.certificates import SharedPoint as SharedPoint
     from plannercheck.checker import Checker as Checker
+    from plannercheck.decomposition import Decomposition as Decomposition
     from plannercheck.depths import Depth as Depth
     from plannercheck.depths import depth as depth
     from plannercheck.distances import Distance as Distance
@@ -30,19 +31,34 @@ if TYPE_CHECKING:
     from plannercheck.report import Verdict as Verdict
     from plannercheck.robot import Robot as Robot
     from plannercheck.scene import Scene as Scene
+    from plannercheck.scene_objects import Part as Part
+    from plannercheck.shapes import Box as Box
+    from plannercheck.shapes import Capsule as Capsule
+    from plannercheck.shapes import Cone as Cone
+    from plannercheck.shapes import Cylinder as Cylinder
+    from plannercheck.shapes import Hull as Hull
+    from plannercheck.shapes import Sphere as Sphere
 
 __version__ = "0.1.0"
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {
+    "Box": "shapes",
+    "Capsule": "shapes",
     "Checker": "checker",
     "Depth": "depths",
+    "Cone": "shapes",
+    "Cylinder": "shapes",
+    "Decomposition": "decomposition",
     "Distance": "distances",
+    "Hull": "shapes",
+    "Part": "scene_objects",
     "Polytope": "hull",
     "Robot": "robot",
     "Scene": "scene",
     "Separation": "certificates",
     "SharedPoint": "certificates",
+    "Sphere": "shapes",
     "ValidityReport": "report",
     "Verdict": "report",
     "certify": "pair",
@@ -53,15 +69,23 @@ _HOMES = {
 _MODULES = ("ndim", "ompl", "planar", "view")
 
 __all__ = [
+    "Box",
+    "Capsule",
     "Checker",
+    "Cone",
+    "Cylinder",
+    "Decomposition",
     "Depth",
     "Distance",
+    "Hull",
+    "Part",
     "PlannercheckError",
     "Polytope",
     "Robot",
     "Scene",
     "Separation",
     "SharedPoint",
+    "Sphere",
     "ValidityReport",
     "Verdict",
     "__version__",

@@ -6,31 +6,34 @@ kinematics computes in doubles. Everything is a thin wrapper of one batch call i
 
 from __future__ import annotations
 
+import copy
 import threading
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.carrying import inverse
 from plannercheck.certified_motions import DEFAULT_TOLERANCE, MotionCertifier
+from plannercheck.checker_settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
 from plannercheck.compiled_pairs import CompiledPairs, Preparation, added
 from plannercheck.core import core
-from plannercheck.errors import PlannercheckError
+from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.hull import Polytope
 from plannercheck.kinematic_rounding import largest_distance
 from plannercheck.motion import MotionSampler
 from plannercheck.motion_verdicts import explained_motion
+from plannercheck.never_meeting import MeetingProofs
 from plannercheck.padding import Padding, padded_pairs
 from plannercheck.pair import Method, certify, pair_options
 from plannercheck.pairs import Acm, pair_table
-from plannercheck.reach import Reach, stays_apart
-from plannercheck.reach import reach as reach_of
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
+from plannercheck.scene_objects import Parts
 from plannercheck.shapes import DEFAULT_EXCESS, Body
 
 Floats = NDArray[np.float64]
@@ -42,7 +45,7 @@ Ints = NDArray[np.int32]
 _BOUND_ROUNDS = 2
 
 # Attributes that hold compiled objects or a lock, which a pickle can't have; they are made anew.
-_COMPILED = frozenset({"_live", "_whole", "_lock", "motion_certifier"})
+_COMPILED = frozenset({"_live", "_whole", "_lock", "_proofs", "motion_certifier"})
 
 
 class Checker:
@@ -61,6 +64,10 @@ class Checker:
         paddings: (bodies,) each body's part of the padding, m; `polytopes` are swollen by it.
         motion_sampler: Says how many states a motion needs, and interpolates them.
     """
+
+    _preparation: Preparation
+    _proofs: MeetingProofs
+    motion_sampler: MotionSampler
 
     def __init__(
         self,
@@ -115,27 +122,43 @@ class Checker:
                 "Checker takes a Robot and a Scene: Checker(Robot.load('panda'), Scene.load('bookshelf')), "
                 f"not {type(robot).__name__} and {type(scene).__name__}"
             )
-        self.robot = robot
         self.excess = excess
-        self.scene = scene if scene is not None else Scene("empty")
-        stand_ins = _stand_ins(bodies, (*robot.bodies, *self.scene.bodies))
-        table = pair_table(robot, self.scene, self_collision, acm)
-        labels = (*(b.link or b.name for b in robot.bodies), *self.scene.body_objects)
-        padded = padded_pairs(padding, stand_ins, labels, (table.pairs, table.resting))
+        alone = without(robot, () if scene is None else scene.attached)
+        self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, reach)
+        self._options = (method, cached_plane, centre_axis, nearest_points), (bounds, boxes, learning)
+        self._prepare(scene if scene is not None else Scene("empty"), None)
+
+    def _prepare(self, scene: Scene, earlier: Checker | None) -> None:
+        """Builds all that depends on the scene, from what another checker of the same settings has where it holds."""
+        settings = self._settings
+        self.scene = scene.copy()
+        self.robot = robot = self._carrier(earlier)
+        bodies = stand_ins(settings.bodies, (*robot.bodies, *self.scene.bodies))
+        table = pair_table(robot, self.scene, settings.self_collision, settings.acm)
+        labels = (*(b.label for b in robot.bodies), *self.scene.body_objects)
+        padding = settings.padding if earlier is None else known_parts(settings.padding, bodies, labels)
+        padded = padded_pairs(padding, bodies, labels, (table.pairs, table.resting))
         self.bodies, self._labels, self.paddings, (self.pairs, at_rest) = padded
         self._row_shape = (robot.nq,)
-        self._kernel = robot.kinematics if kinematics == "batch" else None
-        self._options = (method, cached_plane, centre_axis, nearest_points), (bounds, boxes, learning)
-        self._preparation = Preparation(self.bodies, excess, self.paddings)
+        self._kernel = robot.kinematics if settings.kinematics == "batch" else None
+        self._preparation = Preparation(
+            self.bodies, self.excess, self.paddings, None if earlier is None else earlier._preparation
+        )
+        self._proofs = self._meeting_proofs(None if earlier is None else earlier._proofs)
         candidates = np.concatenate([self.pairs, at_rest])
-        apart, resting = self._never_meeting(candidates) if reach else np.zeros((2, len(candidates)), dtype=bool)
+        apart, resting = self._proofs.of(candidates) if settings.reach else np.zeros((2, len(candidates)), dtype=bool)
         self.unreachable, self.resting = apart[: len(self.pairs)], resting[: len(self.pairs)]
         self._limits = (robot.lower, robot.upper) if self.unreachable.any() else None
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
         self._whole: CompiledPairs | None = None
         self._lock = threading.Lock()
-        self.motion_sampler = MotionSampler(robot, excess)
-        self._warn_of_resting(at_rest[~apart[len(self.pairs) :]])
+        shared = earlier is not None and earlier.robot is robot
+        self.motion_sampler = earlier.motion_sampler if earlier and shared else MotionSampler(robot, self.excess)
+        never_moving = self.pairs[self.resting & ~self.unreachable & self._with_carried()]
+        self._warn_of_touching(at_rest[~apart[len(self.pairs) :]], never_moving, earlier)
+
+    def _meeting_proofs(self, earlier: MeetingProofs | None) -> MeetingProofs:
+        return MeetingProofs(self.robot, self.bodies, self._preparation, self._kernel is not None, earlier)
 
     def __getstate__(self) -> dict[str, Any]:
         """What a pickle has: prepared bodies and tables, so that nothing is prepared twice; nothing compiled."""
@@ -143,38 +166,114 @@ class Checker:
             "_kernel": self._kernel is not None
         }
 
+    def __copy__(self) -> Checker:
+        other = type(self).__new__(type(self))
+        other.__dict__.update(self.__dict__)  # within a process, what is compiled is shared
+        return other
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._kernel = self.robot.kinematics if state["_kernel"] else None
+        self._proofs = self._meeting_proofs(None)
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
         self._whole, self._lock = None, threading.Lock()
 
-    def _never_meeting(self, pairs: Ints) -> tuple[Bools, Bools]:
-        """Which pairs never meet within the limits, and which rest relative to each other; see reach.py."""
-        found = self._reach(pairs)
-        if self._kernel is None or not found.is_proved:
-            return np.zeros(len(pairs), dtype=bool), found.resting
-        apart, prepared = found.apart.copy(), self._preparation.polytope
-        near = np.flatnonzero(found.resting & ~apart)
-        poses = self._poses_at_reference() if len(near) else None
-        for k in near.tolist():
-            assert poses is not None
-            a, b = pairs[k].tolist()
-            apart[k] = stays_apart(prepared(a), prepared(b), poses[a], poses[b])
-        return apart, found.resting
+    def _with_carried(self) -> Bools:
+        """(k,) which of `pairs` have a body that a link carries."""
+        carried = np.array([body.carried is not None for body in self.bodies], dtype=bool)
+        return np.asarray(carried[self.pairs].any(axis=1))
 
-    def _reach(self, pairs: Ints) -> Reach:
-        """What limits say of pairs; see reach.py, which has the robot's bodies first."""
-        order = sorted(range(len(self.bodies)), key=lambda k: self.bodies[k].link is None)
-        place = np.argsort(order).astype(np.int32)
-        hulls = self._preparation.hulls
-        return reach_of(self.robot, [self.bodies[k] for k in order], place[pairs], [hulls[k] for k in order])
+    def _carrier(self, earlier: Checker | None) -> Robot:
+        """The robot with what the scene attaches to it; the scene then has poses on links."""
+        carried = (*self._settings.robot.carried, *self.scene.attached)
+        if earlier is not None and earlier.robot.carried == carried:
+            return earlier.robot
+        robot = self._settings.robot
+        if self.scene.attached:
+            robot = robot.carrying(carried)
+            self.scene.anchored(robot.carried)
+        return robot
 
-    def _poses_at_reference(self) -> Floats:
-        """(bodies, 4, 4) up to rounding, m."""
-        links = self.robot.link_poses(self.robot.reference)
-        worlds = (np.eye(4) if b.link is None else links[self.robot.link_index(b.link)] for b in self.bodies)
-        return np.array([world @ body.pose for world, body in zip(worlds, self.bodies, strict=True)])
+    def with_scene(self, scene: Scene | None) -> Checker:
+        """The same checker for another scene, e.g. this one's, in which something was moved, added or attached.
+
+        Whatever both scenes share is not prepared again: bodies of the same shape, pairs whose bodies are where they
+        were, and everything of the robot.
+
+        Args:
+            scene: The scene; None is empty.
+
+        Returns:
+            A checker with this one's settings.
+
+        Raises:
+            PlannercheckError: If this checker has stand-ins for its bodies.
+        """
+        if not isinstance(scene, Scene | None):
+            raise PlannercheckError(f"with_scene takes a Scene, not {type(scene).__name__}")
+        if self._settings.bodies is not None:
+            raise PlannercheckError("a checker with stand-ins for its bodies can't take another scene: build a new one")
+        other = copy.copy(self)
+        other.__dict__.pop("motion_certifier", None)  # it is cached, for this scene
+        other._prepare(scene if scene is not None else Scene("empty"), self)
+        return other
+
+    def attach(
+        self,
+        name: str,
+        parts: Parts | None,
+        link: str,
+        pose: ArrayLike | None = None,
+        touch_links: Iterable[str] = (),
+        *,
+        q: ArrayLike | None = None,
+    ) -> Checker:
+        """The same checker with an object that a link carries.
+
+        Args:
+            name: Of the object.
+            parts: Its shape, or posed shapes; None for an object of the scene, which leaves the world.
+            link: Which carries it. The object is tested against all other links, and against obstacles.
+            pose: (4, 4) of the object's frame in the link's, m.
+            touch_links: Links, or other carried objects, that it may touch, too.
+            q: (nq,) instead of `pose`, for an object of the scene: it is attached where it stands while the robot is at
+                this configuration.
+
+        Returns:
+            A checker that shares all prepared bodies with this one.
+        """
+        scene = self.scene.copy()
+        if q is not None:
+            if pose is not None or parts is not None:
+                raise PlannercheckError("attach takes a pose on the link, or for an object of the scene q=, not both")
+            pose = inverse(self._link_pose(link, q)) @ scene.object(name).pose
+        scene.attach(name, link, pose, touch_links, parts)
+        return self.with_scene(scene)
+
+    def detach(self, name: str, q: ArrayLike | None = None) -> Checker:
+        """The same checker without an attached object, or with it standing in the world.
+
+        Args:
+            name: Of the object.
+            q: (nq,) the object becomes an obstacle where it is at this configuration; None removes it.
+
+        Returns:
+            A checker that shares all prepared bodies with this one.
+        """
+        scene = self.scene.copy()
+        if name not in {item.name for item in scene.attached}:
+            raise unknown_name("attached object", name, [item.name for item in scene.attached])
+        if q is None:
+            scene.remove(name)
+        else:
+            item = scene.object(name)
+            scene.detach(name, self._link_pose(str(item.link), q) @ item.pose)
+        return self.with_scene(scene)
+
+    def _link_pose(self, link: str, q: ArrayLike) -> Floats:
+        """(4, 4) of a link at one configuration (nq,), m."""
+        index = self.robot.link_index(link)
+        return np.asarray(self._link_poses(self.robot.check_configurations(self._single(q)))[0, index])
 
     def _compiled(self, pairs: Ints, rows: NDArray[np.int64], limits: tuple[Floats, Floats] | None) -> CompiledPairs:
         test, switches = self._options
@@ -202,19 +301,28 @@ class Checker:
         """The same as far as bodies have been needed: those of unreachable pairs are prepared late."""
         return self._preparation.so_far()
 
-    def _warn_of_resting(self, resting: Ints) -> None:
-        if not len(resting):
-            return
-        touching = self._compiled(resting, np.arange(len(resting)), None).colliding(
-            self._link_poses(self.robot.reference[None])
-        )
-        for a, b in resting[touching[0]].tolist():
-            warnings.warn(
-                f"{self._labels[a]!r} of {self.robot.name}, which is fixed to the world, touches obstacle "
-                f"{self._labels[b]!r}; this pair is not counted at any configuration",
-                RuntimeWarning,
-                stacklevel=3,
-            )
+    def _warn_of_touching(self, uncounted: Ints, counted: Ints, earlier: Checker | None) -> None:
+        """Warns of pairs that no joint moves and that touch; of those that were there before, it was warned.
+
+        Args:
+            uncounted: (k, 2) links that are fixed to the world with obstacles.
+            counted: (k, 2) carried objects with links, for which no configuration is valid if they touch.
+            earlier: The checker that this one follows.
+        """
+        known = set() if earlier is None else set(earlier.bodies)
+        for rows, words in ((uncounted, UNCOUNTED), (counted, COUNTED)):
+            news = [row for row in rows.tolist() if not known.issuperset(self.bodies[k] for k in row)]
+            for a, b in self._touching(np.array(news, dtype=np.int32).reshape(-1, 2)):
+                text = words.format(self._labels[a], self._labels[b], robot=self.robot.name)
+                warnings.warn(text, RuntimeWarning, stacklevel=4)
+
+    def _touching(self, rows: Ints) -> list[list[int]]:
+        """Which of these pairs (k, 2) touch at the reference."""
+        if not len(rows):
+            return []
+        compiled = self._compiled(rows, np.arange(len(rows)), None)
+        touching: list[list[int]] = rows[compiled.colliding(self._link_poses(self.robot.reference[None]))[0]].tolist()
+        return touching
 
     def is_valid(self, q: ArrayLike) -> bool:
         """Whether one configuration is free of collision.
@@ -561,14 +669,3 @@ def _useful_threads(threads: int, rows: int) -> int:
     if not isinstance(threads, int) or threads < 1:
         raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
     return min(threads, max(rows, 1))
-
-
-def _stand_ins(given: Sequence[Body] | None, bodies: tuple[Body, ...]) -> tuple[Body, ...]:
-    """The bodies that are given in place of others, on the same links."""
-    if given is None:
-        return bodies
-    if [body.link for body in given] != [body.link for body in bodies]:
-        raise PlannercheckError(
-            f"bodies must stand in for the {len(bodies)} of the robot and the scene, each on the same link"
-        )
-    return tuple(given)

@@ -31,6 +31,7 @@ COMMANDS = {
     "robots": "list the shipped robots",
     "stress": "hold verdicts on hard pairs of bodies against exact arithmetic",
     "bench": "measure run time against error, beside other methods and libraries",
+    "acm": "propose which pairs of a robot's links to leave untested, or audit those that are",
     "inspect": "show the bodies and pairs of a robot in a scene, and what checking them takes",
 }
 

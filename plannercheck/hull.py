@@ -39,7 +39,7 @@ class Polytope:
         source: Index of each vertex among the points given (n,), read-only.
     """
 
-    __slots__ = ("_core", "faces", "source", "vertices")
+    __slots__ = ("__weakref__", "_core", "faces", "source", "vertices")
 
     vertices: Floats
     faces: Ints

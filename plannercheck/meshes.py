@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import mesh_hint
 from plannercheck.shapes import Hull
+from plannercheck.triangle_meshes import TriangleMesh, triangles_of_coal
 
 
 def load_mesh(path: str | Path, scale: float | Sequence[float] = 1.0) -> Hull:
@@ -39,6 +40,14 @@ def load_mesh(path: str | Path, scale: float | Sequence[float] = 1.0) -> Hull:
     if hint:
         warnings.warn(f"mesh file {str(path)!r} {hint}", RuntimeWarning, stacklevel=3)
     return hull
+
+
+def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> TriangleMesh | None:
+    """The triangles of a mesh file that `load_mesh` reads, scaled to m."""
+    import coal  # slow to import, and only meshes need it
+
+    mesh = triangles_of_coal(coal.MeshLoader().load(str(path), np.ones(3)))
+    return None if mesh is None else TriangleMesh.of(mesh.points * _checked_scale(scale), mesh.triangles)
 
 
 def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ In: `moveit_msgs/MotionPlanRequest`, as ROS, MoveIt and MotionBenchMaker write i
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from plannercheck.errors import PlannercheckError
@@ -33,11 +33,13 @@ class MotionRequest:
         group: The planning group's name, as given.
         start: Value by joint name, rad or m: all joints that the start state gives.
         goals: The same for each goal, with the joints that it constrains.
+        state: The start state as it was read, e.g. for what it attaches to links.
     """
 
     group: str
     start: dict[str, float]
     goals: tuple[dict[str, float], ...]
+    state: Node = field(default_factory=dict, repr=False, compare=False)
 
 
 def read_request(path: str | Path) -> MotionRequest:
@@ -58,7 +60,8 @@ def motion_request(document: Node) -> MotionRequest:
     with within("start_state"):
         joints = _joint_state(mapping(required(start, "joint_state"), "'joint_state'"))
     group = text(document.get("group_name") or "", "group_name")
-    return MotionRequest(group, joints, tuple(_joint_goal(mapping(g, "a goal"), k) for k, g in enumerate(goals)))
+    constrained = tuple(_joint_goal(mapping(g, "a goal"), k) for k, g in enumerate(goals))
+    return MotionRequest(group, joints, constrained, start)
 
 
 def _joint_state(node: Node) -> dict[str, float]:

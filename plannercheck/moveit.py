@@ -6,8 +6,8 @@ An object may have a pose of its own: its primitives' and meshes' poses are rela
 frame that its header names, if the scene gives that frame's transform. Vectors are lists or mappings of
 x, y, z (, w). Of a mesh, the hull is taken. The robot's model name, its state and identity virtual joints are
 ignored; what would change verdicts and is not supported is an error (planes, octomaps, moved virtual joints)
-or a warning that names it (attached objects, frames without a transform, link scales). Link padding is kept as
-`scene.link_padding`, for `Checker(padding=)`.
+or a warning that names it (frames without a transform, link scales). Of the state, attached objects are taken. Link
+padding is kept as `scene.link_padding`, for `Checker(padding=)`.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.meshes import load_mesh
+from plannercheck.moveit_attached import attach_objects
 from plannercheck.poses import pose_of, rotation_of_quaternion
 from plannercheck.reading import (
     Node,
@@ -34,7 +35,8 @@ from plannercheck.reading import (
     text,
     within,
 )
-from plannercheck.scene import AllowedCollisions, Part, Scene
+from plannercheck.scene import AllowedCollisions, Scene
+from plannercheck.scene_objects import Part
 from plannercheck.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere
 
 Matrix = NDArray[np.float64]
@@ -82,10 +84,11 @@ def planning_scene(document: Node, folder: Path, package_dirs: Sequence[Path] = 
         package_dirs: Where `package://` meshes are looked for.
 
     Returns:
-        The scene: its objects and its allowed collision matrix.
+        The scene: its objects, what the robot's state attaches, and its allowed collision matrix.
     """
     check_keys(document, _SCENE_KEYS)
-    check_robot_state(mapping(document.get("robot_state"), "'robot_state'"), "scene")
+    state = mapping(document.get("robot_state"), "'robot_state'")
+    check_robot_state(state, "scene")
     scene = Scene(text(document.get("name") or "", "name"))
     scene.link_padding = _link_padding(document)
     _warn_of_scale(document)
@@ -95,13 +98,15 @@ def planning_scene(document: Node, folder: Path, package_dirs: Sequence[Path] = 
     frames = _fixed_frames(document)
     for k, item in enumerate(sequence(world.get("collision_objects"), "'collision_objects'")):
         _add_object(scene, mapping(item, f"collision object {k}"), k, frames, _mesh_finder(folder, package_dirs))
+    with within("robot_state"):
+        attach_objects(scene, state, _object, frames, _mesh_finder(folder, package_dirs))
     with within("allowed_collision_matrix"):
         scene.allowed = _allowed(mapping(document.get("allowed_collision_matrix"), "it"))
     return scene
 
 
 def check_robot_state(state: Node, what: str) -> None:
-    """Raises if a virtual joint moves the robot's base, warns of attached objects."""
+    """Raises if a virtual joint moves the robot's base."""
     joints = mapping(state.get("multi_dof_joint_state"), "'multi_dof_joint_state'")
     names = sequence(joints.get("joint_names"), "'joint_names'")
     for k, item in enumerate(sequence(joints.get("transforms"), "'transforms'")):
@@ -110,10 +115,11 @@ def check_robot_state(state: Node, what: str) -> None:
             raise PlannercheckError(
                 f"the {what}'s virtual joint {name!r} moves the robot: only the identity is supported"
             )
-    attached = [mapping(a, "an attached object") for a in sequence(state.get("attached_collision_objects"), "they")]
-    if attached:
-        ids = (str(mapping(a.get("object"), "'object'").get("id")) for a in attached)
-        warnings.warn(f"attached objects are not supported yet, left out: {', '.join(ids)}", stacklevel=2)
+
+
+def attach_from_state(scene: Scene, state: Node, folder: Path) -> None:
+    """Attaches what a robot state says, e.g. the start of a motion request, to links; see moveit_attached.py."""
+    attach_objects(scene, state, _object, {"": np.eye(4), "world": np.eye(4)}, _mesh_finder(folder, ()))
 
 
 def _link_padding(document: Node) -> dict[str, float]:
@@ -159,19 +165,33 @@ def _add_object(
     scene: Scene, node: Node, index: int, frames: dict[str, Matrix], find_mesh: Callable[[str], Path]
 ) -> None:
     with within(f"collision object {index}"):
-        name = text(required(node, "id"), "id")
+        text(required(node, "id"), "id")
+    name, parts, pose = _object(node, find_mesh)
+    with within(f"collision object {name!r}"):
+        if not parts:
+            raise PlannercheckError("has neither primitives nor meshes")
+        frame = _frame_of(node, frames)
+    scene.add(name, parts, frame @ pose)
+
+
+def _object(node: Node, find_mesh: Callable[[str], Path]) -> tuple[str, list[Part], Matrix]:
+    """The name, the parts and the pose, in the frame that the header names, of a collision object.
+
+    A pose that is unset is that of its only shape, if it has just one, as in MoveIt.
+    """
+    name = text(required(node, "id"), "id")
     with within(f"collision object {name!r}"):
         check_keys(node, _OBJECT_KEYS)
         if sequence(node.get("planes"), "'planes'"):
             raise PlannercheckError("planes are not supported: give a box as thick as the robot's reach instead")
         if node.get("operation") not in _ADD:
             raise PlannercheckError(f"operation must be 0 (add) in a whole scene, not {node['operation']!r}")
-        pose = _frame_of(node, frames) @ _object_pose(mapping(node.get("pose"), "'pose'"))
-        parts = [Part(_primitive(p), pose @ q) for p, q in _posed(node, "primitives", "primitive_poses")]
-        parts += [Part(_mesh(m, find_mesh), pose @ q) for m, q in _posed(node, "meshes", "mesh_poses")]
-        if not parts:
-            raise PlannercheckError("has neither primitives nor meshes")
-    scene.add(name, parts)
+        pose = _object_pose(mapping(node.get("pose"), "'pose'"))
+        posed = [(_primitive(p), q) for p, q in _posed(node, "primitives", "primitive_poses")]
+        posed += [(_mesh(m, find_mesh), q) for m, q in _posed(node, "meshes", "mesh_poses")]
+    if len(posed) == 1 and np.array_equal(pose, np.eye(4)):
+        return name, [Part(posed[0][0])], posed[0][1]
+    return name, [Part(shape, q) for shape, q in posed], pose
 
 
 def _frame_of(node: Node, frames: dict[str, Matrix]) -> Matrix:

@@ -40,7 +40,8 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
 
     Args:
         robot: Its `self_pairs` are taken as they are.
-        scene: Its allowed collisions act on pairs with obstacles, and on self pairs only with acm="scene".
+        scene: Its allowed collisions act on pairs with obstacles and carried objects, and on other self pairs only with
+            acm="scene".
         self_collision: Whether self pairs are tested at all.
         acm: "robot" or "scene".
 
@@ -50,15 +51,15 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
     if acm not in ("robot", "scene"):
         raise PlannercheckError(f"acm must be 'robot' or 'scene', not {acm!r}")
     own = [(int(a), int(b)) for a, b in robot.self_pairs] if self_collision else []
-    if acm == "scene":
-        links = [body.link or "" for body in robot.bodies]
-        own = [(a, b) for a, b in own if not scene.is_allowed(links[a], links[b])]
+    labels = [body.label for body in robot.bodies]
+    judged = [acm == "scene" or body.carried is not None for body in robot.bodies]
+    own = [(a, b) for a, b in own if not (judged[b] and scene.is_allowed(labels[a], labels[b]))]
     pairs = list(own)
     resting: list[tuple[int, int]] = []
     fixed = fixed_links(robot)
     for a, body in enumerate(robot.bodies):
         for k, name in enumerate(scene.body_objects):
-            if scene.is_allowed(body.link or "", name):
+            if scene.is_allowed(labels[a], name):
                 continue
             (resting if body.link in fixed else pairs).append((a, len(robot.bodies) + k))
     return PairTable(_rows(pairs), _rows(resting), len(own))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
 from plannercheck.motion_requests import MotionRequest, motion_request
-from plannercheck.moveit import planning_scene
+from plannercheck.moveit import attach_from_state, planning_scene
 from plannercheck.reading import parse_yaml, read_bytes, within
 from plannercheck.scene import Scene
 
@@ -82,6 +82,8 @@ class ProblemSet:
             request = motion_request(parse_yaml(self._read(request_file)))
             name = f"{self.name}/{number}"
             scene.name = scene.name or name
+            with within("start_state"):
+                attach_from_state(scene, request.state, self._folder / Path(request_file).parent)
             return _problem(name, scene, request)
 
 

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from plannercheck.core import core
 from plannercheck.hull import Polytope
 from plannercheck.pair import pair_options
-from plannercheck.reach_chains import MOST_COLUMNS, Boxes, Chains, Cut, End, Joints, boxes_of
+from plannercheck.reach_chains import MOST_COLUMNS, Boxes, Chains, Cut, End, Joints
 from plannercheck.robot import Robot
 from plannercheck.shapes import Body, HullAndSwell
 
@@ -44,6 +44,9 @@ RELATIVE = 1e-5
 
 # Where the cells of a cut are split: most pairs that may meet do so in one of the first, and arrays stay small.
 _PARTS = (4, 32, *range(96, 600, 64))
+
+# Obstacles for which a cut is not split: so few take less time than the splitting.
+_FEW = 8
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,13 @@ class Reach:
     is_proved: bool
 
 
-def reach(robot: Robot, bodies: Sequence[Body], pairs: Ints, hulls: Sequence[HullAndSwell]) -> Reach:
+def reach(
+    robot: Robot,
+    bodies: Sequence[Body],
+    pairs: Ints,
+    hulls: Sequence[HullAndSwell],
+    chains: Chains | None = None,
+) -> Reach:
     """Which pairs can never meet.
 
     Args:
@@ -69,17 +78,18 @@ def reach(robot: Robot, bodies: Sequence[Body], pairs: Ints, hulls: Sequence[Hul
         bodies: Those on links, then the obstacles.
         pairs: (k, 2) indices into bodies; an obstacle is second.
         hulls: Of each body, see `shapes.hull_and_swell`.
+        chains: Of the robot and these bodies, if they are there already, see `chains_of`.
 
     Returns:
         Masks over the pairs. Nothing is proved if Pinocchio itself has to pose, if rounding has no bound (a base that
         floats without limits), or if placements are no rotations.
     """
     apart, resting = np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool)
-    table = robot.joint_table
-    if table is None or robot.kinematics is None or not len(pairs):
+    if not len(pairs):
         return Reach(apart, resting, False)
-    chains = Chains(robot, table, bodies, boxes_of(hulls))
-    if not chains.is_proved():
+    if chains is None:
+        chains = chains_of(robot, bodies, hulls)
+    if chains is None or not chains.is_proved():
         return Reach(apart, resting, False)
     with_obstacle = pairs[:, 1] >= sum(body.link is not None for body in bodies)
     own = np.flatnonzero(~with_obstacle)
@@ -90,6 +100,31 @@ def reach(robot: Robot, bodies: Sequence[Body], pairs: Ints, hulls: Sequence[Hul
         apart[rows] = _apart_from_obstacles(chains, body, pairs[rows, 1])
         resting[rows] = not chains.chain(body)
     return Reach(apart, resting, True)
+
+
+def chains_of(
+    robot: Robot, bodies: Sequence[Body], hulls: Sequence[HullAndSwell], earlier: Chains | None = None
+) -> Chains | None:
+    """The lengths and poses that `reach` needs; None if Pinocchio itself has to pose.
+
+    Args:
+        robot: As for `reach`.
+        bodies: As for `reach`.
+        hulls: As for `reach`.
+        earlier: Of the same robot and paddings, among other obstacles or carrying something else.
+
+    Returns:
+        The chains.
+    """
+    table = robot.joint_table
+    if table is None or robot.kinematics is None:
+        return None
+    if earlier is not None and earlier.robot is robot:
+        return earlier.among(bodies, hulls)
+    chains = Chains(robot, table, bodies, hulls)
+    if earlier is not None:
+        chains.inherit(earlier)
+    return chains
 
 
 def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> bool:
@@ -191,21 +226,20 @@ def _apart_from_obstacles(chains: Chains, body: int, obstacles: Ints) -> Bools:
         cut = tuple(columns[:count])
         left = np.flatnonzero(~apart)
         if len(left):
-            apart[left] = _clear_in_cells(chains, cut, chains.end(body, chain, cut), obstacles[left])
+            apart[left] = _clear_in_cells(chains, body, chain, cut, obstacles[left])
     return apart
 
 
-def _clear_in_cells(chains: Chains, cut: Cut, end: End, obstacles: Ints) -> Bools:
+def _clear_in_cells(chains: Chains, body: int, chain: Joints, cut: Cut, obstacles: Ints) -> Bools:
     """Which obstacles (n,) stay beyond the ball around an end in every cell of a cut."""
-    q, half = chains.cells(cut)
-    centres = chains.poses(q, [end.frame])[:, end.frame, :3] @ np.append(end.centre, 1.0)
-    sway = sum(end.levers[column] * width for column, width in zip(cut, half, strict=True))
+    end = chains.end(body, chain, cut)
+    centres, sway = chains.centres_in_cells(body, chain, cut)
     extent = end.radius + sway + np.linalg.norm(centres, axis=1).max()
     box, pose = chains.boxes.of(obstacles), chains.poses_in_world[obstacles]
     size = np.linalg.norm(pose[:, :3, 3], axis=1) + np.linalg.norm(box.centre, axis=1) + box.radius + box.swell
     room = end.radius + sway + box.swell + MARGIN + RELATIVE * (extent + size)
     clear = np.isfinite(room)
-    for part in np.split(centres, _PARTS):
+    for part in np.split(centres, _PARTS) if len(obstacles) > _FEW else [centres]:
         left = np.flatnonzero(clear)
         if len(left) and len(part):
             clear[left] = (_squared_distances(part, box.of(left), pose[left]) > room[left] ** 2).all(axis=0)

@@ -8,6 +8,7 @@ between the following joints, of what they slide, and of the furthest point of t
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 from collections.abc import Iterable, Sequence
@@ -78,13 +79,24 @@ class Boxes(NamedTuple):
         return Boxes(*(array[chosen] for array in self))
 
 
+def joined(first: Boxes, second: Boxes) -> Boxes:
+    """The boxes of one after those of another."""
+    return Boxes(*(np.concatenate(both) for both in zip(first, second, strict=True)))
+
+
 def boxes_of(hulls: Sequence[HullAndSwell]) -> Boxes:
     """The boxes and balls around hulls, see `shapes.hull_and_swell`."""
     low = np.array([points.min(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
     high = np.array([points.max(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
     centre = 0.5 * (low + high)
     squares = [((points - c) ** 2).sum(axis=1).max() for (points, _, _), c in zip(hulls, centre, strict=True)]
-    return Boxes(low, high, centre, np.sqrt(squares), np.array([swell for _, _, swell in hulls]))
+    return Boxes(
+        low,
+        high,
+        centre,
+        np.sqrt(np.array(squares, dtype=np.float64)),
+        np.array([h[2] for h in hulls], dtype=np.float64),
+    )
 
 
 class Chains:
@@ -94,12 +106,12 @@ class Chains:
     (2 n + b). Lengths along chains that no joint of the group changes are measured in one configuration.
     """
 
-    def __init__(self, robot: Robot, table: JointTable, bodies: Sequence[Body], boxes: Boxes) -> None:
-        """Digests the joint table; `boxes` are those of `bodies`, of which those on links come first."""
-        self._robot, self._table, self._joints = robot, table, len(table.kinds)
-        self.boxes = boxes
+    def __init__(self, robot: Robot, table: JointTable, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> None:
+        """Digests the joint table; `hulls` are those of `bodies`, of which those on links come first."""
+        self.robot, self._table, self._joints = robot, table, len(table.kinds)
+        self.boxes = boxes_of(hulls)
         self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
-        own = [body for body in bodies if body.link is not None]
+        own = self._own = tuple(body for body in bodies if body.link is not None)
         self._kernel = _kernel_of_frames(robot, table, own)
         self._moving = [bool((columns >= 0).any()) for columns in table.columns]
         self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]
@@ -117,6 +129,34 @@ class Chains:
         centres = np.column_stack([self.boxes.centre[: len(links)], np.ones(len(links))])
         self._centres = np.einsum("bij,bj->bi", at_base[2 * self._joints :, :3], centres).tolist()
         self._ends: dict[tuple[int, int, Cut], End] = {}
+        self._middles: dict[tuple[int, Cut], tuple[Floats, float]] = {}
+        self._proved: bool | None = None
+
+    def inherit(self, earlier: Chains) -> None:
+        """Takes over what is known of the bodies that are the same on the same joints, e.g. before one was attached.
+
+        Args:
+            earlier: Of the same robot and paddings but for what it carries, which comes last among its bodies.
+        """
+        same = [a is b for a, b in zip(self._own, earlier._own, strict=False)]
+        common = same.index(False) if False in same else len(same)
+        self._ends |= {key: end for key, end in earlier._ends.items() if key[0] < common}
+        self._middles |= {key: middle for key, middle in earlier._middles.items() if key[0] < common}
+
+    def among(self, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> Chains:
+        """The same chains, and all that is known of them, among other obstacles.
+
+        Args:
+            bodies: The robot's, the same as here, then the obstacles.
+            hulls: Theirs.
+
+        Returns:
+            Chains that share everything of the robot with these.
+        """
+        other, own = copy.copy(self), len(self._own)
+        other.boxes = joined(self.boxes.of(slice(own)), boxes_of(hulls[own:]))
+        other.poses_in_world = np.array([body.pose for body in bodies])
+        return other
 
     def _chain(self, joint: int) -> Joints:
         """The moving joints from the world to this one."""
@@ -133,7 +173,12 @@ class Chains:
 
     def is_proved(self) -> bool:
         """Whether the margins cover all rounding within the limits."""
-        robot, table = self._robot, self._table
+        if self._proved is None:
+            self._proved = self._margins_cover()
+        return self._proved
+
+    def _margins_cover(self) -> bool:
+        robot, table = self.robot, self._table
         low, high = (np.clip(limit, -LARGEST_VALUE, LARGEST_VALUE) for limit in (robot.lower, robot.upper))
         if not robot.kinematic_error_within(low, high) <= LARGEST_ERROR:
             return False
@@ -213,10 +258,21 @@ class Chains:
             following = self._origins[joint]
         return room
 
+    def centres_in_cells(self, body: int, chain: Joints, cut: Cut) -> tuple[Floats, float]:
+        """Centres (cells, 3) of the ball that holds a body in the middles of cells, and how far they sway within, m."""
+        key = body, cut
+        if key not in self._middles:
+            end = self.end(body, chain, cut)
+            q, half = self.cells(cut)
+            centres = self.poses(q, [end.frame])[:, end.frame, :3] @ np.append(end.centre, 1.0)
+            sway = sum(end.levers[column] * width for column, width in zip(cut, half.tolist(), strict=True))
+            self._middles[key] = centres, float(sway)
+        return self._middles[key]
+
     def cells(self, cut: Cut) -> tuple[Floats, Floats]:
         """Middles (cells, nq) of the cells of a cut, in random order, and half their widths (columns of the cut,)."""
         count = CELLS[len(cut)]
-        low, high = self._robot.lower[list(cut)], self._robot.upper[list(cut)]
+        low, high = self.robot.lower[list(cut)], self.robot.upper[list(cut)]
         half = np.maximum(high - low, 0.0) / (2 * count)
         steps = np.array(list(itertools.product(range(count), repeat=len(cut))))
         q = np.tile(self._base, (len(steps), 1))

@@ -8,8 +8,11 @@ the robot is loaded.
 
 from __future__ import annotations
 
+import contextlib
+import copy
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,7 +21,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.carrying import carried_pairs, check_objects, on_links
 from plannercheck.configurations import ConfigurationMap, planning_group, whole_robot
+from plannercheck.decomposed_links import decomposed
+from plannercheck.decomposition import Decomposition, Pieces
 from plannercheck.errors import unknown_name
 from plannercheck.kinematic_rounding import KinematicRounding
 from plannercheck.kinematics import (
@@ -29,14 +35,14 @@ from plannercheck.kinematics import (
     joint_table,
     pinocchio_poses,
 )
-from plannercheck.paths import example_robot_data
 from plannercheck.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.reading import within
 from plannercheck.reference import all_values, checked_values, given_values, reference_of
-from plannercheck.robot_files import DisabledPair, RobotDescription, find_description, read_description
+from plannercheck.robot_files import DisabledPair, RobotDescription, description_of, find_description
+from plannercheck.scene_objects import SceneObject
 from plannercheck.self_pairs import self_pairs
 from plannercheck.shapes import Body
-from plannercheck.srdf import group_state, read_srdf
+from plannercheck.srdf import group_state, read_srdf, warn_of_unheeded
 from plannercheck.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
 
 Floats = NDArray[np.float64]
@@ -55,8 +61,10 @@ class Robot:
         joint_names: Joints of the group (one column each; without a group, as many as Pinocchio has numbers
             for them).
         link_names: The URDF's links in the order of Pinocchio's body frames.
-        bodies: Collision bodies in the order of Pinocchio's geometries.
+        bodies: Collision bodies in the order of Pinocchio's geometries, then those of carried objects.
         self_pairs: (k, 2) indices into bodies: what is tested for self-collision.
+        carried: Objects that links carry.
+        pieces: Of the bodies that were decomposed, by the name of the body.
         disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
         reference: (nq,) the group's reference configuration, rad and m.
         model: Pinocchio's model.
@@ -76,14 +84,17 @@ class Robot:
         values: Mapping[str, Floats],
         group: str | None,
         joints: tuple[str, ...] | None,
+        carried: tuple[SceneObject, ...] = (),
+        pieces: Mapping[str, Pieces] | None = None,
     ) -> None:
         self.name = name
         self.model = model
-        self.bodies = bodies
-        self.self_pairs = _frozen(pairs)
+        self._tree = tree
+        self._own_bodies, self._own_pairs = bodies, _frozen(pairs)
+        self.pieces = dict(pieces or {})
+        self._carry(carried)
         self.disabled_pairs = disabled_pairs
         self.group = group
-        self._tree = tree
         self._mimics = mimics
         self._values = values
         self._joints = joints
@@ -93,20 +104,22 @@ class Robot:
         self.kinematics = self._checked_kinematics()
 
     @classmethod
-    def load(cls, name_or_path: str | Path) -> Robot:
+    def load(cls, name_or_path: str | Path, decomposition: Decomposition | None = None) -> Robot:
         """Loads a robot.
 
         Args:
             name_or_path: A name from robots/ such as "panda", or the path of a YAML description or of a URDF.
+            decomposition: Makes concave links of convex pieces, with CoACD; None does what the YAML says.
 
         Returns:
             The robot.
         """
         path = find_description(name_or_path)
-        if path.suffix == ".urdf":
-            return cls.from_urdf(path, package_dirs=example_robot_data())
-        with within(f"robot file {path}"):
-            return cls._from_description(read_description(path), None)
+        description = description_of(path)
+        if decomposition is not None:
+            description = replace(description, decomposition=decomposition)
+        with contextlib.nullcontext() if path.suffix == ".urdf" else within(f"robot file {path}"):
+            return cls.from_description(description)
 
     @classmethod
     def from_urdf(
@@ -118,6 +131,7 @@ class Robot:
         reference: Reference = None,
         *,
         floating: bool = False,
+        decomposition: Decomposition | None = None,
     ) -> Robot:
         """Builds a robot from a URDF.
 
@@ -130,6 +144,7 @@ class Robot:
                 neutral), an array in Pinocchio's order, or the name of an SRDF group state. Default: within
                 its limits, the nearest to Pinocchio's neutral configuration. rad and m.
             floating: Whether the root link is free to move.
+            decomposition: Makes concave links of convex pieces, with CoACD; None takes their hulls.
 
         Returns:
             The robot.
@@ -143,17 +158,21 @@ class Robot:
             floating=floating,
             group=name,
             joints=joints,
+            decomposition=decomposition,
         )
-        return cls._from_description(description, reference)
+        return cls.from_description(description, reference)
 
     @classmethod
-    def _from_description(cls, description: RobotDescription, reference: Reference) -> Robot:
+    def from_description(cls, description: RobotDescription, reference: Reference = None) -> Robot:
+        """Builds a robot from what its YAML says; `reference` as for `from_urdf`, if it does not say one."""
         model = read_model(description.urdf, description.floating)
         geometry = read_geometry(model, description.urdf, description.package_dirs)
         tree = link_tree(model)
         bodies = bodies_of(model, geometry)
         mimics = usable_mimics(model, description.urdf)
         semantics = read_srdf(description.srdf) if description.srdf else None
+        if semantics is not None and description.srdf is not None:
+            warn_of_unheeded(semantics, description.srdf, tree)
         if isinstance(reference, str):
             reference = group_state(semantics, reference, model.names)
         joints = None
@@ -161,12 +180,17 @@ class Robot:
             joints = explicit_group(model, description.joints, mimics)
         elif description.group is not None:
             joints = srdf_group(model, semantics, description.group, tree, mimics)
+        pairs = self_pairs(model, geometry, bodies, description.srdf, tree, description.disabled_pairs)
+        pieces: Mapping[str, Pieces] = {}
+        if description.decomposition is not None:
+            bodies, pairs, pieces = decomposed(bodies, pairs, geometry, description.decomposition)
         return cls(
             name=description.name or model.name,
             model=model,
             tree=tree,
             bodies=bodies,
-            pairs=self_pairs(model, geometry, bodies, description.srdf, tree, description.disabled_pairs),
+            pairs=pairs,
+            pieces=pieces,
             disabled_pairs=description.disabled_pairs,
             mimics=mimics,
             values=given_values(model, description.values or reference),
@@ -291,6 +315,16 @@ class Robot:
         return self._map
 
     @property
+    def link_tree(self) -> LinkTree:
+        """How the links hang together."""
+        return self._tree
+
+    @property
+    def mimics(self) -> Mapping[str, Mimic]:
+        """The joints that follow others, by name."""
+        return self._mimics
+
+    @property
     def frames(self) -> Sequence[int]:
         """Pinocchio's frames of the links, in the order of link_names."""
         return self._tree.frames
@@ -326,6 +360,28 @@ class Robot:
         """
         return self._changed(group=name, joints=explicit_group(self.model, joints, self._mimics))
 
+    def carrying(self, objects: Iterable[SceneObject]) -> Robot:
+        """The same robot, whose links carry other objects than now.
+
+        Args:
+            objects: Attached ones, see `Scene.attach`; none for the robot alone.
+
+        Returns:
+            A robot that shares everything else with this one.
+        """
+        other = copy.copy(self)
+        for name in ("kinematic_error", "_rounding"):  # they depend on the bodies
+            other.__dict__.pop(name, None)
+        other._carry(on_links(self, tuple(objects)))
+        return other
+
+    def _carry(self, objects: tuple[SceneObject, ...]) -> None:
+        check_objects(objects, self.link_names, self._own_bodies)
+        self.carried = objects
+        self.bodies = (*self._own_bodies, *(body for item in objects for body in item.bodies))
+        more = carried_pairs(objects, self._own_bodies)
+        self.self_pairs = _frozen(np.concatenate([self._own_pairs, np.array(more, dtype=np.int64).reshape(-1, 2)]))
+
     def __repr__(self) -> str:
         group = f"group {self.group!r}, " if self.group else ""
         return f"Robot({self.name!r}, {group}nq={self.nq}, {len(self.bodies)} bodies)"
@@ -338,8 +394,10 @@ class Robot:
             "name": self.name,
             "model": self.model,
             "tree": self._tree,
-            "bodies": self.bodies,
-            "pairs": self.self_pairs,
+            "bodies": self._own_bodies,
+            "pairs": self._own_pairs,
+            "carried": self.carried,
+            "pieces": self.pieces,
             "disabled_pairs": self.disabled_pairs,
             "mimics": self._mimics,
             "values": self._values,

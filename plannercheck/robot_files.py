@@ -10,6 +10,11 @@ In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, w
     group: arm                 # an SRDF group, or {name: arm, joints: [joint1, ...]}; default: all joints
     reference: {joint1: 0.5}   # optional, values of joints in rad or m; those of others are neutral
     held: {finger: 0.04}       # optional, the same for joints outside the group
+    convex_decomposition:      # optional, makes links of convex pieces by CoACD (pip install 'plannercheck[coacd]')
+      links: [link3, link4]    # optional, default: all whose hulls are more than 5 % larger than their meshes
+      threshold: 0.05          # optional, concavity that a piece may have; small ones make many pieces
+      most_pieces: 16          # optional, of one mesh
+      slack: 0.001             # optional, m: pieces grow by so much to hold the mesh, see decomposition.py
     disabled_pairs:            # optional, links that are not tested against each other, and why
       - reason: adjacent
         pairs: [[link1, link2], ...]
@@ -22,12 +27,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from plannercheck.decomposition import Decomposition
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.hints import xacro_hint
 from plannercheck.paths import example_robot_data, is_planar_file, shipped_folder
 from plannercheck.reading import (
     check_keys,
     mapping,
+    number,
     parse_yaml,
     read_bytes,
     required,
@@ -36,7 +43,18 @@ from plannercheck.reading import (
     within,
 )
 
-_KEYS = ("name", "urdf", "srdf", "package_dirs", "floating", "group", "reference", "held", "disabled_pairs")
+_KEYS = (
+    "name",
+    "urdf",
+    "srdf",
+    "package_dirs",
+    "floating",
+    "group",
+    "reference",
+    "held",
+    "convex_decomposition",
+    "disabled_pairs",
+)
 
 
 @dataclass(frozen=True)
@@ -68,6 +86,7 @@ class RobotDescription:
         joints: The group's joints in order; None if the SRDF tells.
         values: Joint values of the reference state and of held joints, by name, rad or m.
         disabled_pairs: Self pairs of links that are left out.
+        decomposition: Which links to make of convex pieces, if any.
     """
 
     name: str
@@ -79,6 +98,7 @@ class RobotDescription:
     joints: tuple[str, ...] | None = None
     values: Mapping[str, Any] = field(default_factory=dict)
     disabled_pairs: tuple[DisabledPair, ...] = ()
+    decomposition: Decomposition | None = None
 
 
 def shipped_robots() -> list[str]:
@@ -101,6 +121,15 @@ def find_description(name_or_path: str | Path) -> Path:
     if not shipped.is_file():
         raise unknown_name("robot", str(name_or_path), shipped_robots())
     return shipped
+
+
+def description_of(name_or_path: str | Path) -> RobotDescription:
+    """What the YAML of a robot says, or of a URDF alone, that there is none."""
+    path = find_description(name_or_path)
+    if path.suffix == ".urdf":
+        return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
+    with within(f"robot file {path}"):
+        return read_description(path)
 
 
 def read_description(path: Path) -> RobotDescription:
@@ -128,7 +157,20 @@ def read_description(path: Path) -> RobotDescription:
         joints=joints,
         values={**mapping(content.get("reference"), "reference"), **mapping(content.get("held"), "held")},
         disabled_pairs=_disabled_pairs(content.get("disabled_pairs")),
+        decomposition=_decomposition(content.get("convex_decomposition")),
     )
+
+
+def _decomposition(value: Any) -> Decomposition | None:
+    if value is None or value is False:
+        return None
+    with within("convex_decomposition"):
+        options = {} if value is True else mapping(value, "it")
+        check_keys(options, ("links", "threshold", "most_pieces", "slack", "seed"))
+        links = [text(link, "links") for link in sequence(options.get("links"), "links")] or None
+        sizes = {key: number(options[key], key) for key in ("threshold", "slack") if key in options}
+        counts = {key: int(number(options[key], key)) for key in ("most_pieces", "seed") if key in options}
+        return Decomposition(None if links is None else tuple(links), **sizes, **counts)  # type: ignore[arg-type]
 
 
 def _resolve(name: str, folders: tuple[Path, Path]) -> Path:

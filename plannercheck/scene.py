@@ -1,8 +1,9 @@
 """Scenes: the obstacles around a robot, by name, and where planning starts and ends.
 
 In: `add_...` calls, a scene file of our own format, or a MoveIt planning scene (see moveit.py). Out:
-`bodies`, each a shape posed in the world, and what may touch. A scene can be changed at any time; a checker
-takes what is there when it is built.
+`bodies`, each a shape posed in the world, what links carry (`attached`), and what may touch. A scene can be changed at
+any time, in place; a checker takes what is there when it is built, and `checker.with_scene` takes up changes without
+preparing anything again.
 
 A scene file is YAML; lengths are in m, angles in rad, paths relative to the file:
 
@@ -28,6 +29,12 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
       - name: wedge
         hull: {vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}   # or {file: wedge.npy}
         matrix: [[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]   # instead of the above
+    attached:                                  # optional: objects that links carry, posed on the link
+      - name: mug
+        link: panda_hand
+        touch_links: [panda_leftfinger, panda_rightfinger]   # optional; the link itself may always be touched
+        cylinder: {radius: 0.03, length: 0.1}  # or any other shape, or parts
+        position: [0.0, 0.0, 0.1]
     allowed: [[panda_link0, worktop]]          # optional: pairs of links or objects that may touch
     allowed_by_default: {floor: true}          # optional: what may touch everything, less the forbidden pairs
     forbidden: [[panda_hand, floor]]           # optional
@@ -51,24 +58,10 @@ from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.meshes import load_mesh
 from plannercheck.paths import is_planar_file, shipped_folder
-from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
+from plannercheck.scene_objects import Part, Parts, SceneObject, scene_object
+from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Part:
-    """One shape of an object.
-
-    Attributes:
-        shape: What it is.
-        pose: (4, 4) in the world, m; None is the identity.
-        source: The file and scale of a mesh, so that a saved scene can name it.
-    """
-
-    shape: Shape
-    pose: ArrayLike | None = None
-    source: tuple[Path, float | Sequence[float]] | None = None
 
 
 @dataclass
@@ -107,12 +100,22 @@ class Scene(DeclaredStates):
         super().__init__(name)
         self.allowed = AllowedCollisions()
         self.link_padding: dict[str, float] = {}
-        self._bodies: dict[str, tuple[Body, ...]] = {}
-        self._parts: dict[str, tuple[Part, ...]] = {}
+        self._objects: dict[str, SceneObject] = {}
+        self._attached: dict[str, SceneObject] = {}
         self._body_names: set[str] = set()
 
     def __repr__(self) -> str:
-        return f"Scene({self.name!r}, {len(self._bodies)} objects, {len(self.bodies)} bodies)"
+        attached = f", {len(self._attached)} attached" if self._attached else ""
+        return f"Scene({self.name!r}, {len(self._objects)} objects{attached}, {len(self.bodies)} bodies)"
+
+    def copy(self) -> Scene:
+        """A scene that can be changed on its own; both share the objects' shapes and what is prepared of them."""
+        other = Scene(self.name)
+        other.allowed = AllowedCollisions(dict(self.allowed.pairs), dict(self.allowed.defaults))
+        other.states, other.link_padding = dict(self.states), dict(self.link_padding)
+        other._objects, other._attached = dict(self._objects), dict(self._attached)
+        other._body_names = set(self._body_names)
+        return other
 
     @staticmethod
     def load(path: str | Path, package_dirs: Sequence[str | Path] = ()) -> Scene:
@@ -136,45 +139,52 @@ class Scene(DeclaredStates):
 
         write_scene(self, Path(path))
 
-    def add(self, name: str, parts: Iterable[Part]) -> None:
-        """Adds an object of one or several posed shapes; its bodies are "name", or "name/0", "name/1", ..."""
-        if name in self._bodies:
-            raise PlannercheckError(f"object {name!r} exists already: remove it first, or choose another name")
-        parts = tuple(parts)
-        if not name or not parts:
-            raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
-        names = [name] if len(parts) == 1 else [f"{name}/{k}" for k in range(len(parts))]
+    def add(self, name: str, parts: Parts, pose: ArrayLike | None = None) -> None:
+        """Adds an object: one shape, or several posed ones; its bodies are "name", or "name/0", "name/1", ...
+
+        Args:
+            name: Of the object.
+            parts: A shape, or parts posed in the object's frame.
+            pose: (4, 4) of the object's frame in the world, m; None is the identity.
+        """
+        self._put(scene_object(name, parts, pose))
+
+    def _put(self, item: SceneObject) -> None:
+        """Adds an obstacle or an attached object of a new name."""
+        if item.name in self._objects or item.name in self._attached:
+            raise PlannercheckError(f"object {item.name!r} exists already: remove it first, or choose another name")
+        names = [body.name for body in item.bodies]
         taken = self._body_names.intersection(names)
         if taken:
-            raise PlannercheckError(f"object {name!r}: another object is named {min(taken)!r}, as its part would be")
-        posed = (checked_pose(part.pose, f"object {n!r}") for n, part in zip(names, parts, strict=True))
-        bodies = tuple(Body(n, None, pose, p.shape) for n, pose, p in zip(names, posed, parts, strict=True))
-        self._bodies[name], self._parts[name] = bodies, parts
+            raise PlannercheckError(
+                f"object {item.name!r}: another object is named {min(taken)!r}, as its part would be"
+            )
+        (self._objects if item.link is None else self._attached)[item.name] = item
         self._body_names.update(names)
 
     def add_box(self, name: str, size: Sequence[float], pose: ArrayLike | None = None) -> None:
         """Adds a box of full edge lengths `size` (3,) in m."""
-        self.add(name, [Part(Box(size), pose)])  # type: ignore[arg-type]  # Box checks it
+        self.add(name, Box(size), pose)  # type: ignore[arg-type]  # Box checks it
 
     def add_sphere(self, name: str, radius: float, pose: ArrayLike | None = None) -> None:
         """Adds a sphere of a radius in m."""
-        self.add(name, [Part(Sphere(radius), pose)])
+        self.add(name, Sphere(radius), pose)
 
     def add_cylinder(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
         """Adds a cylinder along z about its centre, sizes in m."""
-        self.add(name, [Part(Cylinder(radius, length), pose)])
+        self.add(name, Cylinder(radius, length), pose)
 
     def add_capsule(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
         """Adds a capsule along z about its centre; the length is its segment's, in m."""
-        self.add(name, [Part(Capsule(radius, length), pose)])
+        self.add(name, Capsule(radius, length), pose)
 
     def add_cone(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
         """Adds a cone along z, its apex at +length/2 and its base at -length/2, sizes in m."""
-        self.add(name, [Part(Cone(radius, length), pose)])
+        self.add(name, Cone(radius, length), pose)
 
     def add_hull(self, name: str, vertices: ArrayLike, pose: ArrayLike | None = None) -> None:
         """Adds the convex hull of points (n, 3) in m."""
-        self.add(name, [Part(Hull(np.asarray(vertices)), pose)])
+        self.add(name, Hull(np.asarray(vertices)), pose)
 
     def add_mesh(
         self,
@@ -184,34 +194,107 @@ class Scene(DeclaredStates):
         scale: float | Sequence[float] = 1.0,
     ) -> None:
         """Adds the convex hull of a mesh file (stl, dae, obj, ply, ...); `scale` takes its unit to m."""
-        self.add(name, [Part(load_mesh(path, scale), pose, (Path(path), scale))])
+        self.add(name, [Part(load_mesh(path, scale), None, (Path(path), scale))], pose)
+
+    def move(self, name: str, pose: ArrayLike | None) -> None:
+        """Moves an object with all its parts, as `add` and `remove` in place: checkers keep what they were built with.
+
+        Args:
+            name: Of the object; an attached one moves on its link.
+            pose: (4, 4) where its frame is to be in the world, or on its link, m. The frame of an object of one shape
+                is the shape's own; of several, it is the pose that was given for the object.
+        """
+        table = self._table_of(name)
+        table[name] = table[name].moved(pose)
 
     def remove(self, name: str) -> None:
-        """Removes an object with all its parts."""
-        if name not in self._bodies:
-            raise unknown_name("object", name, self._bodies)
-        self._body_names.difference_update(body.name for body in self._bodies[name])
-        del self._bodies[name], self._parts[name]
+        """Removes an object with all its parts, from the world or from its link."""
+        self._taken(name)
+
+    def _taken(self, name: str) -> SceneObject:
+        """An object, which the scene no longer has."""
+        item = self._table_of(name).pop(name)
+        self._body_names.difference_update(body.name for body in item.bodies)
+        return item
+
+    def attach(
+        self,
+        name: str,
+        link: str,
+        pose: ArrayLike | None = None,
+        touch_links: Iterable[str] = (),
+        parts: Parts | None = None,
+    ) -> None:
+        """Lets a link carry an object: it moves with the link, as a part of the robot.
+
+        It is tested against obstacles and against all links but its own and the touch links.
+
+        Args:
+            name: Of an object of the scene, which leaves the world, or of a new one.
+            link: Of the robot.
+            pose: (4, 4) of the object's frame in the link's, m; None is the identity.
+            touch_links: Links, or other attached objects, that it may touch.
+            parts: The shape, or posed shapes, of a new object.
+        """
+        if parts is None and name not in self._objects:
+            raise unknown_name("object to attach", name, self._objects)
+        item = self._objects[name] if parts is None else scene_object(name, parts)
+        item = item.attached(link, pose, touch_links)
+        if parts is None:
+            self._taken(name)
+        self._put(item)
+
+    def put_attached(self, item: SceneObject) -> None:
+        """Adds an object that is attached already, of a new name."""
+        self._put(item)
+
+    def detach(self, name: str, pose: ArrayLike | None) -> None:
+        """Puts an attached object back into the world, its frame at a pose (4, 4), m."""
+        if name not in self._attached:
+            raise unknown_name("attached object", name, self._attached)
+        item = self._attached[name].released(pose)
+        self._taken(name)
+        self._put(item)
+
+    def _table_of(self, name: str) -> dict[str, SceneObject]:
+        if name not in self._objects and name not in self._attached:
+            raise unknown_name("object", name, (*self._objects, *self._attached))
+        return self._objects if name in self._objects else self._attached
 
     @property
     def object_names(self) -> tuple[str, ...]:
-        """Names of the objects, in the order in which they were added."""
-        return tuple(self._bodies)
+        """Names of the obstacles, in the order in which they were added."""
+        return tuple(self._objects)
+
+    def object(self, name: str) -> SceneObject:
+        """An obstacle or an attached object."""
+        return self._table_of(name)[name]
+
+    def anchored(self, attached: Iterable[SceneObject]) -> None:
+        """Takes attached objects whose poses on their links are known now."""
+        for item in attached:
+            if item.name in self._attached:
+                self._attached[item.name] = item
+
+    @property
+    def objects(self) -> tuple[SceneObject, ...]:
+        """The obstacles."""
+        return tuple(self._objects.values())
+
+    @property
+    def attached(self) -> tuple[SceneObject, ...]:
+        """The objects that links carry."""
+        return tuple(self._attached.values())
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """All parts of all objects, with `link` None and their pose in the world."""
-        return tuple(body for bodies in self._bodies.values() for body in bodies)
+        """All parts of all obstacles, with `link` None and their pose in the world."""
+        return tuple(body for item in self._objects.values() for body in item.bodies)
 
     @property
     def body_objects(self) -> tuple[str, ...]:
         """For each of `bodies`, the name of its object."""
-        return tuple(name for name, bodies in self._bodies.items() for _ in bodies)
-
-    @property
-    def parts(self) -> dict[str, tuple[Part, ...]]:
-        """The parts of each object, as they were added."""
-        return dict(self._parts)
+        return tuple(name for name, item in self._objects.items() for _ in item.bodies)
 
     @property
     def allowed_pairs(self) -> set[frozenset[str]]:

@@ -31,10 +31,11 @@ from plannercheck.reading import (
     text,
     within,
 )
-from plannercheck.scene import Part, Scene
+from plannercheck.scene import Scene
+from plannercheck.scene_objects import Part, SceneObject
 from plannercheck.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
 
-_SCENE_KEYS = ("name", "objects", "allowed", "allowed_by_default", "forbidden", "states")
+_SCENE_KEYS = ("name", "objects", "attached", "allowed", "allowed_by_default", "forbidden", "states")
 _STATE_KEYS = ("start", "goal", "samples")
 _POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
@@ -77,6 +78,8 @@ def _scene(document: Node, folder: Path) -> Scene:
     scene = Scene(text(document.get("name", ""), "name"))
     for k, item in enumerate(sequence(required(document, "objects"), "'objects'")):
         _add_object(scene, mapping(item, f"object {k}"), k, folder)
+    for k, item in enumerate(sequence(document.get("attached"), "'attached'")):
+        _attach_object(scene, mapping(item, f"attached object {k}"), k, folder)
     _read_allowed(scene, document)
     for robot, item in mapping(document.get("states"), "'states'").items():
         with within(f"states of {robot!r}"):
@@ -89,30 +92,38 @@ def _add_object(scene: Scene, node: Node, index: int, folder: Path) -> None:
         name = text(required(node, "name"), "name")
     with within(f"object {name!r}"):
         check_keys(node, ("name", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
-        if "parts" not in node:
-            parts = [_part(node, folder, np.eye(4))]
-        else:
-            _one_of(node, ("parts", *_SHAPE_KEYS))
-            parts = _parts(node, folder, _pose(node))
-    scene.add(name, parts)
+        parts, pose = _parts(node, folder), _pose(node)
+    scene.add(name, parts, pose)
 
 
-def _parts(node: Node, folder: Path, frame: NDArray[np.float64]) -> list[Part]:
-    """The parts of an object whose own pose is `frame`."""
+def _attach_object(scene: Scene, node: Node, index: int, folder: Path) -> None:
+    with within(f"attached object {index}"):
+        name = text(required(node, "name"), "name")
+    with within(f"attached object {name!r}"):
+        check_keys(node, ("name", "link", "touch_links", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
+        link = text(required(node, "link"), "link")
+        touched = [text(item, "touch_links") for item in sequence(node.get("touch_links"), "'touch_links'")]
+        parts, pose = _parts(node, folder), _pose(node)
+    scene.attach(name, link, pose, touched, parts)
+
+
+def _parts(node: Node, folder: Path) -> list[Part]:
+    """The parts of an object, posed in its frame."""
+    if "parts" not in node:
+        return [_part(node, folder, None)]
+    _one_of(node, ("parts", *_SHAPE_KEYS))
     parts = []
     for k, item in enumerate(sequence(node["parts"], "'parts'")):
         with within(f"part {k}"):
             part = mapping(item, "it")
             check_keys(part, (*_SHAPE_KEYS, *_POSE_KEYS))
-            parts.append(_part(part, folder, frame))
+            parts.append(_part(part, folder, _pose(part)))
     return parts
 
 
-def _part(node: Node, folder: Path, frame: NDArray[np.float64]) -> Part:
+def _part(node: Node, folder: Path, pose: NDArray[np.float64] | None) -> Part:
     """The shape that a mapping describes, posed in an object's frame."""
     kind = _one_of(node, _SHAPE_KEYS)
-    local = _pose(node)
-    pose = local if np.array_equal(frame, np.eye(4)) else frame @ local
     with within(kind):
         values = mapping(node[kind], "it")
         shape, source = _shape(kind, values, folder)
@@ -190,10 +201,11 @@ def _read_allowed(scene: Scene, document: Node) -> None:
             names = [text(name, key) for name in sequence(pair, f"an entry of {key!r}")]
             if len(names) != 2:
                 raise PlannercheckError(f"an entry of {key!r} must be two names, not {names}")
-            if not set(names) & set(scene.object_names):
+            known = [*scene.object_names, *(item.name for item in scene.attached)]
+            if not set(names) & set(known):
                 raise PlannercheckError(
                     f"{key!r} names {' and '.join(names)}, none of which is an object: objects are "
-                    f"{', '.join(scene.object_names) or 'none'}"
+                    f"{', '.join(known) or 'none'}"
                 )
             scene.allow(names[0], names[1], allowed)
     for name, allowed in mapping(document.get("allowed_by_default"), "'allowed_by_default'").items():
@@ -214,7 +226,8 @@ def write_scene(scene: Scene, path: Path) -> None:
     """Writes a scene so that reading it gives the same doubles."""
     folder = path.resolve().parent
     document: Node = {"name": scene.name} if scene.name else {}
-    document["objects"] = [_object_node(name, parts, folder) for name, parts in scene.parts.items()]
+    document["objects"] = [_object_node(item, folder) for item in scene.objects]
+    document |= {"attached": [_attached_node(item, folder) for item in scene.attached]} if scene.attached else {}
     document |= _allowed_nodes(scene)
     states = {robot: states_node(scene, robot, folder) for robot in scene.states}
     document |= {"states": states} if states else {}
@@ -225,9 +238,21 @@ def write_scene(scene: Scene, path: Path) -> None:
         raise PlannercheckError(f"scene file {str(path)!r} can't be written: {error.strerror}") from None
 
 
-def _object_node(name: str, parts: tuple[Part, ...], folder: Path) -> Node:
-    nodes = [_shape_node(part, folder) | _pose_node(checked_pose(part.pose, name)) for part in parts]
-    return {"name": name, **nodes[0]} if len(nodes) == 1 else {"name": name, "parts": nodes}
+def _object_node(item: SceneObject, folder: Path) -> Node:
+    if len(item.parts) == 1 and item.parts[0].pose is None:
+        return {"name": item.name, **_shape_node(item.parts[0], folder), **_pose_node(item.pose)}
+    nodes = [_shape_node(part, folder) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts]
+    return {"name": item.name, **_pose_node(item.pose), "parts": nodes}
+
+
+def _attached_node(item: SceneObject, folder: Path) -> Node:
+    if item.anchor is not None:
+        raise PlannercheckError(
+            f"attached object {item.name!r} is posed in frame {item.anchor.frame or 'world'!r} at a state of the "
+            "robot: build a checker, and save its scene, which knows the pose on the link"
+        )
+    touched = {"touch_links": list(item.touch_links)} if item.touch_links else {}
+    return {**_object_node(item, folder), "link": item.link, **touched}
 
 
 def _shape_node(part: Part, folder: Path) -> Node:

@@ -217,15 +217,22 @@ class Body:
         link: The link it moves with; None for obstacles.
         pose: (4, 4) rigid transform in m from the shape's frame to the link's or the world's, read-only.
         shape: What it is.
+        carried: Name of the object that the link carries, of which this is a part; None for the link's own bodies.
     """
 
     name: str
     link: str | None
     pose: Points = field(repr=False)
     shape: Shape
+    carried: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose", checked_pose(self.pose, f"body {self.name!r}"))
+
+    @property
+    def label(self) -> str:
+        """What reports call it: the object that is carried, else the link, else its own name."""
+        return self.carried or self.link or self.name
 
 
 def checked_pose(pose: ArrayLike | None, what: str) -> Points:

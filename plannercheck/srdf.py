@@ -1,18 +1,24 @@
 """Reads what an SRDF says: planning groups and named states.
 
 In: an SRDF and the tree of links. Out: for each group the joints that move it, in document order, and group
-states. Which pairs an SRDF disables is left to Pinocchio.
+states. Which pairs are tested is left to Pinocchio; what it passes over without a word is said here.
 """
 
 from __future__ import annotations
 
+import difflib
+import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Container
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.robot_files import DisabledPair
 from plannercheck.urdf import LinkTree
+
+# Elements of newer SRDFs that change which pairs are tested and that Pinocchio passes over.
+_UNREAD = ("disable_default_collisions", "enable_collisions")
 
 
 def read_srdf(path: Path) -> Element:
@@ -109,6 +115,32 @@ def _known_link(name: str, tree: LinkTree) -> str:
     if name not in tree.names:
         raise unknown_name("link", name, tree.names)
     return name
+
+
+def disabled_collisions(root: Element) -> list[DisabledPair]:
+    """The pairs of links that an SRDF disables, with the reasons it gives."""
+    pairs = (dict(each.attrib) for each in root.findall("disable_collisions"))
+    return [DisabledPair(p.get("link1", ""), p.get("link2", ""), p.get("reason", "")) for p in pairs]
+
+
+def warn_of_unheeded(root: Element, path: Path, tree: LinkTree) -> None:
+    """Warns of links that the URDF does not know, as MoveIt does, and of elements that Pinocchio does not read."""
+    named = (link for pair in disabled_collisions(root) for link in (pair.link_a, pair.link_b))
+    unknown = sorted(set(named).difference(tree.names))
+    if unknown:
+        close = [match for name in unknown[:1] for match in difflib.get_close_matches(name, tree.names, 1)]
+        hint = f" (did you mean {close[0]!r} by {unknown[0]!r}?)" if close else ""
+        warnings.warn(
+            f"SRDF {path} disables collisions of links that the URDF does not know: {', '.join(unknown)}{hint}; "
+            "these entries change nothing",
+            RuntimeWarning,
+            stacklevel=5,
+        )
+    unread = sorted({each.tag for each in root if each.tag in _UNREAD})
+    if unread:
+        warnings.warn(
+            f"SRDF {path}: {', '.join(unread)} are not read, only disable_collisions are", RuntimeWarning, stacklevel=5
+        )
 
 
 def virtual_joints(root: Element) -> set[str]:

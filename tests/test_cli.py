@@ -231,6 +231,11 @@ def test_robots_and_inspect_print_tables(capsys):
     assert "panda_link0" in printed
     assert "100 random configurations" in printed
     assert "68 pairs that cannot reach each other, and 0 of the 0" in printed
+    assert main(["inspect", "--robot", "talos", "--states", "1"]) == 0
+    out = capsys.readouterr().out
+    (torso,) = [line.split() for line in out.splitlines() if line.startswith("torso_2_link_0")]
+    assert torso[-3:] == ["44891.6", "44888.6", "1.00"]  # cm³, as SciPy has them
+    assert "not watertight): torso_1_link_0" in out
     assert main(["inspect", *PANDA, "--states", "20", "--without"]) == 0
     assert "pairs that limits keep apart" in capsys.readouterr().out
 

@@ -10,10 +10,12 @@ import pinocchio
 import pytest
 import yaml
 
+from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
 from plannercheck.motion_requests import motion_request, read_request
 from plannercheck.moveit import planning_scene
 from plannercheck.problems import load_problems
+from plannercheck.robot import Robot
 from plannercheck.scene import Scene
 from plannercheck.shapes import Box, Cone, Cylinder, Sphere
 
@@ -232,10 +234,6 @@ def test_what_would_change_verdicts_is_refused(tmp_path, changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        (
-            {"robot_state__attached_collision_objects": [{"object": {"id": "cup"}, "link_name": "hand"}]},
-            "attached objects are not supported yet, left out: cup",
-        ),
         ({"link_padding": [{"link_name": "hand", "padding": 0.01}]}, "link_padding, for hand, is used if asked for"),
         ({"world__collision_objects__0__header__frame_id": "tool"}, "frame 'tool' of object 'group'"),
     ],
@@ -314,3 +312,128 @@ def test_bad_problem_sets_are_named(tmp_path):
         load_problems(tmp_path / "set.tar.bz2")
     with pytest.raises(PlannercheckError, match="No such file"):
         load_problems(tmp_path / "none.tar")
+
+
+ATTACHED = """
+name: picked
+robot_state:
+  joint_state:
+    name: [panda_joint1, panda_joint2, panda_joint4, panda_joint6, panda_finger_joint1]
+    position: [0.3, -0.4, -2.0, 1.8, 0.02]
+  attached_collision_objects:
+    - link_name: panda_hand
+      object:
+        header: {frame_id: panda_hand}
+        id: mug
+        pose: {position: {x: 0.0, y: 0.0, z: 0.1}, orientation: {x: 0.0, y: 0.0, z: 0.0, w: 1.0}}
+        primitives: [{type: 3, dimensions: [0.1, 0.03]}, {type: 2, dimensions: [0.01]}]
+        primitive_poses:
+          - {position: {x: 0.0, y: 0.0, z: 0.0}, orientation: {x: 0, y: 0, z: 0, w: 1}}
+          - {position: {x: 0.0, y: 0.05, z: 0.0}, orientation: {x: 0, y: 0, z: 0, w: 1}}
+      touch_links: [panda_leftfinger, panda_rightfinger]
+      weight: 0.2
+    - link_name: panda_link5
+      object: {id: board}
+    - link_name: panda_link4
+      object:
+        header: {frame_id: panda_link6}
+        id: camera
+        primitives: [{type: box, dimensions: [0.01, 0.02, 0.03]}]
+        primitive_poses: [{position: [0.0, 0.2, 0.0], orientation: [0, 0, 0, 1]}]
+world:
+  collision_objects:
+    - id: board
+      pose: {position: [2.0, 1.0, 0.0], orientation: [0, 0, 0.6, 0.8]}
+      primitives: [{type: box, dimensions: [0.5, 0.5, 0.01]}]
+    - {id: mug, primitives: [{type: sphere, dimensions: [0.1]}]}
+allowed_collision_matrix:
+  entry_names: [mug, panda_link3]
+  entry_values: [[false, true], [true, false]]
+  default_entry_names: [camera]
+  default_entry_values: [true]
+"""
+
+
+def test_attached_objects_are_carried_where_the_state_has_them(tmp_path):
+    scene = scene_of(ATTACHED, tmp_path)
+    assert scene.object_names == ()  # both are attached now
+    assert [(item.name, item.link) for item in scene.attached] == [
+        ("mug", "panda_hand"),
+        ("board", "panda_link5"),
+        ("camera", "panda_link4"),
+    ]
+    panda = Robot.load("panda")
+    checker = Checker(panda, scene)
+    values = {"panda_joint1": 0.3, "panda_joint2": -0.4, "panda_joint4": -2.0, "panda_joint6": 1.8}
+    q = np.array([values.get(name, panda.reference[k]) for k, name in enumerate(panda.joint_names)])
+    links = panda.link_poses(q)
+    found = dict(zip((body.name for body in checker.bodies), checker.body_poses(q)[0], strict=True))
+    hand, upper = links[panda.link_index("panda_hand")], links[panda.link_index("panda_link6")]
+    expected = {
+        "mug/0": hand @ moved(0, 0, 0.1),
+        "mug/1": hand @ moved(0, 0.05, 0.1),
+        "board": pinocchio.XYZQUATToSE3(np.array([2.0, 1.0, 0, 0, 0, 0.6, 0.8])).homogeneous,
+    }
+    for name, pose in expected.items():
+        np.testing.assert_allclose(found[name], pose, atol=1e-14, err_msg=name)
+    item = checker.scene.object("camera")
+    np.testing.assert_allclose(links[panda.link_index("panda_link4")] @ item.pose, upper @ moved(0, 0.2, 0), atol=1e-14)
+    pairs = [checker.pair_names(k) for k in range(len(checker.pairs))]
+    assert not any("camera" in pair for pair in pairs)  # allowed by default
+    partners = {name for pair in pairs for name in pair if "mug" in pair} - {"mug"}
+    fingers = {"panda_leftfinger", "panda_rightfinger"}
+    assert partners == {body.link for body in panda.bodies} - {"panda_hand", "panda_link3"} - fingers | {"board"}
+
+
+def moved(x, y, z):
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+def test_scenes_with_anchored_objects_are_saved_once_their_links_are_posed(tmp_path):
+    scene = scene_of(ATTACHED, tmp_path)
+    with pytest.raises(PlannercheckError, match="'board' is posed in frame 'world' at a state of the robot"):
+        scene.save(tmp_path / "scene.yaml")
+    checker = Checker(Robot.load("panda"), scene)
+    checker.scene.save(tmp_path / "scene.yaml")
+    again = Checker(Robot.load("panda"), Scene.load(tmp_path / "scene.yaml"))
+    for one, other in zip(checker.bodies, again.bodies, strict=True):
+        np.testing.assert_array_equal(one.pose, other.pose)
+
+
+def test_requests_attach_what_their_start_states_carry(tmp_path):
+    folder = problem_folder(tmp_path / "set", ("0001",))
+    request = yaml.safe_load(REQUEST)
+    request["start_state"]["attached_collision_objects"] = yaml.safe_load(ATTACHED)["robot_state"][
+        "attached_collision_objects"
+    ][:1]
+    (folder / "request0001.yaml").write_text(yaml.dump(request))
+    (problem,) = load_problems(folder)
+    assert [item.name for item in problem.scene.attached] == ["mug"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"object": {"id": "gone"}}, "unknown object to attach, without shapes of its own, 'gone'"),
+        ({"link_name": None}, "link_name"),
+        ({"objects": 1}, "objects"),
+    ],
+)
+def test_bad_attached_objects_are_named(tmp_path, changes, message):
+    node = {"link_name": "panda_hand", "object": {"id": "mug"}, **changes}
+    with pytest.raises(PlannercheckError, match=message):
+        scene_of(ATTACHED, tmp_path, robot_state__attached_collision_objects=[node])
+
+
+def test_attached_objects_need_links_and_frames_that_the_robot_has(tmp_path):
+    panda = Robot.load("panda")
+    node = yaml.safe_load(ATTACHED)["robot_state"]["attached_collision_objects"][2]
+    for change, message in (
+        ({"link_name": "tool0"}, "unknown link that carries 'camera' 'tool0'"),
+        ({"object": {**node["object"], "header": {"frame_id": "odom"}}}, "unknown frame of attached object 'camera'"),
+    ):
+        scene = scene_of(ATTACHED, tmp_path, robot_state__attached_collision_objects=[{**node, **change}])
+        with pytest.raises(PlannercheckError, match=message):
+            Checker(panda, scene)

@@ -8,7 +8,7 @@ import pytest
 import plannercheck as pc
 from plannercheck.paths import example_robot_data
 from plannercheck.reach import reach
-from plannercheck.reach_chains import Chains, boxes_of
+from plannercheck.reach_chains import Chains
 from plannercheck.robot_files import find_description, read_description
 from plannercheck.shapes import hull_and_swell
 
@@ -99,7 +99,7 @@ def test_motions_are_those_of_the_full_table(robots, name):
 def test_frames_are_those_of_the_bodies(robots, name):
     robot = robots[name]
     hulls = [hull_and_swell(body.shape) for body in robot.bodies]
-    chains = Chains(robot, robot.joint_table, robot.bodies, boxes_of(hulls))
+    chains = Chains(robot, robot.joint_table, robot.bodies, hulls)
     assert chains.is_proved()
     q = robot.random_configurations(5, 1)
     first = 2 * len(robot.joint_table.kinds)
@@ -115,7 +115,7 @@ def test_ends_hold_their_bodies_and_levers_bound_their_ways(robots, name):
     """Whatever the columns that are not cut: the body stays in the ball, and its levers bound the centre's way."""
     robot = robots[name]
     hulls = [hull_and_swell(body.shape) for body in robot.bodies]
-    chains = Chains(robot, robot.joint_table, robot.bodies, boxes_of(hulls))
+    chains = Chains(robot, robot.joint_table, robot.bodies, hulls)
     q = robot.random_configurations(40, 2)
     links = robot.link_poses(q)
     rng = np.random.default_rng(3)

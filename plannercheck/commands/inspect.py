@@ -22,9 +22,15 @@ from plannercheck.commands.common import (
     percentage,
     table,
 )
+from plannercheck.decomposition import polytope_volume
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import always_hint
+from plannercheck.hull import Polytope
+from plannercheck.meshes import load_triangles
 from plannercheck.protocols import AnyChecker
+from plannercheck.robot_files import RobotDescription, description_of
+from plannercheck.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.urdf import read_geometry
 
 _EPILOG = """\
 Example:
@@ -63,7 +69,10 @@ def run(options: argparse.Namespace) -> int:
     began = time.perf_counter()
     checker = load_checker(options)
     print(f"{checker!r}, prepared in {time.perf_counter() - began:.2f} s\n")
-    _show_bodies(checker) if isinstance(checker, Checker) else _show_polygons(checker)
+    if isinstance(checker, Checker):
+        _show_bodies(checker, meshes_of(checker, description_of(options.robot)))
+    else:
+        _show_polygons(checker)
     _show_sample(checker, options.states, options.seed)
     if options.without:
         if not isinstance(checker, Checker):
@@ -73,19 +82,23 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _show_bodies(checker: Checker) -> None:
+def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
     pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
     rows = []
-    for body, polytope, count in zip(checker.bodies, checker.prepared, pairs, strict=True):
-        sizes: tuple[object, ...] = (0, 0, 0)  # a body that no pair needs within the limits is not prepared
+    within = checker.prepared  # a body that no pair needs within the limits is prepared only now
+    for body, polytope, late, count in zip(checker.bodies, within, checker.polytopes, pairs, strict=True):
+        sizes: tuple[object, ...] = (0, 0, 0)
         if polytope is not None:
             numbers = polytope.statistics()
             sizes = numbers["vertices"], numbers["facets"], numbers["bytes"] // 1024
-        rows.append((body.name, body.link or "(scene)", type(body.shape).__name__.lower(), *sizes, count))
-    print(table(("body", "link", "shape", "vertices", "facets", "kB", "pairs"), rows))
+        volumes = _volumes(late, meshes.get(body.name))
+        rows.append((body.name, body.link or "(scene)", type(body.shape).__name__.lower(), *sizes, count, *volumes))
+    header = ("body", "link", "shape", "vertices", "facets", "kB", "pairs", "radius m", "hull cm³", "mesh cm³")
+    print(table((*header, "hull / mesh"), rows))
+    _show_meshes(checker, meshes)
     fixed = len(checker.robot.bodies)
     own = int((checker.pairs < fixed).all(axis=1).sum())
-    total = sum({id(p): p.nbytes for p in checker.prepared if p is not None}.values())
+    total = sum({id(p): p.nbytes for p in within if p is not None}.values())
     print(f"\n{len(checker.pairs)} pairs: {own} self pairs, {len(checker.pairs) - own} with the scene")
     by_limits, at_rest = (int((checker.unreachable & part).sum()) for part in (~checker.resting, checker.resting))
     print(
@@ -93,6 +106,49 @@ def _show_bodies(checker: Checker) -> None:
         f"{int(checker.resting.sum())} that no joint of the group moves, since they are apart"
     )
     print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
+
+
+def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str, str, str, str]:
+    """Cells: the ball around a body's centre, the volumes of hull and mesh, how many times as large the hull is."""
+    if polytope is None:
+        return "-", "-", "-", "-"
+    middle = 0.5 * (polytope.vertices.min(axis=0) + polytope.vertices.max(axis=0))
+    radius = float(np.linalg.norm(polytope.vertices - middle, axis=1).max()) + polytope.swell
+    hull = polytope_volume(polytope) if polytope.dimension == 3 else 0.0
+    of_hull = f"{1e6 * hull:.1f}" if polytope.swell == 0.0 else "-"
+    if mesh is None or not mesh.volume:
+        return f"{radius:.3f}", of_hull, "-", "-"
+    return f"{radius:.3f}", of_hull, f"{1e6 * mesh.volume:.1f}", f"{hull / mesh.volume:.2f}"
+
+
+def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
+    """Says what hulls add to meshes, and what was decomposed."""
+    names = {body.name for body in checker.bodies}
+    is_open = [name for name, mesh in meshes.items() if mesh.volume is None and name in names]
+    if is_open:
+        print(f"\nopen meshes, whose volume means nothing (not watertight): {', '.join(is_open)}")
+    for name, pieces in checker.robot.pieces.items():
+        volume = pieces.mesh_volume
+        times = (
+            ""
+            if not volume
+            else f", {pieces.volume / volume:.2f} times the mesh (its hull {pieces.hull_volume / volume:.2f})"
+        )
+        print(
+            f"{name}: {len(pieces.points)} convex pieces{times}; the mesh stuck out of CoACD's by "
+            f"{1e3 * pieces.excess:.3g} mm, they grew by up to {1e3 * pieces.growth:.3g} mm to hold it"
+        )
+
+
+def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, TriangleMesh]:
+    """The meshes of a robot, and of the scene's objects from files, by name of the body."""
+    geometry = read_geometry(checker.robot.model, description.urdf, description.package_dirs)
+    found = {each.name: triangles_of_coal(each.geometry) for each in geometry.geometryObjects}
+    for item in (*checker.scene.objects, *checker.scene.attached):
+        for part, body in zip(item.parts, item.bodies, strict=True):
+            if part.source is not None:
+                found[body.name] = load_triangles(*part.source)
+    return {name: mesh for name, mesh in found.items() if mesh is not None}
 
 
 def _show_polygons(checker: AnyChecker) -> None:
