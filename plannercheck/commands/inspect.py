@@ -82,8 +82,8 @@ def _show_bodies(checker: Checker) -> None:
             sizes = numbers["vertices"], numbers["facets"], numbers["bytes"] // 1024
         rows.append((body.name, body.link or "(scene)", type(body.shape).__name__.lower(), *sizes, count))
     print(table(("body", "link", "shape", "vertices", "facets", "kB", "pairs"), rows))
-    fixed = len(checker.robot.bodies)
-    own = int((checker.pairs < fixed).all(axis=1).sum())
+    moving = np.array([body.link is not None for body in checker.bodies], dtype=bool)
+    own = int(moving[checker.pairs].all(axis=1).sum())
     total = sum({id(p): p.nbytes for p in checker.prepared if p is not None}.values())
     print(f"\n{len(checker.pairs)} pairs: {own} self pairs, {len(checker.pairs) - own} with the scene")
     by_limits, at_rest = (int((checker.unreachable & part).sum()) for part in (~checker.resting, checker.resting))
