@@ -24,7 +24,7 @@ from plannercheck.shapes import checked_pose
 
 Floats = NDArray[np.float64]
 
-# Differences of vertices: their hull takes about a second.
+# Differences of vertices: their hull takes some tenths of a second.
 MOST_DIFFERENCES = 100_000
 
 # Of all lengths that go into a bound: rounding of posed points, differences and products, some ten operations.

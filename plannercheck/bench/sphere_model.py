@@ -54,9 +54,8 @@ class SphereModel:
         own = sorted(covers)
         links = [checker.robot.link_index(str(checker.bodies[k].link)) for k in own]
         balls = [_with_bound(_on_link(covers[k], checker.bodies[k].pose), self.margin) for k in own]
-        first = len(checker.robot.bodies)
         pairs = checker.pairs[~checker.unreachable]  # as the checker: others can't meet within the limits
-        used = sorted({int(k) for k in pairs.ravel() if k >= first})
+        used = sorted({int(k) for k in pairs.ravel() if checker.bodies[k].link is None})
         place = {body: k for k, body in enumerate([*own, *used])}
         obstacles = [_obstacle(checker.bodies[k], checker.polytopes[k], checker.excess) for k in used]
         sides = [plane for _, _, plane in obstacles]

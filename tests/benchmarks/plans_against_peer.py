@@ -12,8 +12,9 @@ on the same space with the same range, starts, goals and seeds:
 
 Times are process times of `solve` (one thread: what the clock shows on an idle machine), plans as found, without
 shortening; "call" is all of `pc.ompl.plan`, from its arguments to the Plan. The plans of the peer are then judged by
-`Checker.check_motions`: a motion counts as colliding if a state on it collides by the exact verdict; the depth is that
-of the deepest of STATES states a motion, at most (`Checker.clearances`).
+`Checker.check_motions`: a motion counts as colliding if a state on it collides by the exact verdict. The depth is that
+of the deepest of STATES states a motion (by the bounds of `Checker.clearances`): how far its deepest pair of bodies has
+to be moved apart at least (`pc.depth`).
 """
 
 from __future__ import annotations
@@ -113,7 +114,7 @@ def judge_path(checker: pc.Checker, path: np.ndarray, tally: Tally) -> None:
     """Adds what the certified checker says of a path."""
     refused = np.flatnonzero(~checker.check_motions(path[:-1], path[1:]))
     t = np.linspace(0, 1, STATES)[:, None]
-    deepest = 0.0
+    deepest, there = 0.0, path[0]
     for k in refused.tolist():
         verdict = checker.explain_motion(path[k], path[k + 1])
         states = (1 - t) * path[k] + t * path[k + 1]
@@ -122,11 +123,20 @@ def judge_path(checker: pc.Checker, path: np.ndarray, tally: Tally) -> None:
             states = np.vstack([states, near])
         colliding = states[~checker.check_states(states)]
         if len(colliding):
-            deepest = max(deepest, float(-checker.clearances(colliding).min()), np.finfo(float).tiny)
+            bounds = np.maximum(-checker.clearances(colliding), np.finfo(float).tiny)
+            if bounds.max() > deepest:
+                deepest, there = float(bounds.max()), colliding[bounds.argmax()]
     tally.refused += len(refused) > 0
     tally.colliding += deepest > 0
     if deepest > 0:
-        tally.depths.append(deepest)
+        tally.depths.append(deepest_pair(checker, there))
+
+
+def deepest_pair(checker: pc.Checker, q: np.ndarray) -> float:
+    """The greatest depth of a pair at a configuration, m."""
+    poses = checker.body_poses(q[None])[0]
+    pairs = checker.pairs[checker.colliding_pairs(q[None])[0]].tolist()
+    return max(pc.depth(checker.polytopes[a], checker.polytopes[b], poses[a], poses[b]).depth for a, b in pairs)
 
 
 def run(options: argparse.Namespace) -> None:
