@@ -141,6 +141,11 @@ class Checker:
             "_kernel": self._kernel is not None
         }
 
+    def __copy__(self) -> Checker:
+        other = type(self).__new__(type(self))
+        other.__dict__.update(self.__dict__)  # within a process, what is compiled is shared
+        return other
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._kernel = self.robot.kinematics if state["_kernel"] else None

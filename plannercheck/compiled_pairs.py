@@ -56,6 +56,10 @@ class Preparation:
             found = self._polytopes[body] = self._known[key]
         return found
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What a pickle has; a plain table of equal shapes, whatever it is here."""
+        return {**self.__dict__, "_known": dict(self._known)}
+
     def so_far(self) -> tuple[Polytope | None, ...]:
         """The bodies that are prepared, None for the others."""
         return tuple(self._polytopes)
