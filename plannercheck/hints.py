@@ -6,7 +6,6 @@ verdict.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -66,13 +65,6 @@ def degrees_hint(robot: AnyRobot, q: Floats) -> str:
     return "as degrees it would be within: angles are in rad" if is_beyond and _are_degrees(robot, q[None]) else ""
 
 
-def shape_hint(shape: Sequence[int], joint_names: Sequence[str], width: int) -> str:
-    """What an array of the wrong shape looks like; a sentence."""
-    if len(shape) == 2 and shape[0] == width:
-        return f"it looks transposed: a configuration is a row, numpy's .T makes it one; {_names(joint_names)}"
-    return _names(joint_names)
-
-
 def mesh_hint(points: Floats) -> str:
     """What points (n, 3) in m look like that are unusually far apart; empty if they are not."""
     size = float(np.ptp(points, axis=0).max(initial=0))
@@ -105,7 +97,3 @@ def _part_within(robot: AnyRobot, rows: Floats) -> float:
 
 def _order(robot: AnyRobot) -> str:
     return f"columns have to be {', '.join(robot.joint_names)}"
-
-
-def _names(joint_names: Sequence[str]) -> str:
-    return f"the joints are {', '.join(joint_names)}"

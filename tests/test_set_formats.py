@@ -138,7 +138,9 @@ def test_other_names_for_the_joints(tmp_path, rows):
     name_csv(tmp_path / "q.csv", rows)
     with pytest.warns(RuntimeWarning, match="left out: time"):
         assert np.array_equal(read(tmp_path / "q.csv", Columns(("x", "y", "z"), 3, named=JOINTS)), rows)
-    with pytest.raises(PlannercheckError, match=r"no column for joint 'x'; its header is c, time, a, b; --columns"):
+    with pytest.raises(PlannercheckError, match=r"no column for joint 'd'; its header is c, time, a, b; --columns"):
+        read(tmp_path / "q.csv", Columns(("a", "b", "d"), 3))
+    with pytest.raises(PlannercheckError, match=r"neither numbers nor names of joints: 'c, time, a, b'; write decimal"):
         read(tmp_path / "q.csv", Columns(("x", "y", "z"), 3))
     with pytest.raises(PlannercheckError, match="--columns must name 7 columns"):
         columns_of(Robot.load("panda"), named=JOINTS)

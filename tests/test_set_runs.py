@@ -125,7 +125,7 @@ def test_degrees_and_standard_input(tmp_path, checker, samples, monkeypatch, cap
         assert np.array_equal(arrays["valid"], checker.check_states(np.deg2rad(np.rad2deg(samples))))
     np.save(tmp_path / "q.npy", np.rad2deg(samples))
     run(tmp_path / "q.npy")
-    assert "are they in degrees" in capsys.readouterr().out
+    assert "--degrees" in capsys.readouterr().err
 
 
 def test_certificates(file, tmp_path, small_chunks, checker, samples):

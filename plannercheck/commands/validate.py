@@ -21,12 +21,12 @@ from plannercheck.commands.validate_options import add_set_arguments, check_opti
 from plannercheck.commands.validation_text import Outcome, as_json, show_table
 from plannercheck.commands.verification import Verification, check_proofs
 from plannercheck.protocols import AnyChecker
-from plannercheck.sets.chunks import CHUNK_ROWS, STANDARD_INPUT, files_of, read_sets
+from plannercheck.sets.chunks import CHUNK_ROWS, STANDARD_INPUT, Chunk, files_of, read_sets
 from plannercheck.sets.columns import columns_of
 from plannercheck.sets.engines import Engine, LocalEngine
 from plannercheck.sets.fingerprint import fingerprint
 from plannercheck.sets.journal import Journal
-from plannercheck.sets.judging import Explained, Judge
+from plannercheck.sets.judging import Explained, Findings, Judge
 from plannercheck.sets.outputs import Results, check_output, write_results
 from plannercheck.sets.progress import Progress
 from plannercheck.sets.run import Run
@@ -107,13 +107,23 @@ def _outcome(options: argparse.Namespace, checker: AnyChecker, judge: Judge, jou
     chunks = read_sets(options.files, columns, options.key, _chunk_rows(options))
     this = Run(judge, journal, Progress(options.progress))
     with _engine(options, checker, judge) as engine:
-        report = replace(this.over(chunks, engine, [verification]), all_pairs=judge.all_pairs)
+        report = replace(this.over(chunks, engine, [verification, _warn_of_units]), all_pairs=judge.all_pairs)
     if options.output is not None and journal is not None:
         files = [str(path) for path in options.files]
         write_results(options.output, Results.of(journal, judge, options.only_invalid, files, checker))
     elapsed = time.perf_counter() - began
     found = verification.agreement, verification.certification
     return Outcome(checker, report, judge.limits, elapsed, this.checking, this.resumed, *found)
+
+
+def _warn_of_units(chunk: Chunk, findings: Findings) -> None:
+    """Of a set that begins with configurations most of which are beyond the limits."""
+    if chunk.first_row == 0 and 2 * findings.report.beyond_limits > findings.report.states:
+        warnings.warn(
+            "most configurations are beyond the limits: are they in degrees (--degrees), or in another order "
+            "(--columns)?",
+            stacklevel=2,
+        )
 
 
 @contextmanager

@@ -79,8 +79,6 @@ def show_table(outcome: Outcome) -> None:
     if outcome.elapsed > 0:
         rate = f"{(report.states - outcome.resumed) / outcome.elapsed:,.0f} configurations a second"
         print(f"{outcome.elapsed:.3f} s, {rate}; {outcome.checking:.3f} s in the checker")
-    if 2 * report.beyond_limits > report.states:
-        print("Most are beyond the limits: are they in degrees (--degrees), or in another order (--columns)?")
     _show_pairs(report)
     if outcome.agreement is not None:
         _show_agreement(outcome.agreement)

@@ -76,12 +76,12 @@ class Checker:
         if method not in METHODS:
             raise unknown_name("method", method, METHODS)
         self.scene = scene if scene is not None else Scene("empty")
+        self._recipe = robot, self.scene, self_collision, method, bounds
         self.robot = robot if self.scene.bounds is None else robot.within(*self.scene.bounds)
         self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
         self.pairs = _pair_table(robot, len(self.bodies), self_collision)
         self.motion_sampler = MotionSampler(self.robot)
-        self._recipe = robot, self.scene, self_collision, method, bounds
         self._arguments = (
             *robot.core_links(),
             [body.vertices for body in self.bodies],
@@ -334,11 +334,6 @@ def _checked_threads(threads: int) -> int:
     return threads
 
 
-def _rebuilt(robot: Robot, scene: Scene, self_collision: bool, method: Method, bounds: bool) -> Checker:
-    """A checker from a pickle; there is nothing in it that takes long to prepare."""
-    return Checker(robot, scene, self_collision, method=method, bounds=bounds)
-
-
 def _pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:
     own = robot.self_pairs() if self_collision else []
     fixed = _fixed_links(robot)
@@ -354,6 +349,11 @@ def _fixed_links(robot: Robot) -> set[int]:
         if link.joint == "fixed" and (k == 0 or robot.parent_index(k) in fixed):
             fixed.add(k)
     return fixed
+
+
+def _rebuilt(robot: Robot, scene: Scene, self_collision: bool, method: Method, bounds: bool) -> Checker:
+    """A checker from a pickle; there is nothing in it that takes long to prepare."""
+    return Checker(robot, scene, self_collision, method=method, bounds=bounds)
 
 
 def _circle(vertices: Floats) -> tuple[float, float, float]:

@@ -54,7 +54,7 @@ def _whole(kind: str) -> Iterator[None]:
     except _FAULTS as error:
         if isinstance(error, PlannercheckError):
             raise
-        raise PlannercheckError(f"is no whole {kind} of numbers: {error}") from None
+        raise PlannercheckError(f"is no whole {kind} of numbers, cut short perhaps: {error}") from None
 
 
 def npy_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:
@@ -104,7 +104,7 @@ class _Layout(NamedTuple):
         """The layout of an array, or an error if it is no table of configurations."""
         fields = fields_of(dtype, columns)
         if fields is None:
-            count, width = table_shape(shape, columns.width, columns.joints)
+            count, width = table_shape(shape, columns)
             return cls(count, width, width, dtype, None, by_column and len(shape) > 1)
         if len(shape) != 1:
             raise PlannercheckError(f"must have shape (n,) if its numbers have names, not {shape}")

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
-from plannercheck.hints import shape_hint
 from plannercheck.sets.columns import Columns
 
 Floats = NDArray[np.float64]
@@ -60,11 +59,16 @@ def check_real(dtype: np.dtype[Any]) -> None:
         raise PlannercheckError(f"must hold real numbers, not {dtype}")
 
 
-def table_shape(shape: tuple[int, ...], width: int, joints: Sequence[str] = ()) -> tuple[int, int]:
-    """The shape as (n, nq); a single configuration (nq,) is one row."""
+def table_shape(shape: tuple[int, ...], columns: Columns, width: int | None = None) -> tuple[int, int]:
+    """The shape as (n, nq), or (n, width); a single configuration (nq,) is one row."""
+    wanted = columns.width if width is None else width
     rows = (1, *shape) if len(shape) == 1 else shape
-    if len(rows) != 2 or rows[1] != width:
-        raise PlannercheckError(f"must have shape (n, {width}), not {shape}; {shape_hint(shape, joints, width)}")
+    if len(rows) != 2 or rows[1] != wanted:
+        is_turned = len(rows) == 2 and rows[0] == wanted
+        hint = "it looks transposed: a configuration is a row, numpy's .T makes it one; " if is_turned else ""
+        raise PlannercheckError(
+            f"must have shape (n, {wanted}), not {shape}; {hint}the joints are {', '.join(columns.joints)}"
+        )
     return rows[0], rows[1]
 
 

@@ -40,7 +40,7 @@ _KEYED = {
     ".hdf5": hdf5_blocks,
     ".h5": hdf5_blocks,
 }
-SUFFIXES = (*_SINGLE, *_KEYED)
+SUFFIXES = (".npy", ".npz", ".csv", ".tsv", ".parquet", ".pq", ".hdf5", ".h5")
 
 # How files begin that can't be read from a stream.
 _SEEKING = {b"PK\x03\x04": "npz", b"PAR1": "parquet", b"\x89HDF": "hdf5"}

@@ -81,15 +81,16 @@ class Columns:
             return
         if len(missing) == len(self.names):
             raise PlannercheckError(
-                f"begins with neither numbers nor names of joints: {', '.join(header)[:60]!r}; write decimal points, "
-                f"not commas, or a header of {', '.join(self.names)}"
+                f"begins with neither numbers nor names of joints: {_listed(header)!r:.60}; write decimal points, not "
+                f"commas, or a header of {', '.join(self.names)}; or say by --columns what the joints are called, in "
+                "the robot's order"
             )
         unknown = [name for name in header if name not in self.names]
         close = get_close_matches(missing[0], unknown, n=1)
-        hint = f" (is it {close[0]!r}?)" if close else ""
+        hint = f"is it {close[0]!r}? " if close else ""
         raise PlannercheckError(
-            f"has no column for joint {missing[0]!r}{hint}; its header is {_listed(header)}; "
-            "--columns names the joints' columns in the robot's order"
+            f"has no column for joint {missing[0]!r}; its header is {_listed(header)}; {hint}--columns says what the "
+            "joints are called, in the robot's order"
         )
 
     def _check_others(self, others: Sequence[str]) -> None:

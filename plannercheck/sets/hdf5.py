@@ -66,8 +66,8 @@ def _of_table(table: Any, columns: Columns, size: int) -> Iterator[Block]:
     fields = fields_of(table.dtype, columns)
     places = places_of(table.attrs.get(NAMES_KEY), columns)
     if fields is None:
-        width = columns.width if places is None else len(table.attrs[NAMES_KEY])
-        count = table_shape(tuple(table.shape), width)[0]
+        width = None if places is None else len(table.attrs[NAMES_KEY])
+        count = table_shape(tuple(table.shape), columns, width)[0]
     else:
         count = int(table.shape[0])
     for first in range(0, count, size):
