@@ -62,6 +62,26 @@ def test_any_scale(scale):
         assert pc.planar.intersects(*scaled) == share_point(*scaled)
 
 
+def test_scales_that_have_nothing_in_common():
+    """Coordinates from subnormal to 1e290 in one pair, some with a corner on a corner."""
+    rng = np.random.default_rng(0)
+    scales = [1e-310, 1e-150, 1e-60, 1.0, 1e60, 1e150, 1e290]
+    shared = 0
+    for k in range(200):
+        a, b = (cases.ellipse(rng, int(rng.integers(3, 7))) * rng.choice(scales, 2) for _ in range(2))
+        poses = [cases.rotation(rng.choice([0, np.pi / 2, rng.uniform(0, 6)])) for _ in range(2)]
+        for pose in poses:
+            pose[:2, 2] = rng.normal(size=2) * rng.choice(scales, 2)
+        if k % 2:
+            poses[1][:2, 2] = poses[0][:2] @ [*a[0], 1.0] - poses[1][:2, :2] @ b[1]
+        if convexity_fault(a) or convexity_fault(b):
+            continue
+        truth = share_point(a, b, *poses)
+        assert all(pc.planar.intersects(a, b, *poses, method=method) == truth for method in METHODS)
+        shared += truth
+    assert 20 < shared < 180
+
+
 def test_large_polygons_in_logarithmic_rounds():
     rng = np.random.default_rng(5)
     polygon = cases.regular(10**6, 0.7)

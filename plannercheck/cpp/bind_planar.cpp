@@ -40,6 +40,14 @@ PlanarPose planar_pose(const PlanarPoseRows& poses, std::size_t k) {
   return pose;
 }
 
+bool are_affine(PlanarPoseRows poses) {
+  for (std::size_t k = 0; k < poses.shape(0); ++k) {
+    const double* last = poses.data() + 9 * k + 6;
+    if (last[0] != 0 || last[1] != 0 || last[2] != 1) return false;
+  }
+  return true;
+}
+
 // The first pose whose M is farther from a rotation than `largest`, as ||M^T M - 1||, or that is not finite; -1 if
 // none.
 std::int64_t first_bent_pose(PlanarPoseRows poses, double largest) {
@@ -80,6 +88,7 @@ void bind_planar(nb::module_& m) {
       .value("double_double", Precision::kDoubleDouble)
       .value("exact", Precision::kExact);
   nb::class_<PolygonList>(m, "PolygonList").def(nb::init<const nb::list&>());
+  m.def("are_affine", &are_affine);
   m.def("first_bent_pose", &first_bent_pose);
   m.def("planar_intersect_batch", &planar_intersect_batch);
   bind_planar_checker(m);

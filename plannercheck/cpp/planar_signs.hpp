@@ -52,21 +52,21 @@ struct NotFiniteError : std::invalid_argument {
 // A vertex of the guest, seen from the origin of the host's frame along the axes of the world, and the sums of the
 // absolute values of the terms of its coordinates; infinite where these are too large for a filter.
 struct GuestPoint {
-  std::size_t index = 0;
-  double x = 0, y = 0, size_x = 0, size_y = 0;
+  std::size_t index;
+  double x, y, size_x, size_y;
 };
 
 // The line through two vertices of the host, with the direction that has the host on its left; sizes as above.
 struct HostLine {
-  std::size_t from = 0, to = 0;
-  double dx = 0, dy = 0, size_dx = 0, size_dy = 0;  // M (to - from), turned round if the host runs clockwise
-  double x = 0, y = 0, size_x = 0, size_y = 0;      // M from
+  std::size_t from, to;
+  double dx, dy, size_dx, size_dy;  // M (to - from), turned round if the host runs clockwise
+  double x, y, size_x, size_y;      // M from
 };
 
 // How far a point is on the host's side of a line, times the line's length; infinite error where a filter in doubles
 // can't be trusted.
 struct Side {
-  double value = 0, error = 0;
+  double value, error;
 };
 
 // Non-negative weights of two lines: along the mixed side function a guest is pruned.

@@ -1,7 +1,7 @@
 """Convex polytopes in any dimension: do two share a point (paper, "Detecting intersections in higher dimensions").
 
 In: `Polytope`s, from points or from halfspaces, at any affine poses. Out: exact verdicts (`intersects`), certificates
-(`certify`), and which regions of a set meet (`overlap_graph`).
+(`certify`), which regions of a set meet (`overlap_graph`), and moving bodies in space-time (`sweeps`).
 
 Which statement of the paper is where:
 
@@ -32,6 +32,7 @@ from plannercheck.ndim.bodies import DEFAULT_MEMORY, Polytope
 from plannercheck.ndim.certificates import Certificate, Effort, Separation, SharedPoint
 from plannercheck.ndim.graph import OverlapGraph, overlap_graph
 from plannercheck.ndim.pair import METHODS, certify, intersects, verdict
+from plannercheck.ndim.sweeps import sweeps
 
 __all__ = [
     "DEFAULT_MEMORY",
@@ -45,5 +46,6 @@ __all__ = [
     "certify",
     "intersects",
     "overlap_graph",
+    "sweeps",
     "verdict",
 ]

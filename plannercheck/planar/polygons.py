@@ -33,7 +33,6 @@ METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
 LARGEST_DEFECT = 1e-6
 
 _IDENTITY = np.eye(3)[None]
-_LAST_ROW = np.array([0.0, 0.0, 1.0])
 
 
 class Polygons:
@@ -186,7 +185,7 @@ def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
         array = array[None]
     if array.ndim != 3 or array.shape[1:] != (3, 3):
         raise PlannercheckError(f"{name} must be (3, 3) or (n, 3, 3), not of shape {np.shape(poses)}")
-    if not (array[:, 2] == _LAST_ROW).all():
+    if not core.are_affine(array):
         raise PlannercheckError(f"{name}: the last row of a pose must be 0, 0, 1")
     bad = core.first_bent_pose(array, LARGEST_DEFECT)
     if bad >= 0:

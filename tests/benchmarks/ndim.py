@@ -158,12 +158,12 @@ ADVERSARIES = {
 }
 
 
-def rounds(seed: int, queries: int = 200) -> None:
+def rounds(seed: int, dimensions: list[int], queries: int = 200) -> None:
     """Prints rounds and vertices visited by the walk: round bodies, then adversarial ones."""
     print("| d | bodies | n | m (polar) | depths | rounds: mean | worst | visited: mean | worst | oracle's rounds |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
-    for d, sizes in SIZES.items():
-        for make, numbers in {round_body: sizes, **ADVERSARIES.get(d, {})}.items():
+    for d in dimensions:
+        for make, numbers in {round_body: SIZES[d], **ADVERSARIES.get(d, {})}.items():
             for n in numbers:
                 print(rounds_of(make, d, n, seed, queries), flush=True)
 
@@ -200,11 +200,11 @@ def feasible_by_program(p: np.ndarray, r: np.ndarray, pose) -> bool:
     return linprog(np.zeros(n + len(r)), A_eq=rows, b_eq=right, bounds=(0, None), method="highs").status == 0
 
 
-def speed(seed: int, queries: int = 40) -> None:
+def speed(seed: int, dimensions: list[int], queries: int = 40) -> None:
     """Prints ms a query: minima of two interleaved passes, means over queries."""
     print("| d | n | gap | program, ms | oracle, ms | trees, ms | program / oracle | program / trees |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
-    for d in DIMENSIONS:
+    for d in dimensions:
         for n in (100, 1000, 10_000):
             rng = np.random.default_rng(seed)
             p, r = sphere(rng, n, d), sphere(rng, n, d)
@@ -238,13 +238,13 @@ def timed(ways: dict, poses: list) -> dict[str, float]:
     return {name: 1e3 * float(values.mean()) for name, values in best.items()}
 
 
-def trees(seed: int) -> None:
+def trees(seed: int, dimensions: list[int]) -> None:
     """Prints what the trees of round bodies take."""
     print(
         "dimension       n   tree: nodes  depth  largest leaf   polar: points  nodes  depth  largest leaf     MB      s"
     )
-    for d, sizes in SIZES.items():
-        for n in sizes:
+    for d in dimensions:
+        for n in SIZES[d]:
             start = time.perf_counter()
             body = ndim.Polytope(sphere(np.random.default_rng(seed), n, d))
             if not body.uses_tree:
@@ -265,11 +265,12 @@ def main() -> None:
     parser.add_argument("table", choices=("agreement", "rounds", "speed", "trees"))
     parser.add_argument("--pairs", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--dimensions", type=int, nargs="*", default=list(DIMENSIONS), choices=DIMENSIONS)
     options = parser.parse_args()
     if options.table == "agreement":
         agreement(options.pairs, options.seed)
     else:
-        {"rounds": rounds, "speed": speed, "trees": trees}[options.table](options.seed)
+        {"rounds": rounds, "speed": speed, "trees": trees}[options.table](options.seed, options.dimensions)
 
 
 if __name__ == "__main__":

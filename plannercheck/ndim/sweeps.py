@@ -1,0 +1,43 @@
+"""Moving bodies in space-time: the hull of what a body covers, one dimension higher.
+
+In: vertices of a body, and a path of it in straight pieces, each passed at a constant speed and without turning. Out: a
+`Polytope` a piece, in the coordinates of space and, last, time. Two bodies are at one place at one time if and only if
+two of their pieces share a point: a certificate's common point says where and when.
+
+Why that is exact: at a moment of a piece, the body is the mixture of where it is at both ends, so the hull of both is
+what it sweeps, no more. A body that turns sweeps something that is not convex; cut its motion into pieces short enough
+and take bodies a little larger, or use `Checker.check_motion`.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plannercheck.errors import PlannercheckError
+from plannercheck.ndim.bodies import Polytope
+
+
+def sweeps(vertices: ArrayLike, waypoints: ArrayLike, times: ArrayLike, name: str = "body") -> list[Polytope]:
+    """What a body covers on its way, piece by piece.
+
+    Args:
+        vertices: (n, d), m; d = 3 in space.
+        waypoints: Where its origin is (k, d), m, k at least 2. Vertices at a waypoint are sums of doubles, rounded.
+        times: When (k,), s, ascending.
+        name: What errors call it.
+
+    Returns:
+        k - 1 polytopes in dimension d + 1.
+    """
+    body, ways, moments = (np.asarray(given, dtype=np.float64) for given in (vertices, waypoints, times))
+    if body.ndim != 2 or ways.ndim != 2 or ways.shape[1] != body.shape[1] or len(ways) < 2:
+        raise PlannercheckError(
+            f"{name}: vertices (n, d) and at least two waypoints (k, d) are expected, not {body.shape} and {ways.shape}"
+        )
+    if moments.shape != (len(ways),) or not (np.diff(moments) > 0).all():
+        raise PlannercheckError(f"{name}: {len(ways)} waypoints need as many times, ascending, not {moments.tolist()}")
+    at = [np.column_stack([body + way, np.full(len(body), time)]) for way, time in zip(ways, moments, strict=True)]
+    return [Polytope(np.concatenate(ends), name=f"{name}, piece {k}") for k, ends in enumerate(pairwise(at))]
