@@ -52,7 +52,7 @@ def test_outer_levels_contain_the_body(body):
 
 
 def test_levels_start_as_the_core_has_them():
-    body = Polytope(family("round", 500, 1))
+    body = Polytope(family("round", 1000, 1))
     level = np.asarray(body.core.levels(False))
     assert level.max() > 2
     for k, inner in enumerate(cutoffs.inner_levels(body)[: level.max()], start=1):

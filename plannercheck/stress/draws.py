@@ -28,8 +28,8 @@ DISTANCES = (0.0, 0.0, 1.0, 1e3, 1e6)
 ROTATIONS = ("none", "axis-aligned", "1e-9 rad", "random")
 TINY_ANGLE = 1e-9  # rad
 # Points a body, and how often: exact arithmetic in Python pays for every one.
-COUNTS = (8, 16, 40, 100, 300)
-COUNT_WEIGHTS = (0.35, 0.25, 0.2, 0.15, 0.05)
+COUNTS = (8, 16, 40, 100, 300, 1000)
+COUNT_WEIGHTS = (0.35, 0.25, 0.2, 0.14, 0.05, 0.01)
 # Gaps over the smaller body's size, by name, and one step of the translation's doubles.
 GAPS: dict[str, float] = {
     "0": 0.0,
