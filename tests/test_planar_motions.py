@@ -364,6 +364,20 @@ def test_curves_that_leave_between_the_ends_are_refused():
     assert checker.check_motion(ends[0], ends[0], curve="reeds_shepp", turning_radius=1.0)
 
 
+def test_short_curves_are_judged_whatever_the_tolerance():
+    robot, scene = P.Robot([[0, -0.1], [5, -0.1], [5, 0.1], [0, 0.1]]), P.Scene()
+    scene.add_polygon("post", [[5.001, 0.0]])
+    checker, generator = P.Checker(robot, scene), np.random.default_rng(10)
+    for _ in range(60):
+        ends = np.zeros(3), generator.normal(size=3) * 10.0 ** generator.uniform(-9, -5)
+        for name in ("dubins", "reeds_shepp"):
+            curves = Curves(name, 1.5).pieces(*ends, 5.1)
+            free = checker.check_motion(*ends, tolerance=1e-8, curve=name, turning_radius=1.5)
+            states = checker.motion_certifier.states(*ends, np.linspace(0, 1, 500), curves)
+            clearance = clearances(checker, states).min()
+            assert free == (clearance > 0) or 0 < clearance < 1e-4
+
+
 # ----- OMPL
 
 

@@ -21,8 +21,9 @@ constexpr double kPlanarCoarse = 0.05;
 // Into how many intervals one is cut that has pairs left: ε shrinks to a ninth.
 constexpr int kPlanarCut = 3;
 
-// Rounding and slips may take at most this part of the tolerance, else the numbers are too large. Twice as much has to
-// be less than the tolerance for intervals to become short enough.
+// Rounding and a piece's slip may take at most this part of the tolerance: twice as much has to be less than it for
+// intervals to become short enough. Where rounding takes more, the numbers are too large; where a slip does, the piece
+// is judged with a greater tolerance.
 constexpr double kPlanarRoundingPart = 1.0 / 4;
 
 }  // namespace
@@ -71,7 +72,7 @@ class PlanarRun {
  public:
   PlanarRun(const PlanarCertifier& certifier, const PlanarMotion& motion, double tolerance,
             PlanarCertifier::Workspace& workspace)
-      : certifier_(certifier), motion_(motion), tolerance_(tolerance), w_(workspace) {}
+      : certifier_(certifier), motion_(motion), given_tolerance_(tolerance), w_(workspace) {}
 
   void in_order(std::vector<PlanarProof>* proofs) { ordered_ = true, proofs_ = proofs; }
 
@@ -79,12 +80,10 @@ class PlanarRun {
     ++w_.counters.motions;
     w_.failures.clear();
     const double rounding = certifier_.rounding(motion_);
+    if (!(rounding <= kPlanarRoundingPart * given_tolerance_)) return {PlanarAnswer::kImprecise, 0, 0, -1};
     for (std::size_t k = 0; k < motion_.count; ++k) {
       slack_ = rounding + motion_.pieces[k].slip;
-      if (!(slack_ <= kPlanarRoundingPart * tolerance_)) return {PlanarAnswer::kImprecise, 0, 0, -1};
-    }
-    for (std::size_t k = 0; k < motion_.count; ++k) {
-      slack_ = rounding + motion_.pieces[k].slip;
+      tolerance_ = larger(given_tolerance_, slack_ / kPlanarRoundingPart);
       begin(motion_.pieces[k]);
       report_.free_until = piece_->from;
       if (!judge_grid(w_.all)) {
@@ -99,7 +98,7 @@ class PlanarRun {
  private:
   const PlanarCertifier& certifier_;
   const PlanarMotion& motion_;
-  double tolerance_;
+  double given_tolerance_, tolerance_ = 0;
   PlanarCertifier::Workspace& w_;
   bool ordered_ = false;
   std::vector<PlanarProof>* proofs_ = nullptr;

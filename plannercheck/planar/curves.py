@@ -124,7 +124,9 @@ class Curves:
             lever: No point of the robot is further than this from its root, m.
 
         Returns:
-            (k, 11) as the core takes them; the last one is the end itself, which OMPL's curve meets up to 1e-6.
+            (k, 11) as the core takes them; the last one is the end itself, which OMPL's curve meets up to 1e-6. The
+            last column says how far off a piece may be, m: mostly below 1e-9, and where a curve has arcs shorter than
+            1e-6 of the radius up to about 1e-5. A tolerance is raised to four times as much for such a piece.
         """
         states = self._states()
         first = _write(states[0], start)
