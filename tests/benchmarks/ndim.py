@@ -200,7 +200,7 @@ def feasible_by_program(p: np.ndarray, r: np.ndarray, pose) -> bool:
     return linprog(np.zeros(n + len(r)), A_eq=rows, b_eq=right, bounds=(0, None), method="highs").status == 0
 
 
-def speed(seed: int, dimensions: list[int], queries: int = 40) -> None:
+def speed(seed: int, dimensions: list[int], queries: int = 20) -> None:
     """Prints ms a query: minima of two interleaved passes, means over queries."""
     print("| d | n | gap | program, ms | oracle, ms | trees, ms | program / oracle | program / trees |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
