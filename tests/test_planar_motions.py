@@ -349,6 +349,13 @@ def test_pieces_are_ompls_curves(name, space, radius):
     assert np.mean(pieces) < 8
 
 
+def test_taking_apart_ends():
+    """A curve that once was cut off its end again and again, by next to nothing each time."""
+    start = np.array([15.592558502436406, 10.188855462532539, 0.183607645053924])
+    end = np.array([15.788461045441508, 10.225234388121631, 0.1836076450539233])
+    assert len(Curves("reeds_shepp", 6.0).pieces(start, end, 14.0)) <= 6
+
+
 def test_curves_that_leave_between_the_ends_are_refused():
     """A Dubins car that turns round sweeps over a post beside its straight way."""
     robot, scene = P.Robot([[0, -0.1], [0.5, -0.1], [0.5, 0.1], [0, 0.1]]), P.Scene()
