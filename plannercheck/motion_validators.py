@@ -148,9 +148,11 @@ class ProvedPlanarMotions(_CountingValidator):
     def _motion(self, s1: Any, s2: Any) -> tuple[Floats, Floats, Floats]:
         """Both ends, and the pieces of a curve between them."""
         q0, q1 = np.array(self._plane.read(s1)), np.array(self._plane.read(s2))
-        q1 = self._sampler.short_way(q0, q1)
-        curves = self._plane.curves
-        return q0, q1, STRAIGHT if curves is None else curves.pieces(q0, q1, self._sampler.reach)
+        curves, end = self._plane.curves, self._sampler.short_way(q0, q1)
+        if curves is None:
+            return q0, end, STRAIGHT
+        end[2] = q1[2]  # to the bit: of two curves of one length rounding may choose
+        return q0, end, curves.pieces(q0, end, self._sampler.reach)
 
     def _is_free(self, s1: Any, s2: Any) -> bool:
         q0, q1, pieces = self._motion(s1, s2)

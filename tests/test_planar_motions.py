@@ -70,7 +70,7 @@ def kinds_for(checker):
 
 def states_of(checker, q0, q1, parameters, kind):
     """States of a motion as the certifier has them."""
-    (start,), (end,) = checker._motion_ends(q0[None], q1[None])
+    (start,), (end,) = checker._motion_ends(q0[None], q1[None], kind[0])
     return checker.motion_certifier.states(start, end, parameters, checker._pieces(start, end, *kind))
 
 
@@ -347,6 +347,31 @@ def test_pieces_are_ompls_curves(name, space, radius):
             off += lever * abs(math.remainder(heading - between.getYaw(), 2 * math.pi))
             assert off <= row[10] + 1e-13 * (1 + np.abs(a[:2]).sum() + np.abs(b[:2]).sum() + radius)
     assert np.mean(pieces) < 8
+
+
+def test_taking_apart_ends():
+    """A curve that once was cut off its end again and again, by next to nothing each time."""
+    start = np.array([15.592558502436406, 10.188855462532539, 0.183607645053924])
+    end = np.array([15.788461045441508, 10.225234388121631, 0.1836076450539233])
+    assert len(Curves("reeds_shepp", 6.0).pieces(start, end, 14.0)) <= 6
+
+
+def test_of_two_curves_of_one_length_ompls_is_judged():
+    """The last bit of a heading decides which of two curves OMPL takes."""
+    checker = P.Checker(P.Robot.load("truck_trailer"), P.Scene.load("parking"))
+    start = [9.18283854822792, 14.764436451613967, -2.941501915011496, 0.6114179705653158, 0.6254121805476937]
+    end = [7.538950352634891, 14.964362176130075, 2.195461623990338, 0.44970857656799257, 0.48361853875099486]
+    kind, parts = ("reeds_shepp", 6.0), np.linspace(0, 1, 101)
+    space = space_of(checker, **curve_of(kind))
+    information = pc.ompl.setup(checker, **curve_of(kind)).getSpaceInformation()
+    ends = [space.state(information, q) for q in (start, end)]
+    space.ompl_space()
+    ompls = space.curve_states(*ends, parts)
+    ours = states_of(checker, np.array(start), np.array(end), parts, kind)
+    assert np.abs(ompls[:, :2] - ours[:, :2]).max() < 1e-9
+    assert not checker.check_states(ompls).all()
+    assert not checker.check_motion(start, end, **curve_of(kind))
+    assert not information.checkMotion(*ends)
 
 
 def test_curves_that_leave_between_the_ends_are_refused():

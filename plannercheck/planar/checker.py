@@ -188,8 +188,8 @@ class Checker:
         Returns:
             (n,), True means free.
         """
-        starts, ends = self._motion_ends(q0, q1)
         check_curve(self.robot, curve, turning_radius)
+        starts, ends = self._motion_ends(q0, q1, curve)
         if curve != "straight":
             rows = zip(starts, ends, strict=True)
             judged = [self._curve_is_free(a, b, resolution, tolerance, curve, turning_radius) for a, b in rows]
@@ -222,8 +222,8 @@ class Checker:
         Returns:
             The verdict.
         """
-        (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
         check_curve(self.robot, curve, turning_radius)
+        (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1), curve)
         pieces, certifier = self._pieces(start, end, curve, turning_radius), self.motion_certifier
         passage = certifier.passage(start, end, tolerance, proofs, pieces)
         return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance)
@@ -233,12 +233,15 @@ class Checker:
         """Proves motions free; built when it is first needed."""
         return MotionCertifier(*self._arguments)
 
-    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
-        """Starts and ends (n, nq); angles without limits take the short way."""
+    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats]:
+        """Starts and ends (n, nq); angles without limits take the short way, but for the heading on curves."""
         starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
         if starts.shape != ends.shape:
             raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
-        return starts, self.motion_sampler.short_way(starts, ends)
+        near = self.motion_sampler.short_way(starts, ends)
+        if curve != "straight":
+            near[:, 2] = ends[:, 2]  # to the bit: of two curves of one length rounding may choose
+        return starts, near
 
     def _curve_is_free(
         self,

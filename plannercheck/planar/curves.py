@@ -156,19 +156,24 @@ class Curves:
             return []
         places = [first, *(self._at(k / _FIRST_CELLS) for k in range(1, _FIRST_CELLS)), self._at(_LAST)]
         found = [cells.cell(a, b) for a, b in pairwise(places)]
-        k, guessed = 0, False
+        k = 0
         while k < len(found):
             cell = found[k]
             if cell.kind is not None or cells.length(cell.start, cell.end) <= _SHORTEST:
-                k, guessed = k + 1, False
+                k += 1
                 continue
             before = found[k - 1].kind if k > 0 else None
             after = found[k + 1].kind if k + 1 < len(found) else None
-            guess = None if guessed else cells.meeting(cell, before, after)
-            middle = self._at((cell.start.t + cell.end.t) / 2 if guess is None else guess)
-            found[k : k + 1] = [cells.cell(cell.start, middle), cells.cell(middle, cell.end)]
-            guessed = guess is not None
+            guess = cells.meeting(cell, before, after)
+            halves = [] if guess is None else self._cut(cells, cell, guess)
+            if not halves or any(half.kind is None for half in halves):
+                halves = self._cut(cells, cell, (cell.start.t + cell.end.t) / 2)  # so that it ends
+            found[k : k + 1] = halves
         return _joined(cells, found)
+
+    def _cut(self, cells: _Cells, cell: _Cell, t: float) -> list[_Cell]:
+        middle = self._at(t)
+        return [cells.cell(cell.start, middle), cells.cell(middle, cell.end)]
 
 
 def _write(state: Any, pose: Floats) -> _Place:
