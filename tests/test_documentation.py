@@ -18,7 +18,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pyarrow
 import pytest
+from pyarrow import parquet
 
 from plannercheck.cli import COMMANDS, main, parser_for
 from plannercheck.paths import shipped_folder
@@ -55,6 +57,7 @@ def prepare(folder):
     samples = np.load(shipped_folder("configs") / "bookshelf_panda.npy")[:8]
     np.save(folder / "set.npy", samples)
     np.savetxt(folder / "set.csv", samples, delimiter=",")
+    parquet.write_table(pyarrow.table({"q": samples.tolist()}), folder / "big.parquet")
     np.save(folder / "set_ur5.npy", np.load(shipped_folder("configs") / "kitchen_ur5.npy")[:8])
     scene = (shipped_folder("configs") / "table.yaml").read_text("utf-8")
     (folder / "my_scene.yaml").write_text(re.sub(r" +samples: .*\n", "", scene), encoding="utf-8")
