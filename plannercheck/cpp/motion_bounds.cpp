@@ -8,6 +8,7 @@ namespace {
 constexpr double kBoundRounding = 1 + 1e-9;
 
 Rate rate_of(const JointDrive& joint, const ConfigurationPath& path) {
+  if (joint.column < 0) return {};  // held: no chain asks for it
   if (joint.kind == DriveKind::kPart) return path.rate(joint.column);
   const double a = joint.multiplier * path.start(joint.column), b = joint.multiplier * path.end(joint.column);
   const double way = std::fabs(b - a);
