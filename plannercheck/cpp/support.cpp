@@ -173,7 +173,7 @@ std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
     values[i] = (load_floats(block.x.data()) * x + load_floats(block.y.data()) * y) + load_floats(block.z.data()) * z;
     best = values[i] > best ? values[i] : best;
   }
-  counters.blocks += static_cast<long>(blocks);
+  counters.blocks += static_cast<long>(blocks * (kTopLanes / kBlockLanes));
   for (std::size_t i = 0; i < kBatch; ++i) values[blocks + i] = Floats{} - __builtin_inff();
   const Floats ties = Floats{} + (largest(best) - kFloatTie);
   std::int32_t found = -1;
