@@ -2,7 +2,7 @@
 
 In: a prepared body. Out: one coarser body a level, nested. The hull of the vertices that are alive at a level of the
 inner hierarchy is part of the body (it misses collisions); the body that the facets alive at a level of the polar
-hierarchy bound contains it (it reports too many). Queries stop at 512 points, which they scan; here the hierarchies go
+hierarchy bound contains it (it reports too many). Queries stop at 64 points, which they scan; here the hierarchies go
 on below that, by the same rule, down to a tetrahedron.
 """
 

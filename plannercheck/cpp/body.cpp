@@ -127,8 +127,8 @@ class Reader {
 template <class Stream, class H>
 void each_level_field(Stream& s, H& h) {
   s.array(h.points), s.array(h.level), s.value(h.depth), s.array(h.ring_start), s.array(h.rings), s.array(h.top);
-  s.array(h.top_blocks), s.array(h.chains), s.array(h.blocks), s.array(h.fan_of), s.array(h.fans), s.array(h.wedges);
-  s.array(h.entries), s.value(h.largest_coordinate);
+  s.array(h.top_blocks), s.array(h.all_blocks), s.array(h.chains), s.array(h.blocks), s.array(h.fan_of);
+  s.array(h.fans), s.array(h.wedges), s.array(h.entries), s.value(h.largest_coordinate);
 }
 
 template <class Stream, class H>
@@ -188,7 +188,9 @@ void require_sound_levels(const Levels& h) {
   require(n >= 1 && h.level.size() == n && h.chains.size() == n && h.fan_of.size() == n && h.depth >= 0);
   require(h.ring_start.size() == n + 1 && h.ring_start.front() == 0 && at(h.ring_start.back()) == h.rings.size());
   require(std::is_sorted(h.ring_start.begin(), h.ring_start.end()) && all_below(h.rings, n));
-  require(top > 0 && top <= kScannedVertices && top == h.top_blocks.size() * kTopLanes && all_below(h.top, n));
+  require(top > 0 && top <= kUnlayered && top == h.top_blocks.size() * kScanLanes && all_below(h.top, n));
+  const std::size_t scanned = (n + kScanLanes - 1) / kScanLanes;
+  require(h.all_blocks.empty() || (h.all_blocks.size() == scanned && n <= kScannedVertices));
   for (const ChainRange& c : h.chains) {
     require(c.length >= 0 &&
             within(c.first_block, c.length / kBlockLanes + (c.length % kBlockLanes != 0), h.blocks.size()));

@@ -89,7 +89,7 @@ Hierarchy build_flat_hierarchy(const FlatHull& hull) {
   std::vector<std::int32_t> alive(hull.vertices.size());
   std::iota(alive.begin(), alive.end(), 0);
   std::int32_t depth = 0;
-  const std::vector<Removal> removals = halve(alive, kScannedVertices, &depth);
+  const std::vector<Removal> removals = halve(alive, kUnlayered, &depth);
   Hierarchy h{lay_out(hull.vertices, removals, alive, depth), {}};
   const std::vector<Removal> further = halve(alive, kCrownTop, &depth);
   h.crown = lay_out_crown(h, further, alive, depth);

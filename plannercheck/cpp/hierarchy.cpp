@@ -67,18 +67,28 @@ void lay_out_rings(const std::vector<Removal>& removals, Levels& h) {
   }
 }
 
-void lay_out_top(const std::vector<std::int32_t>& alive, Levels& h) {
-  h.top = alive;
-  while (h.top.size() % kTopLanes != 0) h.top.push_back(h.top.back());
-  h.top_blocks.resize(h.top.size() / kTopLanes);
+// The given vertices in blocks; lanes beyond the end repeat the last one.
+std::vector<ScanBlock> scan_blocks(const Levels& h, const std::vector<std::int32_t>& vertices) {
+  std::vector<ScanBlock> blocks((vertices.size() + kScanLanes - 1) / kScanLanes);
   const double unit = h.largest_coordinate > 0 ? h.largest_coordinate : 1;
-  for (std::size_t i = 0; i < h.top.size(); ++i) {
-    TopBlock& block = h.top_blocks[i / kTopLanes];
-    const Vec3 p = h.points[at(h.top[i])];
-    block.x[i % kTopLanes] = static_cast<float>(p.x / unit);
-    block.y[i % kTopLanes] = static_cast<float>(p.y / unit);
-    block.z[i % kTopLanes] = static_cast<float>(p.z / unit);
+  for (std::size_t i = 0; i < blocks.size() * kScanLanes; ++i) {
+    ScanBlock& block = blocks[i / kScanLanes];
+    const Vec3 p = h.points[at(vertices[std::min(i, vertices.size() - 1)])];
+    block.x[i % kScanLanes] = static_cast<float>(p.x / unit);
+    block.y[i % kScanLanes] = static_cast<float>(p.y / unit);
+    block.z[i % kScanLanes] = static_cast<float>(p.z / unit);
   }
+  return blocks;
+}
+
+void lay_out_scans(const std::vector<std::int32_t>& alive, Levels& h) {
+  h.top = alive;
+  while (h.top.size() % kScanLanes != 0) h.top.push_back(h.top.back());
+  h.top_blocks = scan_blocks(h, h.top);
+  if (h.points.size() <= at(kUnlayered) || h.points.size() > at(kScannedVertices)) return;
+  std::vector<std::int32_t> all(h.points.size());
+  std::iota(all.begin(), all.end(), 0);
+  h.all_blocks = scan_blocks(h, all);
 }
 
 void put(Levels& h, const ChainRange& chain, std::int32_t position, std::int32_t vertex) {
@@ -121,7 +131,7 @@ Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& remo
   for (const Removal& r : removals) h.level[at(r.vertex)] = r.level;
   h.fan_of.assign(points.size(), -1);
   lay_out_rings(removals, h);
-  lay_out_top(top, h);
+  lay_out_scans(top, h);
   lay_out_chains(removals, h);
   return h;
 }
@@ -147,7 +157,7 @@ Hierarchy build_hierarchy(const ConvexMesh& mesh) {
   Triangulation current(mesh);
   std::vector<std::int32_t> alive(mesh.vertices.size());
   for (std::size_t v = 0; v < alive.size(); ++v) alive[v] = static_cast<std::int32_t>(v);
-  const std::size_t top = at(alive.size() > at(kScannedVertices) ? kTopVertices : kScannedVertices);
+  const std::size_t top = at(alive.size() > at(kUnlayered) ? kTopVertices : kUnlayered);
   std::int32_t depth = 0;
   const std::vector<Removal> removals = peel(current, alive, top, &depth);
   Hierarchy h{lay_out(mesh.vertices, removals, alive, depth), {}};
@@ -159,8 +169,8 @@ Hierarchy build_hierarchy(const ConvexMesh& mesh) {
 
 std::size_t Levels::bytes() const {
   const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
-  return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_blocks) + size(chains) +
-         size(blocks) + size(fan_of) + size(fans) + size(wedges) + size(entries);
+  return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_blocks) + size(all_blocks) +
+         size(chains) + size(blocks) + size(fan_of) + size(fans) + size(wedges) + size(entries);
 }
 
 namespace {

@@ -20,11 +20,12 @@
 namespace plannercheck {
 
 inline constexpr int kScannedVertices = 512;  // up to this many a scan in lanes beats every hierarchy (measured)
-inline constexpr int kTopVertices = 64;       // left at the top of the hierarchies of larger bodies
+inline constexpr int kUnlayered = 64;         // up to this many all vertices are at the top
+inline constexpr int kTopVertices = 48;       // left at the top of the hierarchies of larger bodies
 inline constexpr int kCrownTop = 8;           // so few a side make the coupled walk's first game as small as its others
 inline constexpr int kRemovedDegree = 8;      // a planar graph has enough independent vertices of at most this degree
 inline constexpr int kBlockLanes = 4;         // the layout is the same on every instruction set, so that files are too
-inline constexpr int kTopLanes = 8;           // likewise
+inline constexpr int kScanLanes = 8;          // likewise
 inline constexpr int kLongChain = 64;         // entries; longer chains are walked by wedges (16 blocks of scanning)
 
 // Four neighbours in a chain, coordinates inline. Lanes beyond the chain's end repeat the last entry.
@@ -33,9 +34,9 @@ struct Block {
   std::array<std::int32_t, kBlockLanes> vertex;
 };
 
-// Eight top vertices, as floats of their coordinates over the largest one: a scan looks for candidates only.
-struct TopBlock {
-  std::array<float, kTopLanes> x, y, z;
+// Eight vertices, as floats of their coordinates over the largest one: a scan looks for candidates only.
+struct ScanBlock {
+  std::array<float, kScanLanes> x, y, z;
 };
 
 struct ChainRange {
@@ -67,7 +68,8 @@ struct Levels {
   std::vector<std::int32_t> ring_start;  // rings in CSR form, counter-clockwise; empty for top vertices
   std::vector<std::int32_t> rings;
   std::vector<std::int32_t> top;  // ids, padded to whole blocks by repetition
-  std::vector<TopBlock> top_blocks;
+  std::vector<ScanBlock> top_blocks;
+  std::vector<ScanBlock> all_blocks;  // all vertices of bodies that are scanned although they have levels
   std::vector<ChainRange> chains;
   std::vector<Block> blocks;
   std::vector<std::int32_t> fan_of;  // per vertex: index into fans, or -1

@@ -1,6 +1,7 @@
 #include "support.hpp"
 
 #include <array>
+#include <vector>
 
 #include "predicates.hpp"
 #include "quads.hpp"
@@ -23,7 +24,7 @@ constexpr double kSmallestDirection = 1e-290, kLargestDirection = 1e290;
 
 constexpr std::size_t kBatch = 4;  // blocks of a scan that are searched for candidates at a time
 
-static_assert(kBlockLanes == kQuad && kTopLanes == kFloats);
+static_assert(kBlockLanes == kQuad && kScanLanes == kFloats);
 
 struct Beyond {
   unsigned sure, unsure;
@@ -151,29 +152,25 @@ std::int32_t descend(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& cou
   return v;
 }
 
-// Below the top, next_beyond needs a vertex that is truly extreme; where nothing follows, rounded products do.
-bool further_at_top(const Levels& h, Vec3 u, std::int32_t v, std::int32_t than) {
-  const Vec3 a = h.points[at(v)], b = h.points[at(than)];
-  return h.depth > 0 ? compare_along(u, a, b) > 0 : dot(u, a) > dot(u, b);
-}
-
-}  // namespace
-
-std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
+// The vertex of the blocks that is furthest along u; `vertex` says which one a lane is, `further` whether one is
+// further than another.
+template <class Vertex, class Further>
+std::int32_t scanned(const std::vector<ScanBlock>& scan, Vec3 u, Vertex vertex, Further further,
+                     QueryCounters& counters) {
   const double length = norm_max(u);
   // Directions that no float stands for make all vertices tie.
   const double scale = length > kSmallestDirection && length < kLargestDirection ? 1 / length : 0;
   const auto x = static_cast<float>(u.x * scale), y = static_cast<float>(u.y * scale);
   const auto z = static_cast<float>(u.z * scale);
-  const std::size_t blocks = h.top_blocks.size();
-  std::array<Floats, kScannedVertices / kTopLanes + kBatch> values;
+  const std::size_t blocks = scan.size();
+  std::array<Floats, kScannedVertices / kScanLanes + kBatch> values;
   Floats best = Floats{} - __builtin_inff();
   for (std::size_t i = 0; i < blocks; ++i) {
-    const TopBlock& block = h.top_blocks[i];
+    const ScanBlock& block = scan[i];
     values[i] = (load_floats(block.x.data()) * x + load_floats(block.y.data()) * y) + load_floats(block.z.data()) * z;
     best = values[i] > best ? values[i] : best;
   }
-  counters.blocks += static_cast<long>(blocks * (kTopLanes / kBlockLanes));
+  counters.blocks += static_cast<long>(blocks * (kScanLanes / kBlockLanes));
   for (std::size_t i = 0; i < kBatch; ++i) values[blocks + i] = Floats{} - __builtin_inff();
   const Floats ties = Floats{} + (largest(best) - kFloatTie);
   std::int32_t found = -1;
@@ -183,12 +180,24 @@ std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
     if (float_bits(any) == 0) continue;
     for (std::size_t k = i; k < i + kBatch; ++k) {
       for (unsigned left = float_bits(values[k] >= ties); left != 0; left &= left - 1) {
-        const std::int32_t v = h.top[k * kTopLanes + static_cast<std::size_t>(__builtin_ctz(left))];
-        if (found < 0 || (found != v && further_at_top(h, u, v, found))) found = v;
+        const std::int32_t v = vertex(k * kScanLanes + static_cast<std::size_t>(__builtin_ctz(left)));
+        if (found < 0 || (found != v && further(v, found))) found = v;
       }
     }
   }
-  return found < 0 ? h.top.front() : found;
+  return found < 0 ? vertex(0) : found;
+}
+
+}  // namespace
+
+// Below the top, next_beyond needs a vertex that is truly extreme; where nothing follows, rounded products do.
+std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
+  const auto vertex = [&](std::size_t i) { return h.top[i]; };
+  const auto further = [&](std::int32_t v, std::int32_t than) {
+    const Vec3 a = h.points[at(v)], b = h.points[at(than)];
+    return h.depth > 0 ? compare_along(u, a, b) > 0 : dot(u, a) > dot(u, b);
+  };
+  return scanned(h.top_blocks, u, vertex, further, counters);
 }
 
 std::int32_t next_beyond(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
@@ -208,6 +217,14 @@ std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounte
 }
 
 std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
+  if (!h.all_blocks.empty()) {
+    const std::size_t last = h.points.size() - 1;
+    const auto vertex = [&](std::size_t i) { return static_cast<std::int32_t>(i < last ? i : last); };
+    const auto further = [&](std::int32_t v, std::int32_t than) {
+      return dot(u, h.points[at(v)]) > dot(u, h.points[at(than)]);
+    };
+    return scanned(h.all_blocks, u, vertex, further, counters);
+  }
   return descend(h, extreme_at_top(h, u, counters), u, counters);
 }
 
