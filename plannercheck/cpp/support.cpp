@@ -221,7 +221,7 @@ std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
     const std::size_t last = h.points.size() - 1;
     const auto vertex = [&](std::size_t i) { return static_cast<std::int32_t>(i < last ? i : last); };
     const auto further = [&](std::int32_t v, std::int32_t than) {
-      return dot(u, h.points[at(v)]) > dot(u, h.points[at(than)]);
+      return compare_along(u, h.points[at(v)], h.points[at(than)]) > 0;
     };
     return scanned(h.all_blocks, u, vertex, further, counters);
   }

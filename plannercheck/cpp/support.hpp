@@ -2,7 +2,8 @@
 //
 // Every comparison of the walk is on the difference of two vertices, filtered with its own error bound and exact where
 // the filter fails: a walk that compares rounded products can stop far from the extreme vertex. Bodies of at most
-// kScannedVertices are scanned on rounded products; the vertex found is then extreme up to kScanError.
+// kScannedVertices are scanned in floats, and what their rounding leaves is compared like that, too; of bodies of at
+// most kUnlayered rounded products are compared: the vertex found is then extreme up to kScanError.
 #pragma once
 
 #include "hierarchy.hpp"
