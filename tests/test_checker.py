@@ -217,6 +217,26 @@ def test_the_same_with_a_prismatic_and_a_mobile_robot():
             np.testing.assert_array_equal(pc.Checker(robot, scene, **other).first_colliding_pair(q), found)
 
 
+@pytest.mark.parametrize("obstacles", [20, 150])  # tested one by one, and in a tree
+def test_blocks_judge_as_single_states_and_as_no_filter(panda, obstacles):
+    rng = np.random.default_rng(obstacles)
+    scene = pc.Scene()
+    for k in range(obstacles):
+        turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = turn * np.linalg.det(turn), rng.uniform(-1, 1, 3)
+        scene.add_box(f"box {k}", rng.uniform(0.002, 0.15, 3), pose)
+    q = panda.random_configurations(203, 5)
+    truth = pc.Checker(panda, scene, bounds=False, boxes=False, reach=False, method="walk").colliding_pairs(q)
+    assert 0 < truth.any(axis=1).sum() < len(q)
+    for switches in ({}, {"bounds": False}, {"boxes": False}):
+        checker = pc.Checker(panda, scene, **switches)
+        np.testing.assert_array_equal(checker.colliding_pairs(q), truth)
+        for size in (1, 2, 3, 8, 203):
+            parts = [checker.check_states(q[k : k + size]) for k in range(0, len(q), size)]
+            np.testing.assert_array_equal(np.concatenate(parts), ~truth.any(axis=1))
+
+
 def test_moving_and_fixed_pairs_of_a_floating_base():
     from plannercheck.paths import example_robot_data
     from plannercheck.robot_files import find_description, read_description

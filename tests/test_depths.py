@@ -6,21 +6,13 @@ import itertools
 
 import numpy as np
 import pytest
+from random_poses import pose_at
 
 import plannercheck as pc
 from plannercheck.stress.families import family
 
 CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 FAMILIES = [("box", 8), ("round", 20), ("cloud", 60), ("needle", 20), ("flat", 30), ("prism", 24)]
-
-
-def pose_at(rng, far):
-    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    pose = np.eye(4)
-    pose[:3, :3] = turn * np.sign(np.linalg.det(turn))
-    way = rng.normal(size=3)
-    pose[:3, 3] = way / np.linalg.norm(way) * far
-    return pose
 
 
 def by_all_directions(first, second, poses):

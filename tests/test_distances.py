@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from random_poses import pose_at
 
 import plannercheck as pc
 from plannercheck import exact
@@ -14,15 +15,6 @@ from plannercheck.stress.families import family
 
 CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 FAMILIES = [("box", 8), ("round", 30), ("cloud", 120), ("needle", 40), ("flat", 60), ("round", 1000)]
-
-
-def pose_at(rng, gap):
-    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    pose = np.eye(4)
-    pose[:3, :3] = turn * np.sign(np.linalg.det(turn))
-    way = rng.normal(size=3)
-    pose[:3, 3] = way / np.linalg.norm(way) * gap
-    return pose
 
 
 def assert_as_promised(found, first, second, poses, swells=(0.0, 0.0)):
