@@ -64,7 +64,7 @@ class BoundPlanarCertifier {
   }
 };
 
-// PlanarAnswer of each of n straight motions.
+// MotionAnswer of each of n straight motions.
 auto check_straight(BoundPlanarCertifier& bound, Rows q0, Rows q1, double tolerance, int threads) {
   std::vector<std::uint8_t> answers(q0.shape(0));
   {
@@ -93,7 +93,7 @@ std::vector<PlanarPiece> pieces_from(const PlanarCertifier& certifier, const dou
 }
 
 int check_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, double tolerance) {
-  PlanarReport report;
+  MotionReport report;
   {
     nb::gil_scoped_release release;
     const std::vector<PlanarPiece> pieces = pieces_from(bound.certifier(), q0.data(), q1.data(), rows);
@@ -107,7 +107,7 @@ int check_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, doubl
 // (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
 // directions (k, 2), gaps and bulges (k, 2).
 nb::tuple explain_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, double tolerance, bool proved) {
-  PlanarReport report;
+  MotionReport report;
   std::vector<PlanarProof> proofs;
   {
     nb::gil_scoped_release release;

@@ -22,6 +22,7 @@
 #include "checker.hpp"
 #include "configuration_path.hpp"
 #include "motion_bounds.hpp"
+#include "motion_report.hpp"
 
 namespace plannercheck {
 
@@ -39,20 +40,6 @@ struct MotionModel {
   std::int32_t width = 0, links = 0;
   double defect = 0;    // sum over all placements and axes of how far they are off rigid
   double leverage = 1;  // sum of the multipliers' sizes: how much all joints turn for one unit of all columns
-};
-
-enum class MotionAnswer : int {
-  kFree,
-  kRefused,    // proved to come within the tolerance
-  kImprecise,  // numbers so large that rounding exceeds a part of the tolerance
-};
-
-// Where a check ended: at `refused` the pair is within the tolerance; up to `free_until` the motion is proved free, if
-// it was looked at in order.
-struct MotionReport {
-  MotionAnswer answer = MotionAnswer::kFree;
-  double free_until = 1, refused = -1;
-  std::int32_t pair = -1;
 };
 
 // What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction`, in the pair's

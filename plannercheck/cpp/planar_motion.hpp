@@ -15,6 +15,7 @@
 
 #include <memory>
 
+#include "motion_report.hpp"
 #include "planar_bounds.hpp"
 #include "planar_distance.hpp"
 
@@ -25,19 +26,6 @@ struct PlanarMotion {
   const double *q0, *q1;
   const PlanarPiece* pieces;
   std::size_t count;
-};
-
-enum class PlanarAnswer : int {
-  kFree,
-  kRefused,    // proved to come within the tolerance
-  kImprecise,  // numbers so large that rounding exceeds a part of the tolerance
-};
-
-// As MotionReport.
-struct PlanarReport {
-  PlanarAnswer answer = PlanarAnswer::kFree;
-  double free_until = 1, refused = -1;
-  std::int32_t pair = -1;
 };
 
 // As MotionProof.
@@ -79,9 +67,9 @@ class PlanarCertifier {
   std::vector<std::int32_t> frames() const;
   // The straight motion as a piece.
   PlanarPiece straight(const double* q0, const double* q1) const;
-  PlanarReport check(const PlanarMotion& motion, double tolerance, Workspace& workspace) const;
+  MotionReport check(const PlanarMotion& motion, double tolerance, Workspace& workspace) const;
   // The same in the order of the motion: where it is refused first. With `proofs`, notes down those of all pairs.
-  PlanarReport explain(const PlanarMotion& motion, double tolerance, std::vector<PlanarProof>* proofs,
+  MotionReport explain(const PlanarMotion& motion, double tolerance, std::vector<PlanarProof>* proofs,
                        Workspace& workspace) const;
   // Configurations (n, width) at parameters.
   void states(const PlanarMotion& motion, const double* t, std::size_t n, double* q, Workspace& workspace) const;

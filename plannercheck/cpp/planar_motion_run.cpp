@@ -76,18 +76,18 @@ class PlanarRun {
 
   void in_order(std::vector<PlanarProof>* proofs) { ordered_ = true, proofs_ = proofs; }
 
-  PlanarReport run() {
+  MotionReport run() {
     ++w_.counters.motions;
     w_.failures.clear();
     const double rounding = certifier_.rounding(motion_);
-    if (!(rounding <= kPlanarRoundingPart * given_tolerance_)) return {PlanarAnswer::kImprecise, 0, 0, -1};
+    if (!(rounding <= kPlanarRoundingPart * given_tolerance_)) return {MotionAnswer::kImprecise, 0, 0, -1};
     for (std::size_t k = 0; k < motion_.count; ++k) {
       slack_ = rounding + motion_.pieces[k].slip;
       tolerance_ = larger(given_tolerance_, slack_ / kPlanarRoundingPart);
       begin(motion_.pieces[k]);
       report_.free_until = piece_->from;
       if (!judge_grid(w_.all)) {
-        report_.answer = PlanarAnswer::kRefused;
+        report_.answer = MotionAnswer::kRefused;
         return report_;
       }
     }
@@ -104,7 +104,7 @@ class PlanarRun {
   std::vector<PlanarProof>* proofs_ = nullptr;
   const PlanarPiece* piece_ = nullptr;
   double slack_ = 0, way_ = 0;  // the root's on the piece, m
-  PlanarReport report_;
+  MotionReport report_;
 
   // ----- a piece's first grid
 
@@ -342,11 +342,11 @@ PlanarMotionCounters PlanarCertifier::take_counters(Workspace& workspace) {
   return std::exchange(workspace.counters, {});
 }
 
-PlanarReport PlanarCertifier::check(const PlanarMotion& motion, double tolerance, Workspace& workspace) const {
+MotionReport PlanarCertifier::check(const PlanarMotion& motion, double tolerance, Workspace& workspace) const {
   return PlanarRun(*this, motion, tolerance, workspace).run();
 }
 
-PlanarReport PlanarCertifier::explain(const PlanarMotion& motion, double tolerance, std::vector<PlanarProof>* proofs,
+MotionReport PlanarCertifier::explain(const PlanarMotion& motion, double tolerance, std::vector<PlanarProof>* proofs,
                                       Workspace& workspace) const {
   PlanarRun run(*this, motion, tolerance, workspace);
   run.in_order(proofs);
