@@ -2,7 +2,6 @@
 #include "kinematics.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "kinematics_lanes.hpp"
 #include "sincos.hpp"
@@ -239,7 +238,7 @@ void pose_joint(const Kinematics::Joint& joint, const Lanes* q, const Lanes* joi
 void mark_needed_joints(const Kinematics& kinematics, const unsigned char* needed, unsigned char* marks) {
   const auto& joints = kinematics.joints();
   const auto& links = kinematics.links();
-  std::memset(marks, 0, joints.size());
+  std::fill_n(marks, joints.size(), static_cast<unsigned char>(0));  // no joints: marks may be null
   for (size_t i = 0; i < links.size(); ++i) {
     if (needed[i] && links[i].joint >= 0) marks[links[i].joint] = 1;
   }

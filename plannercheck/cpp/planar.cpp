@@ -3,6 +3,8 @@
 #include <array>
 #include <bit>
 
+#include "planar_start.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -26,7 +28,7 @@ struct Places {
   std::array<std::size_t, 3> order{0, 1, 2};
   bool closed = true;
 
-  explicit Places(std::size_t n) : count(n), at{0, n / 3, 2 * n / 3} {}
+  Places(std::size_t n, const std::array<std::size_t, 3>& first) : count(n), at(first) {}
 
   // How many steps there are from the k-th place to the next one, as far as that is left.
   std::size_t steps(std::size_t k) const {
@@ -57,11 +59,12 @@ struct Places {
 // intersection of the half-planes of the host's edges that are left.
 class Walk {
  public:
-  Walk(const PosedPolygon& guest, const PosedPolygon& host, int turn, Precision first, PlanarCounters& counters)
+  Walk(const PosedPolygon& guest, const PosedPolygon& host, const PlanarStart& start, int turn, Precision first,
+       PlanarCounters& counters)
       : signs_(guest, host, turn, first, counters),
         counters_(counters),
-        vertices_(guest.shape.count),
-        lines_(host.shape.count) {
+        vertices_(guest.shape.count, start.guest),
+        lines_(host.shape.count, start.host) {
     for (std::size_t k = 0; k < 3; ++k) {
       corners_[k] = signs_.point(vertices_.at[k]);
       edges_[k] = edge(lines_.at[k]);
@@ -339,9 +342,9 @@ class Walk {
 // A polygon without area has no half-planes, so it is the guest; two of those are segments or points.
 bool planar_intersect(const PosedPolygon& a, const PosedPolygon& b, Precision first, PlanarCounters& counters) {
   const int turn_b = planar_turn(b.shape, counters);
-  if (turn_b != 0) return Walk(a, b, turn_b, first, counters).run();
+  if (turn_b != 0) return Walk(a, b, PlanarStart(a, b, first, counters), turn_b, first, counters).run();
   const int turn_a = planar_turn(a.shape, counters);
-  if (turn_a != 0) return Walk(b, a, turn_a, first, counters).run();
+  if (turn_a != 0) return Walk(b, a, PlanarStart(b, a, first, counters), turn_a, first, counters).run();
   return flat_polygons_meet(a, b, counters);
 }
 
