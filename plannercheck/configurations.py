@@ -17,6 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import contiguous
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.urdf import Mimic
 
@@ -85,7 +86,7 @@ class ConfigurationMap:
             (n, nq) float64 in C order, n = 1 for a single one.
         """
         try:
-            array = np.ascontiguousarray(q, dtype=np.float64)
+            array = contiguous(q)
         except (TypeError, ValueError):
             raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}") from None
         if array.ndim not in (1, 2) or array.shape[-1] != self.width:

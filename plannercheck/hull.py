@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck import body_files
+from plannercheck.arrays import contiguous
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
 
@@ -213,7 +214,7 @@ def _checked_directions(directions: ArrayLike) -> Floats:
 
 def _checked_points(vertices: ArrayLike, name: str) -> Floats:
     try:
-        points = np.ascontiguousarray(np.asarray(vertices, dtype=np.float64))
+        points = contiguous(vertices)
     except (TypeError, ValueError) as error:
         raise PlannercheckError(f"{name}: vertices must be an array of numbers of shape (n, 3): {error}") from error
     if points.ndim != 2 or points.shape[1] != 3:

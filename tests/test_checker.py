@@ -50,6 +50,14 @@ def test_sets_and_single_states_agree(checker, samples, verdicts):
     assert isinstance(checker.is_valid(samples[0]), bool)
 
 
+def test_configurations_at_odd_addresses(checker, samples):
+    """Rows of messages and of packed records need not be aligned; cluster workers got such."""
+    rows = np.frombuffer(b"_" + samples.tobytes(), dtype=np.float64, offset=1).reshape(samples.shape)
+    assert not rows.flags.aligned
+    assert np.array_equal(checker.check_states(rows), checker.check_states(samples))
+    assert [checker.is_valid(q) for q in rows[:50]] == checker.check_states(samples[:50]).tolist()
+
+
 @pytest.mark.parametrize("threads", [2, 3, 100])
 def test_threads_do_not_matter(checker, samples, threads):
     np.testing.assert_array_equal(

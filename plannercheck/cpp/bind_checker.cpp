@@ -142,10 +142,13 @@ auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Config
   return output_array(first, {first.size()});
 }
 
-// One configuration without the detour over sets; None if it is not finite or beyond the limits, for the caller to see
-// to.
+// One configuration without the detour over sets; None if it is at an odd address, not finite or beyond the limits, for
+// the caller to see to.
 nb::object is_valid(BoundChecker& checker, const Kinematics& kinematics, InputArray<double, -1> q) {
-  if (q.shape(0) != static_cast<std::size_t>(kinematics.width()) || !checker.may_judge(q.data())) return nb::none();
+  const bool is_aligned = reinterpret_cast<std::uintptr_t>(q.data()) % alignof(double) == 0;
+  if (q.shape(0) != static_cast<std::size_t>(kinematics.width()) || !is_aligned || !checker.may_judge(q.data())) {
+    return nb::none();
+  }
   std::uint8_t valid = 0;
   checker.with_workspace([&](auto& w) { checker.core().check_states(kinematics, q.data(), 1, &valid, w); });
   return nb::bool_(valid != 0);

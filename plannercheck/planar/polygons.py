@@ -17,6 +17,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import contiguous
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.convexity import convexity_fault
@@ -157,7 +158,7 @@ def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool =
     Returns:
         The same array if it is one of float64 in C order; without a last vertex that repeats the first.
     """
-    array = np.ascontiguousarray(vertices, dtype=np.float64)
+    array = contiguous(vertices)
     if array.ndim != 2 or array.shape[1] != 2 or not len(array):
         raise PlannercheckError(f"{name} must be vertices (n, 2) with n > 0, not of shape {array.shape}")
     if len(array) > 1 and array[0, 0] == array[-1, 0] and array[0, 1] == array[-1, 1]:
@@ -180,7 +181,7 @@ def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
     """
     if poses is None:
         return _IDENTITY
-    array = np.ascontiguousarray(poses, dtype=np.float64)
+    array = contiguous(poses)
     if array.ndim == 2:
         array = array[None]
     if array.ndim != 3 or array.shape[1:] != (3, 3):

@@ -19,6 +19,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import contiguous
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.pieces import convex_pieces
@@ -176,7 +177,7 @@ class Robot:
     def check_configurations(self, q: ArrayLike) -> Floats:
         """Configurations (n, nq) or (nq,) as (n, nq) float64 in C order, or an error that says what is wrong."""
         try:
-            array = np.ascontiguousarray(q, dtype=np.float64)
+            array = contiguous(q)
         except (TypeError, ValueError):
             raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}") from None
         if array.ndim not in (1, 2) or array.shape[-1] != self.nq:
