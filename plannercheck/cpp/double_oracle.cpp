@@ -2,6 +2,7 @@
 #include <array>
 
 #include "growing_game.hpp"
+#include "quads.hpp"
 #include "solvers.hpp"
 
 namespace plannercheck {
@@ -13,7 +14,7 @@ constexpr int kOracleRounds = 48;             // GJK needs fewer at 100,000 vert
 struct Actives {
   int count = 0;
   std::array<std::int32_t, kActives> id;
-  std::array<Vec3, kActives> point;
+  GrowingGame::Numbers x{}, y{}, z{};
 
   bool holds(std::int32_t vertex) const {
     return std::find(id.begin(), id.begin() + count, vertex) != id.begin() + count;
@@ -21,19 +22,26 @@ struct Actives {
 
   void put(int place, std::int32_t vertex, Vec3 p) {
     id[at(place)] = vertex;
-    point[at(place)] = p;
+    x[at(place)] = p.x, y[at(place)] = p.y, z[at(place)] = p.z;
     count = std::max(count, place + 1);
   }
 
+  Vec3 point(std::size_t i) const { return {x[i], y[i], z[i]}; }
+
   Vec3 mixed(const GrowingGame::Numbers& weights) const {
-    Vec3 sum;
-    for (int i = 0; i < count; ++i) sum = sum + weights[at(i)] * point[at(i)];
-    return sum;
+    const auto sum = [&](const GrowingGame::Numbers& n) {
+      const Quad four =
+          load_quad(weights.data()) * load_quad(n.data()) + load_quad(weights.data() + 4) * load_quad(n.data() + 4);
+      return (four[0] + four[1]) + (four[2] + four[3]);
+    };
+    return {sum(x), sum(y), sum(z)};
   }
 
   GrowingGame::Numbers products(Vec3 p) const {
-    GrowingGame::Numbers out{};
-    for (int i = 0; i < count; ++i) out[at(i)] = dot(point[at(i)], p);
+    GrowingGame::Numbers out;
+    for (std::size_t i = 0; i < kActives; i += 4) {
+      store_quad(&out[i], load_quad(&x[i]) * p.x + load_quad(&y[i]) * p.y + load_quad(&z[i]) * p.z);
+    }
     return out;
   }
 };
@@ -48,8 +56,8 @@ class DoubleOracle {
     for (int round = 0; round < kOracleRounds; ++round) {
       ++counters_.rounds, ++counters_.games;
       game_.solve();
-      const bool done = game_.value() > 1 ? ask_guest(columns_.mixed(game_.column_weights()))
-                                          : ask_host(rows_.mixed(game_.row_weights()));
+      const bool done = game_.is_above_one() ? ask_guest(columns_.mixed(game_.column_weights()))
+                                             : ask_host(rows_.mixed(game_.row_weights()));
       if (done) break;
     }
     return certificate_;
@@ -64,9 +72,9 @@ class DoubleOracle {
     if (polar.size() <= kActives) {
       for (std::size_t k = 0; k < polar.size(); ++k) add_column(static_cast<std::int32_t>(k), polar[k]);
     }
-    if (vertices > kActives) {
+    if (vertices > kActives || frame_.guest().is_box == 0) {
       add_row(vertex, frame_.guest_vertex(vertex));
-      return columns_.count > 0 || !ask_host(rows_.point[0]);
+      return columns_.count > 0 || !ask_host(rows_.point(0));
     }
     for (std::size_t v = 0; v < vertices; ++v) {
       add_row(static_cast<std::int32_t>(v), frame_.guest_vertex(static_cast<std::int32_t>(v)));

@@ -1,5 +1,7 @@
 #include "growing_game.hpp"
 
+#include <array>
+#include <cstring>
 #include <utility>
 
 #include "quads.hpp"
@@ -23,7 +25,34 @@ struct Eight {
   void store(double* to) const { store_quad(to, low), store_quad(to + kQuad, high); }
 };
 
+// All bits of one of eight places.
+struct Place {
+  QuadMask low, high;
+
+  explicit Place(std::size_t k) {
+    // Sixteen numbers of which one is set, read from where it comes to the place.
+    static constexpr std::array<long long, 16> kOne{0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0};
+    std::memcpy(&low, kOne.data() + 8 - k, sizeof low);
+    std::memcpy(&high, kOne.data() + 12 - k, sizeof high);
+  }
+  // The numbers, with another one at the place.
+  Eight with(const Eight& e, double value) const {
+    const Quad other = Quad{} + value;
+    return {low ? other : e.low, high ? other : e.high};
+  }
+  // The numbers, with a number added at the place.
+  Eight plus(const Eight& e, double value) const {
+    const Quad zero{}, other = Quad{} + value;
+    return {e.low + (low ? other : zero), e.high + (high ? other : zero)};
+  }
+};
+
 unsigned bits(QuadMask low, QuadMask high) { return quad_bits(low) | quad_bits(high) << kQuad; }
+
+double sum(const Eight& e) {
+  const Quad four = e.low + e.high;
+  return (four[0] + four[1]) + (four[2] + four[3]);
+}
 
 double most(const Eight& e) { return largest(e.low > e.high ? e.low : e.high); }
 double least(const Eight& e) { return -most({-e.low, -e.high}); }
@@ -49,25 +78,30 @@ void GrowingGame::fill_free(int at, int row) {
     for (int i = 0; i < columns_; ++i) line[index(i)] += a[index(j)] * tableau_[index(i)][index(seat.at)];
     gain += a[index(j)] * gain_[index(seat.at)];
   }
-  for (int i = 0; i < columns_; ++i) tableau_[index(i)][index(at)] = line[index(i)];
-  gain_[index(at)] = gain;
+  const Place place(index(at));
+  for (std::size_t i = 0; i < index(columns_); ++i) {
+    double* const other = tableau_[i].data();
+    place.with(Eight(other), line[i]).store(other);
+  }
+  place.with(Eight(gain_.data()), gain).store(gain_.data());
 }
 
 void GrowingGame::fill_basic(int at, int column) {
-  Line line{};
+  Eight line(Quad{}, Quad{});
   double level = 1;
   for (int i = 0; i < rows_; ++i) {
     const Seat seat = seat_of_row(i);
     const double a = payoff_[index(i)][index(column)];
     if (!seat.basic) {
-      line[index(seat.at)] += a;
+      line = Place(index(seat.at)).plus(line, a);
       continue;
     }
-    for (std::size_t k = 0; k < kMost; ++k) line[k] -= a * tableau_[index(seat.at)][k];
+    const Eight other(tableau_[index(seat.at)].data());
+    line.low -= a * other.low, line.high -= a * other.high;
     level -= a * level_[index(seat.at)];
   }
-  tableau_[index(at)] = line;
-  level_[index(at)] = level;
+  line.store(tableau_[index(at)].data());
+  Place(index(at)).with(Eight(level_.data()), level).store(level_.data());
 }
 
 // Of the rows without weight the one that would lower the optimum most.
@@ -155,27 +189,26 @@ int GrowingGame::entering(int line) const {
   return place(ratios, least(ratios));
 }
 
+// Numbers are stored as they are loaded, eight at a time: a load has to wait for narrower stores.
 void GrowingGame::pivot(int line, int column) {
-  const auto k = index(column);
+  const Place by_column(index(column)), by_line(index(line));
+  const std::size_t k = index(column);
   const double inverse = 1 / tableau_[index(line)][k];
-  tableau_[index(line)][k] = 1;
-  const Eight old(tableau_[index(line)].data());
+  const Eight old = by_column.with(Eight(tableau_[index(line)].data()), 1);
   const Eight scaled(old.low * inverse, old.high * inverse);
-  const double level = level_[index(line)] * inverse;
-  for (std::size_t i = 0; i < index(columns_); ++i) {
-    Line& other = tableau_[i];
+  const auto reduced = [&](const Line& other) {
     const double factor = other[k];
-    other[k] = 0;
-    const Eight numbers(other.data());
-    Eight(numbers.low - factor * scaled.low, numbers.high - factor * scaled.high).store(other.data());
-    level_[i] -= factor * level;
-  }
+    const Eight numbers = by_column.with(Eight(other.data()), 0);
+    return Eight(numbers.low - factor * scaled.low, numbers.high - factor * scaled.high);
+  };
+  const auto& t = tableau_;
+  const Quad low{t[0][k], t[1][k], t[2][k], t[3][k]}, high{t[4][k], t[5][k], t[6][k], t[7][k]};
+  const double level = level_[index(line)] * inverse;
+  const Eight levels(level_.data());
+  by_line.with({levels.low - level * low, levels.high - level * high}, level).store(level_.data());
+  for (std::size_t i = 0; i < index(columns_); ++i) reduced(tableau_[i]).store(tableau_[i].data());
   scaled.store(tableau_[index(line)].data());
-  level_[index(line)] = level;
-  const double factor = gain_[k];
-  gain_[k] = 0;
-  const Eight gain(gain_.data());
-  Eight(gain.low - factor * scaled.low, gain.high - factor * scaled.high).store(gain_.data());
+  reduced(gain_).store(gain_.data());
   std::swap(basic_[index(line)], free_[k]);
   seat_[index(basic_[index(line)])] = {true, line};
   seat_[index(free_[k])] = {false, column};
@@ -208,9 +241,11 @@ void GrowingGame::solve() {
   for (int step = 0; step < limit; ++step) {
     if (!restore() && !improve()) break;
   }
-  double total = 0;
-  for (int i = 0; i < rows_; ++i) total += weight_of_row(i);
-  value_ = total > 0 ? (1 / total - 1) / unit_ : kNever;
+  const Eight weights = [&] {
+    Numbers w = basic_rows();
+    return Eight(w.data());
+  }();
+  total_ = sum(weights);
 }
 
 void GrowingGame::solve_afresh() {
@@ -218,31 +253,40 @@ void GrowingGame::solve_afresh() {
   solve();
 }
 
-void GrowingGame::normalise(Numbers& weights) {
-  double sum = 0;
-  for (const double w : weights) sum += w;
-  if (!(sum > 0 && sum < kNever)) {
-    weights.fill(0);
-    weights[0] = sum = 1;
-  }
-  for (double& w : weights) w /= sum;
+GrowingGame::Numbers GrowingGame::basic_rows() const {
+  const auto weight = [&](int i) {
+    const Seat seat = seat_of_row(i);
+    return seat.basic ? larger(0.0, level_[index(seat.at)]) : 0.0;
+  };
+  Numbers out;
+  store_quad(out.data(), Quad{weight(0), weight(1), weight(2), weight(3)});
+  store_quad(out.data() + kQuad, Quad{weight(4), weight(5), weight(6), weight(7)});
+  return out;
 }
 
-GrowingGame::Numbers GrowingGame::row_weights() const {
-  Numbers weights{};
-  for (int i = 0; i < rows_; ++i) weights[index(i)] = weight_of_row(i);
-  normalise(weights);
-  return weights;
+GrowingGame::Numbers GrowingGame::normalised(const Numbers& weights) {
+  const Eight given(weights.data());
+  const double total = sum(given);
+  Numbers out;
+  if (total > 0 && total < kNever) {
+    Eight(given.low / total, given.high / total).store(out.data());
+  } else {
+    Place(0).with(Eight(Quad{}, Quad{}), 1).store(out.data());
+  }
+  return out;
 }
+
+GrowingGame::Numbers GrowingGame::row_weights() const { return normalised(basic_rows()); }
 
 GrowingGame::Numbers GrowingGame::column_weights() const {
-  Numbers weights{};
-  for (int j = 0; j < columns_; ++j) {
+  const auto weight = [&](int j) {
     const Seat seat = seat_of_column(j);
-    if (!seat.basic) weights[index(j)] = larger(0.0, -gain_[index(seat.at)]);
-  }
-  normalise(weights);
-  return weights;
+    return seat.basic ? 0.0 : larger(0.0, -gain_[index(seat.at)]);
+  };
+  Numbers out;
+  store_quad(out.data(), Quad{weight(0), weight(1), weight(2), weight(3)});
+  store_quad(out.data() + kQuad, Quad{weight(4), weight(5), weight(6), weight(7)});
+  return normalised(out);
 }
 
 }  // namespace plannercheck

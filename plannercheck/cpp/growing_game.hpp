@@ -23,9 +23,11 @@ class GrowingGame {
   typedef std::array<double, kMost> Numbers;
 
   // `bound` > 0: no payoff is larger, in absolute terms.
-  explicit GrowingGame(double bound) : unit_(0.5 / bound) {
+  explicit GrowingGame(double bound) : unit_(0.5 / bound), total_at_one_(1 / (1 + unit_)) {
     for (auto& row : tableau_) row.fill(0);
     level_.fill(0), gain_.fill(0);
+    // Columns that are not there yet have no weight.
+    for (int j = 0; j < kMost; ++j) seat_[index(kMost + j)].basic = true;
   }
 
   int rows() const { return rows_; }
@@ -44,7 +46,8 @@ class GrowingGame {
   // Forgets rounding: solves from the beginning.
   void solve_afresh();
 
-  double value() const { return value_; }
+  // Whether the value is more than 1; after `solve`.
+  bool is_above_one() const { return total_ < total_at_one_; }
   Numbers row_weights() const;
   Numbers column_weights() const;
 
@@ -59,7 +62,7 @@ class GrowingGame {
   };
 
   int rows_ = 0, columns_ = 0;
-  double unit_, value_ = 0;
+  double unit_, total_at_one_, total_ = 0;
   std::array<Line, kMost> payoff_;   // scaled: a_ij, by row
   std::array<Line, kMost> tableau_;  // by line
   Line level_;                       // of the basic variables
@@ -71,11 +74,8 @@ class GrowingGame {
   Seat seat_of_row(int i) const { return seat_[index(i)]; }
   Seat seat_of_column(int j) const { return seat_[index(kMost + j)]; }
 
-  double weight_of_row(int i) const {
-    const Seat seat = seat_of_row(i);
-    return seat.basic ? larger(0.0, level_[index(seat.at)]) : 0.0;
-  }
-  static void normalise(Numbers& weights);
+  Numbers basic_rows() const;
+  static Numbers normalised(const Numbers& weights);
   int weightless_row() const;
   int weightless_column() const;
   void fill_free(int at, int row);

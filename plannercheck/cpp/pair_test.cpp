@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "centre_axis.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -28,10 +30,6 @@ PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
   verdict.stage = certificate.stage;
   if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q, certificate.mixtures};
   return verdict;
-}
-
-Vec3 between_centres(const PosedBody& guest, const PosedBody& host) {
-  return guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
 }
 
 Proximity along(Vec3 direction) {
@@ -61,6 +59,36 @@ PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hi
 #endif
 }
 
+// What costs a game: the solver, and what is left where no polar hosts or the polar's bound is too wide.
+PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis& axis, const PairOptions& options,
+                   CachedPlane* cache, PairCounters& counters) {
+  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
+  if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
+  const Certificate certificate =
+      options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
+  if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
+  // Too close for the polar's bound, or within the swell of separated hulls.
+  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
+}
+
+PairVerdict apart_along(const CentreAxis& axis, const Body& host, const PairOptions& options, CachedPlane* cache) {
+  const bool cached = options.cached_plane && cache != nullptr && host.has_polar();
+  return certified(axis.certificate(cached), cached ? cache : nullptr);
+}
+
+bool plane_holds(const PairFrame& frame, const PairOptions& options, const CachedPlane* cache, PairCounters& counters) {
+  return options.cached_plane && cache != nullptr && cache->valid && frame.host().has_polar() &&
+         still_separates(frame, cache->q, cache->mixtures, counters);
+}
+
+PairVerdict cached(const CachedPlane& plane) {
+  PairVerdict verdict;
+  verdict.stage = verdict.certificate.stage = Stage::kCachedPlane;
+  verdict.certificate.answer = Answer::kSeparated;
+  verdict.certificate.q = plane.q;
+  return verdict;
+}
+
 double conditioning(const Body& body) {
   return body.has_polar() ? body.polar_radius * body.radius : std::numeric_limits<double>::infinity();
 }
@@ -71,33 +99,28 @@ int choose_host(const Body& a, const Body& b) { return conditioning(b) <= condit
 
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters) {
-  return test_pair(PairFrame(guest, host), options, cache, counters);
+  const CentreAxis axis(guest, host);
+  if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
+  std::int32_t lowest = 0;
+  if (options.centre_axis && (axis.separates_balls() || axis.separates_bodies(&lowest, counters))) {
+    return apart_along(axis, *host.body, options, cache);
+  }
+  const PairFrame frame(guest, host);
+  if (plane_holds(frame, options, cache, counters)) return cached(*cache);
+  return solved(frame, lowest, axis, options, cache, counters);
 }
 
 PairVerdict test_pair(const PairFrame& frame, const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
   const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
-  if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(between_centres(guest, host)));
-  if (!host.body->has_polar()) {
-    return without_polar(guest, host, between_centres(guest, host), options, counters);
-  }
-  Certificate certificate;
-  if (options.cached_plane && cache != nullptr && cache->valid &&
-      still_separates(frame, cache->q, cache->mixtures, counters)) {
-    certificate.answer = Answer::kSeparated;
-    certificate.stage = Stage::kCachedPlane;
-    certificate.q = cache->q;
-    return certified(certificate, nullptr);
-  }
+  const bool use_filters = options.solver != Solver::kExact;
+  if (use_filters && plane_holds(frame, options, cache, counters)) return cached(*cache);
+  const CentreAxis axis(guest, host);
+  if (!use_filters) return exact_verdict(guest, host, along(axis.direction()));
   std::int32_t lowest = 0;
-  if (options.centre_axis) {
-    certificate = centre_axis(frame, &lowest, counters);
-    if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
+  if (options.centre_axis && axis.separates_bodies(&lowest, counters)) {
+    return apart_along(axis, *host.body, options, cache);
   }
-  certificate =
-      options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
-  if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
-  // Too close for the polar's bound, or within the swell of separated hulls.
-  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
+  return solved(frame, lowest, axis, options, cache, counters);
 }
 
 }  // namespace plannercheck

@@ -11,10 +11,6 @@ Certificate coupled_walk(const PairFrame& frame, PairCounters& counters);
 // Small active sets on both sides; their game decides which of the two hierarchies is asked for one more.
 Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters);
 
-// The plane through which the axis between the centres passes at right angles. `lowest` becomes the guest's extreme
-// vertex towards the host.
-Certificate centre_axis(const PairFrame& frame, std::int32_t* lowest, PairCounters& counters);
-
 // Whether q, a separating plane found for other poses of the same pair, still separates.
 bool still_separates(const PairFrame& frame, Vec3 q, long mixtures, PairCounters& counters);
 

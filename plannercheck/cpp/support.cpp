@@ -20,8 +20,10 @@ constexpr double kUnderflow = 1e-300;
 // 3 add 5 · 2^-24: a product errs by 14 · 2^-24 at most, underflow included. Vertices further below the highest than
 // twice that are not extreme.
 constexpr float kFloatTie = 32 * 0x1p-24F;
+constexpr double kSmallestFloat = 1e-20, kLargestFloat = 1e20;
 constexpr double kSmallestDirection = 1e-290, kLargestDirection = 1e290;
 
+constexpr std::size_t kFewBlocks = 8;
 constexpr std::size_t kBatch = 4;  // blocks of a scan that are searched for candidates at a time
 
 static_assert(kBlockLanes == kQuad && kScanLanes == kFloats);
@@ -157,33 +159,57 @@ std::int32_t descend(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& cou
 template <class Vertex, class Further>
 std::int32_t scanned(const std::vector<ScanBlock>& scan, Vec3 u, Vertex vertex, Further further,
                      QueryCounters& counters) {
-  const double length = norm_max(u);
-  // Directions that no float stands for make all vertices tie.
-  const double scale = length > kSmallestDirection && length < kLargestDirection ? 1 / length : 0;
+  double length = norm_max(u), scale = 1;
+  if (!(length > kSmallestFloat && length < kLargestFloat)) {
+    // Directions that no float stands for make all vertices tie.
+    scale = length > kSmallestDirection && length < kLargestDirection ? 1 / length : 0;
+    length = 1;
+  }
   const auto x = static_cast<float>(u.x * scale), y = static_cast<float>(u.y * scale);
   const auto z = static_cast<float>(u.z * scale);
+  const auto along = [&](const ScanBlock& block) {
+    return (load_floats(block.x.data()) * x + load_floats(block.y.data()) * y) + load_floats(block.z.data()) * z;
+  };
   const std::size_t blocks = scan.size();
   std::array<Floats, kScannedVertices / kScanLanes + kBatch> values;
-  Floats best = Floats{} - __builtin_inff();
-  for (std::size_t i = 0; i < blocks; ++i) {
-    const ScanBlock& block = scan[i];
-    values[i] = (load_floats(block.x.data()) * x + load_floats(block.y.data()) * y) + load_floats(block.z.data()) * z;
+  std::array<Floats, kScannedVertices / kScanLanes / kBatch + 1> most;  // of a batch, lane by lane
+  const Floats never = Floats{} - __builtin_inff();
+  Floats best = never;
+  std::size_t i = 0, batches = 0;
+  if (blocks > kFewBlocks) {
+    for (; i + kBatch <= blocks; i += kBatch) {
+      const ScanBlock* const block = &scan[i];
+      Floats* const out = &values[i];
+      for (std::size_t k = 0; k < kBatch; ++k) out[k] = along(block[k]);
+      const Floats low = out[0] > out[1] ? out[0] : out[1], high = out[2] > out[3] ? out[2] : out[3];
+      most[batches] = low > high ? low : high;
+      best = most[batches] > best ? most[batches] : best;
+      ++batches;
+    }
+  }
+  for (; i < blocks; ++i) {
+    values[i] = along(scan[i]);
     best = values[i] > best ? values[i] : best;
   }
   counters.blocks += static_cast<long>(blocks * (kScanLanes / kBlockLanes));
-  for (std::size_t i = 0; i < kBatch; ++i) values[blocks + i] = Floats{} - __builtin_inff();
-  const Floats ties = Floats{} + (largest(best) - kFloatTie);
+  for (std::size_t k = 0; k < kBatch; ++k) values[blocks + k] = never;
+  const Floats ties = Floats{} + (largest(best) - kFloatTie * static_cast<float>(length));
   std::int32_t found = -1;
-  for (std::size_t i = 0; i < blocks; i += kBatch) {
-    FloatMask any = values[i] >= ties;
-    for (std::size_t k = 1; k < kBatch; ++k) any |= values[i + k] >= ties;
-    if (float_bits(any) == 0) continue;
-    for (std::size_t k = i; k < i + kBatch; ++k) {
+  const auto collect = [&](std::size_t first) {
+    for (std::size_t k = first; k < first + kBatch; ++k) {
       for (unsigned left = float_bits(values[k] >= ties); left != 0; left &= left - 1) {
         const std::int32_t v = vertex(k * kScanLanes + static_cast<std::size_t>(__builtin_ctz(left)));
         if (found < 0 || (found != v && further(v, found))) found = v;
       }
     }
+  };
+  for (std::size_t b = 0; b < batches; ++b) {
+    if (float_bits(most[b] >= ties) != 0) collect(b * kBatch);
+  }
+  for (i = batches * kBatch; i < blocks; i += kBatch) {
+    FloatMask any = values[i] >= ties;
+    for (std::size_t k = 1; k < kBatch; ++k) any |= values[i + k] >= ties;
+    if (float_bits(any) != 0) collect(i);
   }
   return found < 0 ? vertex(0) : found;
 }
