@@ -3,11 +3,10 @@
 #include "double2.hpp"
 
 namespace plannercheck {
-namespace {
+using predicates_detail::absolute_dot;
+using predicates_detail::trusted;
 
-// A filter in doubles is trusted only in this range: products of up to three factors then neither overflow nor lose
-// bits to underflow that its error bound does not count (2^-1074 times the largest factors is far below the bound).
-constexpr double kSmallestTrusted = 1e-150, kLargestTrusted = 1e60;
+namespace {
 
 int sign_of(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
@@ -15,14 +14,10 @@ int sign_of(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 // sum of the absolute values of its terms (the permanent); 2^-97 leaves room.
 constexpr double kDouble2Bound = 0x1p-97;
 
-double absolute_dot(Vec3 a, Vec3 b) { return std::fabs(a.x * b.x) + std::fabs(a.y * b.y) + std::fabs(a.z * b.z); }
-
 Vec3 absolute_cross(Vec3 a, Vec3 b) {
   return {std::fabs(a.y * b.z) + std::fabs(a.z * b.y), std::fabs(a.z * b.x) + std::fabs(a.x * b.z),
           std::fabs(a.x * b.y) + std::fabs(a.y * b.x)};
 }
-
-bool trusted(double permanent, double largest) { return permanent > kSmallestTrusted && largest < kLargestTrusted; }
 
 }  // namespace
 
@@ -46,14 +41,11 @@ int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   return dot(cross(DyadicVec3(b) - origin, DyadicVec3(c) - origin), DyadicVec3(d) - origin).sign();
 }
 
-// Three products of a double and a rounded difference (1 + u each), two sums: at most 4u(1 + ...) of Σ|terms|.
-int compare_along(Vec3 u, Vec3 a, Vec3 b) {
+int compare_along_finer(Vec3 u, Vec3 a, Vec3 b) {
   const Vec3 e = a - b;
-  const double value = dot(u, e), size = absolute_dot(u, e);
-  const bool in_range = trusted(size, larger(norm_max(u), norm_max(e)));
-  if (in_range && std::fabs(value) > 6 * kRoundoff * size) return sign_of(value);
   if ((u.x == 0 || e.x == 0) && (u.y == 0 || e.y == 0) && (u.z == 0 || e.z == 0)) return 0;
-  if (in_range) {
+  const double size = absolute_dot(u, e);
+  if (trusted(size, larger(norm_max(u), norm_max(e)))) {
     const Double2 finer = dot(widen(u), difference(a, b));
     if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
   }
@@ -99,7 +91,7 @@ int turn(Vec3 a, Vec3 b, Vec3 c, int axis) {
 bool collinear(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 n = cross(b - a, c - a), size = absolute_cross(b - a, c - a);
   for (int axis = 0; axis < 3; ++axis) {
-    if (size[axis] > kSmallestTrusted && size[axis] < kLargestTrusted &&
+    if (size[axis] > predicates_detail::kSmallestTrusted && size[axis] < predicates_detail::kLargestTrusted &&
         std::fabs(n[axis]) > 6 * kRoundoff * size[axis])
       return false;
   }

@@ -8,11 +8,37 @@ namespace plannercheck {
 
 inline constexpr double kRoundoff = 0x1p-53;  // u, half the distance of 1 to the next double
 
+namespace predicates_detail {
+
+// A filter in doubles is trusted only in this range: products of up to three factors then neither overflow nor lose
+// bits to underflow that its error bound does not count (2^-1074 times the largest factors is far below the bound).
+inline constexpr double kSmallestTrusted = 1e-150, kLargestTrusted = 1e60;
+
+inline bool trusted(double permanent, double largest) {
+  return permanent > kSmallestTrusted && largest < kLargestTrusted;
+}
+
+inline double absolute_dot(Vec3 a, Vec3 b) {
+  return std::fabs(a.x * b.x) + std::fabs(a.y * b.y) + std::fabs(a.z * b.z);
+}
+
+}  // namespace predicates_detail
+
 // Sign of det(b − a, c − a, d − a): positive if d lies on the side from which a, b, c turn counter-clockwise.
 int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
 
 // Sign of u · (a − b): which of two points is further along u.
-int compare_along(Vec3 u, Vec3 a, Vec3 b);
+int compare_along_finer(Vec3 u, Vec3 a, Vec3 b);
+
+// The same. The filter is inlined where queries compare: three products of a double and a rounded difference (1 + u
+// each), two sums, at most 4u(1 + ...) of Σ|terms|.
+inline int compare_along(Vec3 u, Vec3 a, Vec3 b) {
+  const Vec3 e = a - b;
+  const double value = dot(u, e), size = predicates_detail::absolute_dot(u, e);
+  const bool in_range = predicates_detail::trusted(size, larger(norm_max(u), norm_max(e)));
+  if (in_range && std::fabs(value) > 6 * kRoundoff * size) return value > 0 ? 1 : -1;
+  return compare_along_finer(u, a, b);
+}
 
 // Sign of det(z, (a − v) × (b − v), u): on which side of the plane through z and the normal of the facet v a b u lies.
 int wedge_side(Vec3 z, Vec3 v, Vec3 a, Vec3 b, Vec3 u);
