@@ -105,7 +105,7 @@ class Checker:
                 stay as they are.
             method: The solver of the pair test, see `pair.pair_options`. Verdicts do not depend on it.
             cached_plane: Whether the last separating plane of a pair is tried first.
-            centre_axis: Whether the axis between the centres is tried before the solver.
+            centre_axis: Whether the axis between the centres, and swells around them, are tried before the solver.
             nearest_points: Whether nearest points in doubles are tried before exact arithmetic.
             bounds: Whether bounding balls and a tree of the obstacles settle pairs that are far apart.
             boxes: Whether planes along the faces of the bodies' boxes do.

@@ -47,7 +47,7 @@ def pair_options(
         method: "oracle" (small active sets on both sides), "walk" (the paper's coupled walk) or "exact" (exact
             arithmetic alone). Verdicts are the same.
         cached_plane: Try the plane that separated the pair last time first.
-        centre_axis: Try the axis between the centres before the method.
+        centre_axis: Try the axis between the centres, and swells around them, before the method.
         nearest_points: Try nearest points in doubles where the method does not decide.
         double_double: Try nearest points in double-double before exact arithmetic.
         warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.

@@ -1,4 +1,5 @@
-// The axis between the centres of two posed bodies, which separates most of those that are far apart.
+// The axis between the centres of two posed bodies: it separates most of those that are far apart, and joins round ones
+// that are within each other's swell.
 #pragma once
 
 #include "pair.hpp"
@@ -10,7 +11,8 @@ class CentreAxis {
   CentreAxis(const PosedBody& guest, const PosedBody& host)
       : guest_(guest),
         host_(host),
-        axis_(guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre)),
+        host_centre_(host.pose.apply(host.body->centre)),
+        axis_(guest.pose.apply(guest.body->centre) - host_centre_),
         rounding_(kRounding * (guest.body->reach + host.body->reach + norm_1(guest.pose.translation()) +
                                norm_1(host.pose.translation()))),
         radii_(guest.body->radius + host.body->radius),
@@ -25,12 +27,13 @@ class CentreAxis {
     return dot(axis_, axis_) > room * room;
   }
 
-  // Whether a plane at right angles to the axis separates the bodies. `lowest` becomes the guest's extreme vertex
-  // towards the host.
-  bool separates_bodies(std::int32_t* lowest, PairCounters& counters) const;
+  // Separated by a plane at right angles to the axis. Only a plane that will be cached has q scaled: q·x <= 1 over the
+  // host.
+  Certificate separated(bool scaled) const;
 
-  // The certificate, once one of these says so. Only a plane that will be cached has q scaled: q·x <= 1 over the host.
-  Certificate certificate(bool scaled) const;
+  // By the centres, and the vertices that are extreme along the axis: whether a plane at right angles to it separates
+  // the bodies, or they are within the swell. `lowest` becomes the guest's extreme vertex towards the host.
+  Certificate decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const;
 
  private:
   // Poses are off rigid by 1e-6 at most: radii and swells grow by as much, and the normal that is handed on, M_R M_Rᵀ
@@ -41,8 +44,14 @@ class CentreAxis {
   static constexpr double kRounding = 64 * 0x1p-53;
 
   const PosedBody &guest_, &host_;
-  Vec3 axis_;
+  Vec3 host_centre_, axis_;
   double rounding_, radii_, swell_;
+
+  bool is_within_swell(Vec3 between) const {
+    const double most = swell_ * (1 - kSlack) - rounding_;
+    return most > 0 && dot(between, between) < most * most;
+  }
+  Certificate shared(Vec3 on_host, Vec3 between) const;
 };
 
 }  // namespace plannercheck

@@ -71,14 +71,13 @@ PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis
   return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
 }
 
-PairVerdict apart_along(const CentreAxis& axis, const Body& host, const PairOptions& options, CachedPlane* cache) {
-  const bool cached = options.cached_plane && cache != nullptr && host.has_polar();
-  return certified(axis.certificate(cached), cached ? cache : nullptr);
+// Where a separating plane is kept for the next poses of this pair.
+CachedPlane* kept(const Body& host, const PairOptions& options, CachedPlane* cache) {
+  return options.cached_plane && host.has_polar() ? cache : nullptr;
 }
 
-bool plane_holds(const PairFrame& frame, const PairOptions& options, const CachedPlane* cache, PairCounters& counters) {
-  return options.cached_plane && cache != nullptr && cache->valid && frame.host().has_polar() &&
-         still_separates(frame, cache->q, cache->mixtures, counters);
+bool plane_holds(const PairFrame& frame, const CachedPlane* cache, PairCounters& counters) {
+  return cache != nullptr && cache->valid && still_separates(frame, cache->q, cache->mixtures, counters);
 }
 
 PairVerdict cached(const CachedPlane& plane) {
@@ -101,24 +100,28 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
                       PairCounters& counters) {
   const CentreAxis axis(guest, host);
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
+  cache = kept(*host.body, options, cache);
   std::int32_t lowest = 0;
-  if (options.centre_axis && (axis.separates_balls() || axis.separates_bodies(&lowest, counters))) {
-    return apart_along(axis, *host.body, options, cache);
+  if (options.centre_axis) {
+    const bool scaled = cache != nullptr;
+    const Certificate found = axis.separates_balls() ? axis.separated(scaled) : axis.decide(scaled, &lowest, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
   const PairFrame frame(guest, host);
-  if (plane_holds(frame, options, cache, counters)) return cached(*cache);
+  if (plane_holds(frame, cache, counters)) return cached(*cache);
   return solved(frame, lowest, axis, options, cache, counters);
 }
 
 PairVerdict test_pair(const PairFrame& frame, const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
   const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
-  const bool use_filters = options.solver != Solver::kExact;
-  if (use_filters && plane_holds(frame, options, cache, counters)) return cached(*cache);
+  cache = kept(*host.body, options, cache);
+  if (options.solver != Solver::kExact && plane_holds(frame, cache, counters)) return cached(*cache);
   const CentreAxis axis(guest, host);
-  if (!use_filters) return exact_verdict(guest, host, along(axis.direction()));
+  if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   std::int32_t lowest = 0;
-  if (options.centre_axis && axis.separates_bodies(&lowest, counters)) {
-    return apart_along(axis, *host.body, options, cache);
+  if (options.centre_axis) {
+    const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
   return solved(frame, lowest, axis, options, cache, counters);
 }
