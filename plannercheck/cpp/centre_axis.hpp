@@ -21,6 +21,14 @@ class CentreAxis {
   // From the host to the guest, in the world.
   Vec3 direction() const { return axis_; }
 
+  bool has_swell() const { return swell_ > 0; }
+
+  // About the guest's extreme vertex towards the host.
+  std::int32_t nearly_lowest(PairCounters& counters) const {
+    ++counters.guest_queries;
+    return extreme_at_top(guest_.body->inner, -guest_.pose.rotate_back(axis_), counters.queries);
+  }
+
   // Whether the balls around the centres are apart.
   bool separates_balls() const {
     const double room = (radii_ + swell_) * (1 + kSlack) + rounding_;

@@ -29,8 +29,8 @@ struct CheckerCore::Workspace {
   CheckerCounters counters;
   std::vector<Lanes> columns, links, scratch;  // of a block's groups: configurations, link poses
   BroadPhase::Workspace broad_phase;
-  std::vector<CachedPlane> planes;  // per pair
-  std::vector<std::uint32_t> hits;  // per pair: collisions found
+  std::vector<CachedPlane> planes;         // per pair
+  std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
 };
 
 CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
@@ -52,6 +52,7 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->broad_phase = broad_phase_->new_workspace();
   w->planes.resize(pairs_.size());
   w->hits.resize(pairs_.size());
+  w->tests.resize(pairs_.size());
   return w;
 }
 
@@ -82,7 +83,8 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
     ++w.counters.boxes;
     return false;
   }
-  const PairVerdict verdict = test_pair(frame, options_.pair, &w.planes[pair], w.counters.pair);
+  const bool likely = options_.learning && 2 * w.hits[pair] > w.tests[pair]++;
+  const PairVerdict verdict = test_pair(frame, likely, options_.pair, &w.planes[pair], w.counters.pair);
   ++w.counters.stages[static_cast<std::size_t>(verdict.stage)];
   w.hits[pair] += verdict.shared ? 1 : 0;
   return verdict.shared;

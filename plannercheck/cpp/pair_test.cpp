@@ -112,14 +112,17 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
   return solved(frame, lowest, axis, options, cache, counters);
 }
 
-PairVerdict test_pair(const PairFrame& frame, const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
+PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
+                      PairCounters& counters) {
   const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
   cache = kept(*host.body, options, cache);
   if (options.solver != Solver::kExact && plane_holds(frame, cache, counters)) return cached(*cache);
   const CentreAxis axis(guest, host);
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   std::int32_t lowest = 0;
-  if (options.centre_axis) {
+  if (likely && !axis.has_swell()) {
+    lowest = axis.nearly_lowest(counters);
+  } else if (options.centre_axis) {
     const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }

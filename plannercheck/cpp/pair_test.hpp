@@ -40,7 +40,10 @@ struct PairVerdict {
 // Of two bodies the one whose polar is better conditioned hosts: 0 for `a`, 1 for `b`. Bodies without volume have none.
 int choose_host(const Body& a, const Body& b);
 
-PairVerdict test_pair(const PairFrame& frame, const PairOptions& options, CachedPlane* cache, PairCounters& counters);
+// `likely`: most poses of this pair share a point, so a certificate of that is sought first. Verdicts do not depend on
+// it.
+PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
+                      PairCounters& counters);
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters);
 
