@@ -189,7 +189,6 @@ int GrowingGame::entering(int line) const {
   return place(ratios, least(ratios));
 }
 
-// Numbers are stored as they are loaded, eight at a time: a load has to wait for narrower stores.
 void GrowingGame::pivot(int line, int column) {
   const Place by_column(index(column)), by_line(index(line));
   const std::size_t k = index(column);
@@ -241,11 +240,7 @@ void GrowingGame::solve() {
   for (int step = 0; step < limit; ++step) {
     if (!restore() && !improve()) break;
   }
-  const Eight weights = [&] {
-    Numbers w = basic_rows();
-    return Eight(w.data());
-  }();
-  total_ = sum(weights);
+  total_ = sum(Eight(basic_rows().data()));
 }
 
 void GrowingGame::solve_afresh() {

@@ -8,6 +8,8 @@
 // optimum is the inverse of the value of the game a. Of the tableau only the columns of variables that are 0 are kept:
 // x_basic = level − tableau · x_free. A new row of the game is one more free variable, which may improve the optimum
 // (primal simplex); a new column is one more basic slack, which may be negative (dual simplex): mostly a pivot or two.
+// Arrays are written as they are read, four numbers at a time: a wide load right after narrower stores has to wait
+// until these are through, which cost more than the arithmetic.
 #pragma once
 
 #include <array>

@@ -17,14 +17,14 @@ constexpr double kDifferenceError = 6 * kRoundoff;
 constexpr double kUnderflow = 1e-300;
 
 // Rounding direction and coordinates to floats, |entries| <= 1, errs by 2^-24 each, so do products; two sums of at most
-// 3 add 5 · 2^-24: a product errs by 14 · 2^-24 at most, underflow included. Vertices further below the highest than
-// twice that are not extreme.
+// 3 add 5 · 2^-24: a product errs by 14 · 2^-24 at most, underflow included, times the direction's largest entry.
+// Vertices further below the highest than twice that are not extreme.
 constexpr float kFloatTie = 32 * 0x1p-24F;
-constexpr double kSmallestFloat = 1e-20, kLargestFloat = 1e20;
+constexpr double kSmallestFloat = 1e-20, kLargestFloat = 1e20;  // of that entry: else the direction is scaled
 constexpr double kSmallestDirection = 1e-290, kLargestDirection = 1e290;
 
-constexpr std::size_t kFewBlocks = 8;
-constexpr std::size_t kBatch = 4;  // blocks of a scan that are searched for candidates at a time
+constexpr std::size_t kBatch = 4;      // blocks of a scan that are searched for candidates at a time
+constexpr std::size_t kFewBlocks = 8;  // more are first searched by the largest products of a batch (measured)
 
 static_assert(kBlockLanes == kQuad && kScanLanes == kFloats);
 
@@ -154,22 +154,32 @@ std::int32_t descend(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& cou
   return v;
 }
 
+// A direction in floats. Where no float stands for it all vertices tie.
+struct FloatDirection {
+  float x, y, z;
+  float tie;  // how much further along it one product has to be than another to be sure
+
+  explicit FloatDirection(Vec3 u) {
+    double length = norm_max(u), scale = 1;
+    if (!(length > kSmallestFloat && length < kLargestFloat)) {
+      scale = length > kSmallestDirection && length < kLargestDirection ? 1 / length : 0;
+      length = 1;
+    }
+    x = static_cast<float>(u.x * scale), y = static_cast<float>(u.y * scale), z = static_cast<float>(u.z * scale);
+    tie = kFloatTie * static_cast<float>(length);
+  }
+
+  Floats along(const ScanBlock& block) const {
+    return (load_floats(block.x.data()) * x + load_floats(block.y.data()) * y) + load_floats(block.z.data()) * z;
+  }
+};
+
 // The vertex of the blocks that is furthest along u; `vertex` says which one a lane is, `further` whether one is
 // further than another.
 template <class Vertex, class Further>
 std::int32_t scanned(const std::vector<ScanBlock>& scan, Vec3 u, Vertex vertex, Further further,
                      QueryCounters& counters) {
-  double length = norm_max(u), scale = 1;
-  if (!(length > kSmallestFloat && length < kLargestFloat)) {
-    // Directions that no float stands for make all vertices tie.
-    scale = length > kSmallestDirection && length < kLargestDirection ? 1 / length : 0;
-    length = 1;
-  }
-  const auto x = static_cast<float>(u.x * scale), y = static_cast<float>(u.y * scale);
-  const auto z = static_cast<float>(u.z * scale);
-  const auto along = [&](const ScanBlock& block) {
-    return (load_floats(block.x.data()) * x + load_floats(block.y.data()) * y) + load_floats(block.z.data()) * z;
-  };
+  const FloatDirection direction(u);
   const std::size_t blocks = scan.size();
   std::array<Floats, kScannedVertices / kScanLanes + kBatch> values;
   std::array<Floats, kScannedVertices / kScanLanes / kBatch + 1> most;  // of a batch, lane by lane
@@ -180,7 +190,7 @@ std::int32_t scanned(const std::vector<ScanBlock>& scan, Vec3 u, Vertex vertex, 
     for (; i + kBatch <= blocks; i += kBatch) {
       const ScanBlock* const block = &scan[i];
       Floats* const out = &values[i];
-      for (std::size_t k = 0; k < kBatch; ++k) out[k] = along(block[k]);
+      for (std::size_t k = 0; k < kBatch; ++k) out[k] = direction.along(block[k]);
       const Floats low = out[0] > out[1] ? out[0] : out[1], high = out[2] > out[3] ? out[2] : out[3];
       most[batches] = low > high ? low : high;
       best = most[batches] > best ? most[batches] : best;
@@ -188,12 +198,12 @@ std::int32_t scanned(const std::vector<ScanBlock>& scan, Vec3 u, Vertex vertex, 
     }
   }
   for (; i < blocks; ++i) {
-    values[i] = along(scan[i]);
+    values[i] = direction.along(scan[i]);
     best = values[i] > best ? values[i] : best;
   }
   counters.blocks += static_cast<long>(blocks * (kScanLanes / kBlockLanes));
   for (std::size_t k = 0; k < kBatch; ++k) values[blocks + k] = never;
-  const Floats ties = Floats{} + (largest(best) - kFloatTie * static_cast<float>(length));
+  const Floats ties = Floats{} + (largest(best) - direction.tie);
   std::int32_t found = -1;
   const auto collect = [&](std::size_t first) {
     for (std::size_t k = first; k < first + kBatch; ++k) {
