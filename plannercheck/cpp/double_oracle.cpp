@@ -54,33 +54,24 @@ class DoubleOracle {
   Certificate run(std::int32_t vertex) {
     if (!start(vertex)) return certificate_;
     for (int round = 0; round < kOracleRounds; ++round) {
-      ++counters_.rounds, ++counters_.games;
-      game_.solve();
-      const bool done = game_.is_above_one() ? ask_guest(columns_.mixed(game_.column_weights()))
-                                             : ask_host(rows_.mixed(game_.row_weights()));
-      if (done) break;
+      ++counters_.rounds;
+      if (opening() ? ask_next() : ask_by_game()) break;
     }
     return certificate_;
   }
 
  private:
-  // Small bodies take part as a whole; else the given vertex. The host answers to it, or to a point of the small guest.
-  // False if that is the end.
+  // Boxes and small polars take part as a whole; else the given vertex does, and the host's answer to it. The host
+  // answers to a box's point nearest to its centre. False if that is the end.
   bool start(std::int32_t vertex) {
     const std::vector<Vec3>& polar = frame_.host().polar.points;
-    const std::size_t vertices = frame_.guest().inner.points.size();
     if (polar.size() <= kActives) {
       for (std::size_t k = 0; k < polar.size(); ++k) add_column(static_cast<std::int32_t>(k), polar[k]);
     }
-    if (vertices > kActives || frame_.guest().is_box == 0) {
-      add_row(vertex, frame_.guest_vertex(vertex));
-      return columns_.count > 0 || !ask_host(rows_.point(0));
-    }
-    for (std::size_t v = 0; v < vertices; ++v) {
-      add_row(static_cast<std::int32_t>(v), frame_.guest_vertex(static_cast<std::int32_t>(v)));
-    }
-    if (columns_.count > 0) return true;
-    return !ask_host(frame_.guest().is_box != 0 ? frame_.guest_box_point() : frame_.guest_centre());
+    const bool is_box = frame_.guest().is_box != 0;
+    if (!is_box) add_row(vertex, frame_.guest_vertex(vertex));
+    for (std::int32_t v = 0; is_box && v < kActives; ++v) add_row(v, frame_.guest_vertex(v));
+    return columns_.count > 0 || !ask_host(is_box ? frame_.guest_box_point() : rows_.point(0));
   }
 
   const PairFrame& frame_;
@@ -93,6 +84,17 @@ class DoubleOracle {
   // |q·x| over the host's polar and the guest, with room for rounding.
   static double largest_payoff(const PairFrame& frame) {
     return 1.001 * frame.host().polar_radius * (norm(frame.guest_centre()) + frame.guest().radius) + 1e-300;
+  }
+
+  // Whether the game is one to one, or one of two vertices, the second lower, to one facet: nothing to mix.
+  bool opening() const { return columns_.count == 1 && rows_.count <= 2 && !afresh_; }
+  bool ask_next() { return rows_.count == 1 ? ask_guest(columns_.point(0)) : ask_host(rows_.point(1)); }
+
+  bool ask_by_game() {
+    ++counters_.games;
+    game_.solve();
+    return game_.is_above_one() ? ask_guest(columns_.mixed(game_.column_weights()))
+                                : ask_host(rows_.mixed(game_.row_weights()));
   }
 
   // Looks for the guest's vertex that is deepest below the plane q; true if that ends the search.
