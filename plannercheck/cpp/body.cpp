@@ -336,6 +336,7 @@ Body parse_body(const char* data, std::size_t size) {
   each_body_field(reader, body);
   if (!reader.done()) throw HullError("the data go on after the end");
   require(body.dimension >= 0 && body.dimension <= 3 && body.swell >= 0 && std::isfinite(body.swell));
+  require(body.is_box == 0 || (body.is_box == 1 && body.inner.points.size() == 8));
   require_sound_indices(body.inner);
   if (body.has_polar()) require_sound_indices(body.polar);
   require(body.source.size() == body.inner.points.size() &&

@@ -86,9 +86,28 @@ class DoubleOracle {
     return 1.001 * frame.host().polar_radius * (norm(frame.guest_centre()) + frame.guest().radius) + 1e-300;
   }
 
-  // Whether the game is one to one, or one of two vertices, the second lower, to one facet: nothing to mix.
-  bool opening() const { return columns_.count == 1 && rows_.count <= 2 && !afresh_; }
-  bool ask_next() { return rows_.count == 1 ? ask_guest(columns_.point(0)) : ask_host(rows_.point(1)); }
+  // The first games are solved by hand: until a third vertex or facet comes in, unless no progress was made.
+  bool opening() const { return columns_.count <= 2 && rows_.count <= 2 && !afresh_; }
+
+  bool ask_next() {
+    if (rows_.count == 1) return ask_guest(columns_.point(0));
+    if (columns_.count == 1) return ask_host(rows_.point(1));  // which is lower than the first vertex
+    return ask_by_two();
+  }
+
+  // Two vertices to two facets: the first facet answered to the first vertex, so a >= b, the second vertex to that
+  // facet, a >= c, and the second facet to that vertex, d >= c. If also d > b, both sides mix; else d is the value.
+  bool ask_by_two() {
+    const Vec3 x0 = rows_.point(0), x1 = rows_.point(1), q0 = columns_.point(0), q1 = columns_.point(1);
+    const double a = dot(x0, q0), b = dot(x0, q1), c = dot(x1, q0), d = dot(x1, q1);
+    if (!(d > b && a > b && d > c && a > c)) return ask_guest(q1);
+    if (a * d - b * c > (a - b) + (d - c)) {
+      const double sum = (d - b) + (a - c);
+      return ask_guest((d - b) / sum * q0 + (a - c) / sum * q1);
+    }
+    const double sum = (d - c) + (a - b);
+    return ask_host((d - c) / sum * x0 + (a - b) / sum * x1);
+  }
 
   bool ask_by_game() {
     ++counters_.games;
