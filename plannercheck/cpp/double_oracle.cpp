@@ -11,6 +11,7 @@ namespace {
 constexpr int kActives = GrowingGame::kMost;  // keeping only the support cycles near contact (measured: 5 to 12 %)
 constexpr int kOracleRounds = 48;             // GJK needs fewer at 100,000 vertices; what is left is decided exactly
 
+// Places that are not taken hold zeros.
 struct Actives {
   int count = 0;
   std::array<std::int32_t, kActives> id;
@@ -30,8 +31,8 @@ struct Actives {
 
   Vec3 mixed(const GrowingGame::Numbers& weights) const {
     const auto sum = [&](const GrowingGame::Numbers& n) {
-      const Quad four =
-          load_quad(weights.data()) * load_quad(n.data()) + load_quad(weights.data() + 4) * load_quad(n.data() + 4);
+      Quad four{};
+      for (std::size_t i = 0; i < kActives; i += kQuad) four += load_quad(&weights[i]) * load_quad(&n[i]);
       return (four[0] + four[1]) + (four[2] + four[3]);
     };
     return {sum(x), sum(y), sum(z)};
@@ -39,7 +40,7 @@ struct Actives {
 
   GrowingGame::Numbers products(Vec3 p) const {
     GrowingGame::Numbers out;
-    for (std::size_t i = 0; i < kActives; i += 4) {
+    for (std::size_t i = 0; i < kActives; i += kQuad) {
       store_quad(&out[i], load_quad(&x[i]) * p.x + load_quad(&y[i]) * p.y + load_quad(&z[i]) * p.z);
     }
     return out;

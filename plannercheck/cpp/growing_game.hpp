@@ -32,9 +32,6 @@ class GrowingGame {
     for (int j = 0; j < kMost; ++j) seat_[index(kMost + j)].basic = true;
   }
 
-  int rows() const { return rows_; }
-  int columns() const { return columns_; }
-
   // Where the next row or column goes: a free place or, with kMost of them, that of one which has no weight now.
   int place_of_row() const { return rows_ < kMost ? rows_ : weightless_row(); }
   int place_of_column() const { return columns_ < kMost ? columns_ : weightless_column(); }
