@@ -52,8 +52,9 @@ class DoubleOracle {
   DoubleOracle(const PairFrame& frame, PairCounters& counters)
       : frame_(frame), counters_(counters), game_(largest_payoff(frame)) {}
 
-  Certificate run(std::int32_t vertex) {
-    if (!start(vertex)) return certificate_;
+  // From a guest's vertex, or all of a box, and the host's facet that a point of it violates most.
+  Certificate run(std::int32_t vertex, std::int32_t facet) {
+    start(vertex, facet);
     for (int round = 0; round < kOracleRounds; ++round) {
       ++counters_.rounds;
       if (opening() ? ask_next() : ask_by_game()) break;
@@ -62,17 +63,16 @@ class DoubleOracle {
   }
 
  private:
-  // Boxes and small polars take part as a whole; else the given vertex does, and the host's answer to it. The host
-  // answers to a box's point nearest to its centre. False if that is the end.
-  bool start(std::int32_t vertex) {
-    const std::vector<Vec3>& polar = frame_.host().polar.points;
-    if (polar.size() <= kActives) {
-      for (std::size_t k = 0; k < polar.size(); ++k) add_column(static_cast<std::int32_t>(k), polar[k]);
+  // Boxes and small polars take part as a whole.
+  void start(std::int32_t vertex, std::int32_t facet) {
+    if (frame_.guest().is_box != 0) {
+      for (std::int32_t v = 0; v < kActives; ++v) add_row(v, frame_.guest_vertex(v));
+    } else {
+      add_row(vertex, frame_.guest_vertex(vertex));
     }
-    const bool is_box = frame_.guest().is_box != 0;
-    if (!is_box) add_row(vertex, frame_.guest_vertex(vertex));
-    for (std::int32_t v = 0; is_box && v < kActives; ++v) add_row(v, frame_.guest_vertex(v));
-    return columns_.count > 0 || !ask_host(is_box ? frame_.guest_box_point() : rows_.point(0));
+    const auto facets = static_cast<std::int32_t>(frame_.host().polar.points.size());
+    if (facets > kActives) return add_column(facet, frame_.polar_point(facet));
+    for (std::int32_t k = 0; k < facets; ++k) add_column(k, frame_.polar_point(k));
   }
 
   const PairFrame& frame_;
@@ -172,8 +172,17 @@ class DoubleOracle {
 
 }  // namespace
 
+// Most bodies that overlap well share the guest's point that reaches furthest to the host's centre, about: before
+// anything else is set up, the host is asked for that.
 Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters) {
-  return DoubleOracle(frame, counters).run(guest_vertex);
+  const Vec3 x = frame.guest().is_box != 0 ? frame.guest_box_point() : frame.guest_vertex(guest_vertex);
+  ++counters.host_queries;
+  const std::int32_t k = extreme(frame.host().polar, x, counters.queries);
+  if (!frame.contains(dot(frame.polar_point(k), x))) return DoubleOracle(frame, counters).run(guest_vertex, k);
+  Certificate certificate;
+  certificate.answer = Answer::kShared;
+  certificate.x = x;
+  return certificate;
 }
 
 }  // namespace plannercheck
