@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -159,9 +160,19 @@ def test_missing_libraries_are_left_out_with_a_note(checker, monkeypatch):
 
 def test_contenders_take_turns():
     order = []
-    seconds = least_seconds({name: lambda name=name: order.append(name) for name in "abc"}, 3)
+
+    def work(name, least):
+        order.append(name)
+        began = time.thread_time()
+        while time.thread_time() - began < least:
+            pass
+
+    seconds = least_seconds({name: lambda name=name: work(name, 2e-3) for name in "abc"}, 3)
     assert "".join(order) == "abccbaabc"
     assert list(seconds) == ["a", "b", "c"]
+    order.clear()
+    assert 0 < least_seconds({"a": lambda: work("a", 0)}, 1)["a"] < 1e-3
+    assert len(order) > 1  # too short for the clock
 
 
 def read(path):
