@@ -151,7 +151,7 @@ def test_missing_libraries_are_left_out_with_a_note(checker, monkeypatch):
     assert "python-fcl is left out" in notes[0]
     notes.clear()
     monkeypatch.setitem(sys.modules, "coal", None)
-    assert {row.method for row in pairs.measure([8], 3, 1, notes.append)} == {
+    assert {row.method for row in pairs.measure([8], 3, 1, notes.append, ellipsoids=True)} == {
         "plannercheck, oracle",
         "plannercheck, walk",
     }

@@ -35,6 +35,7 @@ SIZES = (8, 32, 150, 1000, 10_000, 100_000)
 GAPS = (0.5, 1e-4, -0.3)
 # How many times faster than coal's loop is asked for, by vertices: at the first gap and at the second.
 ASKED = {8: (4, 2), 32: (8, 3), 150: (10, 4), 1000: (15, 5), 10_000: (30, 10), 100_000: (70, 25)}
+_HALF_AXES = np.array([1.0, 0.7, 0.5])
 OURS: tuple[Method, ...] = ("oracle", "walk")
 COAL = "coal, C++ loop"
 
@@ -82,7 +83,11 @@ class PairRow:
 
 
 def measure(
-    sizes: Sequence[int], pairs: int, rounds: int, skipped: Callable[[str], None] = lambda reason: None
+    sizes: Sequence[int],
+    pairs: int,
+    rounds: int,
+    skipped: Callable[[str], None] = lambda reason: None,
+    ellipsoids: bool = False,
 ) -> list[PairRow]:
     """Times all methods by turns, size by size.
 
@@ -91,13 +96,15 @@ def measure(
         pairs: How many of each size and gap.
         rounds: How often each method runs.
         skipped: Is told why a method is left out.
+        ellipsoids: Whether points are on ellipsoids, which balls bound less closely, instead of on spheres.
 
     Returns:
         The rows, by size and gap.
     """
     rows = []
     for vertices in sizes:
-        bodies = Polytope(family("round", vertices, 1)), Polytope(family("round", vertices, 2))
+        first, second = (family("round", vertices, seed) * (_HALF_AXES if ellipsoids else 1.0) for seed in (1, 2))
+        bodies = Polytope(first), Polytope(second)
         solids = [Solid("round", p.vertices, np.asarray(p.faces, dtype=np.int64)) for p in bodies]
         rng = np.random.default_rng(vertices)
         shapes = _Shapes(bodies, skipped)

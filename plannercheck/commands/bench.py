@@ -106,6 +106,7 @@ def _add_pairs(parser: argparse.ArgumentParser) -> None:
     listed = ",".join(map(str, pairs.SIZES))
     parser.add_argument("--vertices", type=_sizes, default=list(pairs.SIZES), help=f"of the bodies (default: {listed})")
     parser.add_argument("--pairs", type=_positive, default=1000, help="of each kind (default: %(default)s)")
+    parser.add_argument("--ellipsoids", action="store_true", help="points on ellipsoids 1 : 0.7 : 0.5, not on spheres")
 
 
 def _add_switches(parser: argparse.ArgumentParser) -> None:
@@ -197,7 +198,7 @@ def _asked(rows: Sequence[StateRow]) -> list[tuple[str, float, int]]:
 def _run_pairs(options: argparse.Namespace) -> None:
     if min(options.vertices) < 4:
         raise PlannercheckError("--vertices must be at least 4 each")
-    rows = pairs.measure(options.vertices, options.pairs, options.rounds, _note)
+    rows = pairs.measure(options.vertices, options.pairs, options.rounds, _note, options.ellipsoids)
     header = ("vertices", "gap", "method", "µs a pair", "coal's time over it", "asked for", "wrong", "of")
     print(table(header, [_pair_cells(row) for row in rows]))
     for method in dict.fromkeys(row.method for row in rows):
