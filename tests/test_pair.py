@@ -19,7 +19,7 @@ from plannercheck.stress.families import MESHES, family, mesh_points
 # All ways to decide a pair; the first is the default.
 WAYS = list(itertools.product(METHODS, (True, False), (True, False)))
 NEAR = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 0.0, -1e-16, -1e-15, -1e-13, -1e-9, -1e-4, -1e-1)
-SOLVER, NEAREST_POINTS, DOUBLE_DOUBLE, EXACT = 2, 3, 4, 5  # numbers of stages in cpp/pair.hpp
+CENTRE_AXIS, SOLVER, NEAREST_POINTS, DOUBLE_DOUBLE, EXACT = 1, 2, 3, 4, 5  # numbers of stages in cpp/pair.hpp
 UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 
 
@@ -186,6 +186,48 @@ def test_neighbouring_poses_use_the_cached_plane_and_agree():
         verdicts[way] = shared.tolist()
         assert (0 in stages) == (way[0] != "exact" and way[1])
     assert len({tuple(v) for v in verdicts.values()}) == 1
+
+
+@pytest.mark.parametrize(("first", "second"), [("point", "point"), ("round", "point"), ("box", "needle")])
+def test_bodies_within_their_swells(first, second):
+    """Centres and nearest vertices join swollen bodies without a game; the same verdicts without that."""
+    p, r = (np.zeros((1, 3)) if name == "point" else family(name, 40, 31) for name in (first, second))
+    P, R = pc.Polytope(p, swell=0.3), pc.Polytope(r, swell=0.2)
+    rng = np.random.default_rng(32)
+    poses = contacts.identities(200)
+    poses[:, :3, 3] = contacts.unit(rng.normal(size=(200, 3))) * rng.uniform(0, 2, size=(200, 1))
+    poses[:4, :3, 3] = [[0.5, 0, 0], [np.nextafter(0.5, 1), 0, 0], [0, 0, 0], [0, np.nextafter(0.5, 0), 0]]
+    fixed = np.eye(4)[None]
+    truth = [exact.intersects(P.vertices, R.vertices, pose, fixed[0], P.swell, R.swell) for pose in poses]
+    for centre_axis in (True, False):
+        options = pair_options(centre_axis=centre_axis)
+        shared, stages, _ = core.intersect_batch(P.core, poses, R.core, fixed, options)
+        assert shared.astype(bool).tolist() == truth
+        assert set(shared[stages == CENTRE_AXIS].tolist()) == ({0, 1} if centre_axis else set())
+
+
+def test_the_point_of_spheres_is_in_both():
+    P, R = pc.Polytope(np.zeros((1, 3)), swell=0.3), pc.Polytope(np.zeros((1, 3)), swell=0.2)
+    for x in (0.0, 0.1, 0.4999):
+        found = core.certify_pair(P.core, moved(x, 0, 0), R.core, np.eye(4), pair_options(), False)
+        assert found["stage"] == "centre axis"
+        assert np.linalg.norm(found["point"] - [x, 0, 0]) <= P.swell
+        assert np.linalg.norm(found["point"]) <= R.swell
+
+
+def test_a_plane_found_by_balls_is_no_wider_than_the_host():
+    """Kept for the next pose, it must not separate bodies that overlap on the same side."""
+    (_, P), (_, R) = solid_of("round", 80, 33), solid_of("box", 8, 34)
+    directions = contacts.unit(np.random.default_rng(35).normal(size=(60, 3)))
+    poses = contacts.identities(120)
+    poses[0::2, :3, 3], poses[1::2, :3, 3] = 3 * directions, 0.7 * directions
+    truth = [exact.intersects(P.vertices, R.vertices, pose, np.eye(4)) for pose in poses]
+    assert sum(truth) > 30
+    for a, b in ((P, R), (R, P)):
+        turned = poses if a is P else np.linalg.inv(poses)
+        shared, stages, _ = core.intersect_batch(a.core, turned, b.core, np.eye(4)[None], pair_options())
+        assert shared.astype(bool).tolist() == truth
+        assert (stages[0::2] == CENTRE_AXIS).all()
 
 
 @pytest.mark.parametrize(("name", "n"), [("box", 8), ("prism", 12), ("round", 60), ("needle", 60), ("cone", 1000)])

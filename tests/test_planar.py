@@ -43,6 +43,19 @@ def test_verdicts_are_those_of_integers(make, count):
         assert verdicts(pairs, method).tolist() == truth
 
 
+@pytest.mark.parametrize("n", [6, 15, 16, 17, 1000])
+def test_the_start_saves_rounds_and_changes_no_verdict(n):
+    """Exact signs start at thirds, doubles where sixteen vertices of each polygon face the other."""
+    rng = np.random.default_rng(n)
+    poses = np.array([cases.rotation(angle) for angle in rng.uniform(0, 2 * np.pi, 200)])
+    poses[:, :2, 2] = poses[:, :2, 0] * rng.uniform(1.3, 2.1, size=(200, 1))
+    polygon = cases.regular(n, 0.7)
+    plain, started = (pc.planar.count_batch(polygon, polygon, None, poses, method=m) for m in ("exact", "filtered"))
+    assert (plain.shared == started.shared).all()
+    assert 0 < started.shared.mean() < 1
+    assert started.rounds.sum() < 0.8 * plain.rounds.sum()
+
+
 def test_near_contact_reaches_every_stage():
     a, b, poses_a, poses_b = zip(*draws(cases.exact_contact, 100, 3), strict=True)
     counts = pc.planar.count_batch(list(a), list(b), np.array(poses_a), np.array(poses_b))
