@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def test_convex_regions():
-    command = [sys.executable, str(ROOT / "examples/convex_regions.py")]
+    command = [sys.executable, str(ROOT / "docs/examples/convex_regions.py")]
     small = ["--scene", "empty", "--regions", "4", "--samples", "100", "--check", "200"]
     done = subprocess.run([*command, *small], check=True, capture_output=True, text=True, cwd=ROOT)
     lines = done.stdout.splitlines()

@@ -1,4 +1,4 @@
-"""Convex regions of free configurations, and a plan through their graph: `python examples/convex_regions.py`.
+"""Convex regions of free configurations, and a plan through their graph: `python docs/examples/convex_regions.py`.
 
 Around configurations of the Panda in a shipped scene, regions of halfspaces are grown in its seven joint angles in the
 manner of IRIS: from the box of the joint limits, each sample that collides is cut off by a halfspace between it and the
