@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import shutil
 import struct
 import time
 
@@ -12,85 +11,24 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from coal_hulls import CoalHulls
+from robot_cases import PANDA, PANDA_SRDF, PR2, PR2_SRDF, ROBOTS, SHARE, URDF, names_of
 
 from plannercheck import kinematics
 from plannercheck.errors import PlannercheckError
-from plannercheck.paths import example_robot_data
 from plannercheck.robot import Robot
 from plannercheck.robot_files import shipped_robots
-from plannercheck.self_pairs import self_pairs
 from plannercheck.shapes import Box, Capsule, Cone, Cylinder, Hull, Sphere
-from plannercheck.urdf import bodies_of, read_geometry, read_model
+from plannercheck.urdf import bodies_of
 
-SHARE = example_robot_data()
-ROBOTS = SHARE / "example-robot-data" / "robots"
-PANDA = ROBOTS / "panda_description" / "urdf" / "panda.urdf"
-PANDA_SRDF = ROBOTS / "panda_description" / "srdf" / "panda.srdf"
-PR2 = ROBOTS / "pr2_description" / "urdf" / "pr2.urdf"
-PR2_SRDF = ROBOTS / "pr2_description" / "srdf" / "pr2.srdf"
 SHIPPED = {"panda", "ur3", "ur5", "ur10", "kinova", "baxter", "pr2", "tiago", "talos", "xarm7", "go2", "g1"}
 
 # Part of the states in which a listed pair must be in contact if its reason says so.
 ALWAYS = 0.98
 
-ARM = """<robot name="arm">
-<link name="base"><collision><geometry><box size="1 2 3"/></geometry></collision></link>
-<link name="upper">
-  <collision><origin xyz="0.1 0.2 0.3" rpy="1 0 0"/>
-    <geometry><cylinder radius="0.1" length="0.5"/></geometry></collision>
-  <collision><geometry><sphere radius="0.2"/></geometry></collision></link>
-<link name="lower"><collision><geometry><sphere radius="0.4"/></geometry></collision></link>
-<link name="tip">
-  <collision><origin xyz="0 0 1"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
-<link name="finger"/><link name="thumb"/>
-<joint name="lift" type="prismatic"><parent link="base"/><child link="upper"/><origin xyz="0 0 2"/>
-  <axis xyz="0 0 1"/><limit lower="0.5" upper="1.5" effort="1" velocity="1"/></joint>
-<joint name="turn" type="continuous"><parent link="upper"/><child link="lower"/><axis xyz="0 1 0"/></joint>
-<joint name="weld" type="fixed"><parent link="lower"/><child link="tip"/></joint>
-<joint name="grip" type="revolute"><parent link="tip"/><child link="finger"/>
-  <axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
-<joint name="pinch" type="revolute"><parent link="tip"/><child link="thumb"/><axis xyz="1 0 0"/>
-  <mimic joint="grip" multiplier="-2" offset="0.1"/>
-  <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
-</robot>"""
-
-SRDF = """<robot name="arm">
-<virtual_joint name="root" type="fixed" parent_frame="world" child_link="base"/>
-<group name="arm"><chain base_link="base" tip_link="tip"/></group>
-<group name="hand"><joint name="pinch"/><link name="finger"/></group>
-<group name="backwards">
-  <joint name="root"/><group name="hand"/><joint name="turn"/><joint name="lift"/></group>
-<group name="across"><chain base_link="finger" tip_link="thumb"/></group>
-<group name="endless"><group name="endless"/></group>
-<group name="still"><joint name="weld"/></group>
-<group name="wrong"><joint name="trun"/></group>
-<group_state name="folded" group="arm">
-  <joint name="lift" value="0.75"/><joint name="turn" value="2"/></group_state>
-<disable_collisions link1="base" link2="lower" reason="User"/>
-</robot>"""
-
-
-@pytest.fixture
-def arm(tmp_path):
-    """Paths of a small URDF and its SRDF."""
-    (tmp_path / "arm.urdf").write_text(ARM)
-    (tmp_path / "arm.srdf").write_text(SRDF)
-    return tmp_path / "arm.urdf", tmp_path / "arm.srdf"
-
 
 @pytest.fixture(scope="module")
 def shipped():
     return {name: Robot.load(name) for name in shipped_robots()}
-
-
-def write_yaml(arm, text):
-    path = arm[0].with_suffix(".yaml")
-    path.write_text(f"urdf: arm.urdf\n{text}")
-    return path
-
-
-def names_of(robot):
-    return {tuple(robot.bodies[i].name for i in pair) for pair in robot.self_pairs.tolist()}
 
 
 # ---- what is shipped
@@ -228,7 +166,7 @@ def test_shapes_that_only_coal_knows():
 
 
 def test_collision_shapes_that_urdfdom_drops_are_an_error(arm):
-    arm[0].write_text(ARM.replace('<sphere radius="0.4"/>', '<capsule radius="0.4" length="1"/>'))
+    arm[0].write_text(URDF.replace('<sphere radius="0.4"/>', '<capsule radius="0.4" length="1"/>'))
     with pytest.raises(PlannercheckError, match=r"0 of 1 .*link 'lower' could be read; .*Could not parse collision"):
         Robot.from_urdf(arm[0])
 
@@ -363,176 +301,3 @@ def test_a_kernel_that_disagrees_is_not_used(monkeypatch, arm):
     with pytest.warns(RuntimeWarning, match="differs from Pinocchio"):
         robot = Robot.from_urdf(arm[0])
     assert robot.kinematics is None
-
-
-# ---- YAML files
-
-
-def test_a_yaml_file_beside_its_urdf(arm):
-    robot = Robot.load(
-        write_yaml(
-            arm,
-            "name: little\nsrdf: arm.srdf\ngroup: arm\n"
-            "reference: {turn: 0.5, lift: 1.0}\nheld: {grip: 0.25}\n"
-            "disabled_pairs:\n- {reason: a spring between them, pairs: [[tip, base]]}\n",
-        )
-    )
-    assert (robot.name, robot.group) == ("little", "arm")
-    assert robot.reference.tolist() == [1.0, 0.5]
-    assert robot.expand(robot.reference)[3] == 0.25
-    assert ("base_0", "tip_0") not in names_of(robot)
-    assert robot.disabled_pairs[0].reason == "a spring between them"
-
-
-def test_a_urdf_can_be_loaded_directly(arm):
-    assert Robot.load(str(arm[0])).name == "arm"
-    assert Robot.load(PANDA).nq == 9
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("gruop: arm", "unknown key 'gruop'.*'group'"),
-        ("srdf: other.srdf", "other.srdf does not exist"),
-        ("group: arm", "without an SRDF"),
-        ("group: {name: arm}", "'joints' is missing"),
-        ("group: {joints: [lift, lift]}", "once"),
-        ("group: {joints: [lfit]}", "unknown joint 'lfit'.*'lift'"),
-        ("group: {joints: [weld]}", "unknown joint 'weld'"),
-        ("group: {joints: [pinch]}", "'pinch' mimics 'grip'"),
-        ("reference: {lift: 0.2}", "reference of joint 'lift' is 0.2, beyond its limits 0.5 to 1.5"),
-        ("reference: {lift: .nan}", "'lift' needs 1 finite value"),
-        ("reference: {lift: [1, 1]}", "'lift' needs 1 finite value"),
-        ("reference: {lift: high}", "'lift' needs 1 finite value"),
-        ("held: {gripper: 0}", "unknown joint 'gripper'"),
-        ("held: [grip]", "held must be a mapping"),
-        ("floating: maybe", "true or false"),
-        ("disabled_pairs: [{pairs: [[base, tip]]}]", "'reason' is missing"),
-        ("disabled_pairs: [{reason: r, pairs: [[base]]}]", "two links"),
-        ("disabled_pairs: [{reason: r, pairs: [[base, top]]}]", "unknown link.*'top'"),
-        ("disabled_pairs: {}", "must be a list"),
-        ("name: [", "no valid YAML"),
-    ],
-)
-def test_bad_yaml_names_the_file_and_the_fault(arm, text, message):
-    path = write_yaml(arm, text)
-    with pytest.raises(PlannercheckError, match=f"(?s)arm.yaml.*{message}"):
-        Robot.load(path)
-
-
-# ---- bad input
-
-
-def test_unknown_robots_and_files():
-    with pytest.raises(PlannercheckError, match="unknown robot 'pandas': did you mean 'panda'"):
-        Robot.load("pandas")
-    with pytest.raises(PlannercheckError, match=r"missing\.yaml does not exist"):
-        Robot.load("missing.yaml")
-    with pytest.raises(PlannercheckError, match=r"URDF missing\.urdf does not exist"):
-        Robot.from_urdf("missing.urdf")
-
-
-def test_missing_meshes_name_the_file_and_where_it_was_sought(tmp_path):
-    assert len(Robot.from_urdf(PANDA).bodies) == len(Robot.load("panda").bodies)  # they are above the URDF
-    alone = shutil.copy(PANDA, tmp_path)
-    with pytest.raises(PlannercheckError, match=r"panda\.urdf.*link0\.stl.*package_dirs \(none given\)"):
-        Robot.from_urdf(alone)
-    with pytest.raises(PlannercheckError, match=r"package_dirs \(/nowhere\)"):
-        Robot.from_urdf(alone, package_dirs="/nowhere")
-
-
-def test_a_malformed_urdf_is_named_and_nothing_is_printed(capfd):
-    with pytest.raises(PlannercheckError, match=r"ur3\.urdf does not parse: .*No name given"):
-        Robot.from_urdf(ROBOTS / "ur_description" / "urdf" / "ur3.urdf")
-    assert capfd.readouterr() == ("", "")
-
-
-def test_names_that_are_no_text(arm):
-    arm[0].write_bytes(arm[0].read_bytes().replace(b'"turn"', b'"t\xffrn"'))
-    with pytest.raises(PlannercheckError, match=r"arm\.urdf: the name of a link or joint is not UTF-8"):
-        Robot.from_urdf(arm[0])
-
-
-def test_loading_prints_nothing(capfd):
-    Robot.from_urdf(PR2, PR2_SRDF, SHARE, group="right_arm")
-    assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.parametrize(
-    ("group", "message"),
-    [
-        ("amr", "unknown planning group 'amr'.*'arm'"),
-        ("endless", "contains itself"),
-        ("still", "no joint that moves"),
-        ("wrong", "unknown joint of group 'wrong' 'trun'.*'turn'"),
-        (["turn", "trun"], "unknown joint 'trun'"),
-        ([], "once"),
-    ],
-)
-def test_bad_groups(arm, group, message):
-    with pytest.raises(PlannercheckError, match=message):
-        Robot.from_urdf(*arm, group=group)
-
-
-def test_bad_references_and_srdfs(arm):
-    with pytest.raises(PlannercheckError, match=r"unknown group state 'flat'.*folded"):
-        Robot.from_urdf(*arm, reference="flat")
-    with pytest.raises(PlannercheckError, match="no SRDF"):
-        Robot.from_urdf(arm[0], reference="folded")
-    with pytest.raises(PlannercheckError, match=r"\(5,\), not \(3,\)"):
-        Robot.from_urdf(arm[0], reference=np.zeros(3))
-    arm[1].write_text("<robot")
-    with pytest.raises(PlannercheckError, match=r"arm\.srdf does not parse"):
-        Robot.from_urdf(*arm)
-
-
-@pytest.mark.parametrize(
-    ("q", "message"),
-    [
-        (np.zeros(6), r"\(7,\) or \(n, 7\), not \(6,\)"),
-        (np.zeros((2, 8)), r"not \(2, 8\)"),
-        (np.zeros((1, 2, 7)), r"not \(1, 2, 7\)"),
-        (1.0, r"not \(\)"),
-        ("left", "must be numbers"),
-        ([[0.0] * 7, [0.0] * 6], "must be numbers"),
-        (np.where(np.eye(3, 7, 2) > 0, np.nan, 0.0), "finite.*; row 0"),
-        (np.where(np.eye(3, 7, -2) > 0, np.inf, 0.0), "finite.*; row 2"),
-    ],
-)
-def test_bad_configurations(shipped, q, message):
-    for function in (shipped["panda"].link_poses, shipped["panda"].expand):
-        with pytest.raises(PlannercheckError, match=message):
-            function(q)
-
-
-def test_unknown_links(shipped):
-    with pytest.raises(PlannercheckError, match="unknown link 'panda_hnad': did you mean 'panda_hand'"):
-        shipped["panda"].link_index("panda_hnad")
-
-
-def test_cosine_and_sine_must_have_length_one(arm):
-    robot = Robot.from_urdf(arm[0])
-    q = robot.random_configurations(3, 0)
-    robot.link_poses(q)
-    q[1, 1] += 0.1
-    with pytest.raises(PlannercheckError, match="columns 1 to 2 are cosine and sine, of length 1; in row 1"):
-        robot.link_poses(q)
-
-
-def test_self_pairs_leave_nothing_else_out(arm):
-    model = read_model(arm[0])
-    geometry = read_geometry(model, arm[0], ())
-    robot = Robot.from_urdf(arm[0])
-    pairs = self_pairs(model, geometry, robot.bodies, arm[1], robot._tree, ())
-    assert len(pairs) == 10 - 2 - 1  # of five bodies: two pairs on one joint each, one disabled
-
-
-def test_limits_the_wrong_way_round_are_named(tmp_path):
-    urdf = tmp_path / "arm.urdf"
-    urdf.write_text(
-        '<robot name="arm"><link name="base"/><link name="hand"/><joint name="elbow" type="revolute">'
-        '<parent link="base"/><child link="hand"/><axis xyz="0 0 1"/>'
-        '<limit lower="1" upper="-1" effort="1" velocity="1"/></joint></robot>'
-    )
-    with pytest.raises(PlannercheckError, match=r"elbow.*lower limit"):
-        Robot.from_urdf(urdf)
