@@ -10,7 +10,8 @@
 
 namespace plannercheck {
 
-#if defined(__AVX512F__)
+// PLANNERCHECK_EIGHT_LANES: AVX-512's number of lanes on a machine without it, to hold that code against the others.
+#if defined(__AVX512F__) || defined(PLANNERCHECK_EIGHT_LANES)
 inline constexpr int kLanes = 8;
 #elif defined(__AVX__)
 inline constexpr int kLanes = 4;
@@ -60,7 +61,7 @@ inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
 inline unsigned bits(LaneMask mask) {
 #if defined(__AVX512DQ__)
   return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
-#elif defined(__AVX__)
+#elif defined(__AVX__) && !defined(PLANNERCHECK_EIGHT_LANES)
   return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
 #else
   unsigned out = 0;
