@@ -37,9 +37,11 @@ def pair_options(
     method: Method = "oracle",
     cached_plane: bool = True,
     centre_axis: bool = True,
+    facet_plane: bool = True,
     nearest_points: bool = True,
     double_double: bool = True,
     warm_start: bool = True,
+    interleaving: bool = True,
 ) -> Any:
     """The core's switches for the pair test.
 
@@ -48,9 +50,12 @@ def pair_options(
             arithmetic alone). Verdicts are the same.
         cached_plane: Try the plane that separated the pair last time first.
         centre_axis: Try the axis between the centres, and swells around them, before the method.
+        facet_plane: Try the planes of both bodies' facets before the method, where both have eight corners at most.
         nearest_points: Try nearest points in doubles where the method does not decide.
         double_double: Try nearest points in double-double before exact arithmetic.
         warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.
+        interleaving: Have several pairs of a batch under way where bodies are large, so that none waits for memory
+            alone. A cached plane is then tried only where poses are about those before: stages may differ.
 
     Returns:
         A core.PairOptions.
@@ -58,7 +63,9 @@ def pair_options(
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
     solver = getattr(core.Solver, method)
-    return core.PairOptions(solver, cached_plane, centre_axis, nearest_points, double_double, warm_start)
+    return core.PairOptions(
+        solver, cached_plane, centre_axis, facet_plane, nearest_points, double_double, warm_start, interleaving
+    )
 
 
 def intersects(

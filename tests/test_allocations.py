@@ -50,6 +50,39 @@ assert counted["solver"] > 0, counted
 print(json.dumps(found))
 """
 
+PAIRS = """
+import ctypes
+import json
+import sys
+import numpy as np
+import plannercheck as pc
+from plannercheck.core import core
+from plannercheck.pair import pair_options
+from plannercheck.stress.contacts import Solid, contact_poses, random_poses
+from plannercheck.stress.families import family
+
+counter = ctypes.CDLL(None).allocations_so_far
+counter.restype = ctypes.c_long
+bodies = [pc.Polytope(family("round", 2000, seed) * np.array([1, 0.7, 0.5])) for seed in (1, 2)]
+solids = [Solid("", b.vertices, b.faces.astype(np.int64)) for b in bodies]
+rng = np.random.default_rng(1)
+both = [contact_poses(*solids, np.full(500, 1e-3), rng), random_poses(*solids, 500, rng)]
+order = rng.permutation(1000)
+order[500:] = order[499]  # these follow one another
+poses_p, poses_r = (np.concatenate(rows)[order] for rows in zip(*both))
+found = {}
+for cached_plane in (False, True):
+    options = pair_options(cached_plane=cached_plane)
+    for n in (8, 1000):
+        arguments = bodies[0].core, poses_p[:n].copy(), bodies[1].core, poses_r[:n].copy(), options
+        core.intersect_batch(*arguments)  # warms up
+        before = counter()
+        _, stages, _ = core.intersect_batch(*arguments)
+        found.setdefault(str(cached_plane), []).append(counter() - before)
+assert {1, 3} <= set(stages.tolist()) <= {0, 1, 3}, stages  # none but planes, axes and the solver
+print(json.dumps(found))
+"""
+
 
 @pytest.fixture(scope="module")
 def counter(tmp_path_factory):
@@ -62,13 +95,23 @@ def counter(tmp_path_factory):
     return library
 
 
-@pytest.mark.parametrize(("robot", "scene"), [("panda", "bookshelf"), ("ur5", "kitchen"), ("talos", "empty")])
-def test_a_thousand_states_allocate_no_more_than_eight(counter, robot, scene):
+def counted(counter, program, *arguments):
+    """What a program prints that runs with the counter: numbers of allocations for few and for many, by call."""
     environment = {**os.environ, "LD_PRELOAD": str(counter)}
     run = subprocess.run(
-        [sys.executable, "-c", COUNTED, robot, scene], env=environment, capture_output=True, text=True, check=False
+        [sys.executable, "-c", program, *arguments], env=environment, capture_output=True, text=True, check=False
     )
     assert run.returncode == 0, run.stderr
-    for call, (few, many) in json.loads(run.stdout).items():
+    return json.loads(run.stdout)
+
+
+@pytest.mark.parametrize(("robot", "scene"), [("panda", "bookshelf"), ("ur5", "kitchen"), ("talos", "empty")])
+def test_a_thousand_states_allocate_no_more_than_eight(counter, robot, scene):
+    for call, (few, many) in counted(counter, COUNTED, robot, scene).items():
         assert few <= (0 if call == "is_valid" else 2), call  # the result: the core's and NumPy's
         assert many == few, call
+
+
+def test_a_thousand_pairs_of_large_bodies_allocate_no_more_than_eight(counter):
+    for cached_plane, (few, many) in counted(counter, PAIRS).items():
+        assert many == few, f"cached plane: {cached_plane}"

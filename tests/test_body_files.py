@@ -6,12 +6,15 @@ import hashlib
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from body_layout import fields
 
 import plannercheck as pc
 from plannercheck import body_files, hull
+from plannercheck.core import core
 from plannercheck.hull import prepared
 from plannercheck.shapes import Cylinder
 from plannercheck.stress.families import family
@@ -95,6 +98,134 @@ def test_a_whole_file_with_damaged_data_is_refused(tmp_path):
     body_files.write(tmp_path / "a.body", data[: len(data) // 2])
     with pytest.raises(pc.PlannercheckError, match="not a prepared body"):
         pc.Polytope.load(tmp_path / "a.body")
+
+
+def altered(data, name, dtype, change):
+    """The bytes of a body with one field, a flat array, changed in place."""
+    first, end = fields(data)[name]
+    array = np.frombuffer(data[first:end], dtype=dtype).copy()
+    assert len(array) > 0
+    change(array)
+    return data[:first] + array.tobytes() + data[end:]
+
+
+def at(place, value):
+    """A change of one entry; of the value before if `value` is a function."""
+
+    def change(array):
+        array[place] = value(array[place]) if callable(value) else value
+
+    return change
+
+
+def without_marks(words):
+    """Takes the marks from all last blocks: the complements among words 24 to 27 of the 32 of each."""
+    vertices = words.reshape(-1, 32)[:, 24:28]
+    np.copyto(vertices, np.where(vertices < 0, ~vertices, vertices))
+
+
+CELLS = {
+    "a cell without blocks": ("cells", "u8", at(7, 0)),
+    "a cell with a block that is none": ("cells", "u8", at(7, lambda cell: cell | np.uint64(1 << 63))),
+    "a vertex that is none": ("cell_blocks", "i4", at(24, 150)),
+    "a negative vertex": ("cell_blocks", "i4", at(31, -1)),
+}
+BLOCKS = {
+    "another chain": ("i4", at(28, lambda chain: chain + 1)),
+    "no chain": ("i4", at(slice(28, None, 32), -1)),
+    "a chain beyond the end": ("i4", at(28, 2**31 - 1)),
+    "a walk by wedges": ("i4", at(29, -2)),
+    "no mark on the last block": ("i4", at(slice(-8, -4), lambda vertices: ~vertices)),
+    "no marks at all": ("i4", without_marks),
+    "a mark on one lane": ("i4", at(24, lambda vertex: ~vertex)),
+    "a vertex that is none": ("i4", at(24, 10**6)),
+    "another point": ("f8", at(0, lambda x: x + 1)),
+    "no number": ("f8", at(0, np.nan)),
+}
+LEVELS = {
+    "levels that rise along chains": ("level", at(0, 10**6)),
+    "a removed vertex that stays": ("level", at(3, lambda level: level + 100)),
+    "a negative level": ("level", at(0, -1)),
+    "a ring of all vertices": ("ring_start", lambda starts: starts[1:].fill(starts[-1])),
+    "a vertex twice at the top": ("top", at(1, lambda _: 0)),
+    "a neighbour that is none": ("rings", at(0, 10**6)),
+}
+
+
+def refuses(data):
+    with pytest.raises(core.HullError, match="the data are damaged"):
+        core.Body.parse(data)
+
+
+@pytest.mark.parametrize("case", CELLS)
+def test_cells_that_lead_astray_are_refused(case):
+    name, dtype, change = CELLS[case]
+    refuses(altered(pc.Polytope(family("round", 150, seed=1)).core.serialise(), f"inner.{name}", dtype, change))
+
+
+@pytest.mark.parametrize("part", ["inner", "crown", "polar"])
+@pytest.mark.parametrize("case", BLOCKS)
+def test_blocks_that_lead_astray_are_refused(case, part):
+    dtype, change = BLOCKS[case]
+    refuses(altered(pc.Polytope(family("cone", 1000, seed=1)).core.serialise(), f"{part}.blocks", dtype, change))
+
+
+@pytest.mark.parametrize("part", ["inner", "crown", "polar"])
+@pytest.mark.parametrize("case", LEVELS)
+def test_levels_that_lead_nowhere_are_refused(case, part):
+    name, change = LEVELS[case]
+    refuses(altered(pc.Polytope(family("round", 1000, seed=1)).core.serialise(), f"{part}.{name}", "i4", change))
+
+
+# Bytes of any field, and small fields as often as large ones: most of a body's bytes are blocks, which are all checked.
+FLIPPED = """
+import sys
+import numpy as np
+import plannercheck as pc
+from body_layout import fields
+from plannercheck.core import core
+from plannercheck.pair import METHODS, pair_options
+from plannercheck.stress.families import family
+
+sound = pc.Polytope(family(sys.argv[1], int(sys.argv[2]), seed=1)).core
+data, rng = sound.serialise(), np.random.default_rng(1)
+spans = [(first, end) for first, end in fields(data).values() if end > first]
+directions = rng.normal(size=(8, 3))
+poses = np.repeat(np.eye(4)[None], 4, axis=0)
+poses[:, :3, 3] = rng.normal(size=(4, 3)) * np.array([0, 0.1, 0.3, 0.9])[:, None]
+accepted = 0
+for k in range(2000):
+    first, end = (0, len(data)) if k % 2 else spans[rng.integers(len(spans))]
+    damaged = bytearray(data)
+    damaged[rng.integers(first, end)] ^= 1 << int(rng.integers(8)) if k % 4 < 2 else int(rng.integers(1, 256))
+    try:
+        body = core.Body.parse(bytes(damaged))
+    except core.HullError:
+        continue
+    accepted += 1
+    body.extremes(directions, False)
+    if len(body.polar_points()) > 0:
+        body.extremes(directions, True)
+    for method in METHODS:
+        for pair in ((body, sound), (sound, body)):
+            core.intersect_batch(pair[0], poses, pair[1], poses[:1], pair_options(method))
+assert 0 < accepted < 2000, accepted
+"""
+
+
+@pytest.mark.parametrize("name", ["round", "cone"])
+@pytest.mark.parametrize("n", [150, 1000])
+def test_bodies_of_flipped_bytes_are_refused_or_harmless(name, n):
+    tests = os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
+    run = subprocess.run(
+        [sys.executable, "-c", FLIPPED, name, str(n)],
+        env={**os.environ, "PYTHONPATH": tests},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert run.returncode == 0, run.stderr
 
 
 def test_the_cache_holds_what_was_prepared(cache, monkeypatch):

@@ -7,6 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
+from exact_points import integers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,14 +23,6 @@ CUBE_FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 
 
 # A query may visit this many blocks of four: 16 of the top, and about 12 more for each factor of ten.
 MOST_BLOCKS = 16 + 4 * 12
-
-
-def integers(points):
-    """Points as Python integers in a common unit, exact: signs of homogeneous polynomials are kept."""
-    ratios = [x.as_integer_ratio() for x in np.asarray(points, dtype=float).ravel().tolist()]
-    unit = max(denominator for _, denominator in ratios)  # a power of two, as all are
-    values = [numerator * (unit // denominator) for numerator, denominator in ratios]
-    return np.array(values, dtype=object).reshape(-1, 3)
 
 
 def normal_of(a, b, c):

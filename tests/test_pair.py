@@ -19,7 +19,8 @@ from plannercheck.stress.families import MESHES, family, mesh_points
 # All ways to decide a pair; the first is the default.
 WAYS = list(itertools.product(METHODS, (True, False), (True, False)))
 NEAR = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 0.0, -1e-16, -1e-15, -1e-13, -1e-9, -1e-4, -1e-1)
-CENTRE_AXIS, SOLVER, NEAREST_POINTS, DOUBLE_DOUBLE, EXACT = 1, 2, 3, 4, 5  # numbers of stages in cpp/pair.hpp
+# Numbers of stages in cpp/pair.hpp.
+CENTRE_AXIS, FACET_PLANE, SOLVER, NEAREST_POINTS, DOUBLE_DOUBLE, EXACT = 1, 2, 3, 4, 5, 6
 UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 
 
@@ -206,6 +207,34 @@ def test_bodies_within_their_swells(first, second):
         assert set(shared[stages == CENTRE_AXIS].tolist()) == ({0, 1} if centre_axis else set())
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "swell"), [(4, 4, 0), (4, 8, 0), (8, 8, 0), (6, 5, 0), (8, 8, 0.1), ("box", 8, 0)]
+)
+def test_facets_of_small_bodies(first, second, swell):
+    """They separate most that touch nearly; the same verdicts without them, in both orders, on stretched poses, too."""
+    (solid_p, P), (solid_r, R) = (
+        solid_of("box" if n == "box" else "round", 8 if n == "box" else n, seed)
+        for n, seed in ((first, 41), (second, 42))
+    )
+    P = pc.Polytope(P.vertices, swell=swell)
+    gaps = np.tile(swell + np.array([0.1, 1e-3, 1e-6, 1e-12, 0, -1e-12, -1e-3, -0.1]), 40)
+    poses_p, poses_r = contacts.contact_poses(solid_p, solid_r, gaps, np.random.default_rng(43))
+    poses_p, poses_r = (np.array(np.broadcast_to(poses, (len(gaps), 4, 4))) for poses in (poses_p, poses_r))
+    poses_p[::3, :3, :3] *= 1 + 2.5e-7
+    poses_r[1::3, 0, :3] *= 1 - 4e-7
+    truth = [exact.intersects(P.vertices, R.vertices, p, r, swell) for p, r in zip(poses_p, poses_r, strict=True)]
+    for a, b, pa, pb in ((P, R, poses_p, poses_r), (R, P, poses_r, poses_p)):
+        for on in (True, False):
+            options = pair_options(cached_plane=False, facet_plane=on)
+            shared, stages, _ = core.intersect_batch(a.core, pa, b.core, pb, options)
+            assert shared.astype(bool).tolist() == truth
+            assert (stages == FACET_PLANE).any() == on
+        kept, _, _ = core.intersect_batch(a.core, pa, b.core, pb, pair_options())  # planes for the poses that follow
+        assert kept.astype(bool).tolist() == truth
+        for pose_a, pose_b in zip(pa[:60], pb[:60], strict=True):
+            assert pc.certify(a, b, pose_a, pose_b).verify()
+
+
 def test_the_point_of_spheres_is_in_both():
     P, R = pc.Polytope(np.zeros((1, 3)), swell=0.3), pc.Polytope(np.zeros((1, 3)), swell=0.2)
     for x in (0.0, 0.1, 0.4999):
@@ -236,7 +265,7 @@ def test_the_oracle_decides_clear_gaps_itself(name, n):
     solid, polytope = solid_of(name, n, 0)
     gaps = np.tile([1e-1, 1e-3, -1e-3, -1e-1], 250)
     poses = contacts.contact_poses(solid, solid, gaps, np.random.default_rng(2))
-    options = pair_options("oracle", cached_plane=False, centre_axis=False)
+    options = pair_options("oracle", cached_plane=False, centre_axis=False, facet_plane=False)
     _, stages, _ = core.intersect_batch(polytope.core, poses[0], polytope.core, poses[1], options)
     assert (stages == SOLVER).mean() > 0.99
 

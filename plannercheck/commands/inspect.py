@@ -44,6 +44,7 @@ SKIPS = {
     "boxes": "planes along boxes",
     "cached_plane": "last separating plane",
     "centre_axis": "axis between centres",
+    "facet_plane": "facets of small bodies",
     "learning": "likeliest pair first",
 }
 _ROUNDS = 5

@@ -5,6 +5,7 @@
 #include <nanobind/ndarray.h>
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -19,7 +20,7 @@ using InputArray =
 // From the first three rows of a row-major 4x4 matrix.
 inline Pose pose_from(const double* matrix) {
   Pose pose;
-  std::copy_n(matrix, 12, pose.m.begin());
+  std::memcpy(pose.m.data(), matrix, sizeof pose.m);
   return pose;
 }
 

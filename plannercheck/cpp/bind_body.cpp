@@ -9,6 +9,7 @@
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "body.hpp"
+#include "pair_batch.hpp"
 #include "predicates.hpp"
 #include "verdicts.hpp"
 
@@ -95,25 +96,81 @@ nb::tuple extremes(const Body& body, InputArray<double, -1, 3> directions, bool 
 
 using PoseRows = InputArray<double, -1, 4, 4>;
 
+// Pairs of poses of the same two bodies; a single pose goes with all of the other's.
+class PosedRows : public PairBatch {
+ public:
+  PosedRows(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b)
+      : size_(std::max(poses_a.shape(0), poses_b.shape(0))),
+        a_hosts_(choose_host(a, b) == 0),
+        guest_(a_hosts_ ? Side{&b, poses_b} : Side{&a, poses_a}),
+        host_(a_hosts_ ? Side{&a, poses_a} : Side{&b, poses_b}) {}
+
+  std::size_t size() const { return size_; }
+  bool guest_is_a() const { return !a_hosts_; }
+  PosedBody guest(std::size_t i) const final { return guest_.posed(i); }
+  PosedBody host(std::size_t i) const final { return host_.posed(i); }
+
+  void test(const PairOptions& options, PairCounters& counters) {
+    test_pairs(*guest_.body, *host_.body, size_, options, *this, counters);
+  }
+
+ private:
+  struct Side {
+    const Body* body;
+    PoseRows poses;
+
+    PosedBody posed(std::size_t i) const {
+      return {body, pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i))};
+    }
+  };
+
+  std::size_t size_;
+  bool a_hosts_;
+  Side guest_, host_;
+};
+
+class VerdictRows final : public PosedRows {
+ public:
+  std::vector<std::uint8_t> shared = std::vector<std::uint8_t>(size()), stages = shared;
+
+  using PosedRows::PosedRows;
+  void take(std::size_t i, const PairVerdict& verdict) final {
+    shared[i] = verdict.shared;
+    stages[i] = static_cast<std::uint8_t>(verdict.stage);
+  }
+};
+
+class CertifiedRows final : public PosedRows {
+ public:
+  std::vector<PairVerdict> verdicts = std::vector<PairVerdict>(size());
+
+  using PosedRows::PosedRows;
+  void take(std::size_t i, const PairVerdict& verdict) final { verdicts[i] = verdict; }
+};
+
 // Verdicts for n pairs of poses of the same two bodies; stages and counters of all of them.
 nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b,
                           const PairOptions& options) {
-  const std::size_t n = std::max(poses_a.shape(0), poses_b.shape(0));
-  const bool a_hosts = choose_host(a, b) == 0;
-  std::vector<std::uint8_t> shared(n), stages(n);
+  VerdictRows rows(a, poses_a, b, poses_b);
   PairCounters counters;
   {
     nb::gil_scoped_release release;
-    CachedPlane cache;
-    for (std::size_t i = 0; i < n; ++i) {
-      const PosedBody pa{&a, pose_from(poses_a.data() + (poses_a.shape(0) == 1 ? 0 : 16 * i))};
-      const PosedBody pb{&b, pose_from(poses_b.data() + (poses_b.shape(0) == 1 ? 0 : 16 * i))};
-      const PairVerdict verdict = test_pair(a_hosts ? pb : pa, a_hosts ? pa : pb, options, &cache, counters);
-      shared[i] = verdict.shared;
-      stages[i] = static_cast<std::uint8_t>(verdict.stage);
-    }
+    rows.test(options, counters);
   }
-  return nb::make_tuple(output_array(shared, {n}), output_array(stages, {n}), counters_dict(counters));
+  return nb::make_tuple(output_array(rows.shared, {rows.size()}), output_array(rows.stages, {rows.size()}),
+                        counters_dict(counters));
+}
+
+// As certify_pair, for each of n pairs of poses.
+nb::list certify_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b, const PairOptions& options) {
+  CertifiedRows rows(a, poses_a, b, poses_b);
+  PairCounters counters;
+  rows.test(options, counters);
+  nb::list out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    out.append(verdict_dict(rows.verdicts[i], rows.guest(i), rows.host(i), rows.guest_is_a()));
+  }
+  return out;
 }
 
 nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body& b, InputArray<double, 4, 4> pose_b,
@@ -145,12 +202,13 @@ void bind_body(nb::module_& m) {
   nb::class_<PairOptions>(m, "PairOptions")
       .def(
           "__init__",
-          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool nearest_points,
-             bool double_double, bool warm_start) {
-            new (self) PairOptions{solver, cached_plane, centre_axis, nearest_points, double_double, warm_start};
+          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool facet_plane,
+             bool nearest_points, bool double_double, bool warm_start, bool interleaving) {
+            new (self) PairOptions{solver,         cached_plane,  centre_axis, facet_plane,
+                                   nearest_points, double_double, warm_start,  interleaving};
           },
-          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("nearest_points"),
-          nb::arg("double_double"), nb::arg("warm_start"));
+          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("facet_plane"),
+          nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"), nb::arg("interleaving"));
 
   nb::class_<Body>(m, "Body")
       .def_static("from_points", &body_from_points)
@@ -182,6 +240,7 @@ void bind_body(nb::module_& m) {
       .def("extremes", &extremes);
 
   m.def("intersect_batch", &intersect_batch);
+  m.def("certify_batch", &certify_batch);
   m.def("certify_pair", &certify_pair);
 }
 

@@ -91,7 +91,8 @@ class BoundChecker {
     out["bounds"] = total_.bounds;
     out["boxes"] = total_.boxes;
     out["skipped"] = total_.skipped;
-    const char* names[] = {"cached_plane", "centre_axis", "solver", "nearest_points", "double_double", "exact"};
+    const char* names[] = {"cached_plane",   "centre_axis",   "facet_plane", "solver",
+                           "nearest_points", "double_double", "exact"};
     for (std::size_t i = 0; i < total_.stages.size(); ++i) out[names[i]] = total_.stages[i];
     out["queries"] = counters_dict(total_.pair);
     return out;

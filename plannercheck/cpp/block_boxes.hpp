@@ -8,16 +8,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "block.hpp"
 #include "mounted_body.hpp"
 #include "simd.hpp"
 
 namespace plannercheck {
 
-// A box in its link's frame, or in the world: columns of `axes` along its edges, of unit length but for rounding.
+// A box in its link's frame, or in the world: rows of `axes` are unit vectors along its edges but for rounding.
 struct BodyBox {
   std::int32_t link;
-  Vec3 centre;
-  std::array<Vec3, 3> axes;
+  std::array<float, 3> centre;
+  std::array<std::array<float, 3>, 3> axes;
   std::array<float, 3> half;  // of its edges, with the body's swell
   bool upright;               // the axes are exactly those of the frame
   float room;                 // what the axes may be off, times the edges, and the rounding of posing
@@ -28,12 +29,12 @@ BodyBox body_box(const MountedBody& mounted);
 class BlockBoxes {
  public:
   BlockBoxes() = default;
-  BlockBoxes(std::vector<BodyBox> boxes, std::size_t links) : boxes_(std::move(boxes)), links_(links) {}
+  explicit BlockBoxes(std::vector<BodyBox> boxes) : boxes_(std::move(boxes)) {}
 
   struct Posed {
-    std::array<std::array<float, kFloats>, 9> axes;  // of edge j: entries 3 j …
-    std::array<std::array<float, kFloats>, 3> centre;
-    std::array<float, kFloats> room;
+    std::array<Floats, 9> axes;  // of edge j: entries 3 j …
+    std::array<Floats, 3> centre;
+    Floats room;
   };
 
   struct Workspace {
@@ -45,16 +46,16 @@ class BlockBoxes {
   // Before the first test of a block.
   static void begin(Workspace& workspace) { ++workspace.block; }
 
-  // Bit k: in state k the boxes of bodies a and b are apart.
-  unsigned apart(const Lanes* links, std::size_t a, std::size_t b, Workspace& workspace) const;
+  // Bit k: in state k the boxes of bodies a and b are apart. `links`: all links' poses, of which only those of boxes
+  // that move count.
+  unsigned apart(const std::vector<FloatPose>& links, std::size_t a, std::size_t b, Workspace& workspace) const;
 
  private:
   std::vector<BodyBox> boxes_;
-  std::size_t links_ = 0;
 
   static void spread(const BodyBox& box, Posed& posed);
-  void pose(const Lanes* links, const BodyBox& box, Posed& posed) const;
-  const Posed& posed(const Lanes* links, std::size_t body, Workspace& workspace) const;
+  static void pose(const FloatPose& link, const BodyBox& box, Posed& posed);
+  const Posed& posed(const std::vector<FloatPose>& links, std::size_t body, Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

@@ -1,7 +1,6 @@
 #include "body.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "double2.hpp"
@@ -76,151 +75,6 @@ void enclose(Body& body, const std::vector<Vec3>& points) {
   };
   body.is_box = points.size() == 8 && std::all_of(points.begin(), points.end(), at_corner) ? 1 : 0;
 }
-
-class Writer {
- public:
-  template <class T>
-  void value(const T& v) {
-    bytes_.append(reinterpret_cast<const char*>(&v), sizeof v);
-  }
-  template <class T>
-  void array(const std::vector<T>& v) {
-    value(static_cast<std::uint64_t>(v.size()));
-    bytes_.append(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T));
-  }
-  std::string take() { return std::move(bytes_); }
-
- private:
-  std::string bytes_;
-};
-
-class Reader {
- public:
-  Reader(const char* data, std::size_t size) : data_(data), left_(size) {}
-  template <class T>
-  void value(T& v) {
-    take(&v, sizeof v);
-  }
-  template <class T>
-  void array(std::vector<T>& v) {
-    std::uint64_t count = 0;
-    value(count);
-    if (count > left_ / sizeof(T)) throw HullError("the data end early");
-    v.resize(count);
-    take(v.data(), count * sizeof(T));
-  }
-  bool done() const { return left_ == 0; }
-
- private:
-  const char* data_;
-  std::size_t left_;
-
-  void take(void* to, std::size_t size) {
-    if (size > left_) throw HullError("the data end early");
-    if (size > 0) std::memcpy(to, data_, size);
-    data_ += size;
-    left_ -= size;
-  }
-};
-
-// The fields in the order of the format, once for reading and writing.
-template <class Stream, class H>
-void each_level_field(Stream& s, H& h) {
-  s.array(h.points), s.array(h.level), s.value(h.depth), s.array(h.ring_start), s.array(h.rings), s.array(h.top);
-  s.array(h.top_blocks), s.array(h.all_blocks), s.array(h.chains), s.array(h.blocks), s.array(h.fan_of);
-  s.array(h.fans), s.array(h.wedges), s.array(h.entries), s.value(h.largest_coordinate);
-}
-
-template <class Stream, class H>
-void each_field(Stream& s, H& h) {
-  each_level_field(s, h);
-  each_level_field(s, h.crown);
-}
-
-template <class Stream, class B>
-void each_body_field(Stream& s, B& b) {
-  s.value(b.dimension), s.value(b.swell), s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach),
-      s.value(b.radius), s.value(b.low), s.value(b.high), s.value(b.is_box);
-  each_field(s, b.inner);
-  each_field(s, b.polar);
-  s.array(b.polar_triangles);
-  s.value(b.polar_radius), s.value(b.facet_count);
-}
-
-void require(bool sound) {
-  if (!sound) throw HullError("the data are damaged");
-}
-
-bool is_below(std::int32_t index, std::size_t end) { return index >= 0 && at(index) < end; }
-
-bool is_below_or_none(std::int32_t index, std::size_t end) { return index == -1 || is_below(index, end); }
-
-bool all_below(const std::vector<std::int32_t>& indices, std::size_t end) {
-  return std::all_of(indices.begin(), indices.end(), [&](std::int32_t i) { return is_below(i, end); });
-}
-
-bool all_corners_below(const std::vector<Triangle>& triangles, std::size_t end) {
-  return std::all_of(triangles.begin(), triangles.end(), [&](const Triangle& t) {
-    return std::all_of(t.begin(), t.end(), [&](int i) { return is_below(i, end); });
-  });
-}
-
-bool within(std::int32_t first, std::int32_t count, std::size_t end) {
-  return first >= 0 && count >= 0 && at(first) + at(count) <= end;
-}
-
-void require_sound_wedge(const Levels& h, std::size_t w) {
-  const WedgeNode& node = h.wedges[w];
-  const std::size_t n = h.points.size();
-  require(is_below(node.rim, n) && is_below_or_none(node.left, n) && is_below_or_none(node.right, n));
-  for (const std::int32_t next : {node.next_left, node.next, node.next_right}) {
-    require(is_below_or_none(next, h.wedges.size()) && (next < 0 || at(next) > w));
-  }
-  require((node.left < 0) == (node.next_left < 0) && (node.right < 0) == (node.next_right < 0));
-  require(node.next >= 0 || node.left >= 0 || node.right < 0);
-}
-
-// Every index that a query follows stays in its array, and wedges lead on to later ones only: damaged data may give
-// wrong answers, but no query leaves memory or runs forever.
-void require_sound_levels(const Levels& h) {
-  const std::size_t n = h.points.size(), top = h.top.size();
-  for (const Vec3& p : h.points) require(std::isfinite(norm_1(p)));
-  require(n >= 1 && h.level.size() == n && h.chains.size() == n && h.fan_of.size() == n && h.depth >= 0);
-  require(h.ring_start.size() == n + 1 && h.ring_start.front() == 0 && at(h.ring_start.back()) == h.rings.size());
-  require(std::is_sorted(h.ring_start.begin(), h.ring_start.end()) && all_below(h.rings, n));
-  require(top > 0 && top <= kUnlayered && top == h.top_blocks.size() * kScanLanes && all_below(h.top, n));
-  const std::size_t scanned = (n + kScanLanes - 1) / kScanLanes;
-  require(h.all_blocks.empty() || (h.all_blocks.size() == scanned && n <= kScannedVertices));
-  for (const ChainRange& c : h.chains) {
-    require(c.length >= 0 &&
-            within(c.first_block, c.length / kBlockLanes + (c.length % kBlockLanes != 0), h.blocks.size()));
-  }
-  for (const Block& block : h.blocks) {
-    for (const std::int32_t v : block.vertex) require(is_below(v, n));
-  }
-  require(all_below(h.entries, h.wedges.size()));
-  for (const std::int32_t fan : h.fan_of) require(is_below_or_none(fan, h.fans.size()));
-  for (const WedgeFan& fan : h.fans) {
-    require(fan.entries > 0 && within(fan.first_entry, fan.entries, h.entries.size()));
-    require(fan.first_half >= 1 && fan.first_half <= fan.entries);
-  }
-  for (std::size_t w = 0; w < h.wedges.size(); ++w) require_sound_wedge(h, w);
-}
-
-void require_sound_indices(const Hierarchy& h) {
-  require_sound_levels(h);
-  require_sound_levels(h.crown);
-  require(std::is_sorted(h.top.begin(), h.top.end()) && h.crown.points.size() <= h.top.size());
-  for (std::size_t v = 0; v < h.points.size(); ++v) {
-    if (h.level[v] != h.depth) continue;
-    const auto place = std::lower_bound(h.top.begin(), h.top.end(), static_cast<std::int32_t>(v));
-    require(at(static_cast<std::int32_t>(place - h.top.begin())) < h.crown.points.size());
-  }
-}
-
-}  // namespace
-
-namespace {
 
 // The polar about a point strictly inside. False, and nothing changed, if doubles can't hold it: the body is thinner
 // than their grid, or so small that its polar overflows.
@@ -322,27 +176,6 @@ std::string body_fault(const Body& body) try {
 std::size_t Body::bytes() const {
   return sizeof *this + triangles.size() * sizeof(Triangle) + source.size() * sizeof(source[0]) + inner.bytes() +
          inner.crown.bytes() + polar.bytes() + polar.crown.bytes() + polar_triangles.size() * sizeof(Triangle);
-}
-
-std::string serialise(const Body& body) {
-  Writer writer;
-  each_body_field(writer, body);
-  return writer.take();
-}
-
-Body parse_body(const char* data, std::size_t size) {
-  Body body;
-  Reader reader(data, size);
-  each_body_field(reader, body);
-  if (!reader.done()) throw HullError("the data go on after the end");
-  require(body.dimension >= 0 && body.dimension <= 3 && body.swell >= 0 && std::isfinite(body.swell));
-  require(body.is_box == 0 || (body.is_box == 1 && body.inner.points.size() == 8));
-  require_sound_indices(body.inner);
-  if (body.has_polar()) require_sound_indices(body.polar);
-  require(body.source.size() == body.inner.points.size() &&
-          all_corners_below(body.triangles, body.inner.points.size()));
-  require(all_corners_below(body.polar_triangles, body.polar.points.size()));
-  return body;
 }
 
 }  // namespace plannercheck

@@ -9,9 +9,10 @@ namespace {
 
 // Poses stretch by 1e-6 at most; this covers that of a link times that of a placement on it.
 constexpr double kPosedStretch = 1 + 4e-6;
-// Posing a vertex or a ball's centre in doubles errs by about 20u of the numbers that go into it, rounding the centre
-// to float by 2^-24 of its length: this covers both, and computing the bound itself.
-constexpr double kCentreError = 0x1p-22;
+// Floats err by u = 2^-24: a ball's centre c is posed from rounded numbers by three products and sums, which errs by at
+// most 6u of the posed centre and 17u of |c|, |.|_1 at least. This covers both, posing vertices in doubles, and
+// computing the bound itself.
+constexpr double kCentreError = 0x1p-19;
 // Of an obstacle's vertices posed in doubles: three products and sums.
 constexpr double kVertexError = 8 * 0x1p-53;
 
@@ -87,9 +88,7 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
       continue;
     }
     place[b] = static_cast<std::int32_t>(movers_.size());
-    const Ball ball = small_ball(*mounted.body);
-    const double reach = norm_1(mounted.placement.translation()) + 2 * (mounted.body->reach + ball.radius);
-    movers_.push_back({mounted.link, mounted.placement.apply(ball.centre), ball.radius * kPosedStretch, reach});
+    movers_.push_back(mover(mounted));
   }
   obstacles_ = boxes.size();
   tree_ = ObstacleTree(boxes);
@@ -121,7 +120,20 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
   }
   std::vector<BodyBox> body_boxes;
   for (const MountedBody& mounted : bodies) body_boxes.push_back(body_box(mounted));
-  boxes_ = BlockBoxes(std::move(body_boxes), links);
+  boxes_ = BlockBoxes(std::move(body_boxes));
+  for (const Mover& mover : movers_) moving_links_.push_back(mover.link);
+  std::sort(moving_links_.begin(), moving_links_.end());
+  moving_links_.erase(std::unique(moving_links_.begin(), moving_links_.end()), moving_links_.end());
+}
+
+BroadPhase::Mover BroadPhase::mover(const MountedBody& mounted) {
+  const Ball ball = small_ball(*mounted.body);
+  const Vec3 centre = mounted.placement.apply(ball.centre);
+  const double reach = norm_1(mounted.placement.translation()) + 2 * (mounted.body->reach + ball.radius);
+  return {mounted.link,
+          {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z)},
+          rounded_up(ball.radius * kPosedStretch),
+          rounded_up(reach * kCentreError)};
 }
 
 BroadPhase::ListedBox BroadPhase::listed_box(const WorldBox& box, std::int32_t pair) {
@@ -136,6 +148,7 @@ BroadPhase::ListedBox BroadPhase::listed_box(const WorldBox& box, std::int32_t p
 
 BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
+  w.links.resize(links_);
   w.balls.resize(movers_.size());
   w.boxes = boxes_.new_workspace();
   w.candidates.reserve(pairs_.size());
@@ -147,7 +160,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
 }
 
 void BroadPhase::find(const Lanes* links, int count, bool boxes, Workspace& w) const {
-  for (std::size_t group = 0; group * kLanes < static_cast<std::size_t>(count); ++group) pose_balls(links, group, w);
+  pose_balls(links, w);
   w.candidates.clear();
   find_among_movers(count, w);
   const bool listed = count >= kFewStates && obstacles_ <= kFewObstacles;
@@ -160,7 +173,7 @@ void BroadPhase::find(const Lanes* links, int count, bool boxes, Workspace& w) c
   }
   w.boxes_apart = 0;
   w.boxed = boxes && count >= kFewStates;
-  if (w.boxed) test_boxes(links, w);
+  if (w.boxed) test_boxes(w);
   for (auto& near : w.near) near.assign(fixed_pairs_.begin(), fixed_pairs_.end());
   for (const Candidate& candidate : w.candidates) {
     for (unsigned left = candidate.states; left != 0; left &= left - 1) {
@@ -178,21 +191,19 @@ void BroadPhase::take_all(int count, Workspace& w) const {
   }
 }
 
-void BroadPhase::pose_balls(const Lanes* links, std::size_t group, Workspace& w) const {
+void BroadPhase::pose_balls(const Lanes* links, Workspace& w) const {
+  constexpr auto kError = static_cast<float>(kCentreError);
+  for (const std::int32_t link : moving_links_) round_to_floats(links, links_, at(link), w.links[at(link)]);
   for (std::size_t i = 0; i < movers_.size(); ++i) {
     const Mover& mover = movers_[i];
-    const Lanes* m = links + pose_index(links_, group, at(mover.link));
-    const Vec3 c = mover.centre;
-    const Lanes x = ((m[0] * c.x + m[1] * c.y) + m[2] * c.z) + m[3];
-    const Lanes y = ((m[4] * c.x + m[5] * c.y) + m[6] * c.z) + m[7];
-    const Lanes z = ((m[8] * c.x + m[9] * c.y) + m[10] * c.z) + m[11];
-    const Lanes size = (absolute(x) + absolute(y)) + absolute(z);
-    const Lanes radius = ((size + mover.reach) * (2 * kCentreError) + mover.radius) * (1 + kCentreError) + 1e-37;
+    const FloatPose& link = w.links[at(mover.link)];
+    const auto [x, y, z] = mover.centre;
     Balls& balls = w.balls[i];
-    store_floats(&balls.x[group * kLanes], x);
-    store_floats(&balls.y[group * kLanes], y);
-    store_floats(&balls.z[group * kLanes], z);
-    store_floats(&balls.radius[group * kLanes], radius);
+    balls.x = link.turned(0, x, y, z) + link.m[3];
+    balls.y = link.turned(1, x, y, z) + link.m[7];
+    balls.z = link.turned(2, x, y, z) + link.m[11];
+    const Floats size = (absolute(balls.x) + absolute(balls.y)) + absolute(balls.z);
+    balls.radius = ((size * kError + mover.room) + mover.radius) * (1 + kError) + 1e-37F;
   }
 }
 
@@ -200,11 +211,8 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
   for (const MovingPair& pair : moving_pairs_) {
     const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
-    const Floats x = load_floats(a.x.data()) - load_floats(b.x.data());
-    const Floats y = load_floats(a.y.data()) - load_floats(b.y.data());
-    const Floats z = load_floats(a.z.data()) - load_floats(b.z.data());
-    const Floats radius = load_floats(a.radius.data()) + load_floats(b.radius.data());
-    const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(radius)) & states;
+    const Floats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(a.radius + b.radius)) & states;
     if (near != 0) w.candidates.push_back({pair.pair, near});
   }
 }
@@ -212,8 +220,7 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
 void BroadPhase::find_listed(const Hunter& hunter, int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
   const Balls& balls = w.balls[at(hunter.mover)];
-  const Floats x = load_floats(balls.x.data()), y = load_floats(balls.y.data()), z = load_floats(balls.z.data());
-  const Floats limit = far_beyond(load_floats(balls.radius.data()));
+  const Floats x = balls.x, y = balls.y, z = balls.z, limit = far_beyond(balls.radius);
   for (std::size_t k = hunter.first; k < hunter.last; ++k) {
     const ListedBox& box = listed_[k];
     const Floats dx = beyond(x, box.low[0], box.high[0]), dy = beyond(y, box.low[1], box.high[1]);
@@ -241,11 +248,11 @@ void BroadPhase::find_in_tree(const Hunter& hunter, int count, Workspace& w) con
   }
 }
 
-void BroadPhase::test_boxes(const Lanes* links, Workspace& w) const {
+void BroadPhase::test_boxes(Workspace& w) const {
   BlockBoxes::begin(w.boxes);
   for (Candidate& candidate : w.candidates) {
     const auto& pair = pairs_[at(candidate.pair)];
-    const unsigned apart = candidate.states & boxes_.apart(links, at(pair[0]), at(pair[1]), w.boxes);
+    const unsigned apart = candidate.states & boxes_.apart(w.links, at(pair[0]), at(pair[1]), w.boxes);
     w.boxes_apart += __builtin_popcount(apart);
     candidate.states &= ~apart;
   }

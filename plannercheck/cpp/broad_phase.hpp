@@ -25,7 +25,7 @@ class BroadPhase {
 
   // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
   struct Balls {
-    std::array<float, kBlockStates> x, y, z, radius;
+    Floats x, y, z, radius;
   };
 
   // A pair, and a bit for each state in which it may touch.
@@ -35,6 +35,7 @@ class BroadPhase {
   };
 
   struct Workspace {
+    std::vector<FloatPose> links;  // of those that movers hang on
     std::vector<Balls> balls;
     BlockBoxes::Workspace boxes;
     std::vector<Candidate> candidates;
@@ -55,9 +56,9 @@ class BroadPhase {
   // A body that hangs on a link: a ball around it, in the link's frame.
   struct Mover {
     std::int32_t link;
-    Vec3 centre;
-    double radius;
-    double reach;  // how far numbers get that go into posing the ball, at most: for their rounding
+    std::array<float, 3> centre;
+    float radius;
+    float room;  // for the rounding of posing it, besides that of the posed centre
   };
 
   struct MovingPair {
@@ -80,6 +81,7 @@ class BroadPhase {
   std::size_t links_;
   std::vector<std::array<std::int32_t, 2>> pairs_;
   std::vector<Mover> movers_;
+  std::vector<std::int32_t> moving_links_;  // that movers hang on
   std::vector<MovingPair> moving_pairs_;
   std::vector<std::int32_t> fixed_pairs_;  // of two bodies that are fixed to the world
   std::size_t obstacles_;
@@ -90,11 +92,12 @@ class BroadPhase {
   BlockBoxes boxes_;
 
   static ListedBox listed_box(const WorldBox& box, std::int32_t pair);
-  void pose_balls(const Lanes* links, std::size_t group, Workspace& workspace) const;
+  static Mover mover(const MountedBody& mounted);
+  void pose_balls(const Lanes* links, Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
   void find_listed(const Hunter& hunter, int count, Workspace& workspace) const;
   void find_in_tree(const Hunter& hunter, int count, Workspace& workspace) const;
-  void test_boxes(const Lanes* links, Workspace& workspace) const;
+  void test_boxes(Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

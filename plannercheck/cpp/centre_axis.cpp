@@ -2,28 +2,37 @@
 
 namespace plannercheck {
 
-Certificate CentreAxis::decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const {
-  if (is_within_swell(axis_)) return shared(host_centre_, axis_);
-  const double length = norm(axis_);
-  const double room = length * (swell_ * (1 + kSlack) + kSlack * (length + radii_) + rounding_);
-  ++counters.guest_queries;
-  *lowest = extreme(guest_.body->inner, -guest_.pose.rotate_back(axis_), counters.queries);
-  const Vec3 p = guest_.pose.apply(guest_.body->inner.points[at(*lowest)]);
-  if (!(dot(axis_, p - host_centre_) > room)) return {};
-  ++counters.host_queries;
-  const std::int32_t highest = extreme(host_.body->inner, host_.pose.rotate_back(axis_), counters.queries);
-  const Vec3 r = host_.pose.apply(host_.body->inner.points[at(highest)]);
-  if (dot(axis_, p - r) > room) return separated(scaled);
+Certificate CentreAxis::decide(Vec3 of_guest, Vec3 of_host, bool scaled) const {
+  const Vec3 p = guest_.pose.apply(of_guest), r = host_.pose.apply(of_host);
+  if (dot(axis_, p - r) > room()) return separated(scaled);
   return is_within_swell(p - r) ? shared(r, p - r) : Certificate{};
 }
 
-// Scaled, the plane touches the host's ball; a point has none, but no polar either, so no plane of it is cached.
+Certificate CentreAxis::decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const {
+  if (centres_share()) return shared_by_centres();
+  ++counters.guest_queries;
+  *lowest = extreme(guest_.body->inner, towards_host(), counters.queries);
+  const Vec3 of_guest = guest_.body->inner.points[at(*lowest)];
+  if (!is_beyond_centre(of_guest)) return {};
+  ++counters.host_queries;
+  const std::int32_t highest = extreme(host_.body->inner, towards_guest(), counters.queries);
+  return decide(of_guest, host_.body->inner.points[at(highest)], scaled);
+}
+
+bool CentreAxis::separates(Vec3 direction, double defect, PairCounters& counters) const {
+  const Levels &guest = guest_.body->inner, &host = host_.body->inner;
+  ++counters.guest_queries, ++counters.host_queries;
+  const std::int32_t lowest = extreme(guest, -guest_.pose.rotate_back(direction), counters.queries);
+  const std::int32_t highest = extreme(host, host_.pose.rotate_back(direction), counters.queries);
+  const Vec3 p = guest_.pose.apply(guest.points[at(lowest)]), r = host_.pose.apply(host.points[at(highest)]);
+  return dot(direction, p - r) > room(direction, 2 * defect);
+}
+
 Certificate CentreAxis::separated(bool scaled) const {
   Certificate out;
   out.answer = Answer::kSeparated;
   out.stage = Stage::kCentreAxis;
-  out.q = host_.pose.rotate_back(axis_);
-  if (scaled) out.q = 1 / (host_.body->radius * norm(axis_) * (1 + kSlack)) * out.q;
+  out.q = scaled ? touching_ball(axis_) : host_.pose.rotate_back(axis_);
   return out;
 }
 

@@ -35,9 +35,31 @@ class CentreAxis {
     return dot(axis_, axis_) > room * room;
   }
 
+  // A plane at right angles to a direction from the host, in the host's frame, that touches the host's ball: q·x <= 1
+  // over the host. A point has none, but no polar either, so no plane of it is cached.
+  Vec3 touching_ball(Vec3 direction) const {
+    return 1 / (host_.body->radius * norm(direction) * (1 + kSlack)) * host_.pose.rotate_back(direction);
+  }
+
   // Separated by a plane at right angles to the axis. Only a plane that will be cached has q scaled: q·x <= 1 over the
   // host.
   Certificate separated(bool scaled) const;
+
+  // Whether the centres are within the swell, and the point between them.
+  bool centres_share() const { return is_within_swell(axis_); }
+  Certificate shared_by_centres() const { return shared(host_centre_, axis_); }
+
+  // The directions of the vertices that face the other body, each in its own body's frame.
+  Vec3 towards_host() const { return -guest_.pose.rotate_back(axis_); }
+  Vec3 towards_guest() const { return host_.pose.rotate_back(axis_); }
+
+  // Whether the guest's such vertex is beyond the host's centre, else the axis decides nothing; then, by both vertices.
+  bool is_beyond_centre(Vec3 of_guest) const { return dot(axis_, guest_.pose.apply(of_guest) - host_centre_) > room(); }
+  Certificate decide(Vec3 of_guest, Vec3 of_host, bool scaled) const;
+
+  // Whether a plane at right angles to another direction from the host to the guest separates the bodies. `defect`: at
+  // least how far the host's pose is off rigid.
+  bool separates(Vec3 direction, double defect, PairCounters& counters) const;
 
   // By the centres, and the vertices that are extreme along the axis: whether a plane at right angles to it separates
   // the bodies, or they are within the swell. `lowest` becomes the guest's extreme vertex towards the host.
@@ -54,6 +76,13 @@ class CentreAxis {
   const PosedBody &guest_, &host_;
   Vec3 host_centre_, axis_;
   double rounding_, radii_, swell_;
+
+  // Along the axis, or a direction that turns by no more than `slack` on its way through the host's frame, times its
+  // length.
+  double room() const { return room(axis_, kSlack); }
+  double room(Vec3 direction, double slack) const {
+    return norm(direction) * (swell_ * (1 + slack) + slack * (norm(axis_) + radii_) + rounding_);
+  }
 
   bool is_within_swell(Vec3 between) const {
     const double most = swell_ * (1 - kSlack) - rounding_;

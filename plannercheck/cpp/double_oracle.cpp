@@ -1,188 +1,39 @@
-#include <algorithm>
-#include <array>
+#include "double_oracle.hpp"
 
-#include "growing_game.hpp"
-#include "quads.hpp"
 #include "solvers.hpp"
 
 namespace plannercheck {
 namespace {
 
-constexpr int kActives = GrowingGame::kMost;  // keeping only the support cycles near contact (measured: 5 to 12 %)
-constexpr int kOracleRounds = 48;             // GJK needs fewer at 100,000 vertices; what is left is decided exactly
-
-// Places that are not taken hold zeros.
-struct Actives {
-  int count = 0;
-  std::array<std::int32_t, kActives> id;
-  GrowingGame::Numbers x{}, y{}, z{};
-
-  bool holds(std::int32_t vertex) const {
-    return std::find(id.begin(), id.begin() + count, vertex) != id.begin() + count;
+// Both hierarchies, which answer at once.
+struct AtOnce {
+  bool ask_guest(DoubleOracle<AtOnce>& oracle, Vec3 q) const {
+    const PairFrame& frame = oracle.frame();
+    const std::int32_t v = extreme(frame.guest().inner, frame.guest_direction(q), oracle.counters().queries);
+    return oracle.answer_guest(q, v, frame.guest_vertex(v));
   }
 
-  void put(int place, std::int32_t vertex, Vec3 p) {
-    id[at(place)] = vertex;
-    x[at(place)] = p.x, y[at(place)] = p.y, z[at(place)] = p.z;
-    count = std::max(count, place + 1);
-  }
-
-  Vec3 point(std::size_t i) const { return {x[i], y[i], z[i]}; }
-
-  Vec3 mixed(const GrowingGame::Numbers& weights) const {
-    const auto sum = [&](const GrowingGame::Numbers& n) {
-      Quad four{};
-      for (std::size_t i = 0; i < kActives; i += kQuad) four += load_quad(&weights[i]) * load_quad(&n[i]);
-      return (four[0] + four[1]) + (four[2] + four[3]);
-    };
-    return {sum(x), sum(y), sum(z)};
-  }
-
-  GrowingGame::Numbers products(Vec3 p) const {
-    GrowingGame::Numbers out;
-    for (std::size_t i = 0; i < kActives; i += kQuad) {
-      store_quad(&out[i], load_quad(&x[i]) * p.x + load_quad(&y[i]) * p.y + load_quad(&z[i]) * p.z);
-    }
-    return out;
-  }
-};
-
-class DoubleOracle {
- public:
-  DoubleOracle(const PairFrame& frame, PairCounters& counters)
-      : frame_(frame), counters_(counters), game_(largest_payoff(frame)) {}
-
-  // From a guest's vertex, or all of a box, and the host's facet that a point of it violates most.
-  Certificate run(std::int32_t vertex, std::int32_t facet) {
-    start(vertex, facet);
-    for (int round = 0; round < kOracleRounds; ++round) {
-      ++counters_.rounds;
-      if (opening() ? ask_next() : ask_by_game()) break;
-    }
-    return certificate_;
-  }
-
- private:
-  // Boxes and small polars take part as a whole.
-  void start(std::int32_t vertex, std::int32_t facet) {
-    if (frame_.guest().is_box != 0) {
-      for (std::int32_t v = 0; v < kActives; ++v) add_row(v, frame_.guest_vertex(v));
-    } else {
-      add_row(vertex, frame_.guest_vertex(vertex));
-    }
-    const auto facets = static_cast<std::int32_t>(frame_.host().polar.points.size());
-    if (facets > kActives) return add_column(facet, frame_.polar_point(facet));
-    for (std::int32_t k = 0; k < facets; ++k) add_column(k, frame_.polar_point(k));
-  }
-
-  const PairFrame& frame_;
-  PairCounters& counters_;
-  Actives rows_, columns_;  // vertices of the guest, points of the host's polar
-  GrowingGame game_;
-  bool afresh_ = false;  // solved from the beginning since the last vertex or facet came in
-  Certificate certificate_;
-
-  // |q·x| over the host's polar and the guest, with room for rounding.
-  static double largest_payoff(const PairFrame& frame) {
-    return 1.001 * frame.host().polar_radius * (norm(frame.guest_centre()) + frame.guest().radius) + 1e-300;
-  }
-
-  // The first games are solved by hand: until a third vertex or facet comes in, unless no progress was made.
-  bool opening() const { return columns_.count <= 2 && rows_.count <= 2 && !afresh_; }
-
-  bool ask_next() {
-    if (rows_.count == 1) return ask_guest(columns_.point(0));
-    if (columns_.count == 1) return ask_host(rows_.point(1));  // which is lower than the first vertex
-    return ask_by_two();
-  }
-
-  // Two vertices to two facets: the first facet answered to the first vertex, so a >= b, the second vertex to that
-  // facet, a >= c, and the second facet to that vertex, d >= c. If also d > b, both sides mix; else d is the value.
-  bool ask_by_two() {
-    const Vec3 x0 = rows_.point(0), x1 = rows_.point(1), q0 = columns_.point(0), q1 = columns_.point(1);
-    const double a = dot(x0, q0), b = dot(x0, q1), c = dot(x1, q0), d = dot(x1, q1);
-    if (!(d > b && a > b && d > c && a > c)) return ask_guest(q1);
-    if (a * d - b * c > (a - b) + (d - c)) {
-      const double sum = (d - b) + (a - c);
-      return ask_guest((d - b) / sum * q0 + (a - c) / sum * q1);
-    }
-    const double sum = (d - c) + (a - b);
-    return ask_host((d - c) / sum * x0 + (a - b) / sum * x1);
-  }
-
-  bool ask_by_game() {
-    ++counters_.games;
-    game_.solve();
-    return game_.is_above_one() ? ask_guest(columns_.mixed(game_.column_weights()))
-                                : ask_host(rows_.mixed(game_.row_weights()));
-  }
-
-  // Looks for the guest's vertex that is deepest below the plane q; true if that ends the search.
-  bool ask_guest(Vec3 q) {
-    ++counters_.guest_queries;
-    const std::int32_t v = extreme(frame_.guest().inner, frame_.guest_direction(q), counters_.queries);
-    const Vec3 x = frame_.guest_vertex(v);
-    certificate_.q = q;
-    if (frame_.separates(q, dot(q, x))) {
-      certificate_.answer = Answer::kSeparated;
-      return true;
-    }
-    if (rows_.holds(v)) return no_progress();
-    add_row(v, x);
-    return false;
-  }
-
-  // Looks for the host's facet that x violates most; true if that ends the search.
-  bool ask_host(Vec3 x) {
-    ++counters_.host_queries;
-    const std::int32_t k = extreme(frame_.host().polar, x, counters_.queries);
-    const Vec3 q = frame_.polar_point(k);
-    certificate_.x = x;
-    if (frame_.contains(dot(q, x))) {
-      certificate_.answer = Answer::kShared;
-      return true;
-    }
-    if (columns_.holds(k)) return no_progress();
-    add_column(k, q);
-    return false;
-  }
-
-  // The game's rounding has grown, or the bodies are too close to call.
-  bool no_progress() {
-    if (afresh_) return true;
-    afresh_ = true;
-    game_.solve_afresh();
-    return false;
-  }
-
-  void add_row(std::int32_t vertex, Vec3 x) {
-    const int place = game_.place_of_row();
-    rows_.put(place, vertex, x);
-    game_.put_row(place, columns_.products(x));
-    afresh_ = false;
-  }
-
-  void add_column(std::int32_t k, Vec3 q) {
-    const int place = game_.place_of_column();
-    columns_.put(place, k, q);
-    game_.put_column(place, rows_.products(q));
-    afresh_ = false;
+  bool ask_host(DoubleOracle<AtOnce>& oracle, Vec3 x) const {
+    const PairFrame& frame = oracle.frame();
+    const std::int32_t k = extreme(frame.host().polar, x, oracle.counters().queries);
+    return oracle.answer_host(x, k, frame.polar_point(k));
   }
 };
 
 }  // namespace
 
-// Most bodies that overlap well share the guest's point that reaches furthest to the host's centre, about: before
-// anything else is set up, the host is asked for that.
 Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters) {
-  const Vec3 x = frame.guest().is_box != 0 ? frame.guest_box_point() : frame.guest_vertex(guest_vertex);
+  const Vec3 x = first_point(frame, guest_vertex);
   ++counters.host_queries;
   const std::int32_t k = extreme(frame.host().polar, x, counters.queries);
-  if (!frame.contains(dot(frame.polar_point(k), x))) return DoubleOracle(frame, counters).run(guest_vertex, k);
-  Certificate certificate;
-  certificate.answer = Answer::kShared;
-  certificate.x = x;
-  return certificate;
+  if (frame.contains(dot(frame.polar_point(k), x))) return shared_at(x);
+  AtOnce both;
+  DoubleOracle<AtOnce> oracle(frame, both, counters);
+  oracle.start(guest_vertex, k);
+  for (int round = 0; round < kOracleRounds; ++round) {
+    if (oracle.round()) break;
+  }
+  return oracle.certificate();
 }
 
 }  // namespace plannercheck

@@ -44,7 +44,7 @@ std::int32_t extreme_at_top(const Levels& h, const FineDirection& direction) {
 std::int32_t next_beyond(const Levels& h, std::int32_t v, const FineDirection& direction) {
   const ChainRange chain = h.chains[at(v)];
   for (std::int32_t i = 0; i < chain.length; ++i) {
-    const std::int32_t child = h.blocks[at(chain.first_block + i / kBlockLanes)].vertex[at(i % kBlockLanes)];
+    const std::int32_t child = h.blocks[at(chain.first_block + i / kBlockLanes)].id(at(i % kBlockLanes));
     if (direction.sign(h.points[at(child)], h.points[at(v)]) > 0) return child;
   }
   return -1;

@@ -67,39 +67,36 @@ void lay_out_rings(const std::vector<Removal>& removals, Levels& h) {
   }
 }
 
-// The given vertices in blocks; lanes beyond the end repeat the last one.
-std::vector<ScanBlock> scan_blocks(const Levels& h, const std::vector<std::int32_t>& vertices) {
-  std::vector<ScanBlock> blocks((vertices.size() + kScanLanes - 1) / kScanLanes);
-  const double unit = h.largest_coordinate > 0 ? h.largest_coordinate : 1;
-  for (std::size_t i = 0; i < blocks.size() * kScanLanes; ++i) {
-    ScanBlock& block = blocks[i / kScanLanes];
-    const Vec3 p = h.points[at(vertices[std::min(i, vertices.size() - 1)])];
-    block.x[i % kScanLanes] = static_cast<float>(p.x / unit);
-    block.y[i % kScanLanes] = static_cast<float>(p.y / unit);
-    block.z[i % kScanLanes] = static_cast<float>(p.z / unit);
-  }
-  return blocks;
-}
-
 void lay_out_scans(const std::vector<std::int32_t>& alive, Levels& h) {
   h.top = alive;
   while (h.top.size() % kScanLanes != 0) h.top.push_back(h.top.back());
-  h.top_blocks = scan_blocks(h, h.top);
+  h.top_blocks.resize(h.top.size() / kScanLanes);
+  const double unit = h.largest_coordinate > 0 ? h.largest_coordinate : 1;
+  for (std::size_t i = 0; i < h.top.size(); ++i) {
+    h.top_blocks[i / kScanLanes].put(i % kScanLanes, h.points[at(h.top[i])], unit);
+  }
   if (h.points.size() <= at(kUnlayered) || h.points.size() > at(kScannedVertices)) return;
-  std::vector<std::int32_t> all(h.points.size());
-  std::iota(all.begin(), all.end(), 0);
-  h.all_blocks = scan_blocks(h, all);
+  h.cells = direction_cells(h.points, h.largest_coordinate);
 }
 
-void put(Levels& h, const ChainRange& chain, std::int32_t position, std::int32_t vertex) {
-  Block& block = h.blocks[at(chain.first_block + position / kBlockLanes)];
+void put(const Levels& h, Block& block, std::int32_t first_lane, std::int32_t vertex) {
   const Vec3 p = h.points[at(vertex)];
-  for (std::int32_t lane = position % kBlockLanes; lane < kBlockLanes; ++lane) {
+  for (std::int32_t lane = first_lane; lane < kBlockLanes; ++lane) {
     block.x[at(lane)] = p.x;
     block.y[at(lane)] = p.y;
     block.z[at(lane)] = p.z;
     block.vertex[at(lane)] = vertex;
+    block.chain[at(lane)] = kNoChain;
   }
+}
+
+// Vertices from the coarsest level to the finest; a level's in ascending order.
+std::vector<std::int32_t> coarse_first(const Levels& h) {
+  std::vector<std::int32_t> order(h.points.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::int32_t v, std::int32_t w) { return h.level[at(v)] > h.level[at(w)]; });
+  return order;
 }
 
 void lay_out_chains(const std::vector<Removal>& removals, Levels& h) {
@@ -108,18 +105,41 @@ void lay_out_chains(const std::vector<Removal>& removals, Levels& h) {
     for (const std::int32_t n : r.ring) ++h.chains[at(n)].length;
   }
   std::int32_t blocks = 0;
-  for (ChainRange& chain : h.chains) {
+  for (const std::int32_t v : coarse_first(h)) {
+    ChainRange& chain = h.chains[at(v)];
     chain.first_block = blocks;
     blocks += (chain.length + kBlockLanes - 1) / kBlockLanes;
   }
   h.blocks.resize(at(blocks));
   std::vector<std::int32_t> filled(h.points.size(), 0);
   for (auto r = removals.rbegin(); r != removals.rend(); ++r) {
-    for (const std::int32_t n : r->ring) put(h, h.chains[at(n)], filled[at(n)]++, r->vertex);
+    for (const std::int32_t n : r->ring) {
+      const std::int32_t position = filled[at(n)]++;
+      put(h, h.blocks[at(h.chains[at(n)].first_block + position / kBlockLanes)], position % kBlockLanes, r->vertex);
+    }
+  }
+  for (const ChainRange& chain : h.chains) {
+    if (chain.length == 0) continue;
+    for (std::int32_t& v : h.blocks[at(chain.first_block + (chain.length - 1) / kBlockLanes)].vertex) v = ~v;
+  }
+}
+
+void lay_out_top_stands(Levels& h) {
+  h.top_stands.resize(h.top.size() / kBlockLanes);
+  for (std::size_t i = 0; i < h.top.size(); ++i) {
+    put(h, h.top_stands[i / kBlockLanes], static_cast<std::int32_t>(i % kBlockLanes), h.top[i]);
   }
 }
 
 }  // namespace
+
+void link_chains(Levels& h) {
+  const auto link = [&](Block& block) {
+    for (std::size_t lane = 0; lane < kBlockLanes; ++lane) block.chain[lane] = h.chain_of(block.id(lane));
+  };
+  std::for_each(h.blocks.begin(), h.blocks.end(), link);
+  std::for_each(h.top_stands.begin(), h.top_stands.end(), link);
+}
 
 Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
                const std::vector<std::int32_t>& top, std::int32_t depth) {
@@ -133,6 +153,8 @@ Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& remo
   lay_out_rings(removals, h);
   lay_out_scans(top, h);
   lay_out_chains(removals, h);
+  lay_out_top_stands(h);
+  link_chains(h);
   return h;
 }
 
@@ -169,8 +191,8 @@ Hierarchy build_hierarchy(const ConvexMesh& mesh) {
 
 std::size_t Levels::bytes() const {
   const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
-  return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_blocks) + size(all_blocks) +
-         size(chains) + size(blocks) + size(fan_of) + size(fans) + size(wedges) + size(entries);
+  return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_blocks) + size(top_stands) +
+         cells.bytes() + size(chains) + size(blocks) + size(fan_of) + size(fans) + size(wedges) + size(entries);
 }
 
 namespace {
@@ -210,9 +232,10 @@ std::string levels_fault(Triangulation& current, const std::vector<std::int32_t>
     for (std::int32_t i = 0; i < chain.length; ++i) {
       const Block& block = h.blocks[at(chain.first_block + i / kBlockLanes)];
       const auto lane = at(i % kBlockLanes);
-      const std::int32_t child = block.vertex[lane];
-      if (!(h.points[at(child)] == Vec3{block.x[lane], block.y[lane], block.z[lane]}))
-        return "a chain's coordinates differ";
+      const std::int32_t child = block.id(lane);
+      if (!(h.points[at(child)] == block.point(lane))) return "a chain's coordinates differ";
+      if (block.chain[lane] != h.chain_of(child)) return "a chain leads astray";
+      if (block.is_last() != (i / kBlockLanes == (chain.length - 1) / kBlockLanes)) return "a chain ends elsewhere";
       if (!stored.empty() && h.level[at(stored.back())] < h.level[at(child)]) return "a chain is out of order";
       stored.push_back(child);
     }

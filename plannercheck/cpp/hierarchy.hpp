@@ -14,7 +14,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "direction_cells.hpp"
 #include "hull.hpp"
+#include "large_pages.hpp"
 #include "vec.hpp"
 
 namespace plannercheck {
@@ -25,19 +27,35 @@ inline constexpr int kTopVertices = 48;       // left at the top of the hierarch
 inline constexpr int kCrownTop = 8;           // so few a side make the coupled walk's first game as small as its others
 inline constexpr int kRemovedDegree = 8;      // a planar graph has enough independent vertices of at most this degree
 inline constexpr int kBlockLanes = 4;         // the layout is the same on every instruction set, so that files are too
-inline constexpr int kScanLanes = 8;          // likewise
 inline constexpr int kLongChain = 64;         // entries; longer chains are walked by wedges (16 blocks of scanning)
 
-// Four neighbours in a chain, coordinates inline. Lanes beyond the chain's end repeat the last entry.
-struct Block {
-  std::array<double, kBlockLanes> x, y, z;
-  std::array<std::int32_t, kBlockLanes> vertex;
+inline constexpr std::int32_t kNoChain = -1;
+
+// Where a descent stands: a vertex, and what it needs of it to go on.
+struct Stand {
+  Vec3 point;
+  std::int32_t vertex = 0;
+  std::int32_t chain =
+      kNoChain;  // its first block; kNoChain if there is none; below that, `fan_at` of a walk by wedges
+
+  bool is_walked() const { return chain < kNoChain; }
+  std::int32_t fan() const { return kNoChain - 1 - chain; }
+  static std::int32_t fan_at(std::int32_t fan) { return kNoChain - 1 - fan; }
 };
 
-// Eight vertices, as floats of their coordinates over the largest one: a scan looks for candidates only.
-struct ScanBlock {
-  std::array<float, kScanLanes> x, y, z;
+// Four neighbours in a chain, with all that a descent needs of them, so that its next step waits for memory once: two
+// cache lines. Lanes beyond the chain's end repeat the last entry.
+struct alignas(64) Block {
+  std::array<double, kBlockLanes> x, y, z;
+  std::array<std::int32_t, kBlockLanes> vertex;  // of a chain's last block the complements
+  std::array<std::int32_t, kBlockLanes> chain;   // as in Stand
+
+  bool is_last() const { return vertex[0] < 0; }
+  std::int32_t id(std::size_t lane) const { return vertex[lane] < 0 ? ~vertex[lane] : vertex[lane]; }
+  Vec3 point(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+  Stand stand(std::size_t lane) const { return {point(lane), id(lane), chain[lane]}; }
 };
+static_assert(sizeof(Block) == 128);
 
 struct ChainRange {
   std::int32_t first_block = 0, length = 0;  // length in entries
@@ -69,14 +87,22 @@ struct Levels {
   std::vector<std::int32_t> rings;
   std::vector<std::int32_t> top;  // ids, padded to whole blocks by repetition
   std::vector<ScanBlock> top_blocks;
-  std::vector<ScanBlock> all_blocks;  // all vertices of bodies that are scanned although they have levels
+  std::vector<Block> top_stands;
+  DirectionCells cells;  // of bodies that are scanned although they have levels
   std::vector<ChainRange> chains;
-  std::vector<Block> blocks;
-  std::vector<std::int32_t> fan_of;  // per vertex: index into fans, or -1
+  std::vector<Block, LargePages<Block>> blocks;  // chains of coarse vertices first: what most queries read is together
+  std::vector<std::int32_t> fan_of;              // per vertex: index into fans, or -1
   std::vector<WedgeFan> fans;
   std::vector<WedgeNode> wedges;
   std::vector<std::int32_t> entries;  // indices into wedges
   double largest_coordinate = 0;
+
+  // Where a descent that has come to v goes on.
+  std::int32_t chain_of(std::int32_t v) const {
+    if (fan_of[at(v)] >= 0) return Stand::fan_at(fan_of[at(v)]);
+    return chains[at(v)].length > 0 ? chains[at(v)].first_block : kNoChain;
+  }
+  Stand stand(std::int32_t v) const { return {points[at(v)], v, chain_of(v)}; }
 
   std::size_t bytes() const;
 };
@@ -97,6 +123,9 @@ struct Removal {
 // Levels without wedges from removals in their order, fine to coarse, and the vertices that stay, in ascending order.
 Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
                const std::vector<std::int32_t>& top, std::int32_t depth);
+
+// Leads from each entry of a chain to that vertex's own chain; again when fans have come in.
+void link_chains(Levels& levels);
 
 // The crown from further removals: those of top vertices down to the vertices that stay.
 Levels lay_out_crown(const Levels& levels, std::vector<Removal> removals, std::vector<std::int32_t> stay,

@@ -13,13 +13,19 @@
 #include <vector>
 
 #include "simd.hpp"
+#include "spatial_parts.hpp"
 #include "vec.hpp"
 
 namespace plannercheck {
 
 struct WorldBox {
   Vec3 low, high;
+
+  Vec3 twice_centre() const { return low + high; }
 };
+
+// The box around some of the boxes.
+WorldBox box_around(const std::vector<WorldBox>& boxes, IndexRange range);
 
 // A ball in the world that holds what it stands for: the rounding of its centre is part of the radius.
 struct FloatSphere {
@@ -50,12 +56,6 @@ inline float rounded_down(double value) {
 }
 inline float rounded_up(double value) { return -rounded_down(-value); }
 
-// Some of the boxes: a part of an array of their indices.
-struct IndexRange {
-  std::int32_t *first, *last;
-  std::ptrdiff_t size() const { return last - first; }
-};
-
 class ObstacleTree {
  public:
   explicit ObstacleTree(const std::vector<WorldBox>& boxes);
@@ -74,7 +74,7 @@ class ObstacleTree {
 
   std::vector<Node> nodes_;  // the root first
 
-  std::int32_t build(const std::vector<WorldBox>& boxes, IndexRange range);
+  std::int32_t build(const std::vector<WorldBox>& boxes, const std::vector<Vec3>& centres, IndexRange range);
   static unsigned near_children(const Node& node, const FloatSphere& sphere);
 };
 

@@ -38,11 +38,11 @@ PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(gue
   const Vec3 w = guest.pose.translation() - host.pose.translation();
   const Vec3 centre = host.body->centre;
   shift_ = host.pose.rotate_back(w) - centre;
-  const double defect = rigidity_defect(host.pose) + kDefectRounding;
+  defect_ = rigidity_defect(host.pose) + kDefectRounding;
   const double reach = guest.body->reach + norm_1(w) + norm_1(centre) + host.body->radius;
-  pose_error_ = reach * (kPairError + 1.01 * defect);
+  pose_error_ = reach * (kPairError + 1.01 * defect_);
   error_ = host.body->polar_radius * pose_error_;
-  swell_ = (guest.body->swell + host.body->swell) * (1 + 1.01 * defect);
+  swell_ = (guest.body->swell + host.body->swell) * (1 + 1.01 * defect_);
   mixture_error_ = host.body->polar_radius * reach * kMixtureError;
 }
 

@@ -8,6 +8,8 @@
 // world.
 #pragma once
 
+#include <array>
+
 #include "body.hpp"
 #include "support.hpp"
 #include "vec.hpp"
@@ -22,8 +24,8 @@ struct PosedBody {
 enum class Answer { kSeparated, kShared, kUndecided };
 
 // How the answer was found.
-enum class Stage { kCachedPlane, kCentreAxis, kSolver, kNearest, kDouble2, kExact };
-inline constexpr std::size_t kStages = 6;
+enum class Stage { kCachedPlane, kCentreAxis, kFacetPlane, kSolver, kNearest, kDouble2, kExact };
+inline constexpr std::size_t kStages = 7;
 
 // In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
 struct Certificate {
@@ -47,9 +49,16 @@ class PairFrame {
   const PosedBody& posed_guest() const { return guest_; }
   const PosedBody& posed_host() const { return host_; }
 
+  Vec3 guest_point(Vec3 in_guest) const { return map(in_guest); }
   Vec3 guest_vertex(std::int32_t v) const { return map(guest().inner.points[static_cast<std::size_t>(v)]); }
   Vec3 guest_centre() const { return map(guest().centre); }
   Vec3 polar_point(std::int32_t k) const { return host().polar.points[static_cast<std::size_t>(k)]; }
+
+  // Of points of the guest: rows of M_Rᵀ M_P, and what is added.
+  const std::array<double, 9>& rotation() const { return m_; }
+  Vec3 shift() const { return shift_; }
+  // At least ‖M_RᵀM_R − 1‖.
+  double defect() const { return defect_; }
 
   // The point of the guest's box that is nearest to the host's centre, up to rounding: where the bodies overlap most
   // likely. It is in the box whatever the rounding.
@@ -72,8 +81,9 @@ class PairFrame {
 
  private:
   PosedBody guest_, host_;
-  double m_[9];        // rows of M_Rᵀ M_P
-  Vec3 shift_;         // M_Rᵀ (t_P − t_R) − centre
+  std::array<double, 9> m_;
+  Vec3 shift_;  // M_Rᵀ (t_P − t_R) − centre
+  double defect_;
   double pose_error_;  // of a coordinate in this frame, whatever is computed from a few of them
   double error_, mixture_error_;
   double swell_;  // of both bodies, rounded up and stretched by what the pose may be off rigid

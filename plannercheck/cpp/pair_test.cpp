@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "centre_axis.hpp"
+#include "facet_planes.hpp"
 
 namespace plannercheck {
 namespace {
@@ -20,15 +21,6 @@ PairVerdict near_verdict(const Proximity& proximity, Stage stage) {
   verdict.proximity = proximity;
   verdict.shared = proximity.answer == Answer::kShared;
   verdict.stage = stage;
-  return verdict;
-}
-
-PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
-  PairVerdict verdict;
-  verdict.certificate = certificate;
-  verdict.shared = certificate.answer == Answer::kShared;
-  verdict.stage = certificate.stage;
-  if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q, certificate.mixtures};
   return verdict;
 }
 
@@ -66,9 +58,7 @@ PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis
   if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
   const Certificate certificate =
       options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
-  if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
-  // Too close for the polar's bound, or within the swell of separated hulls.
-  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
+  return concluded(frame, certificate, options, cache, counters);
 }
 
 // Where a separating plane is kept for the next poses of this pair.
@@ -78,6 +68,12 @@ CachedPlane* kept(const Body& host, const PairOptions& options, CachedPlane* cac
 
 bool plane_holds(const PairFrame& frame, const CachedPlane* cache, PairCounters& counters) {
   return cache != nullptr && cache->valid && still_separates(frame, cache->q, cache->mixtures, counters);
+}
+
+Certificate by_facets(const PairFrame& frame, const CentreAxis& axis, const PairOptions& options,
+                      PairCounters& counters) {
+  const bool few = has_few_corners(frame.guest()) && has_few_corners(frame.host());
+  return few && options.facet_plane ? facet_plane(frame, axis, counters) : Certificate{};
 }
 
 PairVerdict cached(const CachedPlane& plane) {
@@ -94,6 +90,23 @@ double conditioning(const Body& body) {
 
 }  // namespace
 
+PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
+  PairVerdict verdict;
+  verdict.certificate = certificate;
+  verdict.shared = certificate.answer == Answer::kShared;
+  verdict.stage = certificate.stage;
+  if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q, certificate.mixtures};
+  return verdict;
+}
+
+// Undecided is what is too close for the polar's bound, or within the swell of separated hulls.
+PairVerdict concluded(const PairFrame& frame, const Certificate& certificate, const PairOptions& options,
+                      CachedPlane* cache, PairCounters& counters) {
+  if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
+  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
+  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
+}
+
 int choose_host(const Body& a, const Body& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
 
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
@@ -109,6 +122,8 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
   }
   const PairFrame frame(guest, host);
   if (plane_holds(frame, cache, counters)) return cached(*cache);
+  const Certificate found = by_facets(frame, axis, options, counters);
+  if (found.answer != Answer::kUndecided) return certified(found, cache);
   return solved(frame, lowest, axis, options, cache, counters);
 }
 
@@ -124,6 +139,11 @@ PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& op
     lowest = axis.nearly_lowest(counters);
   } else if (options.centre_axis) {
     const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, cache);
+  }
+  const bool tried = guest.body->is_box != 0 && host.body->is_box != 0;  // as boxes
+  if (!likely && !tried) {
+    const Certificate found = by_facets(frame, axis, options, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
   return solved(frame, lowest, axis, options, cache, counters);

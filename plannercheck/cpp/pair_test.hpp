@@ -17,9 +17,11 @@ struct PairOptions {
   Solver solver = Solver::kDoubleOracle;
   bool cached_plane = true;
   bool centre_axis = true;
+  bool facet_plane = true;
   bool nearest_points = true;  // the second filter
   bool double_double = true;   // the third filter; without both, exact arithmetic decides what the solver leaves
   bool warm_start = true;      // whether each of these begins with the vertices where the one before gave up
+  bool interleaving = true;    // whether a batch has several pairs of large bodies under way
 };
 
 // The plane that separated a pair last time, in the host's frame.
@@ -36,6 +38,13 @@ struct PairVerdict {
   Proximity proximity;               // stages kNearest and kDouble2
   std::optional<ExactAnswer> exact;  // stage kExact
 };
+
+// Of the solver's certificate, or of what comes after it where that is undecided.
+PairVerdict concluded(const PairFrame& frame, const Certificate& certificate, const PairOptions& options,
+                      CachedPlane* cache, PairCounters& counters);
+
+// Of a certificate that is not undecided; keeps its plane.
+PairVerdict certified(const Certificate& certificate, CachedPlane* cache);
 
 // Of two bodies the one whose polar is better conditioned hosts: 0 for `a`, 1 for `b`. Bodies without volume have none.
 int choose_host(const Body& a, const Body& b);

@@ -41,11 +41,27 @@ inline Lanes load_lanes(const double* from) {
 
 inline void store_lanes(double* to, Lanes lanes) { std::memcpy(to, &lanes, sizeof lanes); }
 
-// Each rounded to the nearest float.
-inline void store_floats(float* to, Lanes lanes) {
+// Numbers in Lanes as eight floats, each rounded to the nearest: of group g of the lanes those at from[g * stride]. One
+// register is written as one: a wide load that follows narrower stores would wait for them.
+inline Floats joined_floats(const Lanes* from, std::size_t stride) {
   typedef float Narrow __attribute__((vector_size(kLanes * 4)));
-  const Narrow narrow = __builtin_convertvector(lanes, Narrow);
-  std::memcpy(to, &narrow, sizeof narrow);
+  const auto part = [&](std::size_t g) { return __builtin_convertvector(from[g * stride], Narrow); };
+  const auto join = [&]<class Part>(Part first) {
+    if constexpr (sizeof first == sizeof(Floats)) {
+      return first;
+    } else if constexpr (2 * sizeof first == sizeof(Floats)) {
+      return __builtin_shufflevector(first, part(1), 0, 1, 2, 3, 4, 5, 6, 7);
+    } else {
+      const auto low = __builtin_shufflevector(first, part(1), 0, 1, 2, 3);
+      const auto high = __builtin_shufflevector(part(2), part(3), 0, 1, 2, 3);
+      return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+    }
+  };
+  return join(part(0));
+}
+
+inline Floats absolute(Floats a) {
+  return reinterpret_cast<Floats>(reinterpret_cast<FloatMask>(a) & (FloatMask{} + 0x7fffffff));
 }
 
 inline Lanes broadcast(double value) { return Lanes{} + value; }

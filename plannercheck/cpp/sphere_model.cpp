@@ -45,15 +45,15 @@ struct SphereModel::Workspace {
   std::size_t link_count;
 
   Centres posed(const Ball& ball, std::int32_t link) const {
-    std::array<float, kFloats> x, y, z;
+    std::array<Lanes, kBlockGroups> x, y, z;
     const Vec3 c = ball.centre;
     for (std::size_t group = 0; group < kBlockGroups; ++group) {
       const Lanes* m = &links[pose_index(link_count, group, at(link))];
-      store_floats(&x[group * kLanes], ((m[0] * c.x + m[1] * c.y) + m[2] * c.z) + m[3]);
-      store_floats(&y[group * kLanes], ((m[4] * c.x + m[5] * c.y) + m[6] * c.z) + m[7]);
-      store_floats(&z[group * kLanes], ((m[8] * c.x + m[9] * c.y) + m[10] * c.z) + m[11]);
+      x[group] = ((m[0] * c.x + m[1] * c.y) + m[2] * c.z) + m[3];
+      y[group] = ((m[4] * c.x + m[5] * c.y) + m[6] * c.z) + m[7];
+      z[group] = ((m[8] * c.x + m[9] * c.y) + m[10] * c.z) + m[11];
     }
-    return {load_floats(x.data()), load_floats(y.data()), load_floats(z.data())};
+    return {joined_floats(x.data(), 1), joined_floats(y.data(), 1), joined_floats(z.data(), 1)};
   }
 
   void pose_fine(const Parts& parts, const Body& body) {

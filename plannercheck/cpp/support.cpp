@@ -1,11 +1,8 @@
 #include "support.hpp"
 
-#include <array>
-#include <vector>
-
 #include "predicates.hpp"
 #include "quads.hpp"
-#include "simd.hpp"
+#include "scans.hpp"
 
 namespace plannercheck {
 namespace {
@@ -16,17 +13,7 @@ namespace {
 constexpr double kDifferenceError = 6 * kRoundoff;
 constexpr double kUnderflow = 1e-300;
 
-// Rounding direction and coordinates to floats, |entries| <= 1, errs by 2^-24 each, so do products; two sums of at most
-// 3 add 5 · 2^-24: a product errs by 14 · 2^-24 at most, underflow included, times the direction's largest entry.
-// Vertices further below the highest than twice that are not extreme.
-constexpr float kFloatTie = 32 * 0x1p-24F;
-constexpr double kSmallestFloat = 1e-20, kLargestFloat = 1e20;  // of that entry: else the direction is scaled
-constexpr double kSmallestDirection = 1e-290, kLargestDirection = 1e290;
-
-constexpr std::size_t kBatch = 4;      // blocks of a scan that are searched for candidates at a time
-constexpr std::size_t kFewBlocks = 8;  // more are first searched by the largest products of a batch (measured)
-
-static_assert(kBlockLanes == kQuad && kScanLanes == kFloats);
+static_assert(kBlockLanes == kQuad);
 
 struct Beyond {
   unsigned sure, unsure;
@@ -45,8 +32,8 @@ constexpr std::int32_t kScannedEntries = 8;  // more are searched by bisection; 
 
 class WedgeWalk {
  public:
-  WedgeWalk(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters)
-      : h_(h), v_(v), corner_(h.points[at(v)]), u_(u), fan_(h.fans[at(h.fan_of[at(v)])]), counters_(counters) {}
+  WedgeWalk(const Levels& h, const Stand& stand, Vec3 u, QueryCounters& counters)
+      : h_(h), corner_(stand.point), u_(u), fan_(h.fans[at(stand.fan())]), counters_(counters) {}
 
   // A vertex beyond the plane through v, at the coarsest level that has one; or -1.
   std::int32_t run() {
@@ -64,7 +51,6 @@ class WedgeWalk {
 
  private:
   const Levels& h_;
-  const std::int32_t v_;
   const Vec3 corner_, u_;
   const WedgeFan& fan_;
   QueryCounters& counters_;
@@ -129,116 +115,64 @@ class WedgeWalk {
   }
 };
 
-std::int32_t scan_chain(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
-  const ChainRange chain = h.chains[at(v)];
-  const Vec3 corner = h.points[at(v)];
-  for (std::int32_t i = 0; i < chain.length; i += kBlockLanes) {
-    const Block& block = h.blocks[at(chain.first_block + i / kBlockLanes)];
-    ++counters.blocks;
-    const Beyond beyond = compare_block(block, corner, u);
-    for (unsigned open = beyond.sure | beyond.unsure; open != 0; open &= open - 1) {
-      const int lane = __builtin_ctz(open);
-      if (i + lane >= chain.length) break;
-      const std::int32_t child = block.vertex[at(lane)];
-      if ((beyond.sure >> lane & 1U) != 0) return child;
+// The first vertex of the block beyond the plane through the stand takes its place; false if there is none.
+inline bool advance(const Block& block, Vec3 u, Stand& stand, QueryCounters& counters) {
+  ++counters.blocks;
+  const Beyond beyond = compare_block(block, stand.point, u);
+  for (unsigned open = beyond.sure | beyond.unsure; open != 0; open &= open - 1) {
+    const auto lane = static_cast<std::size_t>(__builtin_ctz(open));
+    if ((beyond.sure >> lane & 1U) == 0) {
       ++counters.exact;
-      if (compare_along(u, h.points[at(child)], corner) > 0) return child;
+      if (compare_along(u, block.point(lane), stand.point) <= 0) continue;
     }
+    stand = block.stand(lane);
+    return true;
   }
-  return -1;
+  return false;
+}
+
+inline void ask_for(const Block& block) {
+  const char* const line = reinterpret_cast<const char*>(&block);
+  __builtin_prefetch(line);
+  __builtin_prefetch(line + sizeof block / 2);
+}
+
+bool scan_chain(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
+  const Block* block = &h.blocks[at(stand.chain)];
+  while (!advance(*block, u, stand, counters)) {
+    if (block++->is_last()) return false;
+  }
+  return true;
+}
+
+bool walk_wedges(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
+  const std::int32_t child = WedgeWalk(h, stand, u, counters).run();
+  if (child >= 0) stand = h.stand(child);
+  return child >= 0;
+}
+
+// The vertex beyond the plane through the stand at the coarsest level that has one takes its place; false if none has.
+bool go_beyond(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
+  if (stand.chain >= 0) return scan_chain(h, u, stand, counters);
+  return stand.is_walked() && walk_wedges(h, u, stand, counters);
 }
 
 // From a vertex that is extreme where it appears to the one that is extreme in the finest level.
-std::int32_t descend(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
-  for (std::int32_t child = v; child >= 0; child = next_beyond(h, v, u, counters)) v = child;
-  return v;
-}
-
-// A direction in floats. Where no float stands for it all vertices tie.
-struct FloatDirection {
-  float x, y, z;
-  float tie;  // how much further along it one product has to be than another to be sure
-
-  explicit FloatDirection(Vec3 u) {
-    double length = norm_max(u), scale = 1;
-    if (!(length > kSmallestFloat && length < kLargestFloat)) {
-      scale = length > kSmallestDirection && length < kLargestDirection ? 1 / length : 0;
-      length = 1;
-    }
-    x = static_cast<float>(u.x * scale), y = static_cast<float>(u.y * scale), z = static_cast<float>(u.z * scale);
-    tie = kFloatTie * static_cast<float>(length);
+Stand descend(const Levels& h, Stand stand, Vec3 u, QueryCounters& counters) {
+  while (go_beyond(h, u, stand, counters)) {
   }
-
-  Floats along(const ScanBlock& block) const {
-    return (load_floats(block.x.data()) * x + load_floats(block.y.data()) * y) + load_floats(block.z.data()) * z;
-  }
-};
-
-// The vertex of the blocks that is furthest along u; `vertex` says which one a lane is, `further` whether one is
-// further than another.
-template <class Vertex, class Further>
-std::int32_t scanned(const std::vector<ScanBlock>& scan, Vec3 u, Vertex vertex, Further further,
-                     QueryCounters& counters) {
-  const FloatDirection direction(u);
-  const std::size_t blocks = scan.size();
-  std::array<Floats, kScannedVertices / kScanLanes + kBatch> values;
-  std::array<Floats, kScannedVertices / kScanLanes / kBatch + 1> most;  // of a batch, lane by lane
-  const Floats never = Floats{} - __builtin_inff();
-  Floats best = never;
-  std::size_t i = 0, batches = 0;
-  if (blocks > kFewBlocks) {
-    for (; i + kBatch <= blocks; i += kBatch) {
-      const ScanBlock* const block = &scan[i];
-      Floats* const out = &values[i];
-      for (std::size_t k = 0; k < kBatch; ++k) out[k] = direction.along(block[k]);
-      const Floats low = out[0] > out[1] ? out[0] : out[1], high = out[2] > out[3] ? out[2] : out[3];
-      most[batches] = low > high ? low : high;
-      best = most[batches] > best ? most[batches] : best;
-      ++batches;
-    }
-  }
-  for (; i < blocks; ++i) {
-    values[i] = direction.along(scan[i]);
-    best = values[i] > best ? values[i] : best;
-  }
-  counters.blocks += static_cast<long>(blocks * (kScanLanes / kBlockLanes));
-  for (std::size_t k = 0; k < kBatch; ++k) values[blocks + k] = never;
-  const Floats ties = Floats{} + (largest(best) - direction.tie);
-  std::int32_t found = -1;
-  const auto collect = [&](std::size_t first) {
-    for (std::size_t k = first; k < first + kBatch; ++k) {
-      for (unsigned left = float_bits(values[k] >= ties); left != 0; left &= left - 1) {
-        const std::int32_t v = vertex(k * kScanLanes + static_cast<std::size_t>(__builtin_ctz(left)));
-        if (found < 0 || (found != v && further(v, found))) found = v;
-      }
-    }
-  };
-  for (std::size_t b = 0; b < batches; ++b) {
-    if (float_bits(most[b] >= ties) != 0) collect(b * kBatch);
-  }
-  for (i = batches * kBatch; i < blocks; i += kBatch) {
-    FloatMask any = values[i] >= ties;
-    for (std::size_t k = 1; k < kBatch; ++k) any |= values[i + k] >= ties;
-    if (float_bits(any) != 0) collect(i);
-  }
-  return found < 0 ? vertex(0) : found;
+  return stand;
 }
 
 }  // namespace
 
-// Below the top, next_beyond needs a vertex that is truly extreme; where nothing follows, rounded products do.
 std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
-  const auto vertex = [&](std::size_t i) { return h.top[i]; };
-  const auto further = [&](std::int32_t v, std::int32_t than) {
-    const Vec3 a = h.points[at(v)], b = h.points[at(than)];
-    return h.depth > 0 ? compare_along(u, a, b) > 0 : dot(u, a) > dot(u, b);
-  };
-  return scanned(h.top_blocks, u, vertex, further, counters);
+  return h.depth > 0 ? stand_at_top(h, u, counters).vertex : extreme_of_top(h, u, counters);
 }
 
 std::int32_t next_beyond(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
-  if (h.fan_of[at(v)] >= 0) return WedgeWalk(h, v, u, counters).run();
-  return scan_chain(h, v, u, counters);
+  Stand stand = h.stand(v);
+  return go_beyond(h, u, stand, counters) ? stand.vertex : -1;
 }
 
 std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
@@ -253,21 +187,47 @@ std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounte
 }
 
 std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
-  if (!h.all_blocks.empty()) {
-    const std::size_t last = h.points.size() - 1;
-    const auto vertex = [&](std::size_t i) { return static_cast<std::int32_t>(i < last ? i : last); };
-    const auto further = [&](std::int32_t v, std::int32_t than) {
-      return compare_along(u, h.points[at(v)], h.points[at(than)]) > 0;
-    };
-    return scanned(h.all_blocks, u, vertex, further, counters);
+  if (!h.cells.empty()) return extreme_in_cell(h, u, counters);
+  if (h.depth == 0) return extreme_of_top(h, u, counters);
+  return descend(h, stand_at_top(h, u, counters), u, counters).vertex;
+}
+
+void Descent::start(const Levels& h, Vec3 u, QueryCounters& counters) {
+  levels_ = &h;
+  direction_ = u;
+  if (h.cells.empty() && h.depth > 0) {
+    stand_ = stand_at_top(h, u, counters);
+    return arrive();
   }
-  return descend(h, extreme_at_top(h, u, counters), u, counters);
+  const std::int32_t v = extreme(h, u, counters);
+  stand_ = {h.points[at(v)], v, kNoChain};
+  block_ = nullptr;
+}
+
+void Descent::arrive() {
+  block_ = stand_.chain >= 0 ? &levels_->blocks[at(stand_.chain)] : nullptr;
+  if (block_ != nullptr) ask_for(*block_);
+}
+
+bool Descent::step(QueryCounters& counters) {
+  if (block_ == nullptr) {
+    if (!stand_.is_walked() || !walk_wedges(*levels_, direction_, stand_, counters)) return false;
+    arrive();
+    return true;
+  }
+  if (advance(*block_, direction_, stand_, counters)) {
+    arrive();
+    return true;
+  }
+  if (block_->is_last()) return false;
+  ask_for(*++block_);
+  return true;
 }
 
 std::int32_t extreme_from(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
   for (std::int32_t coarser = v; coarser >= 0; coarser = beyond_in_ring(h, v, u, counters)) v = coarser;
   if (h.level[at(v)] == h.depth) v = extreme_at_top(h, u, counters);
-  return descend(h, v, u, counters);
+  return descend(h, h.stand(v), u, counters).vertex;
 }
 
 }  // namespace plannercheck

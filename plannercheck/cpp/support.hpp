@@ -23,6 +23,27 @@ inline constexpr double kScanError = 4 * 0x1p-53;
 // Index of a vertex that maximises u·p over all points, exact for the given doubles (but see the scan above).
 std::int32_t extreme(const Levels& levels, Vec3 u, QueryCounters& counters);
 
+// The same search in steps, which ask for the memory that the next one reads: for callers with several under way.
+class Descent {
+ public:
+  // From the top; bodies that are scanned are done with.
+  void start(const Levels& levels, Vec3 u, QueryCounters& counters);
+
+  // Looks at one block, or walks all wedges of a vertex; false if the vertex is found.
+  bool step(QueryCounters& counters);
+
+  std::int32_t vertex() const { return stand_.vertex; }
+  Vec3 point() const { return stand_.point; }
+
+ private:
+  const Levels* levels_ = nullptr;
+  const Block* block_ = nullptr;  // of the chain that is scanned; else none
+  Vec3 direction_;
+  Stand stand_;
+
+  void arrive();
+};
+
 // The same from any vertex v: up by rings to a vertex that is extreme at the level where it appears, and down from
 // there. Each ring leads to a coarser level, so this is O(log n) wherever it starts.
 std::int32_t extreme_from(const Levels& levels, std::int32_t v, Vec3 u, QueryCounters& counters);

@@ -70,6 +70,8 @@ const char* name_of(Stage stage) {
       return "cached plane";
     case Stage::kCentreAxis:
       return "centre axis";
+    case Stage::kFacetPlane:
+      return "facet plane";
     case Stage::kSolver:
       return "solver";
     case Stage::kNearest:

@@ -95,7 +95,7 @@ class WedgeBuilder {
   }
 
   std::int32_t child(const ChainRange& chain, std::int32_t i) const {
-    return h_.blocks[at(chain.first_block + i / kBlockLanes)].vertex[at(i % kBlockLanes)];
+    return h_.blocks[at(chain.first_block + i / kBlockLanes)].id(at(i % kBlockLanes));
   }
 
   // Replays the removals around v, coarse to fine, a level at a time.
@@ -166,6 +166,7 @@ void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Levels&
   for (std::size_t v = 0; v < h.points.size(); ++v) {
     if (h.chains[v].length > kLongChain) builder.build(static_cast<std::int32_t>(v));
   }
+  link_chains(h);
 }
 
 std::string wedge_fault(const ConvexMesh& mesh, const Levels& h) {

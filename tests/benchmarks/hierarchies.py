@@ -23,7 +23,7 @@ from plannercheck.stress import contacts, families
 
 FAMILIES = ("round", "cone", "prism", "doubling", "fan", "needle")
 QUERIES = 1000
-EXACT = 4  # the number of the stage in cpp/pair.hpp
+EXACT = 6  # the number of the stage in cpp/pair.hpp
 GAPS = np.array([1e-3, -1e-3, 1e-6, -1e-6, 1e-1, -1e-1])
 
 

@@ -20,8 +20,8 @@ from plannercheck.pair import pair_options
 from plannercheck.scene import shipped_scenes
 from plannercheck.stress import contacts, families
 
-STAGES = ("cached plane", "centre axis", "solver", "nearest points", "double-double", "exact")
-DOUBLES = 4  # so many stages are in doubles
+STAGES = ("cached plane", "centre axis", "facet plane", "solver", "nearest points", "double-double", "exact")
+DOUBLES = 5  # so many stages are in doubles
 FAMILIES = ("round", "box", "cone", "needle", "mesh")
 POSES, VERTICES, SEED = 400, 150, 1
 # Relative gaps of poses near touching: any magnitude from 1 % to far below rounding, and none at all.

@@ -1,0 +1,103 @@
+"""Extreme vertices of bodies of 65 to 512 vertices, found by cells of directions, against all vertices in integers."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from exact_points import integers
+
+import plannercheck as pc
+from plannercheck.stress.families import family, rim_points
+
+SIZES = (65, 100, 257, 512)
+FAMILIES = ("round", "prism", "cone", "fan", "needle", "lattice", "flat", "polygon", "tilted polygon")
+PLACES = {"at the origin": 0.0, "far off": np.array([1e6, -1e6, 1e6])}
+
+
+def points_of(name, n):
+    if name == "polygon":
+        return np.column_stack([rim_points(n, 0.3), np.zeros(n)])
+    if name == "tilted polygon":  # in x + y + z = 0, exactly: its normal is a corner of the cells' cube
+        rim = np.round(rim_points(n, 0.3) * 2**26) / 2**26
+        return np.column_stack([rim, -rim.sum(axis=1)])
+    return family(name, n, seed=n)
+
+
+def random_directions(rng, k):
+    return rng.normal(size=(k, 3))
+
+
+def axis_directions():
+    return np.array([u for u in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(u)])
+
+
+def border_directions(rng, k):
+    """The largest entry 1, the others multiples of 1/8 or 1/16, or their neighbours among doubles."""
+    steps = rng.choice([8, 16], size=(k, 1))
+    directions = np.round(rng.uniform(-1, 1, size=(k, 3)) * steps) / steps
+    directions[np.arange(k), rng.integers(0, 3, k)] = rng.choice([-1.0, 1.0], k)
+    beside = np.nextafter(directions, rng.choice([-2.0, 2.0], size=(k, 3)))
+    return np.where(rng.integers(0, 2, size=(k, 1)) == 0, directions, np.where(np.abs(beside) <= 1, beside, directions))
+
+
+def edge_directions(rng, k):
+    """On the edges of the cube: the two largest entries are as long as each other, exactly."""
+    directions = rng.uniform(-1, 1, size=(k, 3))
+    largest = np.abs(directions).max(axis=1) * rng.choice([-1.0, 1.0], k)
+    directions[np.arange(k), rng.integers(0, 3, k)] = largest
+    directions[np.arange(k), rng.integers(0, 3, k)] = -largest
+    return directions
+
+
+def directions_across(points, rng, k):
+    """At right angles to lines through two vertices, up to rounding: these tie, or nearly so."""
+    first, second = points[rng.integers(0, len(points), (2, k))]
+    return np.cross(second - first, rng.normal(size=(k, 3)))
+
+
+def all_directions(points):
+    rng = np.random.default_rng(len(points))
+    unscaled = np.vstack(
+        [
+            random_directions(rng, 30),
+            axis_directions(),
+            border_directions(rng, 60),
+            edge_directions(rng, 20),
+            directions_across(points, rng, 30),
+        ]
+    )
+    some = unscaled[rng.integers(0, len(unscaled), (4, 12))]
+    scaled = [rows * scale for rows, scale in zip(some, (5e-324 * 2**12, 1e-300, 1e-20, 1e300), strict=True)]
+    return np.vstack([unscaled, *scaled])
+
+
+def assert_furthest(body, points, of_polar, directions):
+    """No vertex is further along a direction than the one found: exactly, so ties may go to any."""
+    corners = integers(points)
+    found = np.asarray(body.extremes(directions, of_polar)[0])
+    for direction, vertex in zip(directions, found.tolist(), strict=True):
+        products = corners @ integers(direction)[0]
+        assert products[vertex] == products.max(), direction
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("n", SIZES)
+@pytest.mark.parametrize("name", FAMILIES)
+def test_no_vertex_is_further_than_the_one_found(name, n, place):
+    body = pc.Polytope(points_of(name, n) + PLACES[place]).core
+    points = np.asarray(body.vertices())
+    assert_furthest(body, points, False, all_directions(points))
+    polar = np.asarray(body.polar_points())
+    if len(polar) > 0:
+        assert_furthest(body, polar, True, all_directions(polar))
+
+
+@pytest.mark.parametrize("n", SIZES)
+def test_a_direction_without_length_finds_a_vertex(n):
+    body = pc.Polytope(family("round", n, seed=n)).core
+    zeros = np.array([[0.0, 0.0, 0.0], [-0.0, 0.0, -0.0]])
+    for of_polar in (False, True):
+        found, _ = body.extremes(zeros, of_polar)
+        assert set(found.tolist()) <= set(range(len(body.polar_points() if of_polar else body.vertices())))
