@@ -12,6 +12,8 @@ namespace {
 // of its own and 29u of |c| in the link, |.|_1 at least; differences of centres, times an axis, by 13u of both:
 // kCentre. Both leave room for rounding what they are compared with.
 constexpr double kShadow = 0x1p-19, kCentre = 0x1p-19;
+// Of two bodies with less room both centres' |.|_1 are below 2^125, and nothing overflows.
+constexpr float kLargestRoom = 0x1p106F;
 // Poses are off rigid by 1e-6 at most, on a link by twice that: an edge's shadow on its own axis, and that of the two
 // others, which should be nothing.
 constexpr double kSkew = 2e-5;
@@ -109,7 +111,7 @@ unsigned BlockBoxes::apart(const std::vector<FloatPose>& links, std::size_t a, s
     const Floats along = (q.axes[3 * j] * x + q.axes[3 * j + 1] * y) + q.axes[3 * j + 2] * z;
     out |= absolute(along) > shadow[j];
   }
-  return float_bits(out);
+  return float_bits(out & (room < kLargestRoom));
 }
 
 }  // namespace plannercheck

@@ -32,7 +32,7 @@ class CentreAxis {
   // Whether the balls around the centres are apart.
   bool separates_balls() const {
     const double room = (radii_ + swell_) * (1 + kSlack) + rounding_;
-    return dot(axis_, axis_) > room * room;
+    return dot(axis_, axis_) > room * room + kTrustedLength * kTrustedLength;
   }
 
   // A plane at right angles to a direction from the host, in the host's frame, that touches the host's ball: q·x <= 1
@@ -81,12 +81,13 @@ class CentreAxis {
   // length.
   double room() const { return room(axis_, kSlack); }
   double room(Vec3 direction, double slack) const {
-    return norm(direction) * (swell_ * (1 + slack) + slack * (norm(axis_) + radii_) + rounding_);
+    return norm(direction) * (swell_ * (1 + slack) + slack * (norm(axis_) + radii_) + rounding_) +
+           kTrustedLength * kTrustedLength;
   }
 
   bool is_within_swell(Vec3 between) const {
     const double most = swell_ * (1 - kSlack) - rounding_;
-    return most > 0 && dot(between, between) < most * most;
+    return most > kTrustedLength && dot(between, between) < most * most;
   }
   Certificate shared(Vec3 on_host, Vec3 between) const;
 };

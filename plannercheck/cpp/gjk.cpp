@@ -123,7 +123,7 @@ bool surely_inside(const Simplex& s, double error) {
     w[i] = s.corner[i].difference;
     largest = larger(largest, norm_1(w[i]));
   }
-  const double bound = 3 * error * largest * largest * (1 + 1e-6) + 16 * 0x1p-53 * largest * largest * largest;
+  const double bound = 3 * error * largest * largest * (1 + 1e-6) + 16 * 0x1p-53 * largest * largest * largest + 1e-300;
   const std::array<double, 4> weights{dot(w[1], cross(w[2], w[3])), -dot(w[0], cross(w[2], w[3])),
                                       dot(w[0], cross(w[1], w[3])), -dot(w[0], cross(w[1], w[2]))};
   const bool positive = std::all_of(weights.begin(), weights.end(), [&](double x) { return x > bound; });
@@ -181,7 +181,7 @@ class NearestPoints {
     for (int round = 0; round < goal.rounds; ++round) {
       ++counters_.rounds;
       const double length = norm(direction);
-      if (!(length > 0) || !std::isfinite(length)) return out;
+      if (!(length > kTrustedLength) || !std::isfinite(length)) return out;
       direction = (1 / length) * direction;
       const Corner corner = furthest_against(direction);
       const double height = dot(direction, corner.difference) - kSupport * size_;
@@ -209,7 +209,7 @@ class NearestPoints {
     for (int round = 0; round < kGjkRounds; ++round) {
       ++counters_.rounds;
       const double length = norm(direction);
-      if (!(length > 0) || !std::isfinite(length)) return out;
+      if (!(length > kTrustedLength) || !std::isfinite(length)) return out;
       direction = (1 / length) * direction;
       out.direction = direction;
       const Corner corner = furthest_against(direction);
@@ -247,7 +247,7 @@ class NearestPoints {
   // Mixing four corners errs by 6u of their size besides.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
     const double error = kDifference * size_;
-    const bool within = norm(v) * (1 + 8 * 0x1p-53) + 2 * error < swell_;
+    const bool within = swell_ > kTrustedLength && norm(v) * (1 + 8 * 0x1p-53) + 2 * error < swell_;
     if (!within && !(simplex.count == 4 && surely_inside(simplex, error))) return false;
     out.answer = Answer::kShared;
     const double part = swell_ > 0 ? guest_.body->swell / swell_ : 0;

@@ -31,6 +31,9 @@ inline double smaller(double a, double b) { return a < b ? a : b; }
 inline double norm_max(Vec3 a) { return larger(std::fabs(a.x), larger(std::fabs(a.y), std::fabs(a.z))); }
 inline double norm_1(Vec3 a) { return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z); }
 
+// Lengths are trusted above it, squares of them above its square: smaller ones lose bits to underflow.
+inline constexpr double kTrustedLength = 1e-150;
+
 // An affine map x -> M x + t; `m` holds the rows of the 3x4 matrix [M | t].
 struct Pose {
   std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
