@@ -101,3 +101,12 @@ def test_a_direction_without_length_finds_a_vertex(n):
     for of_polar in (False, True):
         found, _ = body.extremes(zeros, of_polar)
         assert set(found.tolist()) <= set(range(len(body.polar_points() if of_polar else body.vertices())))
+
+
+@pytest.mark.parametrize("n", SIZES)
+def test_few_vertices_are_looked_at(n):
+    """Four blocks of eight vertices at a time, mostly once or twice; walks of hierarchies look at any number."""
+    body = pc.Polytope(family("round", n, seed=n)).core
+    blocks = body.extremes(random_directions(np.random.default_rng(5), 500), False)[1]
+    assert (blocks % 8 == 0).all()
+    assert np.median(blocks) <= 16

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from solids import solid_of
 
 import plannercheck as pc
 from plannercheck import exact
@@ -14,20 +15,14 @@ from plannercheck.core import core
 from plannercheck.pair import METHODS, pair_options
 from plannercheck.stress import contacts, families
 from plannercheck.stress.contacts import Solid
-from plannercheck.stress.families import MESHES, family, mesh_points
+from plannercheck.stress.families import MESHES, family
 
 # All ways to decide a pair; the first is the default.
 WAYS = list(itertools.product(METHODS, (True, False), (True, False)))
 NEAR = (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 0.0, -1e-16, -1e-15, -1e-13, -1e-9, -1e-4, -1e-1)
 # Numbers of stages in cpp/pair.hpp.
-CENTRE_AXIS, FACET_PLANE, SOLVER, NEAREST_POINTS, DOUBLE_DOUBLE, EXACT = 1, 2, 3, 4, 5, 6
+CENTRE_AXIS, SOLVER, NEAREST_POINTS, DOUBLE_DOUBLE, EXACT = 1, 3, 4, 5, 6
 UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
-
-
-def solid_of(name, n, seed):
-    points = mesh_points(name) if name in MESHES else family(name, n, seed)
-    polytope = pc.Polytope(points)
-    return Solid(f"{name} {n}", polytope.vertices, polytope.faces.astype(np.int64)), polytope
 
 
 def assert_all_ways_agree(first, second, poses_p, poses_r):
@@ -205,34 +200,6 @@ def test_bodies_within_their_swells(first, second):
         shared, stages, _ = core.intersect_batch(P.core, poses, R.core, fixed, options)
         assert shared.astype(bool).tolist() == truth
         assert set(shared[stages == CENTRE_AXIS].tolist()) == ({0, 1} if centre_axis else set())
-
-
-@pytest.mark.parametrize(
-    ("first", "second", "swell"), [(4, 4, 0), (4, 8, 0), (8, 8, 0), (6, 5, 0), (8, 8, 0.1), ("box", 8, 0)]
-)
-def test_facets_of_small_bodies(first, second, swell):
-    """They separate most that touch nearly; the same verdicts without them, in both orders, on stretched poses, too."""
-    (solid_p, P), (solid_r, R) = (
-        solid_of("box" if n == "box" else "round", 8 if n == "box" else n, seed)
-        for n, seed in ((first, 41), (second, 42))
-    )
-    P = pc.Polytope(P.vertices, swell=swell)
-    gaps = np.tile(swell + np.array([0.1, 1e-3, 1e-6, 1e-12, 0, -1e-12, -1e-3, -0.1]), 40)
-    poses_p, poses_r = contacts.contact_poses(solid_p, solid_r, gaps, np.random.default_rng(43))
-    poses_p, poses_r = (np.array(np.broadcast_to(poses, (len(gaps), 4, 4))) for poses in (poses_p, poses_r))
-    poses_p[::3, :3, :3] *= 1 + 2.5e-7
-    poses_r[1::3, 0, :3] *= 1 - 4e-7
-    truth = [exact.intersects(P.vertices, R.vertices, p, r, swell) for p, r in zip(poses_p, poses_r, strict=True)]
-    for a, b, pa, pb in ((P, R, poses_p, poses_r), (R, P, poses_r, poses_p)):
-        for on in (True, False):
-            options = pair_options(cached_plane=False, facet_plane=on)
-            shared, stages, _ = core.intersect_batch(a.core, pa, b.core, pb, options)
-            assert shared.astype(bool).tolist() == truth
-            assert (stages == FACET_PLANE).any() == on
-        kept, _, _ = core.intersect_batch(a.core, pa, b.core, pb, pair_options())  # planes for the poses that follow
-        assert kept.astype(bool).tolist() == truth
-        for pose_a, pose_b in zip(pa[:60], pb[:60], strict=True):
-            assert pc.certify(a, b, pose_a, pose_b).verify()
 
 
 def test_the_point_of_spheres_is_in_both():
@@ -495,37 +462,3 @@ def test_the_plane_of_double_double_is_exact(power):
     assert found["stage"] == "double-double"
     assert not found["shared"]
     assert len(found["exact_normal"]) == 3
-
-
-@pytest.mark.parametrize("scale", [1e-150, 1e-159, 5e-161, 5e-162, 3e-162, 2e-162, 1e-170, 1e-308])
-@pytest.mark.parametrize("swell", [0.0, 0.4])
-def test_lengths_whose_squares_underflow(scale, swell):
-    """A review found that balls and axes took sums of products that had become 0 for distances."""
-    cube, corner = 0.433 * (UNIT - 0.5) * scale, 0.433 * np.vstack([np.zeros(3), np.eye(3)]) * scale
-    P, R = pc.Polytope(cube), pc.Polytope(np.zeros((1, 3)) if swell > 0 else corner, swell=swell * scale)
-    offsets = 0.7 * np.random.default_rng(44).uniform(-1, 1, size=(60, 3))
-    offsets[0] = 0.8248, 0.2086, 0.1484
-    poses = contacts.identities(60)
-    poses[:, :3, 3] = offsets * scale
-    truth = [exact.intersects(P.vertices, R.vertices, pose, np.eye(4), 0.0, R.swell) for pose in poses]
-    assert 0 < sum(truth) < 60
-    for options in (pair_options(), pair_options(cached_plane=False), pair_options(centre_axis=False)):
-        shared, _, _ = core.intersect_batch(P.core, poses, R.core, np.eye(4)[None], options)
-        assert shared.astype(bool).tolist() == truth
-
-
-@pytest.mark.parametrize("exponent", [30, 37, 38])
-def test_boxes_whose_differences_overflow_floats(exponent):
-    """Found by a review: infinity times a cosine of 6e-17 is no distance."""
-    scale = 10.0**exponent
-    body = pc.Polytope((UNIT - 0.5) * np.array([5, 0.2, 0.2]) * scale).core
-    pose, placements = np.eye(4), np.repeat(np.eye(4)[None], 2, axis=0)
-    pose[:2, :2] = [[1, -6e-17], [6e-17, 1]]
-    pose[0, 3], placements[1, 0, 3] = 2 * scale, -2 * scale
-    links, pairs, nothing = np.array([0, -1], dtype=np.int32), np.array([[0, 1]], dtype=np.int32), np.zeros(0)
-    for bounds, boxes in itertools.product((True, False), (True, False)):
-        checker = core.Checker(
-            [body, body], links, placements, pairs, 1, nothing, nothing, pair_options(), bounds, boxes, True
-        )
-        found = checker.first_of_poses(np.repeat(pose[None, None], 8, axis=0), 1)
-        assert found.tolist() == [0] * 8

@@ -147,3 +147,19 @@ def test_other_methods_go_one_by_one(method, cached_plane):
     poses = tuple(rows[::5] for rows in posed(P, R))
     on, off = (pair_options(method, cached_plane, interleaving=interleaving) for interleaving in (True, False))
     assert judged(P, R, *poses, on) == judged(P, R, *poses, off)
+
+
+def test_pairs_of_large_bodies_are_under_way_together():
+    """Then each cannot take the plane of the one before, which separates all of these."""
+    P, R = BODIES["round"], BODIES["ellipsoid"]  # the first one hosts
+    poses = np.repeat(np.eye(4)[None], 40, axis=0)
+    poses[:, :3, :3] = Rotation.random(40, random_state=3).as_matrix()
+    poses[:, 0, 3] = 10
+    stages = {}
+    for interleaving in (True, False):
+        options = pair_options(centre_axis=False, interleaving=interleaving)
+        shared, found, _ = core.intersect_batch(P.core, np.eye(4)[None], R.core, poses, options)
+        assert not shared.any()
+        stages[interleaving] = found
+    assert (stages[False][1:] == 0).all()
+    assert (stages[True] != 0).all()

@@ -13,9 +13,10 @@
 
 namespace plannercheck {
 
-inline constexpr int kActives =
-    GrowingGame::kMost;                   // keeping only the support cycles near contact (measured: 5 to 12 %)
-inline constexpr int kOracleRounds = 48;  // GJK needs fewer at 100,000 vertices; what is left is decided exactly
+// Keeping only the support cycles near contact (measured: 5 to 12 %).
+inline constexpr int kActives = GrowingGame::kMost;
+// GJK needs fewer at 100,000 vertices; what is left is decided exactly.
+inline constexpr int kOracleRounds = 48;
 
 // Places that are not taken hold zeros.
 struct Actives {

@@ -35,8 +35,8 @@ inline constexpr std::int32_t kNoChain = -1;
 struct Stand {
   Vec3 point;
   std::int32_t vertex = 0;
-  std::int32_t chain =
-      kNoChain;  // its first block; kNoChain if there is none; below that, `fan_at` of a walk by wedges
+  // Its first block; kNoChain if there is none; below that, `fan_at` of a walk by wedges.
+  std::int32_t chain = kNoChain;
 
   bool is_walked() const { return chain < kNoChain; }
   std::int32_t fan() const { return kNoChain - 1 - chain; }

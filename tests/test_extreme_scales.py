@@ -1,0 +1,50 @@
+"""Verdicts where products of lengths underflow, or differences of floats overflow."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+from plannercheck import exact
+from plannercheck.core import core
+from plannercheck.pair import pair_options
+from plannercheck.stress import contacts
+
+UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+
+
+@pytest.mark.parametrize("scale", [1e-150, 1e-159, 5e-161, 5e-162, 3e-162, 2e-162, 1e-170, 1e-308])
+@pytest.mark.parametrize("swell", [0.0, 0.4])
+def test_lengths_whose_squares_underflow(scale, swell):
+    """A review found that balls and axes took sums of products that had become 0 for distances."""
+    cube, corner = 0.433 * (UNIT - 0.5) * scale, 0.433 * np.vstack([np.zeros(3), np.eye(3)]) * scale
+    P, R = pc.Polytope(cube), pc.Polytope(np.zeros((1, 3)) if swell > 0 else corner, swell=swell * scale)
+    offsets = 0.7 * np.random.default_rng(44).uniform(-1, 1, size=(60, 3))
+    offsets[0] = 0.8248, 0.2086, 0.1484
+    poses = contacts.identities(60)
+    poses[:, :3, 3] = offsets * scale
+    truth = [exact.intersects(P.vertices, R.vertices, pose, np.eye(4), 0.0, R.swell) for pose in poses]
+    assert 0 < sum(truth) < 60
+    for options in (pair_options(), pair_options(cached_plane=False), pair_options(centre_axis=False)):
+        shared, _, _ = core.intersect_batch(P.core, poses, R.core, np.eye(4)[None], options)
+        assert shared.astype(bool).tolist() == truth
+
+
+@pytest.mark.parametrize("exponent", [30, 37, 38])
+def test_boxes_whose_differences_overflow_floats(exponent):
+    """Found by a review: infinity times a cosine of 6e-17 is no distance."""
+    scale = 10.0**exponent
+    body = pc.Polytope((UNIT - 0.5) * np.array([5, 0.2, 0.2]) * scale).core
+    pose, placements = np.eye(4), np.repeat(np.eye(4)[None], 2, axis=0)
+    pose[:2, :2] = [[1, -6e-17], [6e-17, 1]]
+    pose[0, 3], placements[1, 0, 3] = 2 * scale, -2 * scale
+    links, pairs, nothing = np.array([0, -1], dtype=np.int32), np.array([[0, 1]], dtype=np.int32), np.zeros(0)
+    for bounds, boxes in itertools.product((True, False), (True, False)):
+        checker = core.Checker(
+            [body, body], links, placements, pairs, 1, nothing, nothing, pair_options(), bounds, boxes, True
+        )
+        found = checker.first_of_poses(np.repeat(pose[None, None], 8, axis=0), 1)
+        assert found.tolist() == [0] * 8
