@@ -87,6 +87,7 @@ class Checker:
         nearest_points: bool = True,
         bounds: bool = True,
         boxes: bool = True,
+        overlaps: bool = True,
         learning: bool = True,
         reach: bool = True,
     ) -> None:
@@ -111,6 +112,8 @@ class Checker:
             nearest_points: Whether nearest points in doubles are tried before exact arithmetic.
             bounds: Whether bounding balls and a tree of the obstacles settle pairs that are far apart.
             boxes: Whether planes along the faces of the bodies' boxes do.
+            overlaps: Whether balls inside one body that meet a box inside the other settle pairs where any collision
+                will do.
             learning: Whether the pair that collided most often comes first where any collision will do.
             reach: Whether pairs that can't meet within the limits are left out there.
 
@@ -127,7 +130,10 @@ class Checker:
         self.excess = excess
         alone = without(robot, () if scene is None else scene.attached)
         self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, reach)
-        self._options = (method, cached_plane, centre_axis, facet_plane, nearest_points), (bounds, boxes, learning)
+        self._options = (
+            (method, cached_plane, centre_axis, facet_plane, nearest_points),
+            (bounds, boxes, overlaps, learning),
+        )
         self._prepare(scene if scene is not None else Scene("empty"), None)
 
     def _prepare(self, scene: Scene, earlier: Checker | None) -> None:
@@ -644,7 +650,8 @@ class Checker:
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far: states, pairs, what settled them, and the pair test's queries.
 
-        Every pair of every state is counted once: as unreachable, or by what settled it.
+        Every pair of every state is counted once: as unreachable, or by what settled it; as skipped where another pair
+        of the state collides and that is all that was asked.
         """
         counted = dict(self._live.core.statistics())
         unreachable = int(self.unreachable.sum()) * counted["states"]

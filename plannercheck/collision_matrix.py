@@ -36,8 +36,8 @@ ALWAYS = 0.95
 # Configurations that are judged at once: the poses of a humanoid's links take some 10 MB.
 _BATCH = 1000
 
-# The core's options: the pair test's, bounds, boxes, learning.
-_OPTIONS = pair_options(), True, True, True
+# The core's options: the pair test's, bounds, boxes, overlaps, learning.
+_OPTIONS = pair_options(), True, True, True, True
 
 Reason: TypeAlias = Literal["adjacent", "default", "always", "never", "proved never"]
 REASONS: tuple[Reason, ...] = ("adjacent", "default", "always", "never", "proved never")

@@ -168,7 +168,8 @@ def test_contenders_take_turns():
             pass
 
     seconds = least_seconds({name: lambda name=name: work(name, 2e-3) for name in "abc"}, 3)
-    assert "".join(order) == "abccbaabc"
+    assert "".join(order).startswith("abccbaabc")
+    assert len(order) > 9  # so little work goes on until the clock has had time to change
     assert list(seconds) == ["a", "b", "c"]
     order.clear()
     assert 0 < least_seconds({"a": lambda: work("a", 0)}, 1)["a"] < 1e-3

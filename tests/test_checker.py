@@ -13,7 +13,7 @@ import pytest
 import plannercheck as pc
 from plannercheck import exact
 
-COUNTED = ("bounds", "boxes", "cached_plane", "centre_axis", "facet_plane")
+COUNTED = ("bounds", "overlaps", "boxes", "cached_plane", "centre_axis", "facet_plane")
 SWITCHES = (*COUNTED, "learning", "reach")
 
 

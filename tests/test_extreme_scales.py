@@ -44,7 +44,7 @@ def test_boxes_whose_differences_overflow_floats(exponent):
     links, pairs, nothing = np.array([0, -1], dtype=np.int32), np.array([[0, 1]], dtype=np.int32), np.zeros(0)
     for bounds, boxes in itertools.product((True, False), (True, False)):
         checker = core.Checker(
-            [body, body], links, placements, pairs, 1, nothing, nothing, pair_options(), bounds, boxes, True
+            [body, body], links, placements, pairs, 1, nothing, nothing, pair_options(), bounds, boxes, True, True
         )
         found = checker.first_of_poses(np.repeat(pose[None, None], 8, axis=0), 1)
         assert found.tolist() == [0] * 8

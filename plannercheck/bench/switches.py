@@ -23,7 +23,17 @@ from plannercheck.scene import Scene
 Floats = NDArray[np.float64]
 
 # Arguments of `Checker`, all True by default, in the order of the stages; those that it has are measured.
-SWITCHES = ("reach", "bounds", "boxes", "learning", "cached_plane", "centre_axis", "facet_plane", "nearest_points")
+SWITCHES = (
+    "reach",
+    "bounds",
+    "overlaps",
+    "boxes",
+    "learning",
+    "cached_plane",
+    "centre_axis",
+    "facet_plane",
+    "nearest_points",
+)
 ALL_ON = "all on"
 WALK = "walk for oracle"
 # States a motion, each about as far from the next as a planner's.

@@ -80,6 +80,19 @@ std::int32_t surely_extreme(const Hierarchy& h, std::int32_t v, Vec3 u) {
   return v;
 }
 
+// Balls (k, 4), centre and radius, and the rounded box (1, 7), two corners and radius, or (0, 7).
+nb::tuple inner_shapes_of(const Body& body) {
+  const InnerShapes& shapes = body.inner_shapes();
+  std::vector<double> balls, box;
+  for (const InnerBall& b : shapes.balls) balls.insert(balls.end(), {b.centre.x, b.centre.y, b.centre.z, b.radius});
+  if (shapes.box) {
+    const InnerBox& b = *shapes.box;
+    box = {b.low.x, b.low.y, b.low.z, b.high.x, b.high.y, b.high.z, b.radius};
+  }
+  return nb::make_tuple(output_array(balls, {shapes.balls.size(), std::size_t{4}}),
+                        output_array(box, {box.size() / 7, std::size_t{7}}));
+}
+
 // The extreme vertex along each direction, exactly, and the blocks each query visited.
 nb::tuple extremes(const Body& body, InputArray<double, -1, 3> directions, bool of_polar) {
   const Hierarchy& h = of_polar ? body.polar : body.inner;
@@ -138,6 +151,7 @@ class VerdictRows final : public PosedRows {
     shared[i] = verdict.shared;
     stages[i] = static_cast<std::uint8_t>(verdict.stage);
   }
+  void take_far(std::size_t i, const CentreAxis&) final { stages[i] = static_cast<std::uint8_t>(Stage::kCentreAxis); }
 };
 
 class CertifiedRows final : public PosedRows {
@@ -228,6 +242,7 @@ void bind_body(nb::module_& m) {
       .def("polar_points", [](const Body& b) { return rows_of(b.polar.points); })
       .def("levels", [](const Body& b, bool of_polar) { return levels_of(of_polar ? b.polar : b.inner); })
       .def("centre", [](const Body& b) { return rows_of(std::vector<Vec3>{b.centre}); })
+      .def("inner_shapes", &inner_shapes_of)
       .def("inner_shape", [](const Body& b) { return shape_of(b.inner); })
       .def("polar_shape", [](const Body& b) { return shape_of(b.polar); })
       .def_ro("facets", &Body::facet_count)

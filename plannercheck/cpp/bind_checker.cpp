@@ -29,8 +29,9 @@ class BoundChecker {
   BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
                InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
-               bool boxes, bool learning)
-      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count, {options, bounds, boxes, learning}),
+               bool boxes, bool overlaps, bool learning)
+      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count,
+              {options, bounds, boxes, overlaps, learning}),
         lower_(lower.data(), lower.data() + lower.shape(0)),
         upper_(upper.data(), upper.data() + upper.shape(0)) {}
 
@@ -89,6 +90,7 @@ class BoundChecker {
     out["states"] = total_.states;
     out["pairs"] = total_.pairs;
     out["bounds"] = total_.bounds;
+    out["overlaps"] = total_.overlaps;
     out["boxes"] = total_.boxes;
     out["skipped"] = total_.skipped;
     const char* names[] = {"cached_plane",   "centre_axis",   "facet_plane", "solver",
@@ -121,7 +123,7 @@ class BoundChecker {
 
   void add(const CheckerCounters& c) {
     total_.states += c.states, total_.pairs += c.pairs, total_.bounds += c.bounds;
-    total_.boxes += c.boxes, total_.skipped += c.skipped;
+    total_.boxes += c.boxes, total_.overlaps += c.overlaps, total_.skipped += c.skipped;
     for (std::size_t i = 0; i < c.stages.size(); ++i) total_.stages[i] += c.stages[i];
     total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
     total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
@@ -247,7 +249,7 @@ void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
-                    const PairOptions&, bool, bool, bool>())
+                    const PairOptions&, bool, bool, bool, bool>())
       .def("first_of_states", &first_of_states)
       .def("is_valid", &is_valid)
       .def("check_states", &check_states)

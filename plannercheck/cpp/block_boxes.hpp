@@ -50,12 +50,14 @@ class BlockBoxes {
   // that move count.
   unsigned apart(const std::vector<FloatPose>& links, std::size_t a, std::size_t b, Workspace& workspace) const;
 
+  // A body's box in the block; posed at the first call.
+  const Posed& posed(const std::vector<FloatPose>& links, std::size_t body, Workspace& workspace) const;
+
  private:
   std::vector<BodyBox> boxes_;
 
   static void spread(const BodyBox& box, Posed& posed);
   static void pose(const FloatPose& link, const BodyBox& box, Posed& posed);
-  const Posed& posed(const std::vector<FloatPose>& links, std::size_t body, Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

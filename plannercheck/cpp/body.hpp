@@ -11,8 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "computed_once.hpp"
 #include "hierarchy.hpp"
 #include "hull.hpp"
+#include "inner_shapes.hpp"
 
 namespace plannercheck {
 
@@ -37,6 +39,11 @@ struct Body {
   std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward
   double polar_radius = 0;                // largest |q| over the polar points, rounded up
   std::int32_t facet_count = 0;
+  ComputedOnce<InnerShapes> inner_shapes_once;  // only checkers of configurations need them
+
+  const InnerShapes& inner_shapes() const {
+    return inner_shapes_once.get([this] { return find_inner_shapes(*this); });
+  }
 
   // Bodies without volume have none, nor have those that are thinner than the grid of doubles.
   bool has_polar() const { return !polar.points.empty(); }

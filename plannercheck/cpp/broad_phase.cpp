@@ -121,6 +121,7 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
   std::vector<BodyBox> body_boxes;
   for (const MountedBody& mounted : bodies) body_boxes.push_back(body_box(mounted));
   boxes_ = BlockBoxes(std::move(body_boxes));
+  overlaps_ = BlockOverlaps(bodies, pairs);
   for (const Mover& mover : movers_) moving_links_.push_back(mover.link);
   std::sort(moving_links_.begin(), moving_links_.end());
   moving_links_.erase(std::unique(moving_links_.begin(), moving_links_.end()), moving_links_.end());
@@ -151,6 +152,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
   w.links.resize(links_);
   w.balls.resize(movers_.size());
   w.boxes = boxes_.new_workspace();
+  w.overlaps = overlaps_.new_workspace();
   w.candidates.reserve(pairs_.size());
   w.found.reserve(obstacles_);
   w.reached.reserve(obstacles_);
@@ -159,7 +161,13 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
   return w;
 }
 
-void BroadPhase::find(const Lanes* links, int count, bool boxes, Workspace& w) const {
+void BroadPhase::begin(Workspace& w) {
+  w.boxed = false;
+  w.boxes_apart = w.skipped = 0;
+  w.overlapping = 0;
+}
+
+void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace& w) const {
   pose_balls(links, w);
   w.candidates.clear();
   find_among_movers(count, w);
@@ -171,10 +179,15 @@ void BroadPhase::find(const Lanes* links, int count, bool boxes, Workspace& w) c
       find_in_tree(hunter, count, w);
     }
   }
-  w.boxes_apart = 0;
-  w.boxed = boxes && count >= kFewStates;
+  BlockBoxes::begin(w.boxes);
+  begin(w);
+  if (filters.overlaps) find_overlaps(w);
+  w.boxed = filters.boxes && count >= kFewStates;
   if (w.boxed) test_boxes(w);
-  for (auto& near : w.near) near.assign(fixed_pairs_.begin(), fixed_pairs_.end());
+  for (std::size_t state = 0; state < w.near.size(); ++state) {
+    w.near[state].clear();
+    if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(fixed_pairs_.begin(), fixed_pairs_.end());
+  }
   for (const Candidate& candidate : w.candidates) {
     for (unsigned left = candidate.states; left != 0; left &= left - 1) {
       w.near[static_cast<std::size_t>(__builtin_ctz(left))].push_back(candidate.pair);
@@ -183,8 +196,7 @@ void BroadPhase::find(const Lanes* links, int count, bool boxes, Workspace& w) c
 }
 
 void BroadPhase::take_all(int count, Workspace& w) const {
-  w.boxed = false;
-  w.boxes_apart = 0;
+  begin(w);
   for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
     w.near[state].resize(pairs_.size());
     for (std::size_t k = 0; k < pairs_.size(); ++k) w.near[state][k] = static_cast<std::int32_t>(k);
@@ -249,13 +261,29 @@ void BroadPhase::find_in_tree(const Hunter& hunter, int count, Workspace& w) con
 }
 
 void BroadPhase::test_boxes(Workspace& w) const {
-  BlockBoxes::begin(w.boxes);
   for (Candidate& candidate : w.candidates) {
+    if (candidate.states == 0) continue;
     const auto& pair = pairs_[at(candidate.pair)];
     const unsigned apart = candidate.states & boxes_.apart(w.links, at(pair[0]), at(pair[1]), w.boxes);
     w.boxes_apart += __builtin_popcount(apart);
     candidate.states &= ~apart;
   }
+}
+
+// States that are found leave at once.
+void BroadPhase::find_overlaps(Workspace& w) const {
+  BlockOverlaps::begin(w.overlaps);
+  for (const Candidate& candidate : w.candidates) {
+    const unsigned open = candidate.states & ~w.overlapping;
+    if (open == 0) continue;
+    w.overlapping |= open & overlaps_.overlap(w.links, at(candidate.pair), boxes_, w.boxes, w.overlaps);
+  }
+  if (w.overlapping == 0) return;
+  for (Candidate& candidate : w.candidates) {
+    w.skipped += __builtin_popcount(candidate.states & w.overlapping);
+    candidate.states &= ~w.overlapping;
+  }
+  w.skipped += (static_cast<long>(fixed_pairs_.size()) - 1) * __builtin_popcount(w.overlapping);
 }
 
 }  // namespace plannercheck

@@ -1,7 +1,9 @@
 // Which pairs of bodies may touch, for eight states at once: bounding balls among moving bodies and against obstacles'
-// boxes, of which many are in a tree; then boxes against boxes.
+// boxes, of which many are in a tree; then, of the pairs left, those that surely share a point by balls and boxes
+// inside them, and those that boxes around them separate.
 //
-// In: posed links of a block of states, in lanes. Out: for each state the pairs that no bound settles. Every bound is
+// In: posed links of a block of states, in lanes. Out: the states that surely collide, if that is all that counts, and
+// for each other one the pairs that no bound settles. Every bound is
 // proved with its rounding, so that none of these filters can change a verdict. Immutable; what it finds and the balls
 // it poses are the caller's.
 #pragma once
@@ -12,6 +14,7 @@
 
 #include "block.hpp"
 #include "block_boxes.hpp"
+#include "block_overlaps.hpp"
 #include "mounted_body.hpp"
 #include "obstacle_tree.hpp"
 #include "simd.hpp"
@@ -38,17 +41,26 @@ class BroadPhase {
     std::vector<FloatPose> links;  // of those that movers hang on
     std::vector<Balls> balls;
     BlockBoxes::Workspace boxes;
+    BlockOverlaps::Workspace overlaps;
     std::vector<Candidate> candidates;
     std::vector<std::int32_t> found, reached;                  // obstacles, by one state's ball and by any
     std::vector<unsigned> states;                              // that reach an obstacle; 0 between searches
     std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
     bool boxed = false;                                        // boxes have been tested
     long boxes_apart = 0;                                      // pairs settled by that
+    unsigned overlapping = 0;                                  // states in which some pair surely shares a point
+    long skipped = 0;                                          // their other pairs
   };
   Workspace new_workspace() const;
 
-  // Fills `near` for the first `count` states. Boxes are tested only for so many states that it pays.
-  void find(const Lanes* links, int count, bool boxes, Workspace& workspace) const;
+  // What to try on pairs whose balls meet.
+  struct Filters {
+    bool overlaps;  // finds states that surely collide, whose other pairs are then left out
+    bool boxes;     // tested only for so many states that it pays
+  };
+
+  // Fills `near` for the first `count` states.
+  void find(const Lanes* links, int count, Filters filters, Workspace& workspace) const;
   // The same without any bound: all pairs.
   void take_all(int count, Workspace& workspace) const;
 
@@ -90,14 +102,17 @@ class BroadPhase {
   std::vector<ListedBox> listed_;
   ObstacleTree tree_;
   BlockBoxes boxes_;
+  BlockOverlaps overlaps_;
 
   static ListedBox listed_box(const WorldBox& box, std::int32_t pair);
   static Mover mover(const MountedBody& mounted);
+  static void begin(Workspace& workspace);
   void pose_balls(const Lanes* links, Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
   void find_listed(const Hunter& hunter, int count, Workspace& workspace) const;
   void find_in_tree(const Hunter& hunter, int count, Workspace& workspace) const;
   void test_boxes(Workspace& workspace) const;
+  void find_overlaps(Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

@@ -91,6 +91,7 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
 }
 
 bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
+  if ((w.broad_phase.overlapping >> state & 1U) != 0) return false;
   auto& near = w.broad_phase.near[state];
   if (near.empty()) return true;
   if (options_.learning) {
@@ -137,23 +138,28 @@ void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) c
   }
 }
 
-void CheckerCore::find_near(int count, Workspace& w) const {
+void CheckerCore::find_near(int count, Sought sought, Workspace& w) const {
   if (options_.bounds) {
-    broad_phase_->find(w.links.data(), count, options_.boxes, w.broad_phase);
+    const bool overlaps = options_.overlaps && sought == Sought::kAnyCollision;
+    broad_phase_->find(w.links.data(), count, {overlaps, options_.boxes}, w.broad_phase);
   } else {
     broad_phase_->take_all(count, w.broad_phase);
   }
+  const auto& found = w.broad_phase;
+  const long overlapping = __builtin_popcount(found.overlapping);
+  long near = 0;
+  for (std::size_t state = 0; state < at(count); ++state) near += static_cast<long>(found.near[state].size());
+  const long pairs = count * static_cast<long>(pairs_.size());
   w.counters.states += count;
-  w.counters.boxes += w.broad_phase.boxes_apart;
-  w.counters.bounds -= w.broad_phase.boxes_apart;
-  for (std::size_t state = 0; state < at(count); ++state) {
-    w.counters.pairs += static_cast<long>(pairs_.size());
-    w.counters.bounds += static_cast<long>(pairs_.size() - w.broad_phase.near[state].size());
-  }
+  w.counters.pairs += pairs;
+  w.counters.overlaps += overlapping;
+  w.counters.boxes += found.boxes_apart;
+  w.counters.skipped += found.skipped;
+  w.counters.bounds += pairs - near - overlapping - found.boxes_apart - found.skipped;
 }
 
 template <class Judge>
-void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std::size_t n, Workspace& w,
+void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std::size_t n, Sought sought, Workspace& w,
                              Judge judge) const {
   const std::size_t width = at(kinematics.width());
   w.columns.resize(kBlockGroups * width);
@@ -165,7 +171,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
       for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = from[c];
     }
     pose_links(kinematics, static_cast<int>(count), w);
-    find_near(static_cast<int>(count), w);
+    find_near(static_cast<int>(count), sought, w);
     for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
   }
 }
@@ -175,19 +181,21 @@ void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, J
   for (std::size_t row = 0; row < n; row += kBlockStates) {
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
     load_links(links + row * at(links_) * kPoseStride, count, w);
-    find_near(static_cast<int>(count), w);
+    find_near(static_cast<int>(count), Sought::kWhichCollide, w);
     for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
   }
 }
 
 void CheckerCore::check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
                                Workspace& w) const {
-  each_state(kinematics, q, n, w, [&](std::size_t row, std::size_t state) { valid[row] = is_free(state, w); });
+  each_state(kinematics, q, n, Sought::kAnyCollision, w,
+             [&](std::size_t row, std::size_t state) { valid[row] = is_free(state, w); });
 }
 
 void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
                                    Workspace& w) const {
-  each_state(kinematics, q, n, w, [&](std::size_t row, std::size_t state) { first[row] = first_collision(state, w); });
+  each_state(kinematics, q, n, Sought::kWhichCollide, w,
+             [&](std::size_t row, std::size_t state) { first[row] = first_collision(state, w); });
 }
 
 void CheckerCore::first_collisions(const double* links, std::size_t n, std::int32_t* first, Workspace& w) const {
@@ -216,7 +224,7 @@ bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0,
         for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = (1 - t) * q0[c] + t * q1[c];
       }
       pose_links(kinematics, static_cast<int>(count), w);
-      find_near(static_cast<int>(count), w);
+      find_near(static_cast<int>(count), Sought::kAnyCollision, w);
       for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
         if (!is_free(state, w)) return false;
       }

@@ -22,6 +22,7 @@ struct CheckerCounters {
   long states = 0, pairs = 0;
   long bounds = 0;                     // balls that do not meet, and obstacles' boxes out of reach
   long boxes = 0;                      // boxes that a face's plane separates
+  long overlaps = 0;                   // balls inside one body that meet a box inside the other
   std::array<long, kStages> stages{};  // of the pair test
   long skipped = 0;                    // the state's verdict was known already
   PairCounters pair;
@@ -31,8 +32,12 @@ struct CheckerOptions {
   PairOptions pair;
   bool bounds = true;  // balls and the tree of obstacles
   bool boxes = true;
+  bool overlaps = true;  // of balls inside bodies with boxes inside others, where any collision will do
   bool learning = true;  // the pair that collided most often first, where any collision will do
 };
+
+// What a state's verdict depends on: whether any pair shares a point, or which ones do.
+enum class Sought { kAnyCollision, kWhichCollide };
 
 class BroadPhase;
 
@@ -81,14 +86,14 @@ class CheckerCore {
 
   // Calls judge(row, state of the block) for every row, the block's links posed and its near pairs found.
   template <class Judge>
-  void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Workspace& workspace,
+  void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Sought sought, Workspace& workspace,
                   Judge judge) const;
   template <class Judge>
   void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
 
   void pose_links(const Kinematics& kinematics, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
-  void find_near(int count, Workspace& workspace) const;
+  void find_near(int count, Sought sought, Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;

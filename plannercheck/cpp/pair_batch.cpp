@@ -161,10 +161,21 @@ bool pays(const Body& guest, const Body& host, const PairOptions& options) {
          vertices(guest, host) >= kInterleavedVertices;
 }
 
-void test_one_by_one(std::size_t pairs, const PairOptions& options, PairBatch& batch, PairCounters& counters) {
-  CachedPlane cache;
+void take_far(std::size_t pair, const CentreAxis& axis, CachedPlane* cache, PairBatch& batch) {
+  if (cache == nullptr) return batch.take_far(pair, axis);
+  batch.take(pair, certified(axis.separated(true), cache));
+}
+
+void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
+                     PairCounters& counters) {
   for (std::size_t i = 0; i < pairs; ++i) {
-    batch.take(i, test_pair(batch.guest(i), batch.host(i), options, &cache, counters));
+    const PosedBody guest = batch.guest(i), host = batch.host(i);
+    const CentreAxis axis(guest, host);
+    if (is_far(axis, options)) {
+      take_far(i, axis, cache, batch);
+    } else {
+      batch.take(i, test_close_pair(guest, host, axis, options, cache, counters));
+    }
   }
 }
 
@@ -193,12 +204,12 @@ class Sequence {
 class Interleaving {
  public:
   Interleaving(const Body& guest, const Body& host, std::size_t pairs, const PairOptions& options, PairBatch& batch,
-               PairCounters& counters)
+               CachedPlane* cache, PairCounters& counters)
       : pairs_(pairs),
         options_(options),
         batch_(batch),
         counters_(counters),
-        cache_(options.cached_plane ? &plane_ : nullptr),
+        cache_(cache),
         guests_(kWarmDistances / std::sqrt(static_cast<double>(vertices(guest, host))), guest.radius + host.radius),
         hosts_(guests_) {}
 
@@ -217,7 +228,6 @@ class Interleaving {
   std::array<SteppedTest, kUnderWay> tests_;
   std::array<SteppedTest*, kUnderWay> under_way_{};
   std::size_t next_ = 0, count_ = 0;
-  CachedPlane plane_;
   CachedPlane* cache_;  // null if none is kept
   Sequence guests_, hosts_;
 
@@ -228,7 +238,7 @@ class Interleaving {
       const PosedBody guest = batch_.guest(pair), host = batch_.host(pair);
       if (follows(guest, host)) {
         batch_.take(pair, test_pair(guest, host, options_, cache_, counters_));
-      } else if (!is_far(pair, guest, host)) {
+      } else if (!takes_far(pair, guest, host)) {
         if (test.begin(pair, guest, host, options_, cache_, counters_)) return true;
         batch_.take(pair, test.verdict());
       }
@@ -237,11 +247,10 @@ class Interleaving {
   }
 
   // Many are, and take less time than it takes to begin.
-  bool is_far(std::size_t pair, const PosedBody& guest, const PosedBody& host) {
-    if (!options_.centre_axis) return false;
+  bool takes_far(std::size_t pair, const PosedBody& guest, const PosedBody& host) {
     const CentreAxis axis(guest, host);
-    if (!axis.separates_balls()) return false;
-    batch_.take(pair, certified(axis.separated(cache_ != nullptr), cache_));
+    if (!is_far(axis, options_)) return false;
+    take_far(pair, axis, cache_, batch_);
     return true;
   }
 
@@ -268,8 +277,10 @@ class Interleaving {
 
 void test_pairs(const Body& guest, const Body& host, std::size_t pairs, const PairOptions& options, PairBatch& batch,
                 PairCounters& counters) {
-  if (pays(guest, host, options)) return Interleaving(guest, host, pairs, options, batch, counters).run();
-  test_one_by_one(pairs, options, batch, counters);
+  CachedPlane plane;
+  CachedPlane* const cache = options.cached_plane && host.has_polar() ? &plane : nullptr;
+  if (!pays(guest, host, options)) return test_one_by_one(pairs, options, cache, batch, counters);
+  Interleaving(guest, host, pairs, options, batch, cache, counters).run();
 }
 
 }  // namespace plannercheck

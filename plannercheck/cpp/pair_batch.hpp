@@ -20,6 +20,8 @@ class PairBatch {
   virtual PosedBody guest(std::size_t i) const = 0;
   virtual PosedBody host(std::size_t i) const = 0;
   virtual void take(std::size_t i, const PairVerdict& verdict) = 0;
+  // Of bodies whose balls are apart, which are many: for batches that need no certificate.
+  virtual void take_far(std::size_t i, const CentreAxis& axis) { take(i, certified(axis.separated(false), nullptr)); }
 
  protected:
   ~PairBatch() = default;

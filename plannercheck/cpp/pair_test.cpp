@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "centre_axis.hpp"
 #include "facet_planes.hpp"
 
 namespace plannercheck {
@@ -112,12 +111,18 @@ int choose_host(const Body& a, const Body& b) { return conditioning(b) <= condit
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters) {
   const CentreAxis axis(guest, host);
+  if (!is_far(axis, options)) return test_close_pair(guest, host, axis, options, cache, counters);
+  cache = kept(*host.body, options, cache);
+  return certified(axis.separated(cache != nullptr), cache);
+}
+
+PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, const CentreAxis& axis,
+                            const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   cache = kept(*host.body, options, cache);
   std::int32_t lowest = 0;
   if (options.centre_axis) {
-    const bool scaled = cache != nullptr;
-    const Certificate found = axis.separates_balls() ? axis.separated(scaled) : axis.decide(scaled, &lowest, counters);
+    const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
   const PairFrame frame(guest, host);

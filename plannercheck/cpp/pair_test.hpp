@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "centre_axis.hpp"
 #include "exact.hpp"
 #include "gjk.hpp"
 #include "gjk_double2.hpp"
@@ -55,5 +56,13 @@ PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& op
                       PairCounters& counters);
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters);
+
+// Whether the axis between the centres may settle it and does so by the balls around them, which takes no query.
+inline bool is_far(const CentreAxis& axis, const PairOptions& options) {
+  return options.centre_axis && options.solver != Solver::kExact && axis.separates_balls();
+}
+// The test of a pair that is not far.
+PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, const CentreAxis& axis,
+                            const PairOptions& options, CachedPlane* cache, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -1,0 +1,27 @@
+// A value that is computed when it is first asked for, by whichever thread comes first. Copies share it.
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+namespace plannercheck {
+
+template <class Value>
+class ComputedOnce {
+ public:
+  // `make` has to give the same value whoever asks.
+  template <class Make>
+  const Value& get(Make make) const {
+    std::call_once(state_->once, [&] { state_->value = make(); });
+    return state_->value;
+  }
+
+ private:
+  struct State {
+    std::once_flag once;
+    Value value;
+  };
+  std::shared_ptr<State> state_ = std::make_shared<State>();
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,163 @@
+"""Balls and boxes inside bodies: inside in exact arithmetic, and no verdict depends on them."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from solids import solid_of
+
+import plannercheck as pc
+from plannercheck import shapes
+from plannercheck.stress import contacts
+
+FREE_LINK = """<robot name="free">
+<link name="hand"><collision><origin xyz="0.3 -0.1 0.2" rpy="0.4 -1 2"/>
+  <geometry><sphere radius="0.1"/></geometry></collision></link>
+</robot>"""
+GAPS = np.array([0.1, 1e-3, 1e-5, 1e-6, 1e-8, 1e-12, 0, -1e-12, -1e-8, -1e-6, -1e-5, -1e-3, -0.1, -0.3])
+
+
+def exactly(values):
+    return [Fraction(x) for x in values]
+
+
+def facets_of(polytope):
+    """A point and the outward normal of each triangle, exact."""
+    for triangle in polytope.faces:
+        a, b, c = (exactly(polytope.vertices[v].tolist()) for v in triangle)
+        u, v = ([p - q for p, q in zip(other, a, strict=True)] for other in (b, c))
+        yield a, [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+
+
+def is_inside(point, radius, polytope):
+    """Whether a ball is within the hull; `point` and `radius` exact."""
+    for corner, normal in facets_of(polytope):
+        depth = sum(n * (c - p) for n, c, p in zip(normal, corner, point, strict=True))
+        if depth < 0 or depth * depth < radius * radius * sum(n * n for n in normal):
+            return False
+    return True
+
+
+@pytest.mark.parametrize(
+    ("name", "n"),
+    [("round", 4), ("round", 60), ("needle", 30), ("flat", 30), ("box", 8), ("lattice", 40), ("cone", 25)],
+)
+@pytest.mark.parametrize("scale", [1e-140, 1e-3, 1, 1e6])
+def test_inner_shapes_are_inside(name, n, scale):
+    points = solid_of(name, n, 5)[1].vertices
+    polytope = pc.Polytope((points + 3) * scale, swell=0.5 * scale)
+    balls, boxes = polytope.core.inner_shapes()
+    assert 1 <= len(balls) <= 4
+    assert len(boxes) == 1
+    for ball in balls:
+        *centre, radius = exactly(ball.tolist())
+        assert radius > 0
+        assert is_inside(centre, radius, polytope)
+    box = exactly(boxes[0].tolist())
+    for corner in np.ndindex(2, 2, 2):
+        assert is_inside([box[3 * side + axis] for axis, side in enumerate(corner)], box[6], polytope)
+    if name == "box":
+        np.testing.assert_array_equal(boxes[0, :6], np.ravel([polytope.vertices.min(0), polytope.vertices.max(0)]))
+
+
+@pytest.mark.parametrize(
+    ("points", "balls", "boxes"),
+    [
+        ([[1, 2, 3]], 1, 1),
+        ([[1, 2, 3], [1, 2, 5]], 4, 1),
+        ([[1, 2, 3], [2, 2, 5]], 4, 0),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], 0, 0),
+    ],
+)
+def test_inner_shapes_without_volume(points, balls, boxes):
+    polytope = pc.Polytope(points, swell=0.1)
+    found = polytope.core.inner_shapes()
+    assert [len(part) for part in found] == [balls, boxes]
+    assert not found[0][:, 3].any()
+    assert not found[1][:, 6].any()
+
+
+@pytest.fixture(scope="module")
+def free_link(tmp_path_factory):
+    path = tmp_path_factory.mktemp("free") / "free.urdf"
+    path.write_text(FREE_LINK)
+    return pc.Robot.from_urdf(path, floating=True)
+
+
+def checkers(robot, shape, obstacle, pose, padding):
+    """With overlaps and without, of a link of one shape and one obstacle."""
+    scene = pc.Scene("one")
+    scene.add("obstacle", obstacle, pose)
+    hand = shapes.Body("hand", "hand", robot.bodies[0].pose, shape)
+    bodies = [hand, *scene.bodies]
+    return [pc.Checker(robot, scene, bodies=bodies, padding=padding, overlaps=on) for on in (True, False)]
+
+
+def configuration(robot, pose):
+    """That brings the link's body to a pose."""
+    link = pose @ np.linalg.inv(robot.bodies[0].pose)
+    return np.array(pin.SE3ToXYZQUATtuple(pin.SE3(link)))
+
+
+def hold_verdicts(with_overlaps, without, q, counted):
+    truth = without.check_states(q)
+    assert truth.any()
+    assert not truth.all()
+    np.testing.assert_array_equal(with_overlaps.check_states(q), truth)
+    np.testing.assert_array_equal([with_overlaps.is_valid(row) for row in q], truth)
+    np.testing.assert_array_equal(with_overlaps.first_colliding_pair(q) < 0, truth)
+    np.testing.assert_array_equal(without.colliding_pairs(q)[:, 0], ~truth)
+    found = with_overlaps.statistics()["overlaps"]
+    assert 2 * counted <= found <= 2 * (~truth).sum()
+    assert without.statistics()["overlaps"] == 0
+
+
+@pytest.mark.parametrize("padding", [0.0, 0.05])
+@pytest.mark.parametrize("scale", [1e-3, 1, 1e3])
+@pytest.mark.parametrize(("first", "second"), [("round", "box"), ("box", "round"), ("flat", "cone"), ("box", "box")])
+def test_near_contact(free_link, first, second, scale, padding):
+    """No overlap is seen where bodies only nearly touch; deep ones are."""
+    rng = np.random.default_rng(7)
+    (solid_p, _), (solid_r, _) = solid_of(first, 30, 8), solid_of(second, 40, 9)
+    gaps = np.tile(padding + GAPS, 6)
+    poses_p, poses_r = contacts.contact_poses(solid_p, solid_r, gaps, rng)
+    relative, pose = np.linalg.inv(poses_r) @ poses_p, poses_r[0].copy()
+    relative[:, :3, 3] *= scale
+    pose[:3, 3] *= scale
+    pair = shapes.Hull(solid_p.vertices * scale), shapes.Hull(solid_r.vertices * scale)
+    with_overlaps, without = checkers(free_link, *pair, pose, padding * scale)
+    q = np.array([configuration(free_link, pose @ p) for p in relative])
+    hold_verdicts(with_overlaps, without, q, 6 if first != "flat" else 0)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e3])
+def test_balls_that_are_the_body(free_link, offset):
+    """A sphere beside a box, both the shapes themselves: all that keeps them apart is the room for rounding."""
+    rng = np.random.default_rng(11)
+    solid, _ = solid_of("box", 8, 3)
+    pose = np.eye(4)
+    pose[:3, :3] = pin.Quaternion(np.array([0.1, 0.7, -0.2, 0.6]) / np.sqrt(0.9)).matrix()
+    pose[:3, 3] = offset
+    with_overlaps, without = checkers(free_link, shapes.Sphere(0.2), shapes.Hull(solid.vertices), pose, 0.0)
+    gaps = np.tile(GAPS, 20)
+    points, normals = contacts.random_features(solid, len(gaps), rng)
+    posed = np.repeat(np.eye(4)[None], len(gaps), axis=0)
+    posed[:, :3, 3] = points + (0.2 + gaps)[:, None] * normals
+    q = np.array([configuration(free_link, pose @ p) for p in posed])
+    hold_verdicts(with_overlaps, without, q, 40)
+
+
+@pytest.mark.parametrize(("robot", "scene"), [("baxter", "kitchen"), ("talos", None), ("panda", "cage")])
+def test_robots(robot, scene):
+    """The same verdicts; most collisions are found by overlaps, in blocks and one by one."""
+    robot, scene = pc.Robot.load(robot), None if scene is None else pc.Scene.load(scene)
+    q = robot.random_configurations(1003, 5)
+    with_overlaps, without = (pc.Checker(robot, scene, overlaps=on) for on in (True, False))
+    truth = without.check_states(q)
+    np.testing.assert_array_equal(with_overlaps.check_states(q), truth)
+    assert with_overlaps.statistics()["overlaps"] > 0.5 * (~truth).sum()
+    np.testing.assert_array_equal([with_overlaps.is_valid(row) for row in q[:100]], truth[:100])
+    np.testing.assert_array_equal(with_overlaps.first_colliding_pair(q), without.first_colliding_pair(q))
