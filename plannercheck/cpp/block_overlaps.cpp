@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "obstacle_tree.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -96,15 +98,13 @@ const BlockOverlaps::PosedBalls& BlockOverlaps::posed(const std::vector<FloatPos
 }
 
 FloatMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame) {
-  const Floats zero = {};
   const Floats x = ball.x - frame.centre[0], y = ball.y - frame.centre[1], z = ball.z - frame.centre[2];
-  Floats square = zero;
+  Floats square = {};
 #pragma GCC unroll 3
   for (std::size_t j = 0; j < 3; ++j) {
     const Floats along = (frame.axes[3 * j] * x + frame.axes[3 * j + 1] * y) + frame.axes[3 * j + 2] * z;
-    const Floats below_low = box.low[j] - along, above_high = along - box.high[j];
-    const Floats outside = below_low > above_high ? below_low : above_high;
-    square += outside < zero ? zero : outside * outside;  // also what is no number, which meets nothing
+    const Floats outside = beyond(along, box.low[j], box.high[j]);
+    square += outside * outside;
   }
   const Floats limit = (ball.radius + box.radius) - 2 * frame.room;
   return (square < limit * limit) & (limit > kShortest);

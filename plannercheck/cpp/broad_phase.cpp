@@ -108,12 +108,13 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
       hunts[at(mover)] = true;
     }
   }
+  for (std::size_t o = 0; obstacles_ <= kFewObstacles && o < obstacles_; ++o) spread_.push_back(spread(boxes[o]));
   for (std::size_t m = 0; m < movers_.size(); ++m) {
     if (!hunts[m]) continue;
     Hunter hunter{static_cast<std::int32_t>(m), listed_.size()};
     for (std::size_t o = 0; obstacles_ <= kFewObstacles && o < obstacles_; ++o) {
       const std::int32_t pair = pair_of_[m * obstacles_ + o];
-      if (pair >= 0) listed_.push_back(listed_box(boxes[o], pair));
+      if (pair >= 0) listed_.push_back({static_cast<std::int32_t>(o), pair});
     }
     hunter.last = listed_.size();
     hunters_.push_back(hunter);
@@ -137,14 +138,13 @@ BroadPhase::Mover BroadPhase::mover(const MountedBody& mounted) {
           rounded_up(reach * kCentreError)};
 }
 
-BroadPhase::ListedBox BroadPhase::listed_box(const WorldBox& box, std::int32_t pair) {
-  ListedBox listed;
+BroadPhase::SpreadBox BroadPhase::spread(const WorldBox& box) {
+  SpreadBox out;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<int>(i);
-    listed.low[i] = rounded_down(box.low[axis]), listed.high[i] = rounded_up(box.high[axis]);
+    out.low[i] = Floats{} + rounded_down(box.low[axis]), out.high[i] = Floats{} + rounded_up(box.high[axis]);
   }
-  listed.pair = pair;
-  return listed;
+  return out;
 }
 
 BroadPhase::Workspace BroadPhase::new_workspace() const {
@@ -234,11 +234,11 @@ void BroadPhase::find_listed(const Hunter& hunter, int count, Workspace& w) cons
   const Balls& balls = w.balls[at(hunter.mover)];
   const Floats x = balls.x, y = balls.y, z = balls.z, limit = far_beyond(balls.radius);
   for (std::size_t k = hunter.first; k < hunter.last; ++k) {
-    const ListedBox& box = listed_[k];
+    const SpreadBox& box = spread_[at(listed_[k].obstacle)];
     const Floats dx = beyond(x, box.low[0], box.high[0]), dy = beyond(y, box.low[1], box.high[1]);
     const Floats dz = beyond(z, box.low[2], box.high[2]);
     const unsigned near = ~float_bits((dx * dx + dy * dy) + dz * dz > limit) & states;
-    if (near != 0) w.candidates.push_back({box.pair, near});
+    if (near != 0) w.candidates.push_back({listed_[k].pair, near});
   }
 }
 

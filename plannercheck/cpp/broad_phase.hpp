@@ -78,16 +78,20 @@ class BroadPhase {
     std::int32_t pair;
   };
 
-  // The box of an obstacle that a mover may touch.
-  struct ListedBox {
-    std::array<float, 3> low, high;
-    std::int32_t pair;
+  // The box around an obstacle, the same in all lanes.
+  struct SpreadBox {
+    std::array<Floats, 3> low, high;
+  };
+
+  // An obstacle that a mover may touch.
+  struct Listed {
+    std::int32_t obstacle, pair;
   };
 
   // A mover that has a pair with an obstacle; its obstacles, where they are few.
   struct Hunter {
     std::int32_t mover;
-    std::size_t first = 0, last = 0;  // of the listed boxes
+    std::size_t first = 0, last = 0;  // of the listed obstacles
   };
 
   std::size_t links_;
@@ -99,12 +103,13 @@ class BroadPhase {
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;  // pair_of_[mover * obstacles_ + obstacle], or −1
   std::vector<Hunter> hunters_;
-  std::vector<ListedBox> listed_;
+  std::vector<Listed> listed_;
+  std::vector<SpreadBox> spread_;  // of all obstacles, where they are few
   ObstacleTree tree_;
   BlockBoxes boxes_;
   BlockOverlaps overlaps_;
 
-  static ListedBox listed_box(const WorldBox& box, std::int32_t pair);
+  static SpreadBox spread(const WorldBox& box);
   static Mover mover(const MountedBody& mounted);
   static void begin(Workspace& workspace);
   void pose_balls(const Lanes* links, Workspace& workspace) const;

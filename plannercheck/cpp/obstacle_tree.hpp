@@ -40,12 +40,12 @@ Number far_beyond(Number radius) {
   return radius * radius * (1 + 0x1p-20F) + 1e-40F;
 }
 
-// How far coordinates lie outside of intervals; 0 inside, and for NaN.
+// How far coordinates lie outside of intervals, up to the sign; 0 inside. What is no number stays so.
 template <class Low, class High>
 Floats beyond(Floats c, Low low, High high) {
-  const Floats below = low - c, above = c - high;
-  const Floats out = below > above ? below : above;
-  return out > 0 ? out : Floats{};
+  const Floats lowest = low - Floats{}, highest = high - Floats{};
+  const Floats at_least = c > lowest ? c : lowest;
+  return c - (at_least < highest ? at_least : highest);
 }
 
 // To the next float where it is no float.
