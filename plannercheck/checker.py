@@ -147,7 +147,8 @@ class Checker:
         padding = settings.padding if earlier is None else known_parts(settings.padding, bodies, labels)
         padded = padded_pairs(padding, bodies, labels, (table.pairs, table.resting))
         self.bodies, self._labels, self.paddings, (self.pairs, at_rest) = padded
-        self._row_shape = (robot.nq,)
+        # Of configurations that the core may judge as they are: it does not look at the lengths of unit vectors.
+        self._row_shape = None if robot.configuration_map.units else (robot.nq,)
         self._kernel = robot.kinematics if settings.kinematics == "batch" else None
         self._preparation = Preparation(
             self.bodies, self.excess, self.paddings, None if earlier is None else earlier._preparation
@@ -350,9 +351,10 @@ class Checker:
     def state_validity(self) -> Callable[[Any], bool] | None:
         """A compiled function that judges states of an OMPL RealVectorStateSpace of nq numbers; None if there is none.
 
-        It has the same verdicts as `is_valid`. There is none where Pinocchio itself has to pose.
+        It has the same verdicts as `is_valid`. There is none where Pinocchio itself has to pose, nor for robots with
+        quaternions, or cosines and sines, whose length has to be looked at.
         """
-        if self._kernel is None:
+        if self._kernel is None or self._row_shape is None:
             return None
         judge: Callable[[Any], bool] = core.state_validity(self._live.core, self._kernel, self.is_valid)
         return judge

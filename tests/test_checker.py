@@ -96,8 +96,11 @@ def test_switches_do_something(checker, samples):
     for key in (*COUNTED, "solver", "states", "pairs", "skipped", "unreachable"):
         assert statistics[key] > 0 or key == "facet_plane"  # only boxes have so few corners here
     stages = ("solver", "nearest_points", "double_double", "exact")
-    settled = sum(statistics[k] for k in ("unreachable", *COUNTED, *stages, "skipped"))
-    assert settled == statistics["pairs"]
+    settled = ("unreachable", *COUNTED, *stages, "skipped")
+    assert sum(statistics[k] for k in settled) == statistics["pairs"]
+    assert not checker.check_motions(samples[:-1:20], samples[1::20], resolution=0.05).all()
+    statistics = checker.statistics()
+    assert sum(statistics[k] for k in settled) == statistics["pairs"]
 
 
 def test_pinocchio_poses_give_the_same_verdicts(panda, scene, samples, verdicts):
@@ -263,6 +266,10 @@ def test_moving_and_fixed_pairs_of_a_floating_base():
         checker.check_states(q), pc.Checker(robot, scene, bounds=False, boxes=False, method="walk").check_states(q)
     )
     assert 0 < checker.check_states(q).sum() < 60
+    q[0, 3:7] *= 1.05  # one by one, too, quaternions have to be of length 1
+    with pytest.raises(pc.PlannercheckError, match="quaternion, of length 1"):
+        checker.is_valid(q[0])
+    assert checker.state_validity() is None
 
 
 def test_threads_may_share_a_checker(checker, samples, verdicts):

@@ -63,6 +63,26 @@ def test_inner_shapes_are_inside(name, n, scale):
         np.testing.assert_array_equal(boxes[0, :6], np.ravel([polytope.vertices.min(0), polytope.vertices.max(0)]))
 
 
+ULP = 2.0**-52
+RIM = np.pi / 6 * np.arange(12)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        np.vstack([np.eye(3), -np.eye(3)]) * 50 * ULP + 1.5,
+        np.column_stack([np.cos(RIM) / 100, np.sin(RIM) / 100, 1.3 + 4 * ULP * (np.arange(12) % 3 - 1)]),
+    ],
+)
+def test_inner_shapes_as_thin_as_rounding(points):
+    """Found by a review: steps that rounding swallows grew a box for ever."""
+    polytope = pc.Polytope(points)
+    assert len(polytope.core.polar_points()) > 0
+    for ball in polytope.core.inner_shapes()[0]:
+        *centre, radius = exactly(ball.tolist())
+        assert is_inside(centre, radius, polytope)
+
+
 @pytest.mark.parametrize(
     ("points", "balls", "boxes"),
     [
@@ -148,6 +168,21 @@ def test_balls_that_are_the_body(free_link, offset):
     posed[:, :3, 3] = points + (0.2 + gaps)[:, None] * normals
     q = np.array([configuration(free_link, pose @ p) for p in posed])
     hold_verdicts(with_overlaps, without, q, 40)
+
+
+def test_differences_that_overflow_floats(free_link):
+    """Found by a review: a box beyond the floats' range was as near as one around the ball."""
+    axes = np.column_stack([[1, 1, 1], [1, -1, 0], [1, 1, -2]]) / np.sqrt([3, 2, 6])
+    pose = np.eye(4)
+    pose[:3, :3], pose[0, 3] = axes.T, 3.3e38
+    far = np.eye(4)
+    far[0, 3] = -3.3e38
+    scene = pc.Scene("huge")
+    scene.add("box", shapes.Hull(3.41e38 * (2.0 * np.indices((2, 2, 2)).reshape(3, 8).T - 1)), pose)
+    bodies = [shapes.Body("hand", "hand", far, shapes.Sphere(3e37)), *scene.bodies]
+    checker = pc.Checker(free_link, scene, bodies=bodies)
+    assert checker.check_states(np.tile([0, 0, 0, 0, 0, 0, 1.0], (8, 1))).all()
+    assert checker.statistics()["overlaps"] == 0
 
 
 @pytest.mark.parametrize(("robot", "scene"), [("baxter", "kitchen"), ("talos", None), ("panda", "cage")])

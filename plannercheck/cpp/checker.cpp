@@ -225,8 +225,11 @@ bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0,
       }
       pose_links(kinematics, static_cast<int>(count), w);
       find_near(static_cast<int>(count), Sought::kAnyCollision, w);
-      for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
-        if (!is_free(state, w)) return false;
+      const auto states = static_cast<std::size_t>(count);
+      for (std::size_t state = 0; state < states; ++state) {
+        if (is_free(state, w)) continue;
+        while (++state < states) w.counters.skipped += static_cast<long>(w.broad_phase.near[state].size());
+        return false;
       }
     }
     return true;

@@ -12,6 +12,8 @@ namespace {
 // A facet's distance from a point, (1 − q·y) / |q| with y the point less the centre, |y| at most 4 radii: q errs by 4u
 // of its length, the product by 6u |q| |y|, the difference, 1 / |q| <= radius, the quotient and y by a few u each.
 constexpr double kFacetError = 128 * 0x1p-53;
+// Of polar points, for their squares neither to overflow nor to lose bits to underflow.
+constexpr double kShortest = 1e-150, kLongest = 1e150;
 
 // So many points inside are tried as centres of balls, of so many that are spread over the body's box (measured: twice
 // as many settle 1 % more).
@@ -28,8 +30,15 @@ class Facets {
  public:
   explicit Facets(const Body& body) : body_(body), room_(kFacetError * body.radius) {
     inverses_.reserve(body.polar.points.size());
-    for (const Vec3& q : body.polar.points) inverses_.push_back(1 / norm(q));
+    for (const Vec3& q : body.polar.points) {
+      const double length = norm(q);
+      are_known_ &= length > kShortest && length < kLongest;
+      inverses_.push_back(1 / length);
+    }
   }
+
+  // Else nothing is known of how far they are.
+  bool are_known() const { return are_known_; }
 
   // Of the largest ball around a point that is inside; not positive if none is.
   double radius_around(Vec3 point) const {
@@ -56,6 +65,7 @@ class Facets {
  private:
   const Body& body_;
   double room_;
+  bool are_known_ = true;
   std::vector<double> inverses_;
 };
 
@@ -70,13 +80,15 @@ Vec3 spread_point(const Body& body, int k) {
   return body.low + Vec3{part(0) * edges.x, part(1) * edges.y, part(2) * edges.z};
 }
 
+// None if the body is about as thin as rounding.
 std::vector<InnerBall> tried_balls(const Body& body, const Facets& facets) {
-  std::vector<InnerBall> balls{{body.centre, facets.radius_around(body.centre)}};
-  for (int k = 0; k < kSpreadPoints && balls.size() < kTriedCentres; ++k) {
-    const Vec3 point = spread_point(body, k);
+  std::vector<InnerBall> balls;
+  const auto try_around = [&](Vec3 point) {
     const double radius = facets.radius_around(point);
     if (radius > 0) balls.push_back({point, radius});
-  }
+  };
+  try_around(body.centre);
+  for (int k = 0; k < kSpreadPoints && balls.size() < kTriedCentres; ++k) try_around(spread_point(body, k));
   return balls;
 }
 
@@ -114,7 +126,8 @@ InnerBox grown(const Facets& facets, const Body& body, InnerBox box) {
     const Vec3 by = along_axis(axis, step * edges[static_cast<int>(axis)]);
     const InnerBox next =
         side % 2 == 0 ? InnerBox{box.low - by, box.high, box.radius} : InnerBox{box.low, box.high + by, box.radius};
-    const bool held = facets.hold(next);
+    const bool differs = !(next.low == box.low && next.high == box.high);  // else the step is lost to rounding
+    const bool held = differs && facets.hold(next);
     if (held) box = next;
     return held;
   };
@@ -173,7 +186,9 @@ InnerShapes find_inner_shapes(const Body& body) {
     return shapes;
   }
   const Facets facets(body);
+  if (!facets.are_known()) return shapes;
   const std::vector<InnerBall> balls = tried_balls(body, facets);
+  if (balls.empty()) return shapes;
   shapes.balls = covering(balls);
   if (!shapes.box) shapes.box = largest_box(body, facets, balls);
   return shapes;

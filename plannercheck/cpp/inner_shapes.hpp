@@ -1,7 +1,8 @@
 // Balls and a rounded box inside a body: where a ball in one body overlaps the box in another, so do the bodies.
 //
 // In: a body with a polar, or a point or a segment. Out: some balls that cover much of it together, and one rounded
-// box, all of them within its hull whatever the rounding, in the body's frame and without the swell.
+// box, in the body's frame and without the swell; none if the body is as thin as rounding. All are within its hull
+// whatever the rounding, but that balls of a segment have their centres on it up to rounding.
 #pragma once
 
 #include <cstddef>
