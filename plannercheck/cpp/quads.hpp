@@ -26,10 +26,14 @@ inline Quad absolute_quad(Quad q) {
   return reinterpret_cast<Quad>(reinterpret_cast<QuadMask>(q) & (QuadMask{} + 0x7fffffffffffffffLL));
 }
 
-inline double largest(Quad q) {
-  const double a = q[0] > q[1] ? q[0] : q[1], b = q[2] > q[3] ? q[2] : q[3];
-  return a > b ? a : b;
+// The largest number, in all places. Scalars in place of this branch, on what nothing can predict.
+inline Quad spread_largest(Quad q) {
+  const Quad halves = __builtin_shufflevector(q, q, 2, 3, 0, 1), two = q > halves ? q : halves;
+  const Quad others = __builtin_shufflevector(two, two, 1, 0, 3, 2);
+  return two > others ? two : others;
 }
+
+inline double largest(Quad q) { return spread_largest(q)[0]; }
 
 // Bit k of the result: lane k of a comparison.
 inline unsigned quad_bits(QuadMask mask) {

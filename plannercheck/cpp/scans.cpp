@@ -115,7 +115,7 @@ std::int32_t extreme_of_few(const Levels& h, Vec3 u, QueryCounters& counters) {
   }
   counters.blocks += static_cast<long>(blocks);
   std::uint64_t lanes = 0;
-  const Quad most = Quad{} + largest(best);
+  const Quad most = spread_largest(best);
   for (std::size_t i = 0; i < blocks; ++i) lanes |= std::uint64_t{quad_bits(values[i] == most)} << (i * kQuad);
   return h.top[lanes == 0 ? 0 : static_cast<std::size_t>(__builtin_ctzll(lanes))];
 }
