@@ -45,13 +45,6 @@ BodyBox body_box(const MountedBody& mounted) {
   return box;
 }
 
-BlockBoxes::Workspace BlockBoxes::new_workspace() const {
-  Workspace w;
-  w.posed.resize(boxes_.size());
-  w.block_of.resize(boxes_.size());
-  return w;
-}
-
 void BlockBoxes::spread(const BodyBox& box, Posed& posed) {
   for (std::size_t j = 0; j < 3; ++j) {
     posed.centre[j] = Floats{} + box.centre[j];
@@ -76,14 +69,7 @@ void BlockBoxes::pose(const FloatPose& link, const BodyBox& box, Posed& posed) {
 const BlockBoxes::Posed& BlockBoxes::posed(const std::vector<FloatPose>& links, std::size_t body, Workspace& w) const {
   const BodyBox& box = boxes_[body];
   const bool fixed = box.link < 0;
-  if (w.block_of[body] == w.block || (fixed && w.block_of[body] != 0)) return w.posed[body];
-  if (fixed) {
-    spread(box, w.posed[body]);
-  } else {
-    pose(links[at(box.link)], box, w.posed[body]);
-  }
-  w.block_of[body] = w.block;
-  return w.posed[body];
+  return w.of(body, fixed, [&](Posed& out) { return fixed ? spread(box, out) : pose(links[at(box.link)], box, out); });
 }
 
 unsigned BlockBoxes::apart(const std::vector<FloatPose>& links, std::size_t a, std::size_t b, Workspace& w) const {

@@ -10,6 +10,7 @@
 
 #include "block.hpp"
 #include "mounted_body.hpp"
+#include "posed_in_block.hpp"
 #include "simd.hpp"
 
 namespace plannercheck {
@@ -37,14 +38,8 @@ class BlockBoxes {
     Floats room;
   };
 
-  struct Workspace {
-    std::vector<Posed> posed;
-    std::vector<std::uint64_t> block_of;  // that a body was posed for last
-    std::uint64_t block = 1;
-  };
-  Workspace new_workspace() const;
-  // Before the first test of a block.
-  static void begin(Workspace& workspace) { ++workspace.block; }
+  typedef PosedInBlock<Posed> Workspace;
+  Workspace new_workspace() const { return Workspace(boxes_.size()); }
 
   // Bit k: in state k the boxes of bodies a and b are apart. `links`: all links' poses, of which only those of boxes
   // that move count.

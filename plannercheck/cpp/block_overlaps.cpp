@@ -71,20 +71,7 @@ BlockOverlaps::Box BlockOverlaps::box_of(const Body& body) {
   return out;
 }
 
-BlockOverlaps::Workspace BlockOverlaps::new_workspace() const {
-  Workspace w;
-  w.posed.resize(balls_.size());
-  w.block_of.resize(balls_.size());
-  return w;
-}
-
-const BlockOverlaps::PosedBalls& BlockOverlaps::posed(const std::vector<FloatPose>& links, std::size_t body,
-                                                      Workspace& w) const {
-  PosedBalls& out = w.posed[body];
-  if (w.block_of[body] == w.block) return out;
-  w.block_of[body] = w.block;
-  const Balls& balls = balls_[body];
-  const FloatPose& link = links[at(balls.link)];
+void BlockOverlaps::pose(const FloatPose& link, const Balls& balls, PosedBalls& out) {
   for (std::size_t k = 0; k < balls.count; ++k) {
     const auto [x, y, z] = balls.ball[k].centre;
     PosedBall& p = out[k];
@@ -94,7 +81,6 @@ const BlockOverlaps::PosedBalls& BlockOverlaps::posed(const std::vector<FloatPos
     const Floats size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
     p.radius = balls.ball[k].radius - (size * static_cast<float>(kPosingError) + balls.room);
   }
-  return out;
 }
 
 FloatMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame) {
@@ -114,11 +100,12 @@ unsigned BlockOverlaps::overlap(const std::vector<FloatPose>& links, std::size_t
                                 BlockBoxes::Workspace& posed_boxes, Workspace& w) const {
   const Roles roles = roles_[pair];
   if (roles.balls < 0) return 0;
-  const PosedBalls& balls = posed(links, at(roles.balls), w);
+  const Balls& own = balls_[at(roles.balls)];
+  const PosedBalls& balls = w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links[at(own.link)], own, out); });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
   const Box& box = boxes_[at(roles.box)];
   FloatMask out = {};
-  for (std::size_t k = 0; k < balls_[at(roles.balls)].count; ++k) out |= meet(balls[k], box, frame);
+  for (std::size_t k = 0; k < own.count; ++k) out |= meet(balls[k], box, frame);
   return float_bits(out);
 }
 

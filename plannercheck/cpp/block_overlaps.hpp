@@ -11,6 +11,7 @@
 #include "block.hpp"
 #include "block_boxes.hpp"
 #include "mounted_body.hpp"
+#include "posed_in_block.hpp"
 
 namespace plannercheck {
 
@@ -25,14 +26,8 @@ class BlockOverlaps {
   };
   typedef std::array<PosedBall, kInnerBalls> PosedBalls;
 
-  struct Workspace {
-    std::vector<PosedBalls> posed;
-    std::vector<std::uint64_t> block_of;  // that a body was posed for last
-    std::uint64_t block = 1;
-  };
-  Workspace new_workspace() const;
-  // Before the first test of a block.
-  static void begin(Workspace& workspace) { ++workspace.block; }
+  typedef PosedInBlock<PosedBalls> Workspace;
+  Workspace new_workspace() const { return Workspace(balls_.size()); }
 
   // Bit k: in state k the pair surely shares a point. `links`: all links' poses, of which only those of bodies that
   // move count.
@@ -72,7 +67,7 @@ class BlockOverlaps {
   static Balls balls_of(const MountedBody& mounted);
   static Box box_of(const Body& body);
   static FloatMask meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
-  const PosedBalls& posed(const std::vector<FloatPose>& links, std::size_t body, Workspace& workspace) const;
+  static void pose(const FloatPose& link, const Balls& balls, PosedBalls& out);
 };
 
 }  // namespace plannercheck

@@ -179,7 +179,7 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
       find_in_tree(hunter, count, w);
     }
   }
-  BlockBoxes::begin(w.boxes);
+  w.boxes.begin();
   begin(w);
   if (filters.overlaps) find_overlaps(w);
   w.boxed = filters.boxes && count >= kFewStates;
@@ -272,7 +272,7 @@ void BroadPhase::test_boxes(Workspace& w) const {
 
 // States that are found leave at once.
 void BroadPhase::find_overlaps(Workspace& w) const {
-  BlockOverlaps::begin(w.overlaps);
+  w.overlaps.begin();
   for (const Candidate& candidate : w.candidates) {
     const unsigned open = candidate.states & ~w.overlapping;
     if (open == 0) continue;

@@ -1,0 +1,35 @@
+// What bodies need posed for a block of states, computed when it is first asked for in the block.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace plannercheck {
+
+template <class Value>
+class PosedInBlock {
+ public:
+  explicit PosedInBlock(std::size_t bodies = 0) : values_(bodies), block_of_(bodies) {}
+
+  // Before the first question of a block.
+  void begin() { ++block_; }
+
+  // pose(value) sets a body's value; of one that is fixed only once.
+  template <class Pose>
+  const Value& of(std::size_t body, bool fixed, Pose pose) {
+    Value& value = values_[body];
+    std::uint64_t& last = block_of_[body];
+    if (last == block_ || (fixed && last != 0)) return value;
+    pose(value);
+    last = block_;
+    return value;
+  }
+
+ private:
+  std::vector<Value> values_;
+  std::vector<std::uint64_t> block_of_;  // that a body was posed for last
+  std::uint64_t block_ = 1;
+};
+
+}  // namespace plannercheck
