@@ -163,3 +163,20 @@ def test_pairs_of_large_bodies_are_under_way_together():
         stages[interleaving] = found
     assert (stages[False][1:] == 0).all()
     assert (stages[True] != 0).all()
+
+
+@pytest.mark.parametrize("vertices", [32, 2000])
+def test_far_pairs_without_certificates(vertices):
+    """Of balls that are apart a batch of verdicts takes none: as with certificates, and as the solver says."""
+    P, R = (pc.Polytope(family("round", vertices, seed)) for seed in (1, 2))
+    poses = np.repeat(np.eye(4)[None], 40, axis=0)
+    poses[:, 0, 3] = np.linspace(0.9, 1.1, 40)  # the balls touch at 1
+    away = np.eye(4)[None]
+    shared, stages, _ = core.intersect_batch(P.core, poses, R.core, away, pair_options(cached_plane=False))
+    certified = core.certify_batch(P.core, poses, R.core, away, pair_options(cached_plane=False))
+    assert [verdict["shared"] for verdict in certified] == shared.astype(bool).tolist()
+    assert (stages[-15:] == 1).all()  # the axis between the centres
+    assert {verdict["stage"] for verdict in certified[-15:]} == {"centre axis"}
+    plain, _, _ = core.intersect_batch(P.core, poses, R.core, away, pair_options(centre_axis=False))
+    assert plain.tolist() == shared.tolist()
+    assert 0 < shared.sum() < 40
