@@ -15,8 +15,8 @@ constexpr double kFacetError = 128 * 0x1p-53;
 // Of polar points, for their squares neither to overflow nor to lose bits to underflow.
 constexpr double kShortest = 1e-150, kLongest = 1e150;
 
-// So many points inside are tried as centres of balls, of so many that are spread over the body's box (measured: twice
-// as many settle 1 % more).
+// So many points inside are tried as centres of balls, of so many that are spread over the body's box (measured: 96 of
+// 256 settle 2 % fewer collisions, 192 of 1,024 no more).
 constexpr std::size_t kTriedCentres = 128;
 constexpr int kSpreadPoints = 512;
 
