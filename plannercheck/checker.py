@@ -45,7 +45,7 @@ Ints = NDArray[np.int32]
 _BOUND_ROUNDS = 2
 
 # Attributes that hold compiled objects or a lock, which a pickle can't have; they are made anew.
-_COMPILED = frozenset({"_live", "_whole", "_lock", "_proofs", "motion_certifier"})
+_COMPILED = frozenset({"_live", "_judge_row", "_whole", "_lock", "_proofs", "motion_certifier"})
 
 
 class Checker:
@@ -147,8 +147,6 @@ class Checker:
         padding = settings.padding if earlier is None else known_parts(settings.padding, bodies, labels)
         padded = padded_pairs(padding, bodies, labels, (table.pairs, table.resting))
         self.bodies, self._labels, self.paddings, (self.pairs, at_rest) = padded
-        # Of configurations that the core may judge as they are: it does not look at the lengths of unit vectors.
-        self._row_shape = None if robot.configuration_map.units else (robot.nq,)
         self._kernel = robot.kinematics if settings.kinematics == "batch" else None
         self._preparation = Preparation(
             self.bodies, self.excess, self.paddings, None if earlier is None else earlier._preparation
@@ -159,6 +157,7 @@ class Checker:
         self.unreachable, self.resting = apart[: len(self.pairs)], resting[: len(self.pairs)]
         self._limits = (robot.lower, robot.upper) if self.unreachable.any() else None
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
+        self._judge_row = self._row_validity()
         self._whole: CompiledPairs | None = None
         self._lock = threading.Lock()
         shared = earlier is not None and earlier.robot is robot
@@ -185,6 +184,7 @@ class Checker:
         self._kernel = self.robot.kinematics if state["_kernel"] else None
         self._proofs = self._meeting_proofs(None)
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
+        self._judge_row = self._row_validity()
         self._whole, self._lock = None, threading.Lock()
 
     def _with_carried(self) -> Bools:
@@ -342,11 +342,15 @@ class Checker:
         Returns:
             True if no pair shares a point.
         """
-        if self._kernel is not None and type(q) is np.ndarray and q.shape == self._row_shape:
-            known = self._live.core.is_valid(self._kernel, q)
-            if known is not None:
-                return bool(known)
-        return bool(self.check_states(self._single(q))[0])
+        known = self._judge_row(q)
+        return bool(self.check_states(self._single(q))[0]) if known is None else known
+
+    def _row_validity(self) -> Callable[[ArrayLike], bool | None]:
+        """A compiled judge of rows that need no care, and None for all others."""
+        if self._kernel is None or self.robot.configuration_map.units:  # it does not look at unit vectors' lengths
+            return _never_known
+        judge: Callable[[ArrayLike], bool | None] = core.row_validity(self._live.core, self._kernel)
+        return judge
 
     def state_validity(self) -> Callable[[Any], bool] | None:
         """A compiled function that judges states of an OMPL RealVectorStateSpace of nq numbers; None if there is none.
@@ -354,7 +358,7 @@ class Checker:
         It has the same verdicts as `is_valid`. There is none where Pinocchio itself has to pose, nor for robots with
         quaternions, or cosines and sines, whose length has to be looked at.
         """
-        if self._kernel is None or self._row_shape is None:
+        if self._kernel is None or self.robot.configuration_map.units:
             return None
         judge: Callable[[Any], bool] = core.state_validity(self._live.core, self._kernel, self.is_valid)
         return judge
@@ -680,3 +684,7 @@ def _useful_threads(threads: int, rows: int) -> int:
     if not isinstance(threads, int) or threads < 1:
         raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
     return min(threads, max(rows, 1))
+
+
+def _never_known(q: ArrayLike) -> None:
+    """For robots whose configurations all need care."""

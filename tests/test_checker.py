@@ -55,9 +55,39 @@ def test_configurations_at_odd_addresses(checker, samples):
     rows = np.frombuffer(b"_" + samples.tobytes(), dtype=np.float64, offset=1).reshape(samples.shape)
     assert not rows.flags.aligned
     assert checker.robot.check_configurations(rows).flags.aligned  # what the core reads, where it would not show on x86
-    assert checker._live.core.is_valid(checker.robot.kinematics, rows[0]) is None
+    assert checker._judge_row(rows[0]) is None
     assert np.array_equal(checker.check_states(rows), checker.check_states(samples))
     assert [checker.is_valid(q) for q in rows[:50]] == checker.check_states(samples[:50]).tolist()
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        list,
+        tuple,
+        np.asfortranarray,
+        lambda q: np.repeat(q, 2)[::2],
+        lambda q: q.astype(">f8"),
+        lambda q: q.astype(np.longdouble),
+        lambda q: q.view(np.recarray),
+        lambda q: np.ma.array(q),
+    ],
+)
+def test_one_configuration_in_any_form(checker, samples, verdicts, form):
+    assert [checker.is_valid(form(q)) for q in samples[:40]] == verdicts[:40].tolist()
+
+
+@pytest.mark.parametrize("bad", [[], np.zeros(6), np.zeros((1, 7)), np.full(7, np.nan), "1234567", None])
+def test_what_is_no_configuration(checker, bad):
+    with pytest.raises(pc.PlannercheckError, match="configuration"):
+        checker.is_valid(bad)
+
+
+def test_a_judged_row_is_let_go(checker, samples):
+    """NumPy would not resize an array whose buffer is still held."""
+    row = samples[0].copy()
+    checker.is_valid(row)
+    row.resize(14, refcheck=False)
 
 
 @pytest.mark.parametrize("threads", [2, 3, 100])

@@ -12,6 +12,7 @@
 #include "bindings.hpp"
 #include "checker.hpp"
 #include "joined_threads.hpp"
+#include "numpy_row.hpp"
 #include "planner_states.hpp"
 #include "verdicts.hpp"
 
@@ -145,16 +146,19 @@ auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Config
   return output_array(first, {first.size()});
 }
 
-// One configuration without the detour over sets; None if it is at an odd address, not finite or beyond the limits, for
-// the caller to see to.
-nb::object is_valid(BoundChecker& checker, const Kinematics& kinematics, InputArray<double, -1> q) {
-  const bool is_aligned = reinterpret_cast<std::uintptr_t>(q.data()) % alignof(double) == 0;
-  if (q.shape(0) != static_cast<std::size_t>(kinematics.width()) || !is_aligned || !checker.may_judge(q.data())) {
-    return nb::none();
-  }
-  std::uint8_t valid = 0;
-  checker.with_workspace([&](auto& w) { checker.core().check_states(kinematics, q.data(), 1, &valid, w); });
-  return nb::bool_(valid != 0);
+// A function of one configuration without the detour over sets; it answers None for what is no NumPy row of finite
+// numbers within the limits, for the caller to see to.
+nb::object row_validity(nb::object checker, nb::object kinematics) {
+  auto* judge = nb::cast<BoundChecker*>(checker);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  const auto is_free = [checker, kinematics, judge, kernel, array = NumpyArray()](nb::handle row) -> nb::object {
+    const NumpyRow q(array, row, static_cast<std::size_t>(kernel->width()));
+    if (q.data() == nullptr || !judge->may_judge(q.data())) return nb::none();
+    std::uint8_t valid = 0;
+    judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
+    return nb::bool_(valid != 0);
+  };
+  return nb::cpp_function(is_free, nb::arg("q").none());
 }
 
 // A function that OMPL calls with states of a RealVectorStateSpace (planner_states.hpp). States beyond the limits go to
@@ -251,13 +255,13 @@ void bind_checker(nb::module_& m) {
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
                     const PairOptions&, bool, bool, bool, bool>())
       .def("first_of_states", &first_of_states)
-      .def("is_valid", &is_valid)
       .def("check_states", &check_states)
       .def("motions_are_free", &motions_are_free)
       .def("first_of_poses", &first_of_poses)
       .def("all_of_poses", &all_of_poses)
       .def("body_poses", &body_poses)
       .def("statistics", &BoundChecker::statistics);
+  m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"));
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"));
 }
 

@@ -66,13 +66,14 @@ void BlockBoxes::pose(const FloatPose& link, const BodyBox& box, Posed& posed) {
   posed.room = (size * static_cast<float>(kCentre) + box.room) * static_cast<float>(1 + kCentre);
 }
 
-const BlockBoxes::Posed& BlockBoxes::posed(const std::vector<FloatPose>& links, std::size_t body, Workspace& w) const {
+const BlockBoxes::Posed& BlockBoxes::posed(RoundedLinks& links, std::size_t body, Workspace& w) const {
   const BodyBox& box = boxes_[body];
   const bool fixed = box.link < 0;
-  return w.of(body, fixed, [&](Posed& out) { return fixed ? spread(box, out) : pose(links[at(box.link)], box, out); });
+  return w.of(body, fixed,
+              [&](Posed& out) { return fixed ? spread(box, out) : pose(links.of(at(box.link)), box, out); });
 }
 
-unsigned BlockBoxes::apart(const std::vector<FloatPose>& links, std::size_t a, std::size_t b, Workspace& w) const {
+unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& w) const {
   const Posed &p = posed(links, a, w), &q = posed(links, b, w);
   const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
   const Floats room = p.room + q.room;

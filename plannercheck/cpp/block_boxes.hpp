@@ -11,6 +11,7 @@
 #include "block.hpp"
 #include "mounted_body.hpp"
 #include "posed_in_block.hpp"
+#include "rounded_links.hpp"
 #include "simd.hpp"
 
 namespace plannercheck {
@@ -43,10 +44,10 @@ class BlockBoxes {
 
   // Bit k: in state k the boxes of bodies a and b are apart. `links`: all links' poses, of which only those of boxes
   // that move count.
-  unsigned apart(const std::vector<FloatPose>& links, std::size_t a, std::size_t b, Workspace& workspace) const;
+  unsigned apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& workspace) const;
 
   // A body's box in the block; posed at the first call.
-  const Posed& posed(const std::vector<FloatPose>& links, std::size_t body, Workspace& workspace) const;
+  const Posed& posed(RoundedLinks& links, std::size_t body, Workspace& workspace) const;
 
  private:
   std::vector<BodyBox> boxes_;

@@ -96,12 +96,13 @@ FloatMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const Block
   return (square < limit * limit) & (limit > kShortest);
 }
 
-unsigned BlockOverlaps::overlap(const std::vector<FloatPose>& links, std::size_t pair, const BlockBoxes& boxes,
+unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
                                 BlockBoxes::Workspace& posed_boxes, Workspace& w) const {
   const Roles roles = roles_[pair];
   if (roles.balls < 0) return 0;
   const Balls& own = balls_[at(roles.balls)];
-  const PosedBalls& balls = w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links[at(own.link)], own, out); });
+  const PosedBalls& balls =
+      w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links.of(at(own.link)), own, out); });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
   const Box& box = boxes_[at(roles.box)];
   FloatMask out = {};

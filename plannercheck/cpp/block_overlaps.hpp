@@ -12,6 +12,7 @@
 #include "block_boxes.hpp"
 #include "mounted_body.hpp"
 #include "posed_in_block.hpp"
+#include "rounded_links.hpp"
 
 namespace plannercheck {
 
@@ -31,8 +32,8 @@ class BlockOverlaps {
 
   // Bit k: in state k the pair surely shares a point. `links`: all links' poses, of which only those of bodies that
   // move count.
-  unsigned overlap(const std::vector<FloatPose>& links, std::size_t pair, const BlockBoxes& boxes,
-                   BlockBoxes::Workspace& posed_boxes, Workspace& workspace) const;
+  unsigned overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes, BlockBoxes::Workspace& posed_boxes,
+                   Workspace& workspace) const;
 
  private:
   struct Ball {

@@ -7,12 +7,6 @@
 namespace plannercheck {
 namespace {
 
-// Poses stretch by 1e-6 at most; this covers that of a link times that of a placement on it.
-constexpr double kPosedStretch = 1 + 4e-6;
-// Floats err by u = 2^-24: a ball's centre c is posed from rounded numbers by three products and sums, which errs by at
-// most 6u of the posed centre and 17u of |c|, |.|_1 at least. This covers both, posing vertices in doubles, and
-// computing the bound itself.
-constexpr double kCentreError = 0x1p-19;
 // Of an obstacle's vertices posed in doubles: three products and sums.
 constexpr double kVertexError = 8 * 0x1p-53;
 
@@ -20,38 +14,6 @@ constexpr double kVertexError = 8 * 0x1p-53;
 constexpr int kFewStates = 3;
 // Obstacles in a scene up to which testing all of them beats the tree (measured).
 constexpr std::size_t kFewObstacles = 64;
-
-struct Ball {
-  Vec3 centre;
-  double radius;
-};
-
-double radius_around(const std::vector<Vec3>& points, Vec3 centre, Vec3* furthest) {
-  double most = -1;
-  for (const Vec3& p : points) {
-    const double square = dot(p - centre, p - centre);
-    if (square > most) most = square, *furthest = p;
-  }
-  return std::sqrt(most);
-}
-
-// A ball about as small as any that holds the points, by walking towards the furthest one in ever smaller steps (Badoiu
-// and Clarkson's core sets: after n steps the radius is within about 1/n of the least).
-Ball small_ball(const Body& body) {
-  constexpr int kSteps = 128;
-  const std::vector<Vec3>& points = body.inner.points;
-  Ball best{0.5 * (body.low + body.high), 0};
-  Vec3 furthest;
-  best.radius = radius_around(points, best.centre, &furthest);
-  Vec3 centre = best.centre;
-  for (int step = 1; step <= kSteps; ++step) {
-    centre = centre + (1.0 / (step + 1)) * (furthest - centre);
-    const double radius = radius_around(points, centre, &furthest);
-    if (radius < best.radius) best = {centre, radius};
-  }
-  best.radius = best.radius * (1 + 0x1p-48) + body.swell;
-  return best;
-}
 
 // The box around a body that stands still, with the rounding of its vertices' posing.
 WorldBox world_box(const MountedBody& mounted) {
@@ -88,7 +50,7 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
       continue;
     }
     place[b] = static_cast<std::int32_t>(movers_.size());
-    movers_.push_back(mover(mounted));
+    movers_.push_back(bounding_ball(mounted));
   }
   obstacles_ = boxes.size();
   tree_ = ObstacleTree(boxes);
@@ -123,19 +85,15 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
   for (const MountedBody& mounted : bodies) body_boxes.push_back(body_box(mounted));
   boxes_ = BlockBoxes(std::move(body_boxes));
   overlaps_ = BlockOverlaps(bodies, pairs);
-  for (const Mover& mover : movers_) moving_links_.push_back(mover.link);
-  std::sort(moving_links_.begin(), moving_links_.end());
-  moving_links_.erase(std::unique(moving_links_.begin(), moving_links_.end()), moving_links_.end());
-}
-
-BroadPhase::Mover BroadPhase::mover(const MountedBody& mounted) {
-  const Ball ball = small_ball(*mounted.body);
-  const Vec3 centre = mounted.placement.apply(ball.centre);
-  const double reach = norm_1(mounted.placement.translation()) + 2 * (mounted.body->reach + ball.radius);
-  return {mounted.link,
-          {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z)},
-          rounded_up(ball.radius * kPosedStretch),
-          rounded_up(reach * kCentreError)};
+  std::vector<BodyLanes::Partner> with_movers, with_boxes;
+  for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
+  for (const Hunter& hunter : hunters_) {
+    for (std::size_t k = hunter.first; k < hunter.last; ++k) {
+      with_boxes.push_back({at(hunter.mover), at(listed_[k].obstacle), listed_[k].pair});
+    }
+  }
+  if (obstacles_ > kFewObstacles) boxes.clear();
+  body_lanes_ = BodyLanes(movers_, links_, boxes, with_movers, with_boxes);
 }
 
 BroadPhase::SpreadBox BroadPhase::spread(const WorldBox& box) {
@@ -149,8 +107,9 @@ BroadPhase::SpreadBox BroadPhase::spread(const WorldBox& box) {
 
 BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
-  w.links.resize(links_);
+  w.links = RoundedLinks(links_);
   w.balls.resize(movers_.size());
+  w.body_lanes = body_lanes_.new_workspace();
   w.boxes = boxes_.new_workspace();
   w.overlaps = overlaps_.new_workspace();
   w.candidates.reserve(pairs_.size());
@@ -168,16 +127,12 @@ void BroadPhase::begin(Workspace& w) {
 }
 
 void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace& w) const {
-  pose_balls(links, w);
+  w.links.begin(links);
   w.candidates.clear();
-  find_among_movers(count, w);
-  const bool listed = count >= kFewStates && obstacles_ <= kFewObstacles;
-  for (const Hunter& hunter : hunters_) {
-    if (listed) {
-      find_listed(hunter, count, w);
-    } else {
-      find_in_tree(hunter, count, w);
-    }
+  if (count < kFewStates) {
+    for (int state = 0; state < count; ++state) find_for_state(links, static_cast<std::size_t>(state), w);
+  } else {
+    find_for_block(count, w);
   }
   w.boxes.begin();
   begin(w);
@@ -203,19 +158,45 @@ void BroadPhase::take_all(int count, Workspace& w) const {
   }
 }
 
-void BroadPhase::pose_balls(const Lanes* links, Workspace& w) const {
-  constexpr auto kError = static_cast<float>(kCentreError);
-  for (const std::int32_t link : moving_links_) round_to_floats(links, links_, at(link), w.links[at(link)]);
+void BroadPhase::find_for_block(int count, Workspace& w) const {
+  pose_balls(w);
+  find_among_movers(count, w);
+  for (const Hunter& hunter : hunters_) {
+    if (obstacles_ <= kFewObstacles) {
+      find_listed(hunter, count, w);
+    } else {
+      find_in_tree(hunter, count, w);
+    }
+  }
+}
+
+void BroadPhase::find_for_state(const Lanes* links, std::size_t state, Workspace& w) const {
+  const unsigned bit = 1U << state;
+  const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
+  body_lanes_.pose(links, state, w.body_lanes);
+  body_lanes_.find(w.body_lanes, take);
+  for (std::size_t k = 0; obstacles_ > kFewObstacles && k < hunters_.size(); ++k) {
+    const std::size_t mover = at(hunters_[k].mover);
+    const BodyLanes::Ball ball = BodyLanes::ball(mover, w.body_lanes);
+    w.found.clear();
+    tree_.collect({ball.x, ball.y, ball.z, far_beyond(ball.radius)}, w.found);
+    for (const std::int32_t obstacle : w.found) {
+      const std::int32_t pair = pair_of_[mover * obstacles_ + at(obstacle)];
+      if (pair >= 0) take(pair);
+    }
+  }
+}
+
+void BroadPhase::pose_balls(Workspace& w) const {
   for (std::size_t i = 0; i < movers_.size(); ++i) {
-    const Mover& mover = movers_[i];
-    const FloatPose& link = w.links[at(mover.link)];
+    const BoundingBall& mover = movers_[i];
+    const FloatPose& link = w.links.of(at(mover.link));
     const auto [x, y, z] = mover.centre;
     Balls& balls = w.balls[i];
     balls.x = link.turned(0, x, y, z) + link.m[3];
     balls.y = link.turned(1, x, y, z) + link.m[7];
     balls.z = link.turned(2, x, y, z) + link.m[11];
-    const Floats size = (absolute(balls.x) + absolute(balls.y)) + absolute(balls.z);
-    balls.radius = ((size * kError + mover.room) + mover.radius) * (1 + kError) + 1e-37F;
+    balls.radius = mover.radius_at(balls.x, balls.y, balls.z);
   }
 }
 

@@ -15,8 +15,11 @@
 #include "block.hpp"
 #include "block_boxes.hpp"
 #include "block_overlaps.hpp"
+#include "body_lanes.hpp"
+#include "bounding_ball.hpp"
 #include "mounted_body.hpp"
 #include "obstacle_tree.hpp"
+#include "rounded_links.hpp"
 #include "simd.hpp"
 
 namespace plannercheck {
@@ -38,8 +41,9 @@ class BroadPhase {
   };
 
   struct Workspace {
-    std::vector<FloatPose> links;  // of those that movers hang on
+    RoundedLinks links;
     std::vector<Balls> balls;
+    BodyLanes::Workspace body_lanes;
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
     std::vector<Candidate> candidates;
@@ -65,14 +69,6 @@ class BroadPhase {
   void take_all(int count, Workspace& workspace) const;
 
  private:
-  // A body that hangs on a link: a ball around it, in the link's frame.
-  struct Mover {
-    std::int32_t link;
-    std::array<float, 3> centre;
-    float radius;
-    float room;  // for the rounding of posing it, besides that of the posed centre
-  };
-
   struct MovingPair {
     std::int32_t a, b;  // movers
     std::int32_t pair;
@@ -96,8 +92,7 @@ class BroadPhase {
 
   std::size_t links_;
   std::vector<std::array<std::int32_t, 2>> pairs_;
-  std::vector<Mover> movers_;
-  std::vector<std::int32_t> moving_links_;  // that movers hang on
+  std::vector<BoundingBall> movers_;  // around bodies that hang on links
   std::vector<MovingPair> moving_pairs_;
   std::vector<std::int32_t> fixed_pairs_;  // of two bodies that are fixed to the world
   std::size_t obstacles_;
@@ -106,13 +101,15 @@ class BroadPhase {
   std::vector<Listed> listed_;
   std::vector<SpreadBox> spread_;  // of all obstacles, where they are few
   ObstacleTree tree_;
+  BodyLanes body_lanes_;
   BlockBoxes boxes_;
   BlockOverlaps overlaps_;
 
   static SpreadBox spread(const WorldBox& box);
-  static Mover mover(const MountedBody& mounted);
   static void begin(Workspace& workspace);
-  void pose_balls(const Lanes* links, Workspace& workspace) const;
+  void find_for_block(int count, Workspace& workspace) const;
+  void find_for_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
+  void pose_balls(Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
   void find_listed(const Hunter& hunter, int count, Workspace& workspace) const;
   void find_in_tree(const Hunter& hunter, int count, Workspace& workspace) const;
