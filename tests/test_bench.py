@@ -6,6 +6,7 @@ import csv
 import itertools
 import sys
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -174,6 +175,22 @@ def test_contenders_take_turns():
     order.clear()
     assert 0 < least_seconds({"a": lambda: work("a", 0)}, 1)["a"] < 1e-3
     assert len(order) > 1  # too short for the clock
+
+
+def test_parts_take_turns_and_add_up():
+    order = []
+
+    def work(name, least):
+        order.append(name)
+        began = time.thread_time()
+        while time.thread_time() - began < least:
+            pass
+
+    parts = {"a": [partial(work, k, 2e-3) for k in "123"], "b": partial(work, "b", 2e-3)}
+    seconds = least_seconds(parts, 2)
+    assert "".join(order).startswith("1b2b3bb1b2b3")
+    assert seconds["a"] >= 6e-3
+    assert 2e-3 <= seconds["b"] < seconds["a"]
 
 
 def read(path):

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bench.methods import Method
 from plannercheck.bench.resources import built
-from plannercheck.bench.timing import least_seconds
+from plannercheck.bench.timing import least_seconds, seconds_of
 from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
 
@@ -23,6 +23,10 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 Report = Callable[[str], None]
+
+# Seconds that a method works at a time, and into how many parts its states are split for that at most.
+_PART = 2e-3
+_MOST_PARTS = 32
 
 
 @dataclass(frozen=True)
@@ -70,7 +74,7 @@ class _Ready:
 
     Attributes:
         method: Which.
-        work: Judges its states.
+        works: Judge its states, in parts.
         states: How many.
         verdicts: Of them.
         error: See `StateRow`, as the following.
@@ -79,7 +83,7 @@ class _Ready:
     """
 
     method: Method
-    work: Callable[[], Bools]
+    works: Sequence[Callable[[], Bools]]
     states: int
     verdicts: Bools
     error: float | None
@@ -103,7 +107,7 @@ def measure(
         A row for each method that could be built.
     """
     ready = [found for method in methods if (found := _ready(method, q, skipped)) is not None]
-    seconds = least_seconds({item.method.name: item.work for item in ready}, rounds)
+    seconds = least_seconds({item.method.name: item.works for item in ready}, rounds)
     truth = checker.check_states(q)
     each = [seconds[item.method.name] / item.states for item in ready]
     return [_row(checker, item, truth, spent, each[0]) for item, spent in zip(ready, each, strict=True)]
@@ -115,15 +119,18 @@ def _ready(method: Method, q: Floats, skipped: Report) -> _Ready | None:
         rows = np.ascontiguousarray(q[: method.states])
         prepared = method.prepare(rows)
         verdicts = method.judge(made.value, prepared)
+        spent = seconds_of(lambda: method.judge(made.value, prepared))
     except (PlannercheckError, ImportError) as error:
         skipped(f"{method.name} is left out: {error}")
         return None
 
-    def work(judge: Any = method.judge, value: Any = made.value, states: Any = prepared) -> Bools:
-        found: Bools = judge(value, states)
-        return found
+    works = [partial(method.judge, made.value, method.prepare(part)) for part in _parts(rows, spent)]
+    return _Ready(method, works, len(rows), verdicts, method.error(made.value), made.resident, made.seconds)
 
-    return _Ready(method, work, len(rows), verdicts, method.error(made.value), made.resident, made.seconds)
+
+def _parts(rows: Floats, seconds: float) -> list[Floats]:
+    """Of rows that take some seconds, so that each takes about as long as those of other methods."""
+    return np.array_split(rows, int(np.clip(round(seconds / _PART), 1, min(_MOST_PARTS, len(rows)))))
 
 
 def _row(checker: Checker, item: _Ready, truth: Bools, seconds: float, first: float) -> StateRow:

@@ -1,16 +1,19 @@
 """Interleaved timing: contenders take turns, A B C C B A ..., and the least time of each counts.
 
-In: functions by name. Out: seconds by name. Absolute times drift by tens of per cent on a shared machine; ratios of
-minima that were taken by turns in one process do not. The clock is that of the calling thread's own work, which is all
-that any contender uses: time in which another process had the processor does not count.
+In: functions by name, or several that share a contender's work. Out: seconds by name. Absolute times drift by tens of
+per cent on a shared machine; ratios of minima that were taken by turns in one process do not. Long work in one piece
+would never meet the machine at its best from end to end, as short work does: parts of similar length are compared. The
+clock is that of the calling thread's own work, which is all that any contender uses: time in which another process had
+the processor does not count.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
-Contenders = Mapping[str, Callable[[], object]]
+Work = Callable[[], object]
+Contenders = Mapping[str, Work | Sequence[Work]]
 
 # Seconds: shorter work is repeated, as that clock may stand still for some microseconds on a virtual machine.
 _SHORTEST = 1e-3
@@ -23,21 +26,25 @@ def least_seconds(contenders: Contenders, rounds: int) -> dict[str, float]:
     """Runs all contenders in each round, every other round backwards.
 
     Args:
-        contenders: What to time, by name.
+        contenders: What to time, by name; parts of one contender take turns with those of the others, and one with
+            fewer parts begins again, so that all run equally often.
         rounds: How often, at least 1, and more often if that is over soon; the first warms caches up and counts as any
             other, as only minima matter.
 
     Returns:
-        The least seconds of each.
+        The least seconds of each: of its parts, added up.
     """
-    best = dict.fromkeys(contenders, float("inf"))
+    parts = {name: [work] if callable(work) else list(work) for name, work in contenders.items()}
+    best = {name: [float("inf")] * len(works) for name, works in parts.items()}
     end = time.thread_time() + rounds * _LEAST_ROUND
     turn = 0
     while turn < rounds or time.thread_time() < end:
-        for name in list(contenders) if turn % 2 == 0 else reversed(list(contenders)):
-            best[name] = min(best[name], seconds_of(contenders[name]))
+        for step in range(max(map(len, parts.values()), default=0)):
+            for name in list(parts) if turn % 2 == 0 else reversed(list(parts)):
+                k = step % len(parts[name])
+                best[name][k] = min(best[name][k], seconds_of(parts[name][k]))
         turn += 1
-    return best
+    return {name: sum(seconds) for name, seconds in best.items()}
 
 
 def seconds_of(work: Callable[[], object]) -> float:
