@@ -125,8 +125,15 @@ def without_marks(words):
 
 
 CELLS = {
-    "a cell without blocks": ("cells", "u8", at(7, 0)),
-    "a cell with a block that is none": ("cells", "u8", at(7, lambda cell: cell | np.uint64(1 << 63))),
+    "another number of cells": ("edge", "i4", at(0, 5)),
+    "a negative number of cells": ("edge", "i4", at(0, -4)),
+    "far too many cells": ("edge", "i4", at(0, 2**31 - 1)),
+    "no cells": ("edge", "i4", at(0, 0)),
+    "a block that is none": ("cells", "u2", at(8 * 7 + 3, 1000)),
+    "groups beyond the end": ("cells", "u4", at(4 * 7 + 2, 10**6)),
+    "more groups than there are": ("cells", "u4", at(4 * 95 + 3, 15)),
+    "more groups than any cell has": ("cells", "u4", at(4 * 7 + 3, 2**32 - 1)),
+    "a further block that is none": ("cell_groups", "u2", at(1, 1000)),
     "a vertex that is none": ("cell_blocks", "i4", at(24, 150)),
     "a negative vertex": ("cell_blocks", "i4", at(31, -1)),
 }

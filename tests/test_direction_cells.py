@@ -1,4 +1,4 @@
-"""Extreme vertices of bodies of 65 to 512 vertices, found by cells of directions, against all vertices in integers."""
+"""Extreme vertices found by cells of directions, against all vertices in integers and against hierarchies."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from exact_points import integers
 import plannercheck as pc
 from plannercheck.stress.families import family, rim_points
 
-SIZES = (65, 100, 257, 512)
+SIZES = (65, 100, 257, 512, 513, 1500)
 FAMILIES = ("round", "prism", "cone", "fan", "needle", "lattice", "flat", "polygon", "tilted polygon")
 PLACES = {"at the origin": 0.0, "far off": np.array([1e6, -1e6, 1e6])}
 
@@ -34,8 +34,8 @@ def axis_directions():
 
 
 def border_directions(rng, k):
-    """The largest entry 1, the others multiples of 1/8 or 1/16, or their neighbours among doubles."""
-    steps = rng.choice([8, 16], size=(k, 1))
+    """The largest entry 1, the others multiples of 1/8 to 1/64, or their neighbours among doubles."""
+    steps = rng.choice([8, 16, 32, 64], size=(k, 1))
     directions = np.round(rng.uniform(-1, 1, size=(k, 3)) * steps) / steps
     directions[np.arange(k), rng.integers(0, 3, k)] = rng.choice([-1.0, 1.0], k)
     beside = np.nextafter(directions, rng.choice([-2.0, 2.0], size=(k, 3)))
@@ -110,3 +110,49 @@ def test_few_vertices_are_looked_at(n):
     blocks = body.extremes(random_directions(np.random.default_rng(5), 500), False)[1]
     assert (blocks % 8 == 0).all()
     assert np.median(blocks) <= 16
+
+
+def vertices_looked_at(body, directions, of_polar=False):
+    return 4 * np.asarray(body.extremes(directions, of_polar)[1])
+
+
+@pytest.mark.parametrize(
+    ("name", "n"), [("round", 5000), ("round", 40000), ("prism", 3000), ("cone", 3000), ("needle", 3000)]
+)
+def test_cells_and_hierarchies_agree(name, n):
+    """Exactly: where they find different vertices, these are equally far."""
+    body = pc.Polytope(points_of(name, n) * np.array([1, 0.7, 0.5])).core
+    plain, rng = body.without_cells(), np.random.default_rng(n)
+    for of_polar, points in ((False, np.asarray(body.vertices())), (True, np.asarray(body.polar_points()))):
+        directions = np.vstack(
+            [
+                random_directions(rng, 2000),
+                border_directions(rng, 2000),
+                edge_directions(rng, 500),
+                directions_across(points, rng, 500),
+            ]
+        )
+        found, others = (np.asarray(one.extremes(directions, of_polar)[0]) for one in (body, plain))
+        for k in np.flatnonzero(found != others):
+            both = integers(points[[found[k], others[k]]]) @ integers(directions[k])[0]
+            assert both[0] == both[1], directions[k]
+
+
+def test_looking_at_cells_takes_as_long_for_large_bodies():
+    """Hierarchies look at more vertices the more there are, cells do not."""
+    sizes = (1000, 10000, 100000)
+    directions = random_directions(np.random.default_rng(1), 2000)
+    bodies = [pc.Polytope(family("round", n, seed=n) * np.array([1, 0.7, 0.5])).core for n in sizes]
+    means = [vertices_looked_at(body, directions).mean() for body in bodies]
+    assert max(means) < 2 * min(means)
+    assert all(vertices_looked_at(body.without_cells(), directions).mean() > 1.2 * max(means) for body in bodies[1:])
+
+
+def test_a_body_of_which_a_cell_would_hold_too_much_has_none():
+    """Of a polygon's 3,000 corners a thousand may be extreme about its normal; a hierarchy looks at a few."""
+    body = pc.Polytope(points_of("polygon", 3000)).core
+    near_normal = np.array([1e-6, 1e-6, 1.0]) * random_directions(np.random.default_rng(1), 200)
+    assert vertices_looked_at(body, near_normal).max() < 400
+    np.testing.assert_array_equal(
+        vertices_looked_at(body, near_normal), vertices_looked_at(body.without_cells(), near_normal)
+    )

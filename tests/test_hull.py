@@ -155,6 +155,8 @@ def test_extreme_vertices_are_exact(name, n):
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         directions = np.vstack([np.eye(3), -np.eye(3), rng.normal(size=(20, 3)), normals, [[0, 0, 0]]])
         assert_extreme(polytope, directions)
+        polytope._core = polytope.core.without_cells()
+        assert_extreme(polytope, directions)
 
 
 def many_facing(polytope, k, seed):
@@ -179,16 +181,21 @@ def large(request):
     return pc.Polytope(family(request.param, 10_000, seed=1))
 
 
-def test_queries_visit_logarithmically_many_blocks(large):
+@pytest.fixture(params=["with cells", "by hierarchies"])
+def large_core(request, large):
+    return large.core if request.param == "with cells" else large.core.without_cells()
+
+
+def test_queries_visit_logarithmically_many_blocks(large, large_core):
     for of_polar in (False, True):
-        _, blocks = large.core.extremes(many_facing(large, 700, 2), of_polar)
+        _, blocks = large_core.extremes(many_facing(large, 700, 2), of_polar)
         assert blocks.max() <= MOST_BLOCKS
 
 
-def test_large_bodies_agree_with_plain_scanning(large):
+def test_large_bodies_agree_with_plain_scanning(large, large_core):
     directions = many_facing(large, 300, 3)
     for of_polar, points in ((False, large.vertices), (True, np.asarray(large.core.polar_points()))):
-        found = np.asarray(large.core.extremes(directions, of_polar)[0])
+        found = np.asarray(large_core.extremes(directions, of_polar)[0])
         values = directions @ points.T
         reached = np.take_along_axis(values, found[:, None].astype(np.int64), axis=1)[:, 0]
         rounding = 16 * 2.0**-53 * np.abs(directions).sum(axis=1) * np.abs(points).max()
@@ -198,6 +205,7 @@ def test_large_bodies_agree_with_plain_scanning(large):
 def test_wedges_agree_with_exact_scanning_at_the_hub():
     polytope = pc.Polytope(family("cone", 1000, seed=5))
     assert polytope.statistics()["inner"]["fans"] > 0
+    polytope._core = polytope.core.without_cells()
     hub = int(polytope.extreme([[0, 0, 1]])[0])
     # Directions around the border of the hub's normal cone: the rim barely beats the hub, or barely not.
     rim = polytope.vertices[np.arange(len(polytope.vertices)) != hub]

@@ -93,6 +93,13 @@ nb::tuple inner_shapes_of(const Body& body) {
                         output_array(box, {box.size() / 7, std::size_t{7}}));
 }
 
+// The same body, whose extreme vertices are found by hierarchies alone: to hold cells of directions against them.
+std::shared_ptr<Body> without_cells(const Body& body) {
+  auto out = std::make_shared<Body>(body);
+  for (Hierarchy* const h : {&out->inner, &out->polar}) h->cells = {}, h->crown.cells = {};
+  return out;
+}
+
 // The extreme vertex along each direction, exactly, and the blocks each query visited.
 nb::tuple extremes(const Body& body, InputArray<double, -1, 3> directions, bool of_polar) {
   const Hierarchy& h = of_polar ? body.polar : body.inner;
@@ -252,6 +259,7 @@ void bind_body(nb::module_& m) {
       .def_ro("swell", &Body::swell)
       .def("bytes", &Body::bytes)
       .def("fault", &body_fault)
+      .def("without_cells", &without_cells)
       .def("extremes", &extremes);
 
   m.def("intersect_batch", &intersect_batch);

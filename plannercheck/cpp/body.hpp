@@ -22,7 +22,7 @@ namespace plannercheck {
 inline constexpr double kPolarError = 4 * 0x1p-53;
 
 // Raise it whenever the fields of Body or Hierarchy, their order or their meaning change: old files are then refused.
-inline constexpr int kBodyFormat = 9;
+inline constexpr int kBodyFormat = 10;
 
 struct Body {
   std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3

@@ -60,8 +60,8 @@ class Reader {
 template <class Stream, class H>
 void each_level_field(Stream& s, H& h) {
   s.array(h.points), s.array(h.level), s.value(h.depth), s.array(h.ring_start), s.array(h.rings), s.array(h.top);
-  s.array(h.top_blocks), s.array(h.top_stands), s.array(h.cells.cells), s.array(h.cells.blocks), s.array(h.chains),
-      s.array(h.blocks);
+  s.array(h.top_blocks), s.array(h.top_stands), s.value(h.cells.edge), s.array(h.cells.cells), s.array(h.cells.groups),
+      s.array(h.cells.blocks), s.array(h.chains), s.array(h.blocks);
   s.array(h.fan_of), s.array(h.fans), s.array(h.wedges), s.array(h.entries), s.value(h.largest_coordinate);
 }
 
@@ -118,14 +118,19 @@ void require_sound_wedge(const Levels& h, std::size_t w) {
   require(node.next >= 0 || node.left >= 0 || node.right < 0);
 }
 
-// Every cell has blocks, and only such as there are.
+// Cells have not too many groups, and only of blocks that there are.
 void require_sound_cells(const DirectionCells& c, std::size_t vertices) {
-  constexpr std::size_t kMostBlocks = kScannedVertices / kScanLanes;
-  const std::size_t blocks = c.blocks.size();
-  require(c.cells.size() == (blocks == 0 ? 0 : DirectionCells::kCells) && blocks <= kMostBlocks);
-  for (const std::uint64_t cell : c.cells) {
-    require(cell != 0 && (blocks == kMostBlocks || cell >> blocks == 0));
+  constexpr std::int32_t kMostEdge = 1 << 10;
+  require(c.edge >= 0 && c.edge <= kMostEdge);
+  require(c.cells.size() == 6 * at(c.edge) * at(c.edge));
+  const auto is_sound = [&](const BlockGroup& group) {
+    return std::all_of(group.begin(), group.end(), [&](std::uint16_t block) { return block < c.blocks.size(); });
+  };
+  for (const Cell& cell : c.cells) {
+    require(is_sound(cell.first) && cell.count < kMostCellGroups && cell.others <= c.groups.size());
+    require(cell.count <= c.groups.size() - cell.others);
   }
+  require(std::all_of(c.groups.begin(), c.groups.end(), is_sound));
   for (const CellBlock& block : c.blocks) {
     for (const std::int32_t v : block.vertex) require(is_below(v, vertices));
   }

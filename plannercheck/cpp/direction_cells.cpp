@@ -1,6 +1,7 @@
 #include "direction_cells.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 
 #include "spatial_parts.hpp"
@@ -9,31 +10,42 @@ namespace plannercheck {
 namespace {
 
 constexpr std::size_t kFaces = 6;
-constexpr std::size_t kEdge = DirectionCells::kEdge;
-// A height is three products with entries of at most 1 and two sums: two of them, and their difference, err by less
-// than 32u of the largest coordinate.
-constexpr double kHeightError = 32 * 0x1p-53, kSmallestHeight = 1e-300;
+// Points are in floats, relative to the middle of all and in parts of their largest distance from it along an axis:
+// they err by u = 2^-24. A height is the sum of three entries of at most 1, two of them times what is exact: it errs by
+// 10u, the difference of two by 26u. This leaves room for what a direction errs by, four times, and points in doubles.
+constexpr float kDoubt = 32 * 0x1p-24F;
+static_assert(4 * DirectionCells::kDirectionError < 0x1p-24);
+
+// Cells along an edge of the cube: some three vertices a cell, five of small bodies, whose data stay in the cache
+// (measured).
+constexpr std::size_t kSmall = 512;
+std::int32_t edge_for(std::size_t vertices) {
+  std::int32_t edge = 4;
+  while (vertices > kSmall && 16 * at(edge) * at(edge) < vertices) edge *= 2;
+  return edge;
+}
 
 typedef std::vector<std::int32_t> Vertices;
+
+// Four points at a time: a register of every instruction set.
+constexpr std::size_t kFour = 4;
+typedef float Four __attribute__((vector_size(kFour * 4)));
+typedef std::int32_t FourMask __attribute__((vector_size(kFour * 4)));
 
 // A square of a face, of which there are `edge` by `edge`.
 struct Square {
   std::size_t face;
   std::int32_t row, column, edge;
 
-  Vec3 direction(double s, double t) const {
+  // From −1 to 1 along both edges of the face, exactly.
+  float border(std::int32_t place) const { return 2.0F * static_cast<float>(place) / static_cast<float>(edge) - 1; }
+
+  Vec3 middle() const {
     std::array<double, 3> entry{};
     entry[face / 2] = face % 2 == 0 ? 1 : -1;
-    entry[(face / 2 + 1) % 3] = s;
-    entry[(face / 2 + 2) % 3] = t;
+    entry[(face / 2 + 1) % 3] = static_cast<double>(border(row) + border(row + 1)) / 2;
+    entry[(face / 2 + 2) % 3] = static_cast<double>(border(column) + border(column + 1)) / 2;
     return {entry[0], entry[1], entry[2]};
-  }
-
-  std::array<Vec3, 4> corners() const {
-    const double size = 2.0 / edge;
-    const double s0 = row * size - 1, s1 = (row + 1) * size - 1;
-    const double t0 = column * size - 1, t1 = (column + 1) * size - 1;
-    return {direction(s0, t0), direction(s0, t1), direction(s1, t0), direction(s1, t1)};
   }
 
   std::array<Square, 4> quarters() const {
@@ -42,20 +54,82 @@ struct Square {
   }
 };
 
+// Vertices and where they are for a face: outwards, and along its edges; in fours, of which the last is repeated.
+struct FacePoints {
+  std::size_t size = 0;
+  Vertices vertex;
+  std::vector<float> out, along_rows, along_columns;
+
+  void reserve(std::size_t most) {
+    most = (most / kFour + 1) * kFour;
+    if (vertex.size() >= most) return;
+    vertex.resize(most), out.resize(most), along_rows.resize(most), along_columns.resize(most);
+  }
+
+  // Takes place `size`; it counts if `counts`.
+  void put(std::int32_t v, float o, float r, float c, bool counts) {
+    vertex[size] = v, out[size] = o, along_rows[size] = r, along_columns[size] = c;
+    size += counts ? 1 : 0;
+  }
+
+  void fill_up() {
+    while (size % kFour != 0) put(vertex[size - 1], out[size - 1], along_rows[size - 1], along_columns[size - 1], true);
+  }
+};
+
+Four load(const std::vector<float>& from, std::size_t i) {
+  Four four;
+  std::memcpy(&four, &from[i], sizeof four);
+  return four;
+}
+
+constexpr std::size_t kCorners = 4;
+typedef std::array<Four, kCorners> Heights;
+
+// The heights of four candidates along a square's corners.
+Heights heights_of(const Square& square, const FacePoints& all, std::size_t i) {
+  const Four out = load(all.out, i), r = load(all.along_rows, i), c = load(all.along_columns, i);
+  const Four row_0 = out + square.border(square.row) * r, row_1 = out + square.border(square.row + 1) * r;
+  const Four column_0 = square.border(square.column) * c, column_1 = square.border(square.column + 1) * c;
+  return {row_0 + column_0, row_0 + column_1, row_1 + column_0, row_1 + column_1};
+}
+
+// The highest of all along one direction, lane by lane.
+struct Highest {
+  Four height = Four{} - __builtin_inff();
+  FourMask place{};
+
+  void take(Four other, FourMask at_place) {
+    place = other > height ? at_place : place;
+    height = other > height ? other : height;
+  }
+
+  std::size_t index() const {
+    std::size_t lane = 0;
+    for (std::size_t k = 1; k < kFour; ++k) lane = height[k] > height[lane] ? k : lane;
+    return static_cast<std::size_t>(place[lane]);
+  }
+};
+
 // The vertices that may be extreme along the directions of each cell.
 class CellLists {
-  static constexpr std::size_t kDirections = 5;  // a square's corners, and about its middle
-  typedef std::array<double, kDirections> Heights;
-
  public:
-  CellLists(const std::vector<Vec3>& points, double largest_coordinate)
-      : points_(points),
-        doubt_(kHeightError * largest_coordinate + kSmallestHeight),
-        lists_(DirectionCells::kCells),
-        towards_(points.size()) {
-    Vertices all(points.size());
-    std::iota(all.begin(), all.end(), 0);
-    for (std::size_t face = 0; face < kFaces; ++face) divide({face, 0, 0, 1}, all);
+  CellLists(const std::vector<Vec3>& points, std::int32_t edge)
+      : edge_(edge), lists_(kFaces * at(edge) * at(edge)), towards_(points.size()) {
+    Vec3 low = points[0], high = points[0];
+    for (const Vec3& p : points) {
+      low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
+      high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
+    }
+    const Vec3 middle = 0.5 * low + 0.5 * high;
+    double unit = 0;
+    for (const Vec3& p : points) unit = larger(unit, norm_max(p - middle));
+    if (!(unit > kSmallestUnit)) unit = kSmallestUnit;
+    levels_.resize(at(__builtin_ctz(static_cast<unsigned>(edge))) + 2);
+    for (std::size_t face = 0; face < kFaces; ++face) {
+      take_all(points, middle, unit, face, levels_[0]);
+      divide({face, 0, 0, 1}, 0);
+    }
   }
 
   const std::vector<Vertices>& lists() const { return lists_; }
@@ -63,57 +137,83 @@ class CellLists {
   const std::vector<Vec3>& towards() const { return towards_; }
 
  private:
-  const std::vector<Vec3>& points_;
-  const double doubt_;  // what heights differ by, at least, to differ surely
+  static constexpr double kSmallestUnit = 1e-290;
+
+  const std::int32_t edge_;
   std::vector<Vertices> lists_;
   std::vector<Vec3> towards_;
-  std::vector<Heights> heights_, leaders_;  // of the square at hand
+  std::vector<FacePoints> levels_;  // of the squares at hand, from the whole face on
 
-  void divide(const Square& square, const Vertices& candidates) {
-    const Vertices left = remaining(square, candidates);
-    if (at(square.edge) == kEdge) return add(square, left);
-    for (const Square& quarter : square.quarters()) divide(quarter, left);
-  }
-
-  void add(const Square& cell, const Vertices& vertices) {
-    lists_[(cell.face * kEdge + at(cell.row)) * kEdge + at(cell.column)] = vertices;
-    const std::array<Vec3, 4> corners = cell.corners();
-    const Vec3 middle = corners[0] + corners[3];
-    for (const std::int32_t v : vertices) towards_[at(v)] = towards_[at(v)] + 1 / norm(middle) * middle;
-  }
-
-  Vertices remaining(const Square& square, const Vertices& candidates) {
-    measure(square, candidates);
-    Vertices left;
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const auto outdoes = [&](const Heights& leader) { return is_further(leader, heights_[i]); };
-      if (std::none_of(leaders_.begin(), leaders_.end(), outdoes)) left.push_back(candidates[i]);
+  static void take_all(const std::vector<Vec3>& points, Vec3 middle, double unit, std::size_t face, FacePoints& all) {
+    const auto axis = static_cast<int>(face / 2);
+    const float sign = face % 2 == 0 ? 1 : -1;
+    all.reserve(points.size());
+    all.size = 0;
+    for (std::size_t v = 0; v < points.size(); ++v) {
+      const Vec3 p = points[v] - middle;
+      const auto entry = [&](int i) { return static_cast<float>(p[(axis + i) % 3] / unit); };
+      all.put(static_cast<std::int32_t>(v), sign * entry(0), entry(1), entry(2), true);
     }
-    return left;
+    all.fill_up();
   }
 
-  // The candidates' heights, and those of the ones that are highest along a corner or the middle.
-  void measure(const Square& square, const Vertices& candidates) {
-    const std::array<Vec3, 4> corners = square.corners();
-    heights_.resize(candidates.size());
-    std::array<std::size_t, kDirections> highest{};
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const Vec3 p = points_[at(candidates[i])];
-      Heights& h = heights_[i];
-      for (std::size_t k = 0; k < corners.size(); ++k) h[k] = dot(corners[k], p);
-      h.back() = (h[0] + h[1]) + (h[2] + h[3]);
-      for (std::size_t k = 0; k < kDirections; ++k) highest[k] = h[k] > heights_[highest[k]][k] ? i : highest[k];
+  // The square's candidates are at `level`.
+  void divide(const Square& square, std::size_t level) {
+    keep_remaining(square, levels_[level], levels_[level + 1]);
+    if (square.edge == edge_) return add(square, levels_[level + 1]);
+    levels_[level + 1].fill_up();
+    for (const Square& quarter : square.quarters()) divide(quarter, level + 1);
+  }
+
+  void add(const Square& cell, const FacePoints& left) {
+    const auto end = left.vertex.begin() + static_cast<std::ptrdiff_t>(left.size);
+    lists_[(cell.face * at(edge_) + at(cell.row)) * at(edge_) + at(cell.column)].assign(left.vertex.begin(), end);
+    const Vec3 middle = cell.middle();
+    const Vec3 direction = 1 / norm(middle) * middle;
+    for (std::size_t i = 0; i < left.size; ++i) {
+      Vec3& towards = towards_[at(left.vertex[i])];
+      towards = towards + direction;
     }
-    std::sort(highest.begin(), highest.end());
-    leaders_.clear();
-    const auto* const end = std::unique(highest.begin(), highest.end());
-    for (const auto* i = highest.begin(); i != end; ++i) leaders_.push_back(heights_[*i]);
   }
 
-  bool is_further(const Heights& a, const Heights& b) const {
-    bool further = true;
-    for (std::size_t k = 0; k < 4; ++k) further &= a[k] - b[k] > doubt_;
-    return further;
+  // Those that no leader surely outdoes along all corners. Leaders are highest along a corner or the middle.
+  void keep_remaining(const Square& square, const FacePoints& all, FacePoints& left) const {
+    const std::array<Heights, kCorners + 1> leaders = leaders_of(square, all);
+    left.reserve(all.size);
+    left.size = 0;
+    std::int32_t last = -1;
+    for (std::size_t i = 0; i < all.size; i += kFour) {
+      const Heights own = heights_of(square, all, i);
+      FourMask outdone{};
+      for (const Heights& leader : leaders) {
+        FourMask further = leader[0] - own[0] > kDoubt;
+        for (std::size_t k = 1; k < kCorners; ++k) further &= leader[k] - own[k] > kDoubt;
+        outdone |= further;
+      }
+      for (std::size_t lane = 0; lane < kFour; ++lane) {
+        const std::size_t k = i + lane;
+        const bool counts = outdone[lane] == 0 && all.vertex[k] != last;
+        last = all.vertex[k];
+        left.put(last, all.out[k], all.along_rows[k], all.along_columns[k], counts);
+      }
+    }
+  }
+
+  static std::array<Heights, kCorners + 1> leaders_of(const Square& square, const FacePoints& all) {
+    std::array<Highest, kCorners + 1> highest;
+    FourMask place{0, 1, 2, 3};
+    for (std::size_t i = 0; i < all.size; i += kFour, place += static_cast<std::int32_t>(kFour)) {
+      const Heights h = heights_of(square, all, i);
+      for (std::size_t k = 0; k < kCorners; ++k) highest[k].take(h[k], place);
+      highest[kCorners].take((h[0] + h[1]) + (h[2] + h[3]), place);
+    }
+    std::array<Heights, kCorners + 1> out;
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      const std::size_t leader = highest[k].index();
+      const Heights h = heights_of(square, all, leader / kFour * kFour);
+      for (std::size_t corner = 0; corner < kCorners; ++corner) out[k][corner] = Four{} + h[corner][leader % kFour];
+    }
+    return out;
   }
 };
 
@@ -133,20 +233,37 @@ void lay_out_blocks(const std::vector<Vec3>& points, std::vector<Vec3> towards, 
   }
 }
 
+// The blocks of some vertices, in groups.
+std::vector<BlockGroup> grouped(const Vertices& vertices, const std::vector<std::uint16_t>& block_of) {
+  std::vector<std::uint16_t> blocks;
+  blocks.reserve(vertices.size());
+  for (const std::int32_t v : vertices) blocks.push_back(block_of[at(v)]);
+  std::sort(blocks.begin(), blocks.end());
+  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+  std::vector<BlockGroup> groups((blocks.size() + kGroup - 1) / kGroup);
+  for (std::size_t k = 0; k < groups.size() * kGroup; ++k) {
+    groups[k / kGroup][k % kGroup] = blocks[std::min(k, blocks.size() - 1)];
+  }
+  return groups;
+}
+
 }  // namespace
 
 DirectionCells direction_cells(const std::vector<Vec3>& points, double largest_coordinate) {
   DirectionCells cells;
-  const CellLists lists(points, largest_coordinate);
+  cells.edge = edge_for(points.size());
+  const CellLists lists(points, cells.edge);
   lay_out_blocks(points, lists.towards(), largest_coordinate > 0 ? largest_coordinate : 1, cells);
-  std::vector<std::size_t> block_of(points.size());
+  std::vector<std::uint16_t> block_of(points.size());
   for (std::size_t b = 0; b < cells.blocks.size(); ++b) {
-    for (const std::int32_t v : cells.blocks[b].vertex) block_of[at(v)] = b;
+    for (const std::int32_t v : cells.blocks[b].vertex) block_of[at(v)] = static_cast<std::uint16_t>(b);
   }
   for (const Vertices& list : lists.lists()) {
-    std::uint64_t blocks = 0;
-    for (const std::int32_t v : list) blocks |= std::uint64_t{1} << block_of[at(v)];
-    cells.cells.push_back(blocks);
+    const std::vector<BlockGroup> groups = grouped(list, block_of);
+    if (groups.size() > kMostCellGroups) return {};
+    const auto others = static_cast<std::uint32_t>(cells.groups.size());
+    cells.cells.push_back({groups[0], others, static_cast<std::uint32_t>(groups.size() - 1)});
+    cells.groups.insert(cells.groups.end(), groups.begin() + 1, groups.end());
   }
   return cells;
 }

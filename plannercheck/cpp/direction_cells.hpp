@@ -1,9 +1,10 @@
-// Extreme vertices of middle-sized bodies by direction: which vertices may be extreme along a direction of a cell.
+// Extreme vertices by direction, in a time that does not depend on the body: which vertices may be extreme along a
+// direction of a cell.
 //
-// The cells are squares on the faces of the cube around the origin, a direction's is found by comparisons. A vertex
-// is left out of a cell if another one is strictly further along all four of its corners: every direction of the cell
-// is a mixture of these. Vertices that are extreme along similar directions share a block; a cell is the set of blocks
-// that hold what was not left out, some three, which are scanned in floats.
+// The cells are squares on the faces of the cube around the origin. A vertex is left out of a cell if another one is
+// surely further along all four of its corners: every direction of the cell is a mixture of these, but for the rounding
+// of where it is. Vertices that are extreme along similar directions share a block; a cell lists the blocks that hold
+// what was not left out, some four, which are scanned in floats.
 #pragma once
 
 #include <array>
@@ -34,36 +35,62 @@ struct alignas(64) CellBlock : ScanBlock {
   std::array<std::int32_t, kScanLanes> vertex;
 };
 
-struct DirectionCells {
-  static constexpr std::size_t kEdge = 4;  // cells along an edge of the cube (measured)
-  static constexpr std::size_t kCells = 6 * kEdge * kEdge;
+// Blocks of a cell that are scanned at a time; where there are fewer, the last one is repeated.
+inline constexpr std::size_t kGroup = 4;
+typedef std::array<std::uint16_t, kGroup> BlockGroup;
+inline constexpr std::size_t kMostCellGroups = 16;
 
-  std::vector<std::uint64_t> cells;  // a bit for each block; empty or kCells of them
+// Blocks have numbers of 16 bits.
+inline constexpr std::size_t kMostCellVertices = kScanLanes << 16;
+
+// Mostly one group holds all that a cell needs.
+struct Cell {
+  BlockGroup first;
+  std::uint32_t others = 0, count = 0;  // further groups: where they are, and how many
+};
+
+struct DirectionCells {
+  std::int32_t edge = 0;  // cells along an edge of the cube; 0: there are none
+  std::vector<Cell> cells;
+  std::vector<BlockGroup> groups;  // further ones
   std::vector<CellBlock> blocks;
 
-  bool empty() const { return cells.empty(); }
-  std::size_t bytes() const { return cells.size() * sizeof cells[0] + blocks.size() * sizeof blocks[0]; }
+  bool empty() const { return edge == 0; }
+  std::size_t bytes() const {
+    return cells.size() * sizeof cells[0] + groups.size() * sizeof groups[0] + blocks.size() * sizeof blocks[0];
+  }
 
-  // The cell of a direction, without branches; that of 0 is any.
-  static std::size_t cell(Vec3 u) {
+  // The cell of a direction, up to kDirectionError of its place on the cube's face; that of 0 is any.
+  const Cell& cell(Vec3 u) const { return cells[index(u)]; }
+  std::size_t index(Vec3 u) const {
     const std::array<double, 5> entry{u.x, u.y, u.z, u.x, u.y};
     const double x = std::fabs(u.x), y = std::fabs(u.y), z = std::fabs(u.z);
     const auto second = static_cast<std::size_t>(y > x), third = static_cast<std::size_t>(z > larger(x, y));
     const std::size_t axis = second + third * (2 - second);
     const std::size_t face = 2 * axis + static_cast<std::size_t>(entry[axis] < 0);
     const double length = larger(larger(x, y), z);
-    return (face * kEdge + column(entry[axis + 1], length)) * kEdge + column(entry[axis + 2], length);
+    const auto count = static_cast<std::size_t>(edge);
+    return (face * count + column(entry[axis + 1], length)) * count + column(entry[axis + 2], length);
   }
 
+  // A quotient of two numbers, and its sum with 1: each errs by 2^-53.
+  static constexpr double kDirectionError = 2 * 0x1p-53;
+
  private:
-  // Of an entry between −length and length, exactly.
-  static std::size_t column(double entry, double length) {
-    return static_cast<std::size_t>(2 * entry > -length) + static_cast<std::size_t>(entry > 0) +
-           static_cast<std::size_t>(2 * entry > length);
+  // Of an entry between −length and length; what is no number is at −1.
+  std::size_t column(double entry, double length) const {
+    if (edge == 4) {
+      return static_cast<std::size_t>(2 * entry > -length) + static_cast<std::size_t>(entry > 0) +
+             static_cast<std::size_t>(2 * entry > length);
+    }
+    const double place = entry / length;
+    const double last = edge - 1, within = (place + 1) * (0.5 * edge);
+    const double from_0 = within > 0 ? within : 0;
+    return static_cast<std::size_t>(static_cast<std::int32_t>(from_0 < last ? from_0 : last));
   }
 };
 
-// Of at most 64 blocks of vertices.
+// None of bodies of which too many vertices may be extreme along similar directions: a descent looks at fewer.
 DirectionCells direction_cells(const std::vector<Vec3>& points, double largest_coordinate);
 
 }  // namespace plannercheck

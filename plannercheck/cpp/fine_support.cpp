@@ -25,7 +25,7 @@ constexpr double kTopDoubt = 2 * (kScanError + 2 * kRoundoff);
 
 std::int32_t extreme_at_top(const Levels& h, const FineDirection& direction) {
   const Vec3 u = direction.rounded();
-  std::array<double, kScannedVertices> values;
+  std::array<double, kUnlayered> values;
   double highest = -__builtin_inf();
   for (std::size_t i = 0; i < h.top.size(); ++i) {
     values[i] = dot(h.points[at(h.top[i])], u);

@@ -75,7 +75,7 @@ void lay_out_scans(const std::vector<std::int32_t>& alive, Levels& h) {
   for (std::size_t i = 0; i < h.top.size(); ++i) {
     h.top_blocks[i / kScanLanes].put(i % kScanLanes, h.points[at(h.top[i])], unit);
   }
-  if (h.points.size() <= at(kUnlayered) || h.points.size() > at(kScannedVertices)) return;
+  if (h.points.size() <= at(kUnlayered) || h.points.size() > kMostCellVertices) return;
   h.cells = direction_cells(h.points, h.largest_coordinate);
 }
 

@@ -21,13 +21,12 @@
 
 namespace plannercheck {
 
-inline constexpr int kScannedVertices = 512;  // up to this many a scan in lanes beats every hierarchy (measured)
-inline constexpr int kUnlayered = 64;         // up to this many all vertices are at the top
-inline constexpr int kTopVertices = 48;       // left at the top of the hierarchies of larger bodies
-inline constexpr int kCrownTop = 8;           // so few a side make the coupled walk's first game as small as its others
-inline constexpr int kRemovedDegree = 8;      // a planar graph has enough independent vertices of at most this degree
-inline constexpr int kBlockLanes = 4;         // the layout is the same on every instruction set, so that files are too
-inline constexpr int kLongChain = 64;         // entries; longer chains are walked by wedges (16 blocks of scanning)
+inline constexpr int kUnlayered = 64;     // up to this many all vertices are at the top
+inline constexpr int kTopVertices = 48;   // left at the top of the hierarchies of larger bodies
+inline constexpr int kCrownTop = 8;       // so few a side make the coupled walk's first game as small as its others
+inline constexpr int kRemovedDegree = 8;  // a planar graph has enough independent vertices of at most this degree
+inline constexpr int kBlockLanes = 4;     // the layout is the same on every instruction set, so that files are too
+inline constexpr int kLongChain = 64;     // entries; longer chains are walked by wedges (16 blocks of scanning)
 
 inline constexpr std::int32_t kNoChain = -1;
 

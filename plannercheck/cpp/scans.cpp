@@ -47,24 +47,17 @@ void take_furthest(unsigned lanes, Vertex vertex, Further further, std::int32_t*
   }
 }
 
-// Cells are scanned by so many blocks at a time; mostly that is all of them, and nothing has to be kept in memory.
-constexpr std::size_t kAtOnce = 4;
+// The blocks of a cell that are scanned at a time; mostly that is all of them, and nothing has to be kept in memory.
+struct ScannedGroup {
+  std::array<const CellBlock*, kGroup> block;
+  std::array<Floats, kGroup> value;
 
-struct FourBlocks {
-  std::array<std::size_t, kAtOnce> block;
-  std::array<Floats, kAtOnce> value;
-
-  // Takes the first four of the blocks; where these are fewer the last one is repeated. Returns the others.
-  std::uint64_t scan(const DirectionCells& cells, std::uint64_t blocks, const FloatDirection& direction) {
+  void scan(const DirectionCells& cells, const BlockGroup& group, const FloatDirection& direction) {
 #pragma GCC unroll 4
-    for (std::size_t k = 0; k < kAtOnce; ++k) {
-      block[k] = static_cast<std::size_t>(__builtin_ctzll(blocks));
-      value[k] = direction.along(cells.blocks[block[k]]);
-      const std::uint64_t others = blocks & (blocks - 1);
-      if (k + 1 == kAtOnce) return others;
-      blocks = others != 0 ? others : blocks;
+    for (std::size_t k = 0; k < kGroup; ++k) {
+      block[k] = &cells.blocks[group[k]];
+      value[k] = direction.along(*block[k]);
     }
-    return 0;
   }
 
   Floats highest() const {
@@ -75,7 +68,7 @@ struct FourBlocks {
   unsigned lanes_above(Floats ties) const {
     unsigned lanes = 0;
 #pragma GCC unroll 4
-    for (std::size_t k = 0; k < kAtOnce; ++k) lanes |= float_bits(value[k] >= ties) << (k * kScanLanes);
+    for (std::size_t k = 0; k < kGroup; ++k) lanes |= float_bits(value[k] >= ties) << (k * kScanLanes);
     return lanes;
   }
 };
@@ -122,28 +115,26 @@ std::int32_t extreme_of_few(const Levels& h, Vec3 u, QueryCounters& counters) {
 
 }  // namespace
 
-std::int32_t extreme_in_cell(const Levels& h, Vec3 u, QueryCounters& counters) {
+std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
   const DirectionCells& cells = h.cells;
   const FloatDirection direction(u);
-  std::array<FourBlocks, kScannedVertices / kScanLanes / kAtOnce> groups;
-  std::uint64_t left = groups[0].scan(cells, cells.cells[DirectionCells::cell(u)], direction);
+  const std::size_t count = 1 + cell.count;
+  std::array<ScannedGroup, kMostCellGroups> groups;
+  groups[0].scan(cells, cell.first, direction);
   Floats highest = groups[0].highest();
-  std::size_t count = 1;
-  for (; left != 0; ++count) {
-    left = groups[count].scan(cells, left, direction);
-    const Floats other = groups[count].highest();
+  for (std::size_t g = 1; g < count; ++g) {
+    groups[g].scan(cells, cells.groups[cell.others + g - 1], direction);
+    const Floats other = groups[g].highest();
     highest = other > highest ? other : highest;
   }
-  counters.blocks += static_cast<long>(count * kAtOnce * (kScanLanes / kBlockLanes));
+  counters.blocks += static_cast<long>(count * kGroup * (kScanLanes / kBlockLanes));
   const Floats ties = Floats{} + (largest(highest) - direction.tie);
   const auto further = [&](std::int32_t v, std::int32_t than) {
     return compare_along(u, h.points[at(v)], h.points[at(than)]) > 0;
   };
   std::int32_t found = -1;
   for (std::size_t g = 0; g < count; ++g) {
-    const auto vertex = [&](std::size_t lane) {
-      return cells.blocks[groups[g].block[lane / kScanLanes]].vertex[lane % kScanLanes];
-    };
+    const auto vertex = [&](std::size_t lane) { return groups[g].block[lane / kScanLanes]->vertex[lane % kScanLanes]; };
     take_furthest(groups[g].lanes_above(ties), vertex, further, &found);
   }
   return found < 0 ? cells.blocks[0].vertex[0] : found;

@@ -6,8 +6,8 @@
 
 namespace plannercheck {
 
-// The vertex of a body with cells, exactly.
-std::int32_t extreme_in_cell(const Levels& levels, Vec3 u, QueryCounters& counters);
+// The vertex of a body with cells, exactly. `cell`: u's.
+std::int32_t extreme_in_cell(const Levels& levels, const Cell& cell, Vec3 u, QueryCounters& counters);
 
 // Of a hierarchy's top, exactly, with what a descent needs of it.
 Stand stand_at_top(const Levels& levels, Vec3 u, QueryCounters& counters);

@@ -131,7 +131,8 @@ inline bool advance(const Block& block, Vec3 u, Stand& stand, QueryCounters& cou
   return false;
 }
 
-inline void ask_for(const Block& block) {
+template <class AnyBlock>
+void ask_for(const AnyBlock& block) {
   const char* const line = reinterpret_cast<const char*>(&block);
   __builtin_prefetch(line);
   __builtin_prefetch(line + sizeof block / 2);
@@ -187,7 +188,7 @@ std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounte
 }
 
 std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
-  if (!h.cells.empty()) return extreme_in_cell(h, u, counters);
+  if (!h.cells.empty()) return extreme_in_cell(h, h.cells.cell(u), u, counters);
   if (h.depth == 0) return extreme_of_top(h, u, counters);
   return descend(h, stand_at_top(h, u, counters), u, counters).vertex;
 }
@@ -195,13 +196,31 @@ std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
 void Descent::start(const Levels& h, Vec3 u, QueryCounters& counters) {
   levels_ = &h;
   direction_ = u;
-  if (h.cells.empty() && h.depth > 0) {
-    stand_ = stand_at_top(h, u, counters);
-    return arrive();
-  }
-  const std::int32_t v = extreme(h, u, counters);
-  stand_ = {h.points[at(v)], v, kNoChain};
   block_ = nullptr;
+  cell_ = nullptr;
+  if (!h.cells.empty()) {
+    cell_ = &h.cells.cell(u);
+    has_asked_ = false;
+    __builtin_prefetch(cell_);
+  } else if (h.depth > 0) {
+    stand_ = stand_at_top(h, u, counters);
+    arrive();
+  } else {
+    stand_at(extreme(h, u, counters));
+  }
+}
+
+void Descent::stand_at(std::int32_t v) { stand_ = {levels_->points[at(v)], v, kNoChain}; }
+
+// First for the cell's blocks, mostly all in its first group; then they are scanned.
+bool Descent::step_in_cell(QueryCounters& counters) {
+  if (!has_asked_) {
+    for (const std::uint16_t block : cell_->first) ask_for(levels_->cells.blocks[block]);
+    has_asked_ = true;
+    return true;
+  }
+  stand_at(extreme_in_cell(*levels_, *cell_, direction_, counters));
+  return false;
 }
 
 void Descent::arrive() {
@@ -210,6 +229,7 @@ void Descent::arrive() {
 }
 
 bool Descent::step(QueryCounters& counters) {
+  if (cell_ != nullptr) return step_in_cell(counters);
   if (block_ == nullptr) {
     if (!stand_.is_walked() || !walk_wedges(*levels_, direction_, stand_, counters)) return false;
     arrive();

@@ -1,9 +1,9 @@
 // Extreme vertices: the vertex of a body that is furthest along a direction, in O(log n).
 //
 // Every comparison of the walk is on the difference of two vertices, filtered with its own error bound and exact where
-// the filter fails: a walk that compares rounded products can stop far from the extreme vertex. Bodies of at most
-// kScannedVertices are scanned in floats, and what their rounding leaves is compared like that, too; of bodies of at
-// most kUnlayered rounded products are compared: the vertex found is then extreme up to kScanError.
+// the filter fails: a walk that compares rounded products can stop far from the extreme vertex. Where a body has cells
+// of directions, those of one are scanned in floats instead, and what their rounding leaves is compared like that, too;
+// of bodies of at most kUnlayered rounded products are compared: the vertex found is then extreme up to kScanError.
 #pragma once
 
 #include "hierarchy.hpp"
@@ -26,10 +26,10 @@ std::int32_t extreme(const Levels& levels, Vec3 u, QueryCounters& counters);
 // The same search in steps, which ask for the memory that the next one reads: for callers with several under way.
 class Descent {
  public:
-  // From the top; bodies that are scanned are done with.
+  // From the top, or the direction's cell.
   void start(const Levels& levels, Vec3 u, QueryCounters& counters);
 
-  // Looks at one block, or walks all wedges of a vertex; false if the vertex is found.
+  // Looks at one block, or the blocks of a cell, or walks all wedges of a vertex; false if the vertex is found.
   bool step(QueryCounters& counters);
 
   std::int32_t vertex() const { return stand_.vertex; }
@@ -38,10 +38,14 @@ class Descent {
  private:
   const Levels* levels_ = nullptr;
   const Block* block_ = nullptr;  // of the chain that is scanned; else none
+  const Cell* cell_ = nullptr;    // of the direction, where the body has cells
+  bool has_asked_ = false;        // for that cell's blocks
   Vec3 direction_;
   Stand stand_;
 
   void arrive();
+  void stand_at(std::int32_t vertex);
+  bool step_in_cell(QueryCounters& counters);
 };
 
 // The same from any vertex v: up by rings to a vertex that is extreme at the level where it appears, and down from
