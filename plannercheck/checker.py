@@ -83,6 +83,7 @@ class Checker:
         method: Method = "oracle",
         cached_plane: bool = True,
         centre_axis: bool = True,
+        turned_axis: bool = True,
         facet_plane: bool = True,
         nearest_points: bool = True,
         bounds: bool = True,
@@ -108,6 +109,7 @@ class Checker:
             method: The solver of the pair test, see `pair.pair_options`. Verdicts do not depend on it.
             cached_plane: Whether the last separating plane of a pair is tried first.
             centre_axis: Whether the axis between the centres, and swells around them, are tried before the solver.
+            turned_axis: Whether that axis is turned to where the bodies would face each other if they were ellipsoids.
             facet_plane: Whether the facets' planes of two bodies of eight corners at most are tried before the solver.
             nearest_points: Whether nearest points in doubles are tried before exact arithmetic.
             bounds: Whether bounding balls and a tree of the obstacles settle pairs that are far apart.
@@ -131,7 +133,7 @@ class Checker:
         alone = without(robot, () if scene is None else scene.attached)
         self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, reach)
         self._options = (
-            (method, cached_plane, centre_axis, facet_plane, nearest_points),
+            (method, cached_plane, centre_axis, turned_axis, facet_plane, nearest_points),
             (bounds, boxes, overlaps, learning),
         )
         self._prepare(scene if scene is not None else Scene("empty"), None)

@@ -107,6 +107,13 @@ class Polytope:
         """Distance in m around the hull that belongs to the body."""
         return float(self._core.swell)
 
+    def without_cells(self) -> Polytope:
+        """The same body, whose extreme vertices are sought in the hierarchies alone, as in the paper: O(log n).
+
+        Otherwise cells of directions name the few that may be extreme (cpp/direction_cells.hpp), with the same answers.
+        """
+        return self._from_core(self._core.without_cells())
+
     @property
     def nbytes(self) -> int:
         """Memory of the prepared body in bytes."""

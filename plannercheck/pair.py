@@ -37,6 +37,7 @@ def pair_options(
     method: Method = "oracle",
     cached_plane: bool = True,
     centre_axis: bool = True,
+    turned_axis: bool = True,
     facet_plane: bool = True,
     nearest_points: bool = True,
     double_double: bool = True,
@@ -50,6 +51,7 @@ def pair_options(
             arithmetic alone). Verdicts are the same.
         cached_plane: Try the plane that separated the pair last time first.
         centre_axis: Try the axis between the centres, and swells around them, before the method.
+        turned_axis: Turn that axis to where the bodies would face each other if they were ellipsoids.
         facet_plane: Try the planes of both bodies' facets before the method, where both have eight corners at most.
         nearest_points: Try nearest points in doubles where the method does not decide.
         double_double: Try nearest points in double-double before exact arithmetic.
@@ -64,7 +66,15 @@ def pair_options(
         raise unknown_name("method", method, METHODS)
     solver = getattr(core.Solver, method)
     return core.PairOptions(
-        solver, cached_plane, centre_axis, facet_plane, nearest_points, double_double, warm_start, interleaving
+        solver,
+        cached_plane,
+        centre_axis,
+        turned_axis,
+        facet_plane,
+        nearest_points,
+        double_double,
+        warm_start,
+        interleaving,
     )
 
 

@@ -16,13 +16,6 @@ from plannercheck.stress.families import family
 GAPS = (1e-1, 1e-4, 1e-9, 1e-15, 0.0, -1e-12, -1e-2)
 EACH = 12
 
-
-def by_hierarchies(polytope):
-    """Without cells of directions: extreme vertices are found by descents."""
-    polytope._core = polytope.core.without_cells()
-    return polytope
-
-
 # Hulls of which every two together are large enough: scanned, walked by wedges at hubs, flat, a box, swollen.
 BODIES = {
     "round": pc.Polytope(family("round", 3500, 1)),
@@ -32,9 +25,9 @@ BODIES = {
     "lattice": pc.Polytope(family("lattice", 4500, 5)),
     "box": pc.Polytope(family("box", 8, 6)),
     "swollen": pc.Polytope(family("round", 3000, 7), swell=0.05),
-    "round by hierarchies": by_hierarchies(pc.Polytope(family("round", 3000, 8))),
-    "ellipsoid by hierarchies": by_hierarchies(pc.Polytope(family("round", 3500, 9) * [1.0, 0.7, 0.5])),
-    "cone by hierarchies": by_hierarchies(pc.Polytope(family("cone", 4500, 3))),
+    "round by hierarchies": pc.Polytope(family("round", 3000, 8)).without_cells(),
+    "ellipsoid by hierarchies": pc.Polytope(family("round", 3500, 9) * [1.0, 0.7, 0.5]).without_cells(),
+    "cone by hierarchies": pc.Polytope(family("cone", 4500, 3)).without_cells(),
 }
 PAIRS = [
     ("round", "ellipsoid"),
@@ -141,11 +134,12 @@ def test_verdicts_do_not_depend_on_which_planes_are_cached(first, second, step):
 
 
 @pytest.mark.parametrize(("first", "second"), [("round", "ellipsoid"), ("fan", "ellipsoid")])
-@pytest.mark.parametrize("step", [1e-3, 3e-2])
+@pytest.mark.parametrize("step", [1e-3, 2e-2])
 def test_planes_that_poses_nearby_have_left_separate(first, second, step):
     P, R = BODIES[first], BODIES[second]
     poses_p, poses_r = walk(*(rows[:: EACH // 2] for rows in posed(P, R)), step, 8)
-    found = core.certify_batch(P.core, poses_p, R.core, poses_r, pair_options())
+    options = pair_options(turned_axis=False)  # which leaves planes little to do
+    found = core.certify_batch(P.core, poses_p, R.core, poses_r, options)
     assert "cached plane" in {pair["stage"] for pair in found}
     for pair, pose_p, pose_r in zip(found, poses_p, poses_r, strict=True):
         if pair["stage"] == "cached plane":

@@ -151,7 +151,7 @@ def _gaps(queries: int) -> Floats:
 
 
 def _in_space(name: str, size: int, queries: int, seed: int) -> Iterator[ComplexityRow]:
-    body = Polytope(families.family(name, size, seed))
+    body = Polytope(families.family(name, size, seed)).without_cells()
     solid = contacts.Solid(name, body.vertices, body.faces.astype(np.int64))
     poses = list(zip(*contacts.contact_poses(solid, solid, _gaps(queries), np.random.default_rng(seed)), strict=True))
     levelled = dobkin_kirkpatrick.LevelledBody(body)

@@ -31,6 +31,7 @@ SWITCHES = (
     "learning",
     "cached_plane",
     "centre_axis",
+    "turned_axis",
     "facet_plane",
     "nearest_points",
 )

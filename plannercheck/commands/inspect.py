@@ -45,6 +45,7 @@ SKIPS = {
     "boxes": "planes along boxes",
     "cached_plane": "last separating plane",
     "centre_axis": "axis between centres",
+    "turned_axis": "axis between ellipsoids",
     "facet_plane": "facets of small bodies",
     "learning": "likeliest pair first",
 }

@@ -223,13 +223,14 @@ void bind_body(nb::module_& m) {
   nb::class_<PairOptions>(m, "PairOptions")
       .def(
           "__init__",
-          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool facet_plane,
+          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool turned_axis, bool facet_plane,
              bool nearest_points, bool double_double, bool warm_start, bool interleaving) {
-            new (self) PairOptions{solver,         cached_plane,  centre_axis, facet_plane,
+            new (self) PairOptions{solver,         cached_plane,  centre_axis, turned_axis, facet_plane,
                                    nearest_points, double_double, warm_start,  interleaving};
           },
-          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("facet_plane"),
-          nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"), nb::arg("interleaving"));
+          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("turned_axis"),
+          nb::arg("facet_plane"), nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"),
+          nb::arg("interleaving"));
 
   nb::class_<Body>(m, "Body")
       .def_static("from_points", &body_from_points)

@@ -16,4 +16,5 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_planar_motion(m);
   plannercheck::bind_motion(m);
   plannercheck::bind_distance(m);
+  plannercheck::bind_game(m);
 }

@@ -119,6 +119,7 @@ Body prepare_body(const ConvexMesh& mesh) {
   facets(mesh, &body.facet_count);
   if (!add_polar(mesh, body)) do_without_polar(body);
   measure(body);
+  body.alike = alike_ellipsoid(body.inner.points, body.triangles);
   return body;
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "alike_ellipsoid.hpp"
 #include "computed_once.hpp"
 #include "hierarchy.hpp"
 #include "hull.hpp"
@@ -39,6 +40,7 @@ struct Body {
   std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward
   double polar_radius = 0;                // largest |q| over the polar points, rounded up
   std::int32_t facet_count = 0;
+  AlikeEllipsoid alike;                         // not in files
   ComputedOnce<InnerShapes> inner_shapes_once;  // only checkers of configurations need them
 
   const InnerShapes& inner_shapes() const {

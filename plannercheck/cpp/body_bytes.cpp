@@ -271,6 +271,7 @@ Body parse_body(const char* data, std::size_t size) {
   if (body.has_polar()) require_sound_hierarchy(body.polar);
   require(body.source.size() == body.inner.points.size() &&
           all_corners_below(body.triangles, body.inner.points.size()));
+  body.alike = alike_ellipsoid(body.inner.points, body.triangles);
   require(all_corners_below(body.polar_triangles, body.polar.points.size()));
   return body;
 }

@@ -1,5 +1,5 @@
 // The axis between the centres of two posed bodies: it separates most of those that are far apart, and joins round ones
-// that are within each other's swell.
+// that are within each other's swell. Of long and flat bodies another one separates more: the axis may be turned to it.
 #pragma once
 
 #include "pair.hpp"
@@ -12,7 +12,8 @@ class CentreAxis {
       : guest_(guest),
         host_(host),
         host_centre_(host.pose.apply(host.body->centre)),
-        axis_(guest.pose.apply(guest.body->centre) - host_centre_),
+        between_centres_(guest.pose.apply(guest.body->centre) - host_centre_),
+        axis_(between_centres_),
         rounding_(kRounding * (guest.body->reach + host.body->reach + norm_1(guest.pose.translation()) +
                                norm_1(host.pose.translation()))),
         radii_(guest.body->radius + host.body->radius),
@@ -20,6 +21,14 @@ class CentreAxis {
 
   // From the host to the guest, in the world.
   Vec3 direction() const { return axis_; }
+
+  // To where the bodies would face each other if they were ellipsoids; round ones do so along the axis.
+  void turn() {
+    const AlikeEllipsoid &guest = guest_.body->alike, &host = host_.body->alike;
+    if ((guest.is_round && host.is_round) || !guest.exists || !host.exists) return;
+    const Vec3 u = direction_between(guest, guest_.pose, host, host_.pose);
+    if (norm_1(u) > 0 && norm_1(u) < 4) axis_ = u;  // a guess of numbers, whose largest is 1
+  }
 
   bool has_swell() const { return swell_ > 0; }
 
@@ -32,7 +41,7 @@ class CentreAxis {
   // Whether the balls around the centres are apart.
   bool separates_balls() const {
     const double room = (radii_ + swell_) * (1 + kSlack) + rounding_;
-    return dot(axis_, axis_) > room * room + kTrustedLength * kTrustedLength;
+    return dot(between_centres_, between_centres_) > room * room + kTrustedLength * kTrustedLength;
   }
 
   // A plane at right angles to a direction from the host, in the host's frame, that touches the host's ball: q·x <= 1
@@ -46,8 +55,8 @@ class CentreAxis {
   Certificate separated(bool scaled) const;
 
   // Whether the centres are within the swell, and the point between them.
-  bool centres_share() const { return is_within_swell(axis_); }
-  Certificate shared_by_centres() const { return shared(host_centre_, axis_); }
+  bool centres_share() const { return is_within_swell(between_centres_); }
+  Certificate shared_by_centres() const { return shared(host_centre_, between_centres_); }
 
   // The directions of the vertices that face the other body, each in its own body's frame.
   Vec3 towards_host() const { return -guest_.pose.rotate_back(axis_); }
@@ -74,14 +83,14 @@ class CentreAxis {
   static constexpr double kRounding = 64 * 0x1p-53;
 
   const PosedBody &guest_, &host_;
-  Vec3 host_centre_, axis_;
+  Vec3 host_centre_, between_centres_, axis_;
   double rounding_, radii_, swell_;
 
   // Along the axis, or a direction that turns by no more than `slack` on its way through the host's frame, times its
   // length.
   double room() const { return room(axis_, kSlack); }
   double room(Vec3 direction, double slack) const {
-    return norm(direction) * (swell_ * (1 + slack) + slack * (norm(axis_) + radii_) + rounding_) +
+    return norm(direction) * (swell_ * (1 + slack) + slack * (norm(between_centres_) + radii_) + rounding_) +
            kTrustedLength * kTrustedLength;
   }
 

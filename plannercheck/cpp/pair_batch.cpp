@@ -54,6 +54,7 @@ class SteppedTest {
     if (!options_->centre_axis) return begin_solver(0);
     axis_.emplace(guest_, host_);
     if (axis_->centres_share()) return end(axis_->shared_by_centres());
+    if (options_->turned_axis) axis_->turn();
     ++counters_->guest_queries;
     return search(Sought::kLowest, guest_.body->inner, axis_->towards_host());
   }

@@ -116,12 +116,13 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
   return certified(axis.separated(cache != nullptr), cache);
 }
 
-PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, const CentreAxis& axis,
-                            const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
+PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis axis, const PairOptions& options,
+                            CachedPlane* cache, PairCounters& counters) {
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   cache = kept(*host.body, options, cache);
   std::int32_t lowest = 0;
   if (options.centre_axis) {
+    if (options.turned_axis) axis.turn();
     const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
@@ -137,12 +138,13 @@ PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& op
   const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
   cache = kept(*host.body, options, cache);
   if (options.solver != Solver::kExact && plane_holds(frame, cache, counters)) return cached(*cache);
-  const CentreAxis axis(guest, host);
+  CentreAxis axis(guest, host);
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   std::int32_t lowest = 0;
   if (likely && !axis.has_swell()) {
     lowest = axis.nearly_lowest(counters);
   } else if (options.centre_axis) {
+    if (options.turned_axis) axis.turn();
     const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }

@@ -18,6 +18,7 @@ struct PairOptions {
   Solver solver = Solver::kDoubleOracle;
   bool cached_plane = true;
   bool centre_axis = true;
+  bool turned_axis = true;  // whether that is turned to where the bodies would face each other if they were ellipsoids
   bool facet_plane = true;
   bool nearest_points = true;  // the second filter
   bool double_double = true;   // the third filter; without both, exact arithmetic decides what the solver leaves
@@ -62,7 +63,7 @@ inline bool is_far(const CentreAxis& axis, const PairOptions& options) {
   return options.centre_axis && options.solver != Solver::kExact && axis.separates_balls();
 }
 // The test of a pair that is not far.
-PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, const CentreAxis& axis,
-                            const PairOptions& options, CachedPlane* cache, PairCounters& counters);
+PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis axis, const PairOptions& options,
+                            CachedPlane* cache, PairCounters& counters);
 
 }  // namespace plannercheck

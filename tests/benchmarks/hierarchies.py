@@ -57,11 +57,10 @@ def show_logarithm(sizes: list[int]) -> None:
     for name in FAMILIES:
         for size in sizes:
             rng = np.random.default_rng(0)
-            body = pc.Polytope(families.family(name, size, 0))
+            body = pc.Polytope(families.family(name, size, 0)).without_cells()
             shape = body.statistics()
             asked = directions(body.vertices - body.centre, rng)
-            core = body.core.without_cells()
-            hull, polar = (core.extremes(asked, of_polar)[1].max() for of_polar in (False, True))
+            hull, polar = (body.core.extremes(asked, of_polar)[1].max() for of_polar in (False, True))
             walk = worst_walk(body, name, rng)
             print(
                 f"{name:8s} {len(body.vertices):8d}   {shape['inner']['levels']:4d}  {shape['polar']['levels']:5d}"
