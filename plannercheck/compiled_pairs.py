@@ -14,6 +14,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.configurations import LARGEST_VALUE
 from plannercheck.core import core
 from plannercheck.hull import Polytope, prepared
 from plannercheck.robot import Robot
@@ -128,7 +129,8 @@ class CompiledPairs:
         self._used = np.unique(pairs[rows])
         self.polytopes = {k: preparation.polytope(k) for k in self._used.tolist()}
         links = [-1 if bodies[k].link is None else robot.link_index(str(bodies[k].link)) for k in self._used]
-        lower, upper = limits or (np.full(robot.nq, -np.inf), np.full(robot.nq, np.inf))
+        anything = np.full(robot.nq, LARGEST_VALUE)
+        lower, upper = (np.clip(limit, -anything, anything) for limit in limits or (-anything, anything))
         self.core = core.Checker(
             [polytope.core for polytope in self.polytopes.values()],
             np.array(links, dtype=np.int32),

@@ -83,6 +83,15 @@ def test_what_is_no_configuration(checker, bad):
         checker.is_valid(bad)
 
 
+@pytest.mark.parametrize("reach", [True, False])
+def test_what_is_too_large_is_refused_one_by_one_as_well(panda, scene, reach):
+    checker = pc.Checker(panda, scene, reach=reach)
+    q = np.full(7, 1e16)
+    for form in (q, q.tolist()):
+        with pytest.raises(pc.PlannercheckError, match=r"at most 1e\+15"):
+            checker.is_valid(form)
+
+
 def test_a_judged_row_is_let_go(checker, samples):
     """NumPy would not resize an array whose buffer is still held."""
     row = samples[0].copy()

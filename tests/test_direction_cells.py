@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import resource
 
 import numpy as np
 import pytest
@@ -150,7 +151,19 @@ def test_looking_at_cells_takes_as_long_for_large_bodies():
 
 def test_a_body_of_which_a_cell_would_hold_too_much_has_none():
     """Of a polygon's 3,000 corners a thousand may be extreme about its normal; a hierarchy looks at a few."""
-    body = pc.Polytope(points_of("polygon", 3000)).core
+    assert_no_cells(pc.Polytope(points_of("polygon", 3000)).core)
+
+
+@pytest.mark.parametrize("thickness", [1e-6, 1e-3])
+def test_thin_bodies_are_not_prepared_in_vain(thickness):
+    """Floats can't tell most of their vertices apart in a cell; the first such cell ends the division of the cube."""
+    began = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    body = pc.Polytope(family("round", 60_000, 1) * [1, 1, thickness]).core
+    assert (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - began) * 1024 < 6 * body.bytes()
+    assert_no_cells(body)
+
+
+def assert_no_cells(body):
     near_normal = np.array([1e-6, 1e-6, 1.0]) * random_directions(np.random.default_rng(1), 200)
     assert vertices_looked_at(body, near_normal).max() < 400
     np.testing.assert_array_equal(

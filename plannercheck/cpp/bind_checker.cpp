@@ -86,18 +86,18 @@ class BoundChecker {
   }
 
   nb::dict statistics() {
-    const std::lock_guard lock(mutex_);
+    const CheckerCounters total = counted();
     nb::dict out;
-    out["states"] = total_.states;
-    out["pairs"] = total_.pairs;
-    out["bounds"] = total_.bounds;
-    out["overlaps"] = total_.overlaps;
-    out["boxes"] = total_.boxes;
-    out["skipped"] = total_.skipped;
+    out["states"] = total.states;
+    out["pairs"] = total.pairs;
+    out["bounds"] = total.bounds;
+    out["overlaps"] = total.overlaps;
+    out["boxes"] = total.boxes;
+    out["skipped"] = total.skipped;
     const char* names[] = {"cached_plane",   "centre_axis",   "facet_plane", "solver",
                            "nearest_points", "double_double", "exact"};
-    for (std::size_t i = 0; i < total_.stages.size(); ++i) out[names[i]] = total_.stages[i];
-    out["queries"] = counters_dict(total_.pair);
+    for (std::size_t i = 0; i < total.stages.size(); ++i) out[names[i]] = total.stages[i];
+    out["queries"] = counters_dict(total.pair);
     return out;
   }
 
@@ -120,6 +120,12 @@ class BoundChecker {
     std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};
     return out;
+  }
+
+  // Python's objects are not made under the lock: its garbage collector may run anything meanwhile.
+  CheckerCounters counted() {
+    const std::lock_guard lock(mutex_);
+    return total_;
   }
 
   void add(const CheckerCounters& c) {

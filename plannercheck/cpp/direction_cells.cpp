@@ -132,6 +132,9 @@ class CellLists {
     }
   }
 
+  // Whether some cell has more vertices than a descent looks at: then the lists are not complete.
+  bool is_too_full() const { return is_too_full_; }
+
   const std::vector<Vertices>& lists() const { return lists_; }
   // Per vertex: about the middle of the directions along which it is extreme, of any length.
   const std::vector<Vec3>& towards() const { return towards_; }
@@ -140,6 +143,7 @@ class CellLists {
   static constexpr double kSmallestUnit = 1e-290;
 
   const std::int32_t edge_;
+  bool is_too_full_ = false;
   std::vector<Vertices> lists_;
   std::vector<Vec3> towards_;
   std::vector<FacePoints> levels_;  // of the squares at hand, from the whole face on
@@ -159,6 +163,7 @@ class CellLists {
 
   // The square's candidates are at `level`.
   void divide(const Square& square, std::size_t level) {
+    if (is_too_full_) return;
     keep_remaining(square, levels_[level], levels_[level + 1]);
     if (square.edge == edge_) return add(square, levels_[level + 1]);
     levels_[level + 1].fill_up();
@@ -166,6 +171,8 @@ class CellLists {
   }
 
   void add(const Square& cell, const FacePoints& left) {
+    is_too_full_ = left.size > kMostCellGroups * kGroup * kScanLanes;
+    if (is_too_full_) return;
     const auto end = left.vertex.begin() + static_cast<std::ptrdiff_t>(left.size);
     lists_[(cell.face * at(edge_) + at(cell.row)) * at(edge_) + at(cell.column)].assign(left.vertex.begin(), end);
     const Vec3 middle = cell.middle();
@@ -253,6 +260,7 @@ DirectionCells direction_cells(const std::vector<Vec3>& points, double largest_c
   DirectionCells cells;
   cells.edge = edge_for(points.size());
   const CellLists lists(points, cells.edge);
+  if (lists.is_too_full()) return {};
   lay_out_blocks(points, lists.towards(), largest_coordinate > 0 ? largest_coordinate : 1, cells);
   std::vector<std::uint16_t> block_of(points.size());
   for (std::size_t b = 0; b < cells.blocks.size(); ++b) {
