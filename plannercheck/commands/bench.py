@@ -53,6 +53,10 @@ class Subcommand(NamedTuple):
     run: Callable[[argparse.Namespace], None]
 
 
+# Of what is so short that the machine may be slow for all of a few rounds.
+_ROUNDS = {"pairs": 31}
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the subcommands."""
     parser.epilog = _EPILOG
@@ -60,7 +64,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, subcommand in SUBCOMMANDS.items():
         sub = subcommands.add_parser(name, help=subcommand.summary, description=subcommand.summary)
         subcommand.add_arguments(sub)
-        sub.add_argument("--rounds", type=_positive, default=11, help="turns of each contender (default: %(default)s)")
+        rounds = _ROUNDS.get(name, 11)
+        sub.add_argument(
+            "--rounds", type=_positive, default=rounds, help=f"turns of each contender (default: {rounds})"
+        )
         sub.add_argument("--output", type=Path, metavar="FOLDER", help="write CSV and plots there")
         sub.set_defaults(measure=subcommand.run)
 

@@ -171,7 +171,7 @@ void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane*
                      PairCounters& counters) {
   for (std::size_t i = 0; i < pairs; ++i) {
     const PosedBody guest = batch.guest(i), host = batch.host(i);
-    const CentreAxis axis(guest, host);
+    CentreAxis axis(guest, host);
     if (is_far(axis, options)) {
       take_far(i, axis, cache, batch);
     } else {

@@ -110,13 +110,13 @@ int choose_host(const Body& a, const Body& b) { return conditioning(b) <= condit
 
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters) {
-  const CentreAxis axis(guest, host);
+  CentreAxis axis(guest, host);
   if (!is_far(axis, options)) return test_close_pair(guest, host, axis, options, cache, counters);
   cache = kept(*host.body, options, cache);
   return certified(axis.separated(cache != nullptr), cache);
 }
 
-PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis axis, const PairOptions& options,
+PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis& axis, const PairOptions& options,
                             CachedPlane* cache, PairCounters& counters) {
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   cache = kept(*host.body, options, cache);

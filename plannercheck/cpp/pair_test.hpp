@@ -62,8 +62,8 @@ PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairO
 inline bool is_far(const CentreAxis& axis, const PairOptions& options) {
   return options.centre_axis && options.solver != Solver::kExact && axis.separates_balls();
 }
-// The test of a pair that is not far.
-PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis axis, const PairOptions& options,
+// The test of a pair that is not far. `axis` may be turned.
+PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis& axis, const PairOptions& options,
                             CachedPlane* cache, PairCounters& counters);
 
 }  // namespace plannercheck
