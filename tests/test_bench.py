@@ -159,15 +159,17 @@ def test_missing_libraries_are_left_out_with_a_note(checker, monkeypatch):
     assert len(notes) == 2
 
 
+def worked(order, name, least):
+    """Takes so many seconds of this thread at least."""
+    order.append(name)
+    began = time.thread_time()
+    while time.thread_time() - began < least:
+        pass
+
+
 def test_contenders_take_turns():
     order = []
-
-    def work(name, least):
-        order.append(name)
-        began = time.thread_time()
-        while time.thread_time() - began < least:
-            pass
-
+    work = partial(worked, order)
     seconds = least_seconds({name: lambda name=name: work(name, 2e-3) for name in "abc"}, 3)
     assert "".join(order).startswith("abccbaabc")
     assert len(order) > 9  # so little work goes on until the clock has had time to change
@@ -179,13 +181,7 @@ def test_contenders_take_turns():
 
 def test_parts_take_turns_and_add_up():
     order = []
-
-    def work(name, least):
-        order.append(name)
-        began = time.thread_time()
-        while time.thread_time() - began < least:
-            pass
-
+    work = partial(worked, order)
     parts = {"a": [partial(work, k, 2e-3) for k in "123"], "b": partial(work, "b", 2e-3)}
     seconds = least_seconds(parts, 2)
     assert "".join(order).startswith("1b2b3bb1b2b3")

@@ -140,7 +140,7 @@ class CellLists {
   const std::vector<Vec3>& towards() const { return towards_; }
 
  private:
-  static constexpr double kSmallestUnit = 1e-290;
+  static constexpr double kSmallestUnit = 1e-290;  // no quotient of 0 by 0 where all points are one
 
   const std::int32_t edge_;
   bool is_too_full_ = false;
