@@ -3,6 +3,7 @@
 #include <nanobind/ndarray.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <vector>
 
@@ -17,36 +18,54 @@ namespace {
 
 using Payoffs = InputArray<double, -1, -1, -1>;
 
-// A game that gains a row and a column by turns, as in a search, and is solved again each time.
-void play(GrowingGame& game, const double* payoffs, std::size_t rows, std::size_t columns) {
-  for (std::size_t k = 0; k < std::max(rows, columns); ++k) {
-    GrowingGame::Numbers line{};
-    if (k < rows) {
-      std::copy_n(payoffs + k * columns, std::min(k, columns), line.begin());
-      game.put_row(game.place_of_row(), line);
-      if (k > 0) game.solve();
-    }
-    if (k < columns) {
-      for (std::size_t row = 0; row < std::min(k + 1, rows); ++row) line[row] = payoffs[row * columns + k];
-      game.put_column(game.place_of_column(), line);
-      game.solve();
+constexpr auto kMost = static_cast<std::size_t>(GrowingGame::kMost);
+// Games are written down so many at a time: lines that are read right after they were written in single numbers have to
+// wait, which is not what is to be timed.
+constexpr std::size_t kAtOnce = 16;
+
+struct Game {
+  std::array<GrowingGame::Numbers, kMost> by_row{}, by_column{};
+
+  void write(const double* payoffs, std::size_t rows, std::size_t columns) {
+    for (std::size_t i = 0; i < rows; ++i) {
+      for (std::size_t j = 0; j < columns; ++j) by_row[i][j] = by_column[j][i] = *payoffs++;
     }
   }
-}
+
+  // Gains a row and a column by turns, as in a search, and is solved again each time.
+  GrowingGame play(double bound, std::size_t rows, std::size_t columns) const {
+    GrowingGame game(bound);
+    for (std::size_t k = 0; k < std::max(rows, columns); ++k) {
+      if (k < rows) {
+        game.put_row(game.place_of_row(), by_row[k]);
+        if (k > 0) game.solve();
+      }
+      if (k < columns) {
+        game.put_column(game.place_of_column(), by_column[k]);
+        game.solve();
+      }
+    }
+    return game;
+  }
+};
 
 // Weights of the rows, who want little, and of the columns, kMost each, of games (n, rows, columns); no payoff is
 // beyond the bound.
 nb::tuple solve_games(Payoffs payoffs, double bound) {
-  constexpr auto kMost = static_cast<std::size_t>(GrowingGame::kMost);
   const std::size_t n = payoffs.shape(0), rows = payoffs.shape(1), columns = payoffs.shape(2);
   if (rows == 0 || columns == 0 || rows > kMost || columns > kMost) {
     throw std::invalid_argument("a game has 1 to 8 rows and columns");
   }
   std::vector<double> of_rows(n * kMost), of_columns(n * kMost);
+  std::array<Game, kAtOnce> games;
   for (std::size_t i = 0; i < n; ++i) {
-    GrowingGame game(bound);
-    play(game, payoffs.data() + i * rows * columns, rows, columns);
-    const GrowingGame::Numbers r = game.row_weights(), c = game.column_weights();
+    if (i % kAtOnce == 0) {
+      for (std::size_t k = i; k < std::min(i + kAtOnce, n); ++k) {
+        games[k - i].write(payoffs.data() + k * rows * columns, rows, columns);
+      }
+    }
+    const GrowingGame solved = games[i % kAtOnce].play(bound, rows, columns);
+    const GrowingGame::Numbers r = solved.row_weights(), c = solved.column_weights();
     std::copy(r.begin(), r.end(), of_rows.begin() + static_cast<std::ptrdiff_t>(i * kMost));
     std::copy(c.begin(), c.end(), of_columns.begin() + static_cast<std::ptrdiff_t>(i * kMost));
   }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "growing_game.hpp"
 #include "pair.hpp"
@@ -61,7 +62,7 @@ template <class Asked>
 class DoubleOracle {
  public:
   DoubleOracle(const PairFrame& frame, Asked& asked, PairCounters& counters)
-      : frame_(frame), asked_(asked), counters_(counters), game_(largest_payoff(frame)) {}
+      : frame_(frame), asked_(asked), counters_(counters) {}
 
   const PairFrame& frame() const { return frame_; }
   PairCounters& counters() const { return counters_; }
@@ -114,9 +115,9 @@ class DoubleOracle {
   const PairFrame& frame_;
   Asked& asked_;
   PairCounters& counters_;
-  Actives rows_, columns_;  // vertices of the guest, points of the host's polar
-  GrowingGame game_;
-  bool afresh_ = false;  // solved from the beginning since the last vertex or facet came in
+  Actives rows_, columns_;           // vertices of the guest, points of the host's polar
+  std::optional<GrowingGame> game_;  // most searches end before they need it
+  bool afresh_ = false;              // solved from the beginning since the last vertex or facet came in
   Certificate certificate_;
 
   // |q·x| over the host's polar and the guest, with room for rounding.
@@ -149,9 +150,16 @@ class DoubleOracle {
 
   bool ask_by_game() {
     ++counters_.games;
-    game_.solve();
-    return game_.is_above_one() ? ask_guest(columns_.mixed(game_.column_weights()))
-                                : ask_host(rows_.mixed(game_.row_weights()));
+    if (!game_) begin_game();
+    game_->solve();
+    return game_->is_above_one() ? ask_guest(columns_.mixed(game_->column_weights()))
+                                 : ask_host(rows_.mixed(game_->row_weights()));
+  }
+
+  void begin_game() {
+    game_.emplace(largest_payoff(frame_));
+    for (int i = 0; i < rows_.count; ++i) game_->put_row(i, {});
+    for (int j = 0; j < columns_.count; ++j) game_->put_column(j, rows_.products(columns_.point(at(j))));
   }
 
   bool ask_guest(Vec3 q) {
@@ -168,21 +176,21 @@ class DoubleOracle {
   bool no_progress() {
     if (afresh_) return true;
     afresh_ = true;
-    game_.solve_afresh();
+    if (game_) game_->solve_afresh();
     return false;
   }
 
   void add_row(std::int32_t vertex, Vec3 x) {
-    const int place = game_.place_of_row();
+    const int place = game_ ? game_->place_of_row() : rows_.count;
     rows_.put(place, vertex, x);
-    game_.put_row(place, columns_.products(x));
+    if (game_) game_->put_row(place, columns_.products(x));
     afresh_ = false;
   }
 
   void add_column(std::int32_t k, Vec3 q) {
-    const int place = game_.place_of_column();
+    const int place = game_ ? game_->place_of_column() : columns_.count;
     columns_.put(place, k, q);
-    game_.put_column(place, rows_.products(q));
+    if (game_) game_->put_column(place, rows_.products(q));
     afresh_ = false;
   }
 };
