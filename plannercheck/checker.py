@@ -91,6 +91,7 @@ class Checker:
         overlaps: bool = True,
         learning: bool = True,
         reach: bool = True,
+        static_poses: bool = True,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
 
@@ -118,6 +119,7 @@ class Checker:
                 will do.
             learning: Whether the pair that collided most often comes first where any collision will do.
             reach: Whether pairs that can't meet within the limits are left out there.
+            static_poses: Whether links that no joint of the group moves are posed once, as obstacles are.
 
         Raises:
             PlannercheckError: If an argument is none of those above.
@@ -131,7 +133,7 @@ class Checker:
             )
         self.excess = excess
         alone = without(robot, () if scene is None else scene.attached)
-        self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, reach)
+        self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, reach, static_poses)
         self._options = (
             (method, cached_plane, centre_axis, turned_axis, facet_plane, nearest_points),
             (bounds, boxes, overlaps, learning),
@@ -289,7 +291,8 @@ class Checker:
     def _compiled(self, pairs: Ints, rows: NDArray[np.int64], limits: tuple[Floats, Floats] | None) -> CompiledPairs:
         test, switches = self._options
         options = (pair_options(*test), *switches)
-        return CompiledPairs(self.robot, self.bodies, self._preparation, pairs, rows, limits, options)
+        kernel = self._kernel if self._settings.static_poses else None
+        return CompiledPairs(self.robot, self.bodies, self._preparation, pairs, rows, limits, options, kernel)
 
     @property
     def _all(self) -> CompiledPairs:

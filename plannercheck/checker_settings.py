@@ -36,6 +36,7 @@ class Settings:
     kinematics: str
     bodies: Sequence[Body] | None
     reach: bool
+    static_poses: bool
 
 
 def without(robot: Robot, attached: Sequence[SceneObject]) -> Robot:

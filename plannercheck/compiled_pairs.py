@@ -25,6 +25,8 @@ Ints = NDArray[np.int32]
 
 # Points up to which a body is prepared faster than a file of the cache is found, read and checked.
 _FEW_POINTS = 32
+# States by which the core decides what it tests together.
+_SAMPLES = 48
 
 
 class Preparation:
@@ -112,6 +114,7 @@ class CompiledPairs:
         rows: NDArray[np.int64],
         limits: tuple[Floats, Floats] | None,
         options: Sequence[Any],
+        kernel: Any | None = None,
     ) -> None:
         """Prepares the bodies and compiles.
 
@@ -123,23 +126,25 @@ class CompiledPairs:
             rows: Which of the pairs to take.
             limits: Configurations (nq,) between which the core may judge one; None for any.
             options: The core's: of the pair test, and switches.
+            kernel: The kinematics that will pose the links, so that those which it never moves are posed here, once.
         """
         self.rows = rows
         self._count = len(bodies)
         self._used = np.unique(pairs[rows])
         self.polytopes = {k: preparation.polytope(k) for k in self._used.tolist()}
-        links = [-1 if bodies[k].link is None else robot.link_index(str(bodies[k].link)) for k in self._used]
+        links, placements = _mounted(robot, [bodies[k] for k in self._used], kernel)
         anything = np.full(robot.nq, LARGEST_VALUE)
         lower, upper = (np.clip(limit, -anything, anything) for limit in limits or (-anything, anything))
         self.core = core.Checker(
             [polytope.core for polytope in self.polytopes.values()],
-            np.array(links, dtype=np.int32),
-            np.array([bodies[k].pose for k in self._used], dtype=np.float64).reshape(-1, 4, 4),
+            links,
+            placements,
             np.searchsorted(self._used, pairs[rows]).astype(np.int32).reshape(-1, 2),
             len(robot.link_names),
             lower,
             upper,
             *options,
+            np.ascontiguousarray(robot.link_poses(robot.random_configurations(_SAMPLES, 0))),
         )
 
     def named(self, first: Ints) -> Ints:
@@ -157,6 +162,18 @@ class CompiledPairs:
         poses = np.full((len(link_poses), self._count, 4, 4), np.nan)
         poses[:, self._used] = self.core.body_poses(np.ascontiguousarray(link_poses))
         return poses
+
+
+def _mounted(robot: Robot, bodies: Sequence[Body], kernel: Any | None) -> tuple[Ints, Floats]:
+    """(n,) index of each body's link, -1 for the world, and (n, 4, 4) poses there, m."""
+    links = np.array([-1 if b.link is None else robot.link_index(b.link) for b in bodies], dtype=np.int32)
+    placements = np.array([body.pose for body in bodies], dtype=np.float64).reshape(-1, 4, 4)
+    if kernel is not None:
+        still = np.array([link >= 0 and kernel.link_is_constant(link) for link in links.tolist()], dtype=bool)
+        poses = np.ascontiguousarray(robot.link_poses(robot.reference)[links[still]])
+        placements[still] = core.placed_on_links(poses, placements[still])
+        links[still] = -1
+    return links, placements
 
 
 def added(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:

@@ -43,8 +43,9 @@ def test_boxes_whose_differences_overflow_floats(exponent):
     pose[0, 3], placements[1, 0, 3] = 2 * scale, -2 * scale
     links, pairs, nothing = np.array([0, -1], dtype=np.int32), np.array([[0, 1]], dtype=np.int32), np.zeros(0)
     for bounds, boxes in itertools.product((True, False), (True, False)):
+        switches = bounds, boxes, True, True
         checker = core.Checker(
-            [body, body], links, placements, pairs, 1, nothing, nothing, pair_options(), bounds, boxes, True, True
+            [body, body], links, placements, pairs, 1, nothing, nothing, pair_options(), *switches, pose[None, None]
         )
         found = checker.first_of_poses(np.repeat(pose[None, None], 8, axis=0), 1)
         assert found.tolist() == [0] * 8

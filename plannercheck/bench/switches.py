@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 # Arguments of `Checker`, all True by default, in the order of the stages; those that it has are measured.
 SWITCHES = (
     "reach",
+    "static_poses",
     "bounds",
     "overlaps",
     "boxes",

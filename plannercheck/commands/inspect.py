@@ -40,6 +40,7 @@ Example:
 # Ways of skipping work that a checker can be built without, and what they are.
 SKIPS = {
     "reach": "pairs that limits keep apart",
+    "static_poses": "links that stand still",
     "bounds": "balls, tree of obstacles",
     "overlaps": "balls and boxes inside bodies",
     "boxes": "planes along boxes",

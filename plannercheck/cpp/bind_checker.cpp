@@ -30,9 +30,9 @@ class BoundChecker {
   BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
                InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
-               bool boxes, bool overlaps, bool learning)
+               bool boxes, bool overlaps, bool learning, LinkPoses sampled)
       : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count,
-              {options, bounds, boxes, overlaps, learning}),
+              {options, bounds, boxes, overlaps, learning}, states_of(sampled)),
         lower_(lower.data(), lower.data() + lower.shape(0)),
         upper_(upper.data(), upper.data() + upper.shape(0)) {}
 
@@ -114,6 +114,10 @@ class BoundChecker {
     for (std::size_t i = 0; i < bodies.size(); ++i)
       out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
     return out;
+  }
+
+  static SampledPoses states_of(LinkPoses poses) {
+    return {std::vector<double>(poses.data(), poses.data() + poses.size()), poses.shape(0)};
   }
 
   static std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
@@ -238,6 +242,17 @@ auto all_of_poses(BoundChecker& checker, LinkPoses poses) {
   return output_array(colliding, {n, pairs});
 }
 
+// Poses of links times placements on them, by the operations of every verdict.
+auto placed_on_links(InputArray<double, -1, 4, 4> links, InputArray<double, -1, 4, 4> placements) {
+  const std::size_t n = links.shape(0);
+  std::vector<double> out(links.data(), links.data() + 16 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Pose pose = placed_on(pose_from(links.data() + 16 * i).m, pose_from(placements.data() + 16 * i));
+    std::copy(pose.m.begin(), pose.m.end(), out.begin() + static_cast<std::ptrdiff_t>(16 * i));
+  }
+  return output_array(out, {n, std::size_t{4}, std::size_t{4}});
+}
+
 auto body_poses(const BoundChecker& checker, LinkPoses poses) {
   const std::size_t n = poses.shape(0), bodies = checker.core().body_count(), size = poses.shape(1) * kPoseStride;
   const double last_row[] = {0, 0, 0, 1};
@@ -259,7 +274,7 @@ void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
-                    const PairOptions&, bool, bool, bool, bool>())
+                    const PairOptions&, bool, bool, bool, bool, LinkPoses>())
       .def("first_of_states", &first_of_states)
       .def("check_states", &check_states)
       .def("motions_are_free", &motions_are_free)
@@ -267,6 +282,7 @@ void bind_checker(nb::module_& m) {
       .def("all_of_poses", &all_of_poses)
       .def("body_poses", &body_poses)
       .def("statistics", &BoundChecker::statistics);
+  m.def("placed_on_links", &placed_on_links);
   m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"));
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"));
 }

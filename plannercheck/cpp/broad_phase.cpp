@@ -34,12 +34,15 @@ WorldBox world_box(const MountedBody& mounted) {
 }  // namespace
 
 BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-                       std::size_t links)
+                       const std::vector<bool>& lasting, std::size_t links, const SampledPoses& sampled)
     : links_(links), pairs_(pairs), obstacles_(0), tree_({}) {
   // A mover's or an obstacle's place, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
   std::vector<bool> used(bodies.size(), false);
-  for (const auto& pair : pairs) used[at(pair[0])] = used[at(pair[1])] = true;
+  for (const auto& pair : pairs) {
+    const bool moves = bodies[at(pair[0])].link >= 0 || bodies[at(pair[1])].link >= 0;
+    if (moves) used[at(pair[0])] = used[at(pair[1])] = true;
+  }
   std::vector<WorldBox> boxes;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (!used[b]) continue;
@@ -63,37 +66,35 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
     if (first && second) {
       moving_pairs_.push_back({a, b, pair});
     } else if (!first && !second) {
-      fixed_pairs_.push_back(pair);
+      if (lasting[k]) lasting_pairs_.push_back(pair);
     } else {
       const std::int32_t mover = first ? a : b, obstacle = first ? b : a;
       pair_of_[at(mover) * obstacles_ + at(obstacle)] = pair;
       hunts[at(mover)] = true;
     }
   }
-  for (std::size_t o = 0; obstacles_ <= kFewObstacles && o < obstacles_; ++o) spread_.push_back(spread(boxes[o]));
   for (std::size_t m = 0; m < movers_.size(); ++m) {
-    if (!hunts[m]) continue;
-    Hunter hunter{static_cast<std::int32_t>(m), listed_.size()};
-    for (std::size_t o = 0; obstacles_ <= kFewObstacles && o < obstacles_; ++o) {
-      const std::int32_t pair = pair_of_[m * obstacles_ + o];
-      if (pair >= 0) listed_.push_back({static_cast<std::int32_t>(o), pair});
-    }
-    hunter.last = listed_.size();
-    hunters_.push_back(hunter);
+    if (hunts[m]) hunters_.push_back(static_cast<std::int32_t>(m));
   }
+  std::vector<BodyLanes::Partner> with_movers, with_boxes;
+  for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
+  if (obstacles_ <= kFewObstacles) {
+    for (const WorldBox& box : boxes) spread_.push_back(spread(box));
+    companies_ = companies(movers_, boxes, pair_of_, sampled);
+    for (const std::int32_t mover : hunters_) {
+      for (std::size_t o = 0; o < obstacles_; ++o) {
+        const std::int32_t pair = pair_with(at(mover), static_cast<std::int32_t>(o));
+        if (pair >= 0) with_boxes.push_back({at(mover), o, pair});
+      }
+    }
+  } else {
+    boxes.clear();
+  }
+  body_lanes_ = BodyLanes(movers_, links_, boxes, with_movers, with_boxes);
   std::vector<BodyBox> body_boxes;
   for (const MountedBody& mounted : bodies) body_boxes.push_back(body_box(mounted));
   boxes_ = BlockBoxes(std::move(body_boxes));
   overlaps_ = BlockOverlaps(bodies, pairs);
-  std::vector<BodyLanes::Partner> with_movers, with_boxes;
-  for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
-  for (const Hunter& hunter : hunters_) {
-    for (std::size_t k = hunter.first; k < hunter.last; ++k) {
-      with_boxes.push_back({at(hunter.mover), at(listed_[k].obstacle), listed_[k].pair});
-    }
-  }
-  if (obstacles_ > kFewObstacles) boxes.clear();
-  body_lanes_ = BodyLanes(movers_, links_, boxes, with_movers, with_boxes);
 }
 
 BroadPhase::SpreadBox BroadPhase::spread(const WorldBox& box) {
@@ -141,7 +142,7 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
   if (w.boxed) test_boxes(w);
   for (std::size_t state = 0; state < w.near.size(); ++state) {
     w.near[state].clear();
-    if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(fixed_pairs_.begin(), fixed_pairs_.end());
+    if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(lasting_pairs_.begin(), lasting_pairs_.end());
   }
   for (const Candidate& candidate : w.candidates) {
     for (unsigned left = candidate.states; left != 0; left &= left - 1) {
@@ -161,12 +162,10 @@ void BroadPhase::take_all(int count, Workspace& w) const {
 void BroadPhase::find_for_block(int count, Workspace& w) const {
   pose_balls(w);
   find_among_movers(count, w);
-  for (const Hunter& hunter : hunters_) {
-    if (obstacles_ <= kFewObstacles) {
-      find_listed(hunter, count, w);
-    } else {
-      find_in_tree(hunter, count, w);
-    }
+  if (obstacles_ <= kFewObstacles) {
+    for (const Company& company : companies_) find_listed(company, count, w);
+  } else {
+    for (const std::int32_t mover : hunters_) find_in_tree(mover, count, w);
   }
 }
 
@@ -176,12 +175,12 @@ void BroadPhase::find_for_state(const Lanes* links, std::size_t state, Workspace
   body_lanes_.pose(links, state, w.body_lanes);
   body_lanes_.find(w.body_lanes, take);
   for (std::size_t k = 0; obstacles_ > kFewObstacles && k < hunters_.size(); ++k) {
-    const std::size_t mover = at(hunters_[k].mover);
+    const std::size_t mover = at(hunters_[k]);
     const BodyLanes::Ball ball = BodyLanes::ball(mover, w.body_lanes);
     w.found.clear();
     tree_.collect({ball.x, ball.y, ball.z, far_beyond(ball.radius)}, w.found);
     for (const std::int32_t obstacle : w.found) {
-      const std::int32_t pair = pair_of_[mover * obstacles_ + at(obstacle)];
+      const std::int32_t pair = pair_with(mover, obstacle);
       if (pair >= 0) take(pair);
     }
   }
@@ -210,21 +209,41 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
   }
 }
 
-void BroadPhase::find_listed(const Hunter& hunter, int count, Workspace& w) const {
+// Around the movers in each state. Their balls have room for the rounding of one more sum.
+BroadPhase::SpreadBox BroadPhase::box_around(const Company& company, const std::vector<Balls>& balls) const {
+  const Floats infinity = Floats{} + __builtin_inff();
+  SpreadBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (std::size_t m = company.first; m < company.last; ++m) {
+    const std::array<Floats, 3> centre{balls[m].x, balls[m].y, balls[m].z};
+    for (std::size_t i = 0; i < 3; ++i) {
+      out.low[i] = smaller(out.low[i], centre[i] - balls[m].radius);
+      out.high[i] = larger(out.high[i], centre[i] + balls[m].radius);
+    }
+  }
+  return out;
+}
+
+void BroadPhase::find_listed(const Company& company, int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
-  const Balls& balls = w.balls[at(hunter.mover)];
-  const Floats x = balls.x, y = balls.y, z = balls.z, limit = far_beyond(balls.radius);
-  for (std::size_t k = hunter.first; k < hunter.last; ++k) {
-    const SpreadBox& box = spread_[at(listed_[k].obstacle)];
-    const Floats dx = beyond(x, box.low[0], box.high[0]), dy = beyond(y, box.low[1], box.high[1]);
-    const Floats dz = beyond(z, box.low[2], box.high[2]);
-    const unsigned near = ~float_bits((dx * dx + dy * dy) + dz * dz > limit) & states;
-    if (near != 0) w.candidates.push_back({listed_[k].pair, near});
+  const SpreadBox own = box_around(company, w.balls);
+  for (const std::int32_t obstacle : company.obstacles) {
+    const SpreadBox& box = spread_[at(obstacle)];
+    const auto apart = [&](std::size_t i) { return (own.low[i] > box.high[i]) | (own.high[i] < box.low[i]); };
+    if ((~float_bits(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
+    for (std::size_t m = company.first; m < company.last; ++m) {
+      const std::int32_t pair = pair_with(m, obstacle);
+      if (pair < 0) continue;
+      const Balls& ball = w.balls[m];
+      const Floats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
+      const Floats z = beyond(ball.z, box.low[2], box.high[2]);
+      const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(ball.radius)) & states;
+      if (near != 0) w.candidates.push_back({pair, near});
+    }
   }
 }
 
-void BroadPhase::find_in_tree(const Hunter& hunter, int count, Workspace& w) const {
-  const Balls& balls = w.balls[at(hunter.mover)];
+void BroadPhase::find_in_tree(std::int32_t mover, int count, Workspace& w) const {
+  const Balls& balls = w.balls[at(mover)];
   w.reached.clear();
   for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
     w.found.clear();
@@ -234,7 +253,7 @@ void BroadPhase::find_in_tree(const Hunter& hunter, int count, Workspace& w) con
       w.states[at(obstacle)] |= 1U << state;
     }
   }
-  const std::int32_t* pair_of = pair_of_.data() + at(hunter.mover) * obstacles_;
+  const std::int32_t* pair_of = pair_of_.data() + at(mover) * obstacles_;
   for (const std::int32_t obstacle : w.reached) {
     if (pair_of[obstacle] >= 0) w.candidates.push_back({pair_of[obstacle], w.states[at(obstacle)]});
     w.states[at(obstacle)] = 0;
@@ -264,7 +283,7 @@ void BroadPhase::find_overlaps(Workspace& w) const {
     w.skipped += __builtin_popcount(candidate.states & w.overlapping);
     candidate.states &= ~w.overlapping;
   }
-  w.skipped += (static_cast<long>(fixed_pairs_.size()) - 1) * __builtin_popcount(w.overlapping);
+  w.skipped += (static_cast<long>(lasting_pairs_.size()) - 1) * __builtin_popcount(w.overlapping);
 }
 
 }  // namespace plannercheck

@@ -17,6 +17,7 @@
 #include "block_overlaps.hpp"
 #include "body_lanes.hpp"
 #include "bounding_ball.hpp"
+#include "companies.hpp"
 #include "mounted_body.hpp"
 #include "obstacle_tree.hpp"
 #include "rounded_links.hpp"
@@ -26,8 +27,9 @@ namespace plannercheck {
 
 class BroadPhase {
  public:
+  // `lasting`: by pair, whether its bodies both stand still and share a point. Others that stand still are apart.
   BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-             std::size_t links);
+             const std::vector<bool>& lasting, std::size_t links, const SampledPoses& sampled);
 
   // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
   struct Balls {
@@ -79,40 +81,33 @@ class BroadPhase {
     std::array<Floats, 3> low, high;
   };
 
-  // An obstacle that a mover may touch.
-  struct Listed {
-    std::int32_t obstacle, pair;
-  };
-
-  // A mover that has a pair with an obstacle; its obstacles, where they are few.
-  struct Hunter {
-    std::int32_t mover;
-    std::size_t first = 0, last = 0;  // of the listed obstacles
-  };
-
   std::size_t links_;
   std::vector<std::array<std::int32_t, 2>> pairs_;
   std::vector<BoundingBall> movers_;  // around bodies that hang on links
   std::vector<MovingPair> moving_pairs_;
-  std::vector<std::int32_t> fixed_pairs_;  // of two bodies that are fixed to the world
+  std::vector<std::int32_t> lasting_pairs_;  // that collide in every state
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;  // pair_of_[mover * obstacles_ + obstacle], or −1
-  std::vector<Hunter> hunters_;
-  std::vector<Listed> listed_;
-  std::vector<SpreadBox> spread_;  // of all obstacles, where they are few
+  std::vector<std::int32_t> hunters_;  // movers that have a pair with an obstacle
+  std::vector<Company> companies_;     // where obstacles are few
+  std::vector<SpreadBox> spread_;      // of all obstacles, where they are few
   ObstacleTree tree_;
   BodyLanes body_lanes_;
   BlockBoxes boxes_;
   BlockOverlaps overlaps_;
 
   static SpreadBox spread(const WorldBox& box);
+  std::int32_t pair_with(std::size_t mover, std::int32_t obstacle) const {
+    return pair_of_[mover * obstacles_ + at(obstacle)];
+  }
+  SpreadBox box_around(const Company& company, const std::vector<Balls>& balls) const;
   static void begin(Workspace& workspace);
   void find_for_block(int count, Workspace& workspace) const;
   void find_for_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
   void pose_balls(Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
-  void find_listed(const Hunter& hunter, int count, Workspace& workspace) const;
-  void find_in_tree(const Hunter& hunter, int count, Workspace& workspace) const;
+  void find_listed(const Company& company, int count, Workspace& workspace) const;
+  void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
   void test_boxes(Workspace& workspace) const;
   void find_overlaps(Workspace& workspace) const;
 };

@@ -9,19 +9,23 @@
 namespace plannercheck {
 namespace {
 
-// Link pose times placement.
-Pose composed(const std::array<double, 12>& link, const std::array<double, 12>& p) {
-  Pose out;
-  for (std::size_t i = 0; i < 12; i += 4) {
-    for (std::size_t j = 0; j < 4; ++j) {
-      const double sum = (link[i] * p[j] + link[i + 1] * p[j + 4]) + link[i + 2] * p[j + 8];
-      out.m[i + j] = j == 3 ? sum + link[i + 3] : sum;
-    }
+constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
+
+// Pairs of bodies that both stand still, which are judged here once, and share a point.
+std::vector<bool> lasting_collisions(const std::vector<MountedBody>& bodies,
+                                     const std::vector<std::array<std::int32_t, 2>>& pairs,
+                                     const PairOptions& options) {
+  std::vector<bool> out(pairs.size(), false);
+  PairCounters counters;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const MountedBody &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
+    if (guest.link >= 0 || host.link >= 0) continue;
+    out[k] =
+        test_pair({guest.body.get(), guest.placement}, {host.body.get(), host.placement}, options, nullptr, counters)
+            .shared;
   }
   return out;
 }
-
-constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
 }  // namespace
 
@@ -34,7 +38,7 @@ struct CheckerCore::Workspace {
 };
 
 CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
-                         std::int32_t links, CheckerOptions options)
+                         std::int32_t links, CheckerOptions options, const SampledPoses& sampled)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
@@ -43,7 +47,8 @@ CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array
       if (link >= 0) needed_[at(link)] = 1;
     }
   }
-  broad_phase_ = std::make_shared<const BroadPhase>(bodies_, pairs_, at(links_));
+  broad_phase_ = std::make_shared<const BroadPhase>(bodies_, pairs_, lasting_collisions(bodies_, pairs_, options_.pair),
+                                                    at(links_), sampled);
 }
 
 std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
@@ -63,7 +68,7 @@ Pose CheckerCore::body_pose(std::size_t body, const double* links) const {
   if (mounted.link < 0) return mounted.placement;
   std::array<double, 12> link;
   std::copy_n(links + at(mounted.link) * kPoseStride, 12, link.begin());
-  return composed(link, mounted.placement.m);
+  return placed_on(link, mounted.placement);
 }
 
 Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w) const {
@@ -72,7 +77,7 @@ Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w)
   const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, at(mounted.link))];
   std::array<double, 12> link;
   for (std::size_t i = 0; i < 12; ++i) link[i] = lanes[i][state % kLanes];
-  return composed(link, mounted.placement.m);
+  return placed_on(link, mounted.placement);
 }
 
 bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {

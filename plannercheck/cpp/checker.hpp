@@ -43,8 +43,9 @@ class BroadPhase;
 
 class CheckerCore {
  public:
+  // `sampled`: states by which it is decided what is tested together; they make no verdict.
   CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
-              CheckerOptions options);
+              CheckerOptions options, const SampledPoses& sampled);
 
   // What one thread poses, bounds, learns and counts.
   struct Workspace;

@@ -72,6 +72,8 @@ inline Lanes absolute(Lanes a) {
 
 inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
+inline Floats larger(Floats a, Floats b) { return a > b ? a : b; }
+inline Floats smaller(Floats a, Floats b) { return a < b ? a : b; }
 
 // Bit k of the result: lane k of a comparison.
 inline unsigned bits(LaneMask mask) {
