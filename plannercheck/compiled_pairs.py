@@ -25,8 +25,6 @@ Ints = NDArray[np.int32]
 
 # Points up to which a body is prepared faster than a file of the cache is found, read and checked.
 _FEW_POINTS = 32
-# States by which the core decides what it tests together.
-_SAMPLES = 48
 
 
 class Preparation:
@@ -144,7 +142,7 @@ class CompiledPairs:
             lower,
             upper,
             *options,
-            np.ascontiguousarray(robot.link_poses(robot.random_configurations(_SAMPLES, 0))),
+            robot.sampled_link_poses,
         )
 
     def named(self, first: Ints) -> Ints:

@@ -48,6 +48,8 @@ from plannercheck.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geomet
 Floats = NDArray[np.float64]
 Reference = Mapping[str, Any] | Sequence[float] | Floats | str | None
 
+_SAMPLES = 32  # configurations of `sampled_link_poses`
+
 
 class Robot:
     """A robot, posed by configurations of its planning group.
@@ -285,6 +287,11 @@ class Robot:
         """World poses of all links by Pinocchio itself; arguments and result as of link_poses."""
         poses = pinocchio_poses(self.model, self._map, self._tree.frames, self._map.checked(q))
         return poses[0] if np.ndim(q) == 1 else poses
+
+    @cached_property
+    def sampled_link_poses(self) -> Floats:
+        """(k, links, 4, 4) at a few random configurations, m: they show what a checker had better test together."""
+        return np.ascontiguousarray(self.link_poses(self.random_configurations(_SAMPLES, 0)))
 
     @cached_property
     def kinematic_error(self) -> float:

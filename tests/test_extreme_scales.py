@@ -33,7 +33,7 @@ def test_lengths_whose_squares_underflow(scale, swell):
         assert shared.astype(bool).tolist() == truth
 
 
-@pytest.mark.parametrize("exponent", [30, 37, 38])
+@pytest.mark.parametrize("exponent", [30, 37, 38, 39, 45])
 def test_boxes_whose_differences_overflow_floats(exponent):
     """Found by a review: infinity times a cosine of 6e-17 is no distance."""
     scale = 10.0**exponent
@@ -49,3 +49,21 @@ def test_boxes_whose_differences_overflow_floats(exponent):
         )
         found = checker.first_of_poses(np.repeat(pose[None, None], 8, axis=0), 1)
         assert found.tolist() == [0] * 8
+
+
+@pytest.mark.parametrize("exponent", [37, 38, 39, 45])
+@pytest.mark.parametrize("first", [0, 1])
+def test_what_is_beyond_floats_may_be_anywhere(exponent, first):
+    """Two bodies of one link are tested together against an obstacle: one is here, the other, which meets it, far."""
+    scale = 10.0**exponent
+    large, small = (pc.Polytope((UNIT - 0.5) * size).core for size in (scale, 1.0))
+    bodies = [large, small, large] if first == 0 else [small, large, large]
+    placements = np.repeat(np.eye(4)[None], 3, axis=0)
+    placements[[first, 2], 0, 3] = 3 * scale, 3.5 * scale
+    links = np.array([0, 0, -1], dtype=np.int32)
+    pairs = np.array([[0, 2], [1, 2]], dtype=np.int32)
+    pose, nothing = np.eye(4)[None, None], np.zeros(0)
+    checker = core.Checker(
+        bodies, links, placements, pairs, 1, nothing, nothing, pair_options(), True, True, True, True, pose
+    )
+    assert checker.first_of_poses(np.repeat(pose, 8, axis=0), 1).tolist() == [first] * 8

@@ -213,12 +213,20 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
 BroadPhase::SpreadBox BroadPhase::box_around(const Company& company, const std::vector<Balls>& balls) const {
   const Floats infinity = Floats{} + __builtin_inff();
   SpreadBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  Floats total{};
   for (std::size_t m = company.first; m < company.last; ++m) {
     const std::array<Floats, 3> centre{balls[m].x, balls[m].y, balls[m].z};
     for (std::size_t i = 0; i < 3; ++i) {
       out.low[i] = smaller(out.low[i], centre[i] - balls[m].radius);
       out.high[i] = larger(out.high[i], centre[i] + balls[m].radius);
     }
+    total += balls[m].radius;
+  }
+  // A radius is infinite or no number where its centre is: such a ball may be anywhere.
+  const FloatMask known = total < infinity;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.low[i] = known ? out.low[i] : -infinity;
+    out.high[i] = known ? out.high[i] : infinity;
   }
   return out;
 }

@@ -20,7 +20,7 @@ namespace plannercheck {
 // Every pair of every state is counted once, by what settled it.
 struct CheckerCounters {
   long states = 0, pairs = 0;
-  long bounds = 0;                     // balls that do not meet, and obstacles' boxes out of reach
+  long bounds = 0;                     // balls that do not meet, obstacles' boxes out of reach, what stands still apart
   long boxes = 0;                      // boxes that a face's plane separates
   long overlaps = 0;                   // balls inside one body that meet a box inside the other
   std::array<long, kStages> stages{};  // of the pair test

@@ -1,0 +1,31 @@
+"""Neighbours in a chain are tested together against obstacles: whichever are, the same pairs are left."""
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+
+
+@pytest.mark.filterwarnings("ignore:.*touches obstacle:RuntimeWarning")
+@pytest.mark.parametrize("robot", ["panda", "baxter"])
+def test_companies_change_nothing_but_time(robot):
+    """The states that they are chosen by: none, the usual ones, all links in one place, all far apart."""
+    q = pc.Robot.load(robot).random_configurations(300, 5)
+    links = len(pc.Robot.load(robot).link_names)
+    gathered = np.repeat(np.eye(4)[None], links, axis=0)
+    scattered = gathered.copy()
+    scattered[:, 0, 3] = 1e3 * np.arange(links)
+    found = []
+    for samples in (np.zeros((0, links, 4, 4)), None, gathered[None], scattered[None]):
+        known = pc.Robot.load(robot)
+        if samples is not None:
+            known.__dict__["sampled_link_poses"] = samples
+        checker = pc.Checker(known, pc.Scene.load("kitchen"), overlaps=False, learning=False)
+        verdicts, colliding = checker.check_states(q), checker.colliding_pairs(q)
+        counted = checker.statistics()
+        found.append((verdicts, colliding, {k: counted[k] for k in ("pairs", "bounds", "boxes", "skipped")}))
+    for verdicts, colliding, counted in found[1:]:
+        np.testing.assert_array_equal(verdicts, found[0][0])
+        np.testing.assert_array_equal(colliding, found[0][1])
+        assert counted["pairs"] == found[0][2]["pairs"]
+        assert counted["bounds"] == found[0][2]["bounds"]
