@@ -31,7 +31,8 @@ std::vector<bool> lasting_collisions(const std::vector<MountedBody>& bodies,
 
 struct CheckerCore::Workspace {
   CheckerCounters counters;
-  std::vector<Lanes> columns, links, scratch;  // of a block's groups: configurations, link poses
+  std::vector<Lanes> columns, links;  // of a block's groups: configurations, link poses
+  LinkPoser poser;
   BroadPhase::Workspace broad_phase;
   std::vector<CachedPlane> planes;         // per pair
   std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
@@ -123,11 +124,10 @@ std::int32_t CheckerCore::first_collision(std::size_t state, Workspace& w) const
   return -1;
 }
 
-void CheckerCore::pose_links(const Kinematics& kinematics, int count, Workspace& w) const {
-  const std::size_t width = at(kinematics.width()), links = at(links_) * 12;
-  w.scratch.resize(scratch_size(kinematics));
+void CheckerCore::pose_links(std::size_t width, int count, Workspace& w) const {
+  const std::size_t links = at(links_) * 12;
   for (std::size_t group = 0; group * kLanes < at(count); ++group) {
-    link_poses(kinematics, &w.columns[group * width], needed_.data(), w.scratch.data(), &w.links[group * links]);
+    w.poser.pose(&w.columns[group * width], &w.links[group * links]);
   }
 }
 
@@ -168,6 +168,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
                              Judge judge) const {
   const std::size_t width = at(kinematics.width());
   w.columns.resize(kBlockGroups * width);
+  w.poser.begin(kinematics, needed_.data());
   for (std::size_t row = 0; row < n; row += kBlockStates) {
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
     for (std::size_t state = 0; state < kBlockStates; ++state) {
@@ -175,7 +176,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
       Lanes* to = &w.columns[state / kLanes * width];
       for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = from[c];
     }
-    pose_links(kinematics, static_cast<int>(count), w);
+    pose_links(width, static_cast<int>(count), w);
     find_near(static_cast<int>(count), sought, w);
     for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
   }
@@ -220,6 +221,7 @@ bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0,
                                  Workspace& w) const {
   const std::size_t width = at(kinematics.width());
   w.columns.resize(kBlockGroups * width);
+  w.poser.begin(kinematics, needed_.data());
   const auto all_free = [&](long first, long stride, long last) {
     for (long k = first; k <= last; k += stride * kBlockStates) {
       const long count = std::min<long>(kBlockStates, (last - k) / stride + 1);
@@ -228,7 +230,7 @@ bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0,
         Lanes* to = &w.columns[static_cast<std::size_t>(state / kLanes) * width];
         for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = (1 - t) * q0[c] + t * q1[c];
       }
-      pose_links(kinematics, static_cast<int>(count), w);
+      pose_links(width, static_cast<int>(count), w);
       find_near(static_cast<int>(count), Sought::kAnyCollision, w);
       const auto states = static_cast<std::size_t>(count);
       for (std::size_t state = 0; state < states; ++state) {

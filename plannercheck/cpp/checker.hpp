@@ -92,7 +92,7 @@ class CheckerCore {
   template <class Judge>
   void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
 
-  void pose_links(const Kinematics& kinematics, int count, Workspace& workspace) const;
+  void pose_links(std::size_t width, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
   void find_near(int count, Sought sought, Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;

@@ -66,10 +66,10 @@ inline void place(const Lanes* parent, const Rigid& placement, PlacementForm for
   }
 }
 
-// A placement on a moving joint, or in the world if there is none.
-inline void pose_on(int joint, const Rigid& placement, PlacementForm form, const Lanes* joint_poses, Lanes* out) {
-  if (joint < 0) return broadcast_pose(placement, out);
-  place(joint_poses + joint * kPose, placement, form, out);
+// A placement on a posed joint, or in the world if there is none.
+inline void pose_on(const Lanes* joint, const Rigid& placement, PlacementForm form, Lanes* out) {
+  if (joint == nullptr) return broadcast_pose(placement, out);
+  place(joint, placement, form, out);
 }
 
 // Whether the rotation maps the axis to itself, exactly.
@@ -223,28 +223,15 @@ Rigid moved_once(const JointSpec& joint, const Rigid& placement) {
   return out;
 }
 
-void pose_joint(const Kinematics::Joint& joint, const Lanes* q, const Lanes* joint_poses, Lanes* pose) {
+void pose_joint(const Kinematics::Joint& joint, const Lanes* q, const Lanes* parent, Lanes* pose) {
   Lanes values[7];
   if (joint.held) {
     for (int k = 0; k < 7; ++k) values[k] = broadcast(joint.held_values[k]);
   } else {
     read_values(joint.kind, joint.values, q, values);
   }
-  pose_on(joint.parent, joint.placement, joint.form, joint_poses, pose);
+  pose_on(parent, joint.placement, joint.form, pose);
   move(joint.kind, joint.axis, values, pose);
-}
-
-// Those that some needed link hangs on.
-void mark_needed_joints(const Kinematics& kinematics, const unsigned char* needed, unsigned char* marks) {
-  const auto& joints = kinematics.joints();
-  const auto& links = kinematics.links();
-  std::fill_n(marks, joints.size(), static_cast<unsigned char>(0));  // no joints: marks may be null
-  for (size_t i = 0; i < links.size(); ++i) {
-    if (needed[i] && links[i].joint >= 0) marks[links[i].joint] = 1;
-  }
-  for (size_t i = joints.size(); i-- > 0;) {
-    if (marks[i] && joints[i].parent >= 0) marks[joints[i].parent] = 1;
-  }
 }
 
 // kLanes rows of q, the last one repeated if there are fewer, as Lanes.
@@ -290,31 +277,59 @@ Anchor Kinematics::add_joint(const JointSpec& spec, const std::vector<Anchor>& a
   return {static_cast<int>(joints_.size()) - 1, false, {}};
 }
 
-std::size_t scratch_size(const Kinematics& kinematics) {
-  const std::size_t joints = kinematics.joints().size();
-  return joints * kPose + (joints + sizeof(Lanes) - 1) / sizeof(Lanes);
-}
-
-void link_poses(const Kinematics& kinematics, const Lanes* q, const unsigned char* needed, Lanes* scratch, Lanes* out) {
+void LinkPoser::begin(const Kinematics& kinematics, const unsigned char* needed) {
+  kinematics_ = &kinematics;
   const auto& joints = kinematics.joints();
   const auto& links = kinematics.links();
-  unsigned char* marks = reinterpret_cast<unsigned char*>(scratch + joints.size() * kPose);
-  mark_needed_joints(kinematics, needed, marks);
-  for (size_t i = 0; i < joints.size(); ++i) {
-    if (marks[i]) pose_joint(joints[i], q, scratch, scratch + i * kPose);
-  }
+  constexpr int kNotNeeded = -2, kHomeless = -1;
+  home_.assign(joints.size(), kNotNeeded);
+  homeless_.resize(joints.size() * kPose);
+  links_.clear(), joints_.clear();
   for (size_t i = 0; i < links.size(); ++i) {
-    if (needed[i]) pose_on(links[i].joint, links[i].placement, links[i].form, scratch, out + i * kPose);
+    if (!needed[i]) continue;
+    int* const home = links[i].joint < 0 ? nullptr : &home_[static_cast<size_t>(links[i].joint)];
+    if (home != nullptr) *home = std::max(*home, kHomeless);
+    if (home != nullptr && links[i].form == PlacementForm::kIdentity && *home == kHomeless) {
+      *home = static_cast<int>(i);
+    } else {
+      links_.push_back(static_cast<int>(i));
+    }
+  }
+  for (size_t i = joints.size(); i-- > 0;) {
+    if (home_[i] == kNotNeeded || joints[i].parent < 0) continue;
+    int& parent = home_[static_cast<size_t>(joints[i].parent)];
+    parent = std::max(parent, kHomeless);
+  }
+  for (size_t i = 0; i < joints.size(); ++i) {
+    if (home_[i] != kNotNeeded) joints_.push_back(static_cast<int>(i));
+  }
+}
+
+Lanes* LinkPoser::at_joint(int joint, Lanes* out) {
+  const int home = home_[static_cast<size_t>(joint)];
+  return home < 0 ? homeless_.data() + joint * kPose : out + home * kPose;
+}
+
+void LinkPoser::pose(const Lanes* q, Lanes* out) {
+  for (const int i : joints_) {
+    const auto& joint = kinematics_->joints()[static_cast<size_t>(i)];
+    pose_joint(joint, q, joint.parent < 0 ? nullptr : at_joint(joint.parent, out), at_joint(i, out));
+  }
+  for (const int i : links_) {
+    const auto& link = kinematics_->links()[static_cast<size_t>(i)];
+    pose_on(link.joint < 0 ? nullptr : at_joint(link.joint, out), link.placement, link.form, out + i * kPose);
   }
 }
 
 void Kinematics::link_poses_batch(const double* q, long long n, const unsigned char* needed, double* out) const {
   const size_t links = links_.size();
-  std::vector<Lanes> lanes(static_cast<size_t>(width_)), scratch(scratch_size(*this)), poses(links * kPose);
+  std::vector<Lanes> lanes(static_cast<size_t>(width_)), poses(links * kPose);
+  LinkPoser poser;
+  poser.begin(*this, needed);
   for (long long first = 0; first < n; first += kLanes) {
     const int rows = static_cast<int>(std::min<long long>(kLanes, n - first));
     gather(q + first * width_, rows, width_, lanes.data());
-    link_poses(*this, lanes.data(), needed, scratch.data(), poses.data());
+    poser.pose(lanes.data(), poses.data());
     for (int lane = 0; lane < rows; ++lane) {
       double* row = out + (static_cast<size_t>(first) + static_cast<size_t>(lane)) * links * 16;
       for (size_t i = 0; i < links; ++i) {

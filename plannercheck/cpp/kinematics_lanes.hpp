@@ -2,17 +2,30 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "kinematics.hpp"
 #include "simd.hpp"
 
 namespace plannercheck {
 
-// How many Lanes of scratch link_poses wants.
-std::size_t scratch_size(const Kinematics& kinematics);
+// Poses just the links that its caller needs. A workspace: it keeps its memory.
+class LinkPoser {
+ public:
+  // needed[link] != 0: of all links. The kinematics has to outlive the calls of `pose`.
+  void begin(const Kinematics& kinematics, const unsigned char* needed);
 
-// Poses of the links for kLanes configurations. q: width() Lanes; out: link_count()*12 Lanes, row-major 3x4 each. Only
-// links with needed[link] != 0 are written.
-void link_poses(const Kinematics& kinematics, const Lanes* q, const unsigned char* needed, Lanes* scratch, Lanes* out);
+  // q: width() Lanes; out: link_count() * 12 Lanes, row-major 3x4 each, of which only needed links are written.
+  void pose(const Lanes* q, Lanes* out);
+
+ private:
+  const Kinematics* kinematics_ = nullptr;
+  std::vector<int> joints_;  // that some needed link hangs on, parents first
+  std::vector<int> home_;    // by joint: a needed link that is posed as the joint is, or −1
+  std::vector<int> links_;   // needed ones that are not a joint's home
+  std::vector<Lanes> homeless_;
+
+  Lanes* at_joint(int joint, Lanes* out);
+};
 
 }  // namespace plannercheck

@@ -34,7 +34,7 @@ void MotionGrid::choose(const std::vector<std::int32_t>& bodies, const std::vect
 void MotionGrid::place(const Kinematics& kinematics, const ConfigurationPath& path, double from, double to,
                        int intervals) {
   ++grid_;
-  scratch_.resize(scratch_size(kinematics));
+  poser_.begin(kinematics, needed_.data());
   intervals_ = static_cast<std::size_t>(intervals);
   const std::size_t filled = (intervals_ + kStep) / kStep * kStep;
   for (std::size_t i = 0; i < filled; ++i) {
@@ -42,12 +42,12 @@ void MotionGrid::place(const Kinematics& kinematics, const ConfigurationPath& pa
     t_[i] = i < intervals_ ? from + part * (to - from) : to;
   }
   path.at(t_.data(), filled, kGridRow, columns_.data());
-  for (std::size_t first = 0; first < filled; first += kStep) pose_lanes(kinematics, first);
+  for (std::size_t first = 0; first < filled; first += kStep) pose_lanes(first);
 }
 
-void MotionGrid::pose_lanes(const Kinematics& kinematics, std::size_t first) {
+void MotionGrid::pose_lanes(std::size_t first) {
   for (std::size_t c = 0; c < q_.size(); ++c) q_[c] = load_lanes(&columns_[c * kGridRow + first]);
-  link_poses(kinematics, q_.data(), needed_.data(), scratch_.data(), link_lanes_.data());
+  poser_.pose(q_.data(), link_lanes_.data());
   for (const std::int32_t link : needed_links_) {
     for (std::size_t k = at(link) * 12; k < at(link) * 12 + 12; ++k)
       store_lanes(&links_[k * kGridRow + first], link_lanes_[k]);

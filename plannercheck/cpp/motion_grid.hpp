@@ -9,6 +9,7 @@
 
 #include "checker.hpp"
 #include "configuration_path.hpp"
+#include "kinematics_lanes.hpp"
 #include "simd.hpp"
 #include "swept_distance.hpp"
 
@@ -54,9 +55,10 @@ class MotionGrid {
   long grid_ = 0;
   std::vector<unsigned char> needed_;
   std::vector<std::int32_t> chosen_, needed_links_;
-  std::vector<Lanes> q_, link_lanes_, scratch_;
+  std::vector<Lanes> q_, link_lanes_;
+  LinkPoser poser_;
 
-  void pose_lanes(const Kinematics& kinematics, std::size_t first);
+  void pose_lanes(std::size_t first);
   void pose_centre(std::int32_t body, std::size_t first);
 };
 

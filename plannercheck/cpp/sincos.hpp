@@ -42,12 +42,6 @@ inline Lanes select(LaneMask mask, Lanes yes, Lanes no) {
   return (Lanes)((mask & (LaneMask)yes) | (~mask & (LaneMask)no));
 }
 
-inline bool any(LaneMask mask) {
-  long long bits = 0;
-  for (int lane = 0; lane < kLanes; ++lane) bits |= mask[lane];
-  return bits != 0;
-}
-
 [[gnu::noinline, gnu::cold]] inline void replace_by_library(const Lanes& angle, LaneMask where, SinCos& result) {
   for (int lane = 0; lane < kLanes; ++lane) {
     if (!where[lane]) continue;
@@ -85,7 +79,7 @@ inline SinCos sincos(Lanes angle) {
                 (Lanes)((LaneMask)select(swap, sin_r, cos_r) ^ cos_sign)};
 
   const LaneMask beyond = ~((angle <= broadcast(kLargestReduced)) & (angle >= broadcast(-kLargestReduced)));
-  if (any(beyond)) replace_by_library(angle, beyond, result);
+  if (bits(beyond) != 0) replace_by_library(angle, beyond, result);
   return result;
 }
 

@@ -39,7 +39,8 @@ unsigned within(Floats x, Floats y, Floats z, float radius) {
 }  // namespace
 
 struct SphereModel::Workspace {
-  std::vector<Lanes> columns, links, scratch;
+  std::vector<Lanes> columns, links;
+  LinkPoser poser;
   std::vector<Centres> centres;     // of all balls
   std::vector<unsigned char> done;  // bodies whose fine balls are posed
   std::size_t link_count;
@@ -111,7 +112,7 @@ void SphereModel::check_states(const Kinematics& kinematics, const double* q, st
   Workspace w;
   w.columns.resize(kBlockGroups * width);
   w.links.resize(kBlockGroups * links * 12);
-  w.scratch.resize(scratch_size(kinematics));
+  w.poser.begin(kinematics, needed_.data());
   w.centres.resize(parts_.balls.size());
   w.done.resize(parts_.bodies.size());
   w.link_count = links;
@@ -122,7 +123,7 @@ void SphereModel::check_states(const Kinematics& kinematics, const double* q, st
       for (std::size_t c = 0; c < width; ++c) w.columns[state / kLanes * width + c][state % kLanes] = from[c];
     }
     for (std::size_t group = 0; group < kBlockGroups; ++group) {
-      link_poses(kinematics, &w.columns[group * width], needed_.data(), w.scratch.data(), &w.links[group * links * 12]);
+      w.poser.pose(&w.columns[group * width], &w.links[group * links * 12]);
     }
     const unsigned free = judge((1U << count) - 1, w);
     for (std::size_t state = 0; state < count; ++state) valid[row + state] = (free >> state) & 1;
