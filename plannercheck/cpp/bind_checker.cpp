@@ -7,6 +7,7 @@
 #include <cmath>
 #include <exception>
 #include <mutex>
+#include <stdexcept>
 
 #include "array_types.hpp"
 #include "bindings.hpp"
@@ -32,7 +33,7 @@ class BoundChecker {
                InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
                bool boxes, bool overlaps, bool learning, LinkPoses sampled)
       : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count,
-              {options, bounds, boxes, overlaps, learning}, states_of(sampled)),
+              {options, bounds, boxes, overlaps, learning}, states_of(sampled, link_count)),
         lower_(lower.data(), lower.data() + lower.shape(0)),
         upper_(upper.data(), upper.data() + upper.shape(0)) {}
 
@@ -116,7 +117,10 @@ class BoundChecker {
     return out;
   }
 
-  static SampledPoses states_of(LinkPoses poses) {
+  static SampledPoses states_of(LinkPoses poses, std::int32_t link_count) {
+    if (poses.shape(1) != static_cast<std::size_t>(link_count)) {
+      throw std::invalid_argument("sampled poses must be those of all links");
+    }
     return {std::vector<double>(poses.data(), poses.data() + poses.size()), poses.shape(0)};
   }
 
@@ -245,6 +249,7 @@ auto all_of_poses(BoundChecker& checker, LinkPoses poses) {
 // Poses of links times placements on them, by the operations of every verdict.
 auto placed_on_links(InputArray<double, -1, 4, 4> links, InputArray<double, -1, 4, 4> placements) {
   const std::size_t n = links.shape(0);
+  if (placements.shape(0) != n) throw std::invalid_argument("each link must have its placement");
   std::vector<double> out(links.data(), links.data() + 16 * n);
   for (std::size_t i = 0; i < n; ++i) {
     const Pose pose = placed_on(pose_from(links.data() + 16 * i).m, pose_from(placements.data() + 16 * i));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace plannercheck {
@@ -97,8 +98,8 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
   overlaps_ = BlockOverlaps(bodies, pairs);
 }
 
-BroadPhase::SpreadBox BroadPhase::spread(const WorldBox& box) {
-  SpreadBox out;
+BroadPhase::FloatBox BroadPhase::spread(const WorldBox& box) {
+  FloatBox out;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<int>(i);
     out.low[i] = Floats{} + rounded_down(box.low[axis]), out.high[i] = Floats{} + rounded_up(box.high[axis]);
@@ -210,9 +211,9 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
 }
 
 // Around the movers in each state. Their balls have room for the rounding of one more sum.
-BroadPhase::SpreadBox BroadPhase::box_around(const Company& company, const std::vector<Balls>& balls) const {
+BroadPhase::FloatBox BroadPhase::around(const Company& company, const std::vector<Balls>& balls) const {
   const Floats infinity = Floats{} + __builtin_inff();
-  SpreadBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  FloatBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
   Floats total{};
   for (std::size_t m = company.first; m < company.last; ++m) {
     const std::array<Floats, 3> centre{balls[m].x, balls[m].y, balls[m].z};
@@ -233,9 +234,9 @@ BroadPhase::SpreadBox BroadPhase::box_around(const Company& company, const std::
 
 void BroadPhase::find_listed(const Company& company, int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
-  const SpreadBox own = box_around(company, w.balls);
+  const FloatBox own = around(company, w.balls);
   for (const std::int32_t obstacle : company.obstacles) {
-    const SpreadBox& box = spread_[at(obstacle)];
+    const FloatBox& box = spread_[at(obstacle)];
     const auto apart = [&](std::size_t i) { return (own.low[i] > box.high[i]) | (own.high[i] < box.low[i]); };
     if ((~float_bits(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
     for (std::size_t m = company.first; m < company.last; ++m) {

@@ -3,9 +3,8 @@
 // inside them, and those that boxes around them separate.
 //
 // In: posed links of a block of states, in lanes. Out: the states that surely collide, if that is all that counts, and
-// for each other one the pairs that no bound settles. Every bound is
-// proved with its rounding, so that none of these filters can change a verdict. Immutable; what it finds and the balls
-// it poses are the caller's.
+// for each other one the pairs that no bound settles. Every bound is proved with its rounding, so that none of these
+// filters can change a verdict. Immutable; what it finds and the balls it poses are the caller's.
 #pragma once
 
 #include <array>
@@ -76,8 +75,8 @@ class BroadPhase {
     std::int32_t pair;
   };
 
-  // The box around an obstacle, the same in all lanes.
-  struct SpreadBox {
+  // A box in each state: around an obstacle, in all the same, or around some movers.
+  struct FloatBox {
     std::array<Floats, 3> low, high;
   };
 
@@ -90,17 +89,17 @@ class BroadPhase {
   std::vector<std::int32_t> pair_of_;  // pair_of_[mover * obstacles_ + obstacle], or −1
   std::vector<std::int32_t> hunters_;  // movers that have a pair with an obstacle
   std::vector<Company> companies_;     // where obstacles are few
-  std::vector<SpreadBox> spread_;      // of all obstacles, where they are few
+  std::vector<FloatBox> spread_;       // of all obstacles, where they are few
   ObstacleTree tree_;
   BodyLanes body_lanes_;
   BlockBoxes boxes_;
   BlockOverlaps overlaps_;
 
-  static SpreadBox spread(const WorldBox& box);
+  static FloatBox spread(const WorldBox& box);
   std::int32_t pair_with(std::size_t mover, std::int32_t obstacle) const {
     return pair_of_[mover * obstacles_ + at(obstacle)];
   }
-  SpreadBox box_around(const Company& company, const std::vector<Balls>& balls) const;
+  FloatBox around(const Company& company, const std::vector<Balls>& balls) const;
   static void begin(Workspace& workspace);
   void find_for_block(int count, Workspace& workspace) const;
   void find_for_state(const Lanes* links, std::size_t state, Workspace& workspace) const;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
-// Pairs of bodies that both stand still, which are judged here once, and share a point.
+// Which pairs share a point although both bodies stand still. Others that do so are apart: no state asks again.
 std::vector<bool> lasting_collisions(const std::vector<MountedBody>& bodies,
                                      const std::vector<std::array<std::int32_t, 2>>& pairs,
                                      const PairOptions& options) {

@@ -10,7 +10,7 @@ namespace plannercheck {
 namespace {
 
 constexpr std::size_t kMostMovers = 8;
-// Of testing a body against an obstacle, a box around a company being 1; and of the box itself.
+// Of testing a body against an obstacle, and of making the box around a company; testing that box costs 1.
 constexpr double kBodyCost = 1.5, kCompanyCost = 3;
 
 // Around all movers of a company, by state.

@@ -10,7 +10,7 @@ namespace {
 
 // Levels and gains are of the order of 1: what lies nearer to 0 is rounding.
 constexpr double kNoise = 1e-14;
-// A pivot so much smaller than others of its column is what rounding left of 0.
+// A pivot so much smaller than the largest that might be taken instead is what rounding left of 0.
 constexpr double kSmallestPivot = 1e-11;
 constexpr double kNever = __builtin_inf();
 
@@ -155,24 +155,24 @@ void GrowingGame::begin() {
 
 template <int kQuads>
 void GrowingGame::pivot(int line, int column, double inverse) {
-  typedef Few<kQuads> Numbers;
+  typedef Few<kQuads> Line;
   const Place<kQuads> by_column(column), by_line(line);
   double* const chosen_line = tableau_line(line);
   double* const chosen_column = tableau_column(column);
   double* const gains = gain_.data() + kMost;
-  const Numbers scaled = -inverse * by_column.with(Numbers::load(chosen_line), -1);
-  const Numbers taken = by_line.with(Numbers::load(chosen_column), -1);
+  const Line scaled = -inverse * by_column.with(Line::load(chosen_line), -1);
+  const Line taken = by_line.with(Line::load(chosen_column), -1);
   const double level = level_[index(line)] * inverse, gain = gains[column];
-  (by_line.with(Numbers::load(level_.data()), 0) - level * taken).store(level_.data());
-  (by_column.with(Numbers::load(gains), 0) - gain * scaled).store(gains);
+  (by_line.with(Line::load(level_.data()), 0) - level * taken).store(level_.data());
+  (by_column.with(Line::load(gains), 0) - gain * scaled).store(gains);
   total_ += gain * level;
   for (int i = 0; i < kQuads * kQuad; ++i) {
     double* const other = tableau_line(i);
-    (by_column.with(Numbers::load(other), 0) + taken[i / kQuad][i % kQuad] * scaled).store(other);
+    (by_column.with(Line::load(other), 0) + taken[i / kQuad][i % kQuad] * scaled).store(other);
   }
   for (int i = 0; i < kQuads * kQuad; ++i) {
     double* const other = tableau_column(i);
-    (by_line.with(Numbers::load(other), 0) - scaled[i / kQuad][i % kQuad] * taken).store(other);
+    (by_line.with(Line::load(other), 0) - scaled[i / kQuad][i % kQuad] * taken).store(other);
   }
   (-scaled).store(chosen_line);
   (-inverse * taken).store(chosen_column);
@@ -188,6 +188,7 @@ bool GrowingGame::improve() {
   const unsigned better = above(gain, kNoise);
   if (better == 0) return false;
   const int column = is_one(better) ? __builtin_ctz(better) : place(gain, most(gain));
+  if (column >= rows_) return false;  // among what is no number
   const auto pivots = Few<kQuads>::load(tableau_column(column));
   const double smallest = kSmallestPivot * most(pivots);
   if (!(smallest > 0)) return false;
@@ -247,10 +248,10 @@ GrowingGame::Numbers GrowingGame::weights_of(int first, const std::array<double,
   const auto weight = [&](int i) { return larger(0.0, sign * by_seat[index(seat_[index(first + i)])]); };
   const Few<2> weights{{Quad{weight(0), weight(1), weight(2), weight(3)},
                         wide_ ? Quad{weight(4), weight(5), weight(6), weight(7)} : Quad{}}};
-  const double total = sum(weights);
+  const double inverse = 1 / sum(weights);
   Numbers out;
-  if (total > 0 && total < kNever) {
-    (1 / total * weights).store(out.data());
+  if (inverse > 0 && inverse < kNever) {
+    (inverse * weights).store(out.data());
   } else {
     Place<2>(0).with(Few<2>::all(0), 1).store(out.data());
   }

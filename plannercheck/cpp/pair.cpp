@@ -13,8 +13,8 @@ namespace {
 // (b) Separation by q, |q| <= r_Q (1 + 1e-9). The guest's direction fl(Mᵀq) errs by 5.2u |q|, which moves the least
 //     product by at most 10.4u |q| r_P; a scan may miss it by 14u |q| r_P (kScanError, |.|_1 <= √3 |.|); evaluating q·x
 //     errs by 5.2u |q| |x|. sup over R of q·x is at most 1 + 20u r_Q r_R: polar points err by kPolarError, mixing 8 of
-//     them by 16u: 8u in the sum of the weights, which are divided by their rounded sum, 8u in the products and sums.
-//     In all r_Q times (30u (r_P + |shift|) + 20u r_R) besides (a).
+//     them by 16u: 8u in the sum of the weights, which are multiplied by the inverse of their rounded sum, 8u in the
+//     products and sums. In all r_Q times (30u (r_P + |shift|) + 20u r_R) besides (a).
 // (c) Containment of x: mixing 8 vertices errs by 16u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by
 //     5.2u r_Q |x|, polar points by 4u r_Q |x|, with |x| <= r_P + |shift|: r_Q times 40u (r_P + |shift|) besides (a).
 // |shift| <= |w| + |c| up to the rounding above, so one bound serves both. The walk mixes 16 points at a time (32u),
