@@ -57,6 +57,7 @@ def test_a_held_arm_in_an_obstacle_leaves_no_valid_state(switches):
         assert set(np.flatnonzero(checker.colliding_pairs(q).all(axis=0))) & box
         counted = checker.statistics()
         assert _settled(counted) == counted["pairs"] == counted["states"] * len(checker.pairs)
+    assert "bounds" in switches or once.statistics()["overlaps"] >= 200  # nothing else is asked of these states
     np.testing.assert_array_equal(once.colliding_pairs(q), always.colliding_pairs(q))
     np.testing.assert_array_equal(once.first_colliding_pair(q), always.first_colliding_pair(q))
     beyond = baxter.upper + np.abs(q[:5])  # all pairs are judged there

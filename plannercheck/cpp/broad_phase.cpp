@@ -129,6 +129,8 @@ void BroadPhase::begin(Workspace& w) {
 }
 
 void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace& w) const {
+  begin(w);
+  if (filters.overlaps && !lasting_pairs_.empty()) return take_lasting(count, w);
   w.links.begin(links);
   w.candidates.clear();
   if (count < kFewStates) {
@@ -137,7 +139,6 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
     find_for_block(count, w);
   }
   w.boxes.begin();
-  begin(w);
   if (filters.overlaps) find_overlaps(w);
   w.boxed = filters.boxes && count >= kFewStates;
   if (w.boxed) test_boxes(w);
@@ -150,6 +151,13 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
       w.near[static_cast<std::size_t>(__builtin_ctz(left))].push_back(candidate.pair);
     }
   }
+}
+
+// A collision that lasts is all there is to know of any state.
+void BroadPhase::take_lasting(int count, Workspace& w) const {
+  w.overlapping = (1U << count) - 1;
+  w.skipped = count * (static_cast<long>(pairs_.size()) - 1);
+  for (auto& near : w.near) near.clear();
 }
 
 void BroadPhase::take_all(int count, Workspace& w) const {

@@ -101,6 +101,7 @@ class BroadPhase {
   }
   FloatBox around(const Company& company, const std::vector<Balls>& balls) const;
   static void begin(Workspace& workspace);
+  void take_lasting(int count, Workspace& workspace) const;
   void find_for_block(int count, Workspace& workspace) const;
   void find_for_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
   void pose_balls(Workspace& workspace) const;
