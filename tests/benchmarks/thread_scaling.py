@@ -1,17 +1,52 @@
 """Time of `check_states` by threads: `python tests/benchmarks/thread_scaling.py [--robot panda --scene bookshelf]`.
 
 Wall-clock time of all states with 1, 2, ... threads up to the machine's cores, by turns; the least of each counts.
+Beside it, as many processes that share nothing and judge a part each with one thread: what the machine itself allows.
 """
 
 from __future__ import annotations
 
 import argparse
+import multiprocessing
 import os
 import time
+from multiprocessing.queues import Queue
+from multiprocessing.synchronize import Barrier
+
+import numpy as np
+from numpy.typing import NDArray
 
 import plannercheck as pc
 
 ROUNDS = 60
+
+Times = list[tuple[float, float]]  # s: when each round began and ended
+
+
+def _judge_parts(robot: str, scene: str, q: NDArray[np.float64], start: Barrier, times: Queue[Times]) -> None:
+    """What a process does: its part, each time that all are ready."""
+    checker = pc.Checker(pc.Robot.load(robot), pc.Scene.load(scene))
+    spans = []
+    for _ in range(ROUNDS):
+        start.wait()
+        began = time.perf_counter()
+        checker.check_states(q)
+        spans.append((began, time.perf_counter()))
+    times.put(spans)
+
+
+def seconds_of_processes(robot: str, scene: str, q: NDArray[np.float64], count: int) -> float:
+    """The least wall-clock time in which so many processes judge all of q, from the first's start to the last's end."""
+    context = multiprocessing.get_context("spawn")
+    start, times = context.Barrier(count), context.Queue()
+    parts = np.array_split(q, count)
+    workers = [context.Process(target=_judge_parts, args=(robot, scene, part, start, times)) for part in parts]
+    for worker in workers:
+        worker.start()
+    spans = np.array([times.get() for _ in workers])
+    for worker in workers:
+        worker.join()
+    return float((spans[:, :, 1].max(axis=0) - spans[:, :, 0].min(axis=0)).min())
 
 
 def main() -> None:
@@ -31,9 +66,14 @@ def main() -> None:
             began = time.perf_counter()
             checker.check_states(q, threads)
             best[threads] = min(best[threads], time.perf_counter() - began)
-    print("threads  µs a state  times as fast as one")
+    print("threads  µs a state  times as fast as one   processes, µs a state  times as fast as one")
+    alone = seconds_of_processes(options.robot, options.scene, q, 1)
     for threads, seconds in best.items():
-        print(f"{threads:7d}  {1e6 * seconds / len(q):10.2f}  {best[1] / seconds:20.2f}")
+        apart = alone if threads == 1 else seconds_of_processes(options.robot, options.scene, q, threads)
+        print(
+            f"{threads:7d}  {1e6 * seconds / len(q):10.2f}  {best[1] / seconds:20.2f}"
+            f"   {1e6 * apart / len(q):21.2f}  {alone / apart:20.2f}"
+        )
 
 
 if __name__ == "__main__":
