@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.certificates import Separation
-from plannercheck.compiled_pairs import CompiledPairs
+from plannercheck.compiled_pairs import CompiledPairs, mounted
 from plannercheck.core import core
 from plannercheck.hull import Polytope
 from plannercheck.motion_chains import motion_chains
@@ -49,15 +49,15 @@ class ChainedPairs:
             excess: Of curved shapes.
         """
         assert robot.joint_table is not None
-        poses = part.body_poses(robot.link_poses(robot.reference[None]))[0]
-        links = [_link_of(robot, body) for body in bodies]
+        mounts, placements = mounted(robot, bodies, robot.kinematics)
+        links: list[int] = mounts.tolist()
         table = _ordered(pairs[part.rows], links)
         moving = np.array([links[a] >= 0 for a, _ in table.tolist()], dtype=bool)
         polytopes = part.polytopes
         self.rows = part.rows[moving]
         self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
         resting = np.flatnonzero(~moving).tolist()
-        self.touching = [int(part.rows[k]) for k in resting if not _lastingly_apart(table[k], polytopes, poses)]
+        self.touching = [int(part.rows[k]) for k in resting if not _lastingly_apart(table[k], polytopes, placements)]
         chains = motion_chains(
             robot.model,
             robot.configuration_map,
@@ -74,9 +74,6 @@ class ChainedPairs:
         position[live] = np.arange(len(live))
         rows, *arrays = chains.arrays()
         rows[:, :2] = position[rows[:, :2].astype(np.int64)]
-        standing = [k for k in live if links[k] < 0]
-        placements = np.array([body.pose for body in bodies], dtype=np.float64).reshape(-1, 4, 4)
-        placements[standing] = poses[standing]
         self.core = core.MotionCertifier(
             [polytopes[k].core for k in live],
             np.array([links[k] for k in live], dtype=np.int32),
@@ -88,14 +85,6 @@ class ChainedPairs:
             chains.defect,
             chains.leverage,
         )
-
-
-def _link_of(robot: Robot, body: Body) -> int:
-    """Index of a body's link; -1 if it stands still whatever the joints do."""
-    if body.link is None:
-        return -1
-    link = robot.link_index(body.link)
-    return -1 if robot.kinematics is None or robot.kinematics.link_is_constant(link) else link
 
 
 def _ordered(pairs: NDArray[np.int32], links: Sequence[int]) -> NDArray[np.int32]:

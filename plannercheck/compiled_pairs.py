@@ -130,7 +130,7 @@ class CompiledPairs:
         self._count = len(bodies)
         self._used = np.unique(pairs[rows])
         self.polytopes = {k: preparation.polytope(k) for k in self._used.tolist()}
-        links, placements = _mounted(robot, [bodies[k] for k in self._used], kernel)
+        links, placements = mounted(robot, [bodies[k] for k in self._used], kernel)
         anything = np.full(robot.nq, LARGEST_VALUE)
         lower, upper = (np.clip(limit, -anything, anything) for limit in limits or (-anything, anything))
         self.core = core.Checker(
@@ -162,8 +162,17 @@ class CompiledPairs:
         return poses
 
 
-def _mounted(robot: Robot, bodies: Sequence[Body], kernel: Any | None) -> tuple[Ints, Floats]:
-    """(n,) index of each body's link, -1 for the world, and (n, 4, 4) poses there, m."""
+def mounted(robot: Robot, bodies: Sequence[Body], kernel: Any | None) -> tuple[Ints, Floats]:
+    """What bodies hang on.
+
+    Args:
+        robot: The robot.
+        bodies: The robot's or a scene's.
+        kernel: The kinematics that will pose the links; what it never moves counts as the world's. None: all may move.
+
+    Returns:
+        (n,) indices of links, -1 for the world, and (n, 4, 4) poses there, m, with the bits that verdicts are about.
+    """
     links = np.array([-1 if b.link is None else robot.link_index(b.link) for b in bodies], dtype=np.int32)
     placements = np.array([body.pose for body in bodies], dtype=np.float64).reshape(-1, 4, 4)
     if kernel is not None:

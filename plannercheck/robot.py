@@ -48,7 +48,7 @@ from plannercheck.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geomet
 Floats = NDArray[np.float64]
 Reference = Mapping[str, Any] | Sequence[float] | Floats | str | None
 
-_SAMPLES = 32  # configurations of `sampled_link_poses`
+_SAMPLES = 32  # configurations of `sampled_link_poses`: four of the blocks of eight that are judged at a time
 
 
 class Robot:

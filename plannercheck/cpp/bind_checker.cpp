@@ -8,6 +8,7 @@
 #include <exception>
 #include <mutex>
 #include <stdexcept>
+#include <string>
 
 #include "array_types.hpp"
 #include "bindings.hpp"
@@ -119,7 +120,8 @@ class BoundChecker {
 
   static SampledPoses states_of(LinkPoses poses, std::int32_t link_count) {
     if (poses.shape(1) != static_cast<std::size_t>(link_count)) {
-      throw std::invalid_argument("sampled poses must be those of all links");
+      throw std::invalid_argument("sampled poses are of " + std::to_string(poses.shape(1)) +
+                                  " links: give those of all " + std::to_string(link_count) + " links");
     }
     return {std::vector<double>(poses.data(), poses.data() + poses.size()), poses.shape(0)};
   }
@@ -249,7 +251,10 @@ auto all_of_poses(BoundChecker& checker, LinkPoses poses) {
 // Poses of links times placements on them, by the operations of every verdict.
 auto placed_on_links(InputArray<double, -1, 4, 4> links, InputArray<double, -1, 4, 4> placements) {
   const std::size_t n = links.shape(0);
-  if (placements.shape(0) != n) throw std::invalid_argument("each link must have its placement");
+  if (placements.shape(0) != n) {
+    throw std::invalid_argument(std::to_string(n) + " link poses with " + std::to_string(placements.shape(0)) +
+                                " placements: give each pose one");
+  }
   std::vector<double> out(links.data(), links.data() + 16 * n);
   for (std::size_t i = 0; i < n; ++i) {
     const Pose pose = placed_on(pose_from(links.data() + 16 * i).m, pose_from(placements.data() + 16 * i));

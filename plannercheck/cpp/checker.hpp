@@ -14,6 +14,7 @@
 #include "kinematics.hpp"
 #include "mounted_body.hpp"
 #include "pair_test.hpp"
+#include "sampled_poses.hpp"
 
 namespace plannercheck {
 

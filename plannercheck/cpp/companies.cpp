@@ -9,8 +9,9 @@
 namespace plannercheck {
 namespace {
 
-constexpr std::size_t kMostMovers = 8;
-// Of testing a body against an obstacle, and of making the box around a company; testing that box costs 1.
+constexpr std::size_t kMostMovers = 8;  // larger ones never paid, with any of the shipped robots
+// Of testing a body against an obstacle, and of making the box around a company, in tests of that box: by their
+// instructions.
 constexpr double kBodyCost = 1.5, kCompanyCost = 3;
 
 // Around all movers of a company, by state.

@@ -10,6 +10,7 @@
 
 #include "bounding_ball.hpp"
 #include "obstacle_tree.hpp"
+#include "sampled_poses.hpp"
 
 namespace plannercheck {
 

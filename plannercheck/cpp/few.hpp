@@ -44,9 +44,6 @@ struct Few {
   friend Few operator*(double a, const Few& b) {
     return of([&](int i) { return a * b[i]; });
   }
-  friend Few operator*(const Few& a, const Few& b) {
-    return of([&](int i) { return a[i] * b[i]; });
-  }
   friend Few operator-(const Few& a) {
     return of([&](int i) { return -a[i]; });
   }

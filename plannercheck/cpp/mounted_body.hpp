@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "body.hpp"
 #include "vec.hpp"
@@ -28,12 +27,6 @@ struct MountedBody {
   std::shared_ptr<const Body> body;
   std::int32_t link = -1;  // −1: fixed to the world
   Pose placement;          // on the link, or in the world
-};
-
-// Poses of all links, row-major 4x4, in some states.
-struct SampledPoses {
-  std::vector<double> poses;
-  std::size_t states = 0;
 };
 
 }  // namespace plannercheck
