@@ -8,7 +8,7 @@ states those come first that are free at both ends, so that only what lies betwe
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -34,8 +34,8 @@ from plannercheck.stress.motion_trees import CONTINUOUS, TURNS, Wishes, random_p
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-# Motions of a draw: enough that building robot and checkers is a small part of the time.
-MOTIONS = 400
+# Motions of a draw: so many that building robot and checkers takes no more time than judging them.
+MOTIONS = 100
 # So many times as many motions are made as are taken, those first that are free at both ends.
 _CANDIDATES = 3
 # At least this part of a draw is taken as it comes.
@@ -91,10 +91,12 @@ FAMILIES: dict[str, Wishes] = {
     "mimic": Wishes(
         (*CONTINUOUS, "revolute", "prismatic", "prismatic z"), (1.0,) * 4 + (1.0,) * 3, (3, 6), 0.6, 0.5, 0.0
     ),
-    "off unit": Wishes(("floating", "ball", "planar", *CONTINUOUS), (9.0, 1.0, 1.0, *[0.2] * 4), (3, 25), 0.0, 0.05, 0.8),
+    "off unit": Wishes(
+        ("floating", "ball", "planar", *CONTINUOUS), (9.0, 1.0, 1.0, *[0.2] * 4), (3, 25), 0.0, 0.05, 0.8
+    ),
     "far ends": Wishes((*CONTINUOUS, "revolute"), (1.0,) * 5, (1, 4), 0.1, 0.3, 0.0),
 }
-SHIPPED = ("panda", "ur5", "kinova", "tiago", "xarm7", "go2")
+SHIPPED = ("panda", "ur5", "kinova", "xarm7", "ur10", "ur3", "go2", "tiago", "pr2", "talos", "baxter", "g1")
 SCENES = ("", "", "bookshelf", "cage", "table", "bin", "kitchen")
 
 
@@ -139,7 +141,13 @@ def shipped_draw(family: str, rng: np.random.Generator) -> Draw:
     robot = shipped_robot(recipe["shipped"], recipe["whole"])
     stage = _Stage(recipe, robot, tangents_of(robot))
     valid = _valid_states(stage, rng)
-    return _with_motions(family, stage, [_obstacle(stage, q, rng) for q in valid], rng)
+    aims = [_obstacle(stage, q, rng) for q in valid]
+    checker = space_checker(recipe, robot)
+    hiding = {max(checker.pairs[row]) - len(robot.bodies) for row in _mostly_touching(stage, checker, aims, rng)}
+    first = len(checker.scene.bodies) - len(aims)
+    kept = [k for k in range(len(aims)) if first + k not in hiding]
+    recipe["obstacles"] = [recipe["obstacles"][k] for k in kept]
+    return _with_motions(family, stage, [aims[k] for k in kept], rng)
 
 
 @lru_cache
@@ -216,12 +224,13 @@ def _touched(
 
 def _obstacle(stage: _Stage, state: Floats, rng: np.random.Generator) -> Aim:
     """Adds an obstacle in contact at a state with a body that moves, if one does."""
-    moving = _moving_bodies(stage) or [0]
+    moving = _moving_bodies(stage)
+    body = moving[int(rng.integers(len(moving)))] if moving else 0
     shape = random_shape(rng)
     poses = stage.robot.link_poses(state)
-    link, contact = _touched(stage, moving[int(rng.integers(len(moving)))], poses, shape, rng)
+    link, contact = _touched(stage, body, poses, shape, rng)
     stage.recipe["obstacles"].append({"link": "", "shape": shape, "pose": _matrix(contact.pose)})
-    return Aim(state, link, -1, contact.point, contact.normal, contact.touches)
+    return Aim(state, link, -1, contact.point, contact.normal, contact.touches and bool(moving))
 
 
 def _probe(stage: _Stage, state: Floats, rng: np.random.Generator) -> Aim:
@@ -257,17 +266,21 @@ def _choose_pairs(stage: _Stage, aims: list[Aim], rng: np.random.Generator) -> N
         for a in range(b)
         if bodies[a]["link"] != bodies[b]["link"] and (a, b) not in probed
     ]
-    near = [stage.tangents.moved(aim.state, rng.normal(size=(_NEAR_STATES, stage.tangents.dimension))) for aim in aims]
-    states = np.vstack([random_states(stage.robot, _PROBED_STATES, rng), *near])
     checker = space_checker(recipe)
-    often = checker.colliding_pairs(states).mean(axis=0) > _MOSTLY_TOUCHING
-    for row, (a, b) in enumerate(checker.pairs.tolist()):
-        if not often[row]:
-            continue
+    for row in _mostly_touching(stage, checker, aims, rng):
+        a, b = checker.pairs[row].tolist()
         if max(a, b) >= len(bodies):
             recipe["obstacles"][max(a, b) - len(bodies)]["shape"] = []
         else:
             recipe["pairs"] = [[] if sorted(pair) == sorted((a, b)) else pair for pair in recipe["pairs"]]
+
+
+def _mostly_touching(stage: _Stage, checker: Checker, aims: list[Aim], rng: np.random.Generator) -> list[int]:
+    """Rows of the checker's pairs that mostly collide, at random states and near those of the aims."""
+    near = [stage.tangents.moved(aim.state, rng.normal(size=(_NEAR_STATES, stage.tangents.dimension))) for aim in aims]
+    states = np.vstack([random_states(stage.robot, _PROBED_STATES, rng), *near])
+    rows: list[int] = np.flatnonzero(checker.colliding_pairs(states).mean(axis=0) > _MOSTLY_TOUCHING).tolist()
+    return rows
 
 
 def _tidy(recipe: SpaceRecipe, rng: np.random.Generator) -> None:
@@ -334,8 +347,3 @@ def _sharpest(checker: Checker, motions: Motions, n: int, rng: np.random.Generat
     some = rng.random(len(rank)) < _AS_THEY_COME
     rank[some] = rng.random(int(some.sum()))
     return motions.of(rng.permutation(np.argsort(rank, kind="stable")[:n]))
-
-
-def smaller(draw: Draw, rows: NDArray[np.int64]) -> Draw:
-    """The draw with some of its motions."""
-    return replace(draw, motions=draw.motions.of(rows))

@@ -45,9 +45,13 @@ _SPREAD = 16
 _ASIDE = np.concatenate([-(10.0 ** -np.arange(1.0, 10.0, 2)), [0.0], 10.0 ** -np.arange(1.0, 10.0, 2)])
 # Of so many accepted motions of a draw the least clearance is searched for: states at first, then rounds of so many
 # within the two steps around the least.
-_SEARCHED, _FIRST_STATES, _ROUNDS, _STATES = 24, 17, 4, 9
+_SEARCHED, _FIRST_STATES, _ROUNDS, _STATES = 8, 17, 4, 9
+# The same for a refusal that seems to have no reason.
+_THOROUGH_STATES, _THOROUGH_ROUNDS = 513, 4
 # Motions of a draw that are asked one by one, and that are explained in full.
-_SINGLE, _EXPLAINED = 60, 2
+_SINGLE, _EXPLAINED = 20, 1
+# With more pairs only as few are explained with proofs, which are as many as pairs.
+_MANY_PAIRS = 400
 # Refusals may name a state that is this much further away than the tolerance, m, and the same per largest number:
 # what distances and poses are rounded by.
 _SLACK, _SLACK_PER_NUMBER = 1e-8, 1e-13
@@ -71,7 +75,8 @@ class Judged:
     """A draw's outcome.
 
     Attributes:
-        counts: Motions, free, refused, declined, sharp (free at both ends, in contact between), sampled states, verified.
+        counts: Motions, free, refused, declined, sharp (free at both ends, in contact between), sampled states, verified;
+            "named off" are refusals whose named state is not within the tolerance, though another one is.
         faults: What was wrong.
     """
 
@@ -171,8 +176,10 @@ def _alike(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.
         found = together(used, draw, part, judged, int(rng.integers(1, 3)))
         for row, answer in zip(part.tolist(), found.tolist(), strict=True):
             _compare("in another batch", row, answer, answers, judged)
-    for row in order[-_SINGLE:].tolist():
-        _compare("explained", row, _passage(used, draw, row, judged, bool(rng.integers(2))), answers, judged)
+    proving = _SINGLE if len(used.checker.pairs) <= _MANY_PAIRS else _EXPLAINED
+    for k, row in enumerate(order[-_SINGLE:].tolist()):
+        proofs = k < proving and bool(rng.integers(2))
+        _compare("explained" + " with proofs" * proofs, row, _passage(used, draw, row, judged, proofs), answers, judged)
 
 
 def _single(subject: Subject, draw: Draw, row: int, judged: Judged) -> int:
@@ -286,17 +293,33 @@ def _reasons(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: n
         return
     clearances = used.clearances(np.array(named)) - used.padding
     for row, clearance in zip(refused.tolist(), clearances.tolist(), strict=True):
-        slack = _SLACK + _SLACK_PER_NUMBER * float(np.abs(draw.motions.q0[row]).max()) + used.slack(
-            draw.motions.q0[row], draw.motions.q1[row]
+        slack = (
+            _SLACK
+            + _SLACK_PER_NUMBER * float(np.abs(draw.motions.q0[row]).max())
+            + used.slack(draw.motions.q0[row], draw.motions.q1[row])
         )
         if clearance > draw.tolerance + slack:
-            judged.add(UNREASONED, row, f"at the state that is named the clearance is {clearance} m")
+            least = _least_clearance(draw, used, row)
+            judged.counts["named off"] += 1
+            if least > draw.tolerance + slack:
+                judged.add(UNREASONED, row, f"its clearance is {least} m, {clearance} m at the state that is named")
     for row in rng.permutation(refused)[:_EXPLAINED].tolist():
         verdict = used.explain(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
         if verdict.collides_at is not None:
             state = _states(draw, used, row, np.array([verdict.collides_at]))
             if _valid(used, state)[0] or verdict.collides_at < verdict.free_until:
                 judged.add(UNREASONED, row, "the state that is said to collide does not, or lies in the free part")
+
+
+def _least_clearance(draw: Draw, used: Subject, row: int) -> float:
+    """The least clearance along a motion that a search finds, m."""
+    low, high, least = 0.0, 1.0, np.inf
+    for _ in range(_THOROUGH_ROUNDS):
+        parameters = np.linspace(low, high, _THOROUGH_STATES)
+        clearances = used.clearances(_states(draw, used, row, parameters)) - used.padding
+        found, least = int(np.argmin(clearances)), min(least, float(clearances.min()))
+        low, high = parameters[max(found - 1, 0)], parameters[min(found + 1, _THOROUGH_STATES - 1)]
+    return least
 
 
 # ----- motions go where they should

@@ -136,9 +136,7 @@ class PlaneSubject:
 
     def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
         """See `Subject`."""
-        return self.checker.explain_motion(
-            q0, q1, tolerance, curve=self._curve, turning_radius=self._radius
-        )
+        return self.checker.explain_motion(q0, q1, tolerance, curve=self._curve, turning_radius=self._radius)
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """See `Subject`."""
