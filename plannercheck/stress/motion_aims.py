@@ -29,7 +29,9 @@ _SLIDE_PER_TURN = (-1.0, 0.5)
 _STEP = 1e-5
 # Kinds of directions: any, of one or two joints alone; and of both, the part that goes along the contact.
 _FEW_JOINTS, _ALONG = 0.3, 0.6
-# Where on the motion the state is; at the ends in one of so many.
+# Motions that pass the state a little off the contact: how many, by how much, m (powers of ten), and rad or m at most.
+_LIFTED, _LIFTS, _LARGEST_LIFT = 0.3, (-3.5, -1.0), 0.5
+# Where on the motion the state is; one in so many is at the first end, as many at the last, twice as many in the middle.
 _INSIDE, _AT_ENDS = (0.05, 0.95), 12
 
 
@@ -83,13 +85,35 @@ class Aim:
 
 def through(robot: Robot, tangents: Tangents, aim: Aim, n: int, rng: np.random.Generator) -> Motions:
     """Motions through an aim's state."""
-    way = _directions(tangents, _rates(robot, tangents, aim), n, rng)
+    rates = _rates(robot, tangents, aim)
+    way, at = _directions(tangents, rates, n, rng), parameters(n, rng)
+    lifts, touching = lifted(np.zeros(tangents.dimension), rates, aim.touches, n, rng)
+    passed = tangents.moved(aim.state, lifts)
+    q0 = tangents.moved(passed, -at[:, None] * way)
+    q1 = tangents.moved(passed, (1 - at)[:, None] * way)
+    exact = ~lifts.any(axis=1)
+    passed[exact] = aim.state
+    return Motions(q0, q1, at, passed, touching)
+
+
+def parameters(n: int, rng: np.random.Generator) -> Floats:
+    """Where on motions (n,) the state is that they pass: anywhere, in the middle, or at an end."""
     at = rng.uniform(*_INSIDE, n)
-    ends = rng.integers(0, _AT_ENDS, n)
-    at[ends == 0], at[ends == 1] = 0.0, 1.0
-    q0 = tangents.moved(aim.state, -at[:, None] * way)
-    q1 = tangents.moved(aim.state, (1 - at)[:, None] * way)
-    return Motions(q0, q1, at, np.tile(aim.state, (n, 1)), np.full(n, aim.touches))
+    kind = rng.integers(0, _AT_ENDS, n)
+    at[kind == 0], at[kind == 1], at[kind == 2], at[kind == 3] = 0.0, 1.0, 0.5, 0.5
+    return at
+
+
+def lifted(state: Floats, rates: Floats, touches: bool, n: int, rng: np.random.Generator) -> tuple[Floats, Bools]:
+    """States (n, k) of which some are lifted off the contact, and whether (n,) they still touch by construction.
+
+    Motions that just miss leave behind what those that just touch are then looked at with.
+    """
+    square = float(rates @ rates)
+    lift = np.where(rng.random(n) < _LIFTED, 10.0 ** rng.uniform(*_LIFTS, n), 0.0)
+    step = np.minimum(lift / max(square, 1e-300), _LARGEST_LIFT / max(np.sqrt(square), 1e-300))
+    moved = state + step[:, None] * -rates
+    return moved, np.full(n, touches) & (lift == 0)
 
 
 def _rates(robot: Robot, tangents: Tangents, aim: Aim) -> Floats:

@@ -23,7 +23,9 @@ from plannercheck.stress.motion_recipes import shape_of
 Floats = NDArray[np.float64]
 
 # Depths of contacts and widths of gaps, m, as powers of ten.
-_DEPTHS, _GAPS = (-6.0, -2.0), (-3.9, -0.5)
+DEPTHS, _GAPS = (-6.0, -2.0), (-3.9, -0.5)
+# Contacts in so many cases on a facet of a box, else at any vertex; vertices of a facet are level up to this part.
+_ON_FACETS, _FLAT = 0.4, 1e-12
 # Shapes: this many in six touch, the others miss.
 _TOUCHING = 4 / 6
 
@@ -40,9 +42,13 @@ class Extent:
     vertices: Floats
     swell: float
 
-    def furthest(self, direction: Floats) -> Floats:
-        """The point (3,) of the shape that is furthest along a unit direction."""
-        vertex = self.vertices[int(np.argmax(self.vertices @ direction))]
+    def furthest(self, direction: Floats, rng: np.random.Generator | None = None) -> Floats:
+        """The point (3,) of the shape that is furthest along a unit direction; any of a facet, if one is."""
+        along = self.vertices @ direction
+        vertex = self.vertices[int(np.argmax(along))]
+        if rng is not None:
+            facet = self.vertices[along >= along.max() - _FLAT * (1 + np.abs(along).max())]
+            vertex = rng.dirichlet(np.ones(len(facet))) @ facet
         return np.asarray(vertex + self.swell * direction)
 
 
@@ -52,8 +58,10 @@ def extent_of(shape: Shape) -> Extent:
     return Extent(np.asarray(vertices), float(swell))
 
 
-def random_shape(rng: np.random.Generator) -> list[Any]:
-    """A shape's recipe: boxes, balls, thin walls, needles, bodies of 1 mm, hulls."""
+def random_shape(rng: np.random.Generator, large: bool = False) -> list[Any]:
+    """A shape's recipe: boxes, balls, thin walls, needles, bodies of 1 mm, hulls; or large boxes."""
+    if large:
+        return ["box", [_size(rng, -1, 1) for _ in range(3)]]
     kind = rng.integers(8)
     if kind == 0:
         return ["sphere", _size(rng, -3, -0.7)]
@@ -106,12 +114,22 @@ class Contact:
         return np.asarray(self.pose[:3, :3] @ self.foot + self.pose[:3, 3])
 
 
-def random_contact(body: Extent, pose: Floats, shape: list[Any], rng: np.random.Generator) -> Contact:
-    """A shape laid upon a body at a pose (4, 4), any vertex of either in front."""
+def random_contact(
+    body: Extent,
+    pose: Floats,
+    shape: list[Any],
+    rng: np.random.Generator,
+    depths: tuple[float, float] = DEPTHS,
+) -> Contact:
+    """A shape laid upon a body at a pose (4, 4), as deep as powers of ten between `depths` say, in m."""
     other = extent_of(shape_of(shape))
-    normal = random_directions(1, rng)[0]
+    direction = random_directions(1, rng)[0]
+    if rng.random() < _ON_FACETS:
+        direction = rng.choice([-1.0, 1.0]) * np.eye(3)[int(rng.integers(3))]
+    normal = np.linalg.inv(pose[:3, :3]).T @ direction  # of a pose that may be a little off rigid
+    normal /= np.linalg.norm(normal)
     turn = turns_onto(random_directions(1, rng), random_directions(1, rng), rng)[0]
-    point = pose[:3, :3] @ body.furthest(pose[:3, :3].T @ normal) + pose[:3, 3]
+    point = pose[:3, :3] @ body.furthest(direction, rng) + pose[:3, 3]
     local = other.furthest(turn.T @ -normal)
     foot = turn @ local
     placed = np.eye(4)
@@ -120,7 +138,7 @@ def random_contact(body: Extent, pose: Floats, shape: list[Any], rng: np.random.
     if touches:
         middle = pose[:3, :3] @ body.vertices.mean(axis=0) + pose[:3, 3]
         inward = middle - point
-        depth = min(10.0 ** rng.uniform(*_DEPTHS), 0.5 * float(np.linalg.norm(inward)))
+        depth = min(10.0 ** rng.uniform(*depths), 0.5 * float(np.linalg.norm(inward)))
         placed[:3, 3] = point + depth * inward / max(float(np.linalg.norm(inward)), 1e-300) - foot
     else:
         placed[:3, 3] = point + 10.0 ** rng.uniform(*_GAPS) * normal - foot

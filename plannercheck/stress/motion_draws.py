@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from plannercheck.checker import Checker
 from plannercheck.robot import Robot
 from plannercheck.stress.motion_aims import Aim, Motions, joined, through
-from plannercheck.stress.motion_contacts import Contact, extent_of, random_contact, random_shape
+from plannercheck.stress.motion_contacts import DEPTHS, Contact, extent_of, random_contact, random_shape
 from plannercheck.stress.motion_recipes import (
     BodyRecipe,
     Matrix,
@@ -48,6 +48,8 @@ _PROBED_STATES, _NEAR_STATES = 60, 10
 # Off-unit lengths go to this part of what is accepted.
 _OFF_UNIT, _ONE_WAY = 1.99e-7, 0.8
 # Far ends of continuous joints: whole turns of up to this power of ten.
+# Depths of contacts in states that are off unit, m (powers of ten): below what filters may allow for.
+_SHALLOW = (-7.0, -4.5)
 _FARTHEST, _NEAR_ZERO, _LAST = 15.0, 0.7, 0.5
 _BASE_HAS_A_BODY, _LINK_HAS_A_BODY, _SECOND_BODY = 0.5, 0.8, 0.25
 _BODY_OFFSETS = ((0.8, 0.2), (1.0, 10.0))  # up to this probability, so far off its link's origin, m
@@ -81,6 +83,7 @@ class _Stage:
     recipe: SpaceRecipe
     robot: Robot
     tangents: Tangents
+    depths: tuple[float, float] = DEPTHS
 
 
 FAMILIES: dict[str, Wishes] = {
@@ -107,8 +110,9 @@ def tree_draw(family: str, rng: np.random.Generator) -> Draw:
         robot = robot_of(recipe)
         if robot.nq > 0:
             break
-    _add_bodies(recipe, rng)
-    stage = _Stage(recipe, robot, tangents_of(robot))
+    _add_bodies(recipe, rng, family == "off unit")
+    depths = _SHALLOW if family == "off unit" else DEPTHS
+    stage = _Stage(recipe, robot, tangents_of(robot), depths)
     probes = [_probe(stage, _state(stage, family, rng), rng) for _ in range(int(rng.integers(*_PROBES)))]
     obstacles = [_obstacle(stage, _state(stage, family, rng), rng) for _ in range(int(rng.integers(*_OBSTACLES)))]
     _choose_pairs(stage, [*probes, *obstacles], rng)
@@ -165,8 +169,12 @@ def _valid_states(stage: _Stage, rng: np.random.Generator) -> Floats:
     return (free if len(free) else q)[: int(rng.integers(*_OBSTACLES))]
 
 
-def _add_bodies(recipe: SpaceRecipe, rng: np.random.Generator) -> None:
-    """Bodies of the base and the links; the last link has one."""
+def _add_bodies(recipe: SpaceRecipe, rng: np.random.Generator, sparse: bool) -> None:
+    """Bodies of the base and the links; the last link has one, and alone if they are to be sparse: a large one."""
+    if sparse:
+        body = _body(recipe["joints"][-1]["name"] + " link", rng)
+        recipe["bodies"].append({**body, "shape": random_shape(rng, large=True)})
+        return
     links = [joint["name"] + " link" for joint in recipe["joints"]]
     if rng.random() < _BASE_HAS_A_BODY:
         recipe["bodies"].append(_body("base", rng))
@@ -219,7 +227,7 @@ def _touched(
     link = stage.robot.link_index(body["link"])
     shipped = stage.recipe["shipped"]
     extent = extent_of(stage.robot.bodies[k].shape if shipped else shape_of(body["shape"]))
-    return link, random_contact(extent, poses[link] @ np.array(body["pose"]), shape, rng)
+    return link, random_contact(extent, poses[link] @ np.array(body["pose"]), shape, rng, stage.depths)
 
 
 def _obstacle(stage: _Stage, state: Floats, rng: np.random.Generator) -> Aim:

@@ -50,6 +50,8 @@ _SEARCHED, _FIRST_STATES, _ROUNDS, _STATES = 8, 17, 4, 9
 _THOROUGH_STATES, _THOROUGH_ROUNDS = 513, 4
 # Motions of a draw that are asked one by one, and that are explained in full.
 _SINGLE, _EXPLAINED = 20, 1
+# Checkers of a draw that are asked about a few motions only; in space they take longer to build.
+_FRESH = {"space": 1, "plane": 12}
 # With more pairs only as few are explained with proofs, which are as many as pairs.
 _MANY_PAIRS = 400
 # Refusals may name a state that is this much further away than the tolerance, m, and the same per largest number:
@@ -105,6 +107,7 @@ def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, ve
     answers = together(fresh, draw, np.arange(len(draw.motions.at)), judged)
     _count(draw, answers, fresh, judged)
     _alike(draw, used, answers, judged, rng)
+    _after_few(draw, build, answers, judged, rng)
     _ends_and_contacts(draw, used, answers, judged, rng)
     _sampled(draw, used, answers, judged, rng)
     _least_clearances(draw, used, answers, judged, rng)
@@ -180,6 +183,22 @@ def _alike(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.
     for k, row in enumerate(order[-_SINGLE:].tolist()):
         proofs = k < proving and bool(rng.integers(2))
         _compare("explained" + " with proofs" * proofs, row, _passage(used, draw, row, judged, proofs), answers, judged)
+
+
+def _after_few(
+    draw: Draw, build: Callable[[], Subject], answers: Answers, judged: Judged, rng: np.random.Generator
+) -> None:
+    """Fresh checkers are asked about one to three motions that are free, then about one that is not.
+
+    What a motion leaves behind, a longer history overwrites.
+    """
+    free, refused = np.flatnonzero(answers == FREE), np.flatnonzero(answers == REFUSED)
+    if not len(free) or not len(refused):
+        return
+    for _ in range(_FRESH[draw.recipe["kind"]]):
+        subject = build()
+        for row in [*rng.choice(free, int(rng.integers(1, 4))).tolist(), int(rng.choice(refused))]:
+            _compare("after few others", row, _single(subject, draw, row, judged), answers, judged)
 
 
 def _single(subject: Subject, draw: Draw, row: int, judged: Judged) -> int:
@@ -287,7 +306,10 @@ def _reasons(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: n
     refused = np.flatnonzero(answers == REFUSED)
     named = []
     for row in refused.tolist():
-        near = used.passage(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance).near
+        passage = used.passage(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
+        if passage.free:
+            judged.add(HISTORY, row, "refused by a fresh checker among all, explained as free")
+        near = passage.near
         named.append(_states(draw, used, row, np.array([min(max(near, 0.0), 1.0)]))[0])
     if not named:
         return

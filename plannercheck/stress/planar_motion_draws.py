@@ -13,22 +13,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck import planar
-from plannercheck.stress.motion_aims import Motions, joined, lengths
+from plannercheck.stress.motion_aims import Motions, joined, lengths, lifted, parameters
 from plannercheck.stress.motion_draws import MOTIONS, Draw
 from plannercheck.stress.motion_recipes import LinkRecipe, PlaneRecipe, PolygonRecipe, planar_robot_of
 from plannercheck.stress.motion_subjects import PlaneSubject
 
 Floats = NDArray[np.float64]
 
-PLANAR_FAMILIES = ("plane chain", "plane shipped", "plane curves")
+PLANAR_FAMILIES = ("plane chain", "plane swing", "plane shipped", "plane curves")
 # Motions of a draw on curves: taking a curve apart costs more than all else.
 CURVES = 30
 _SHIPPED = (("forklift", "warehouse"), ("forklift", "parking"), ("truck_trailer", "parking"), ("truck_trailer", ""))
 
 _OBSTACLES, _TRAILERS = (3, 9), (0, 4)
 # Footprints: corners, sizes, m, and how far off their link's origin they lie, m.
-_CORNERS, _SIZES, _OFFSETS = (3, 9), (-3.0, 0.7), (0.0, 0.0, 1.0, 8.0)
+_CORNERS, _SIZES, _OFFSETS = (3, 9), (-3.0, 0.3), (0.0, 0.0, 1.0, 8.0)
+_LARGE, _LARGE_SIZES = 0.4, (2.0, 8.0)
 _DEPTHS, _GAPS, _TOUCHING = (-6.0, -1.5), (-3.9, -0.5), 4 / 6
+# Contacts at the corner that is furthest from the joint; contacts that are deeper, of so many.
+_OUTERMOST, _DEEPER, _DEEP = 0.5, 0.5, (-3.0, -1.3)
+# A square about its centre; motions of a swinging arm that are drawn back from the post.
+_SQUARE, _DRAWN_BACK = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]), 0.4
 # Positions of the root without bounds, m; headings and hinges go further round now and then, by whole turns up to
 # this power of ten.
 _AREA, _FAR, _FARTHEST = 5.0, 0.1, 15.0
@@ -43,6 +48,8 @@ def planar_draw(family: str, rng: np.random.Generator) -> Draw:
     """A planar robot among contacts."""
     recipe = _recipe(family, rng)
     robot = planar_robot_of(recipe)
+    if family == "plane swing":
+        return _swing(recipe, rng)
     curve = family == "plane curves"
     makers = [_curve_motions if curve else _straight_motions for _ in range(int(rng.integers(*_OBSTACLES)))]
     motions = joined([make(recipe, robot, len(makers), rng) for make in makers])
@@ -92,10 +99,15 @@ def _link(name: str, parent: str | None, joint: str, rng: np.random.Generator) -
     }
 
 
-def _polygon(offset: float, rng: np.random.Generator) -> Floats:
-    """A convex polygon (n, 2): points on a stretched circle, or a thin or small box."""
-    size, thin = 10.0 ** rng.uniform(*_SIZES), 10.0 ** rng.uniform(-3, 0)
-    kind = rng.integers(3)
+def _polygon(offset: float, rng: np.random.Generator, large: float = _LARGE) -> Floats:
+    """A convex polygon (n, 2): points on a stretched circle, a thin or small box, or an arm that points outwards."""
+    size = float(rng.uniform(*_LARGE_SIZES)) if rng.random() < large else 10.0 ** rng.uniform(*_SIZES)
+    thin = 10.0 ** rng.uniform(-3, 0)
+    kind = rng.integers(4)
+    if kind == 3:  # as it lies: it swings about its root, its end ahead
+        return np.array([offset * rng.random(), 0.0]) + 0.5 * np.array(
+            [[0, -thin], [size, -thin], [size, thin], [0, thin]]
+        )
     if kind == 0:
         points = 0.5 * np.array([[-size, -thin], [size, -thin], [size, thin], [-size, thin]])
     elif kind == 1:
@@ -107,6 +119,30 @@ def _polygon(offset: float, rng: np.random.Generator) -> Floats:
     turn = rng.uniform(-np.pi, np.pi)
     c, s = np.cos(turn), np.sin(turn)
     return np.asarray(points @ np.array([[c, s], [-s, c]]) + offset * rng.uniform(-1, 1, 2))
+
+
+def _swing(recipe: PlaneRecipe, rng: np.random.Generator) -> Draw:
+    """A long arm, far off its root, that swings past a post at its end; and the same drawn back a little.
+
+    What is kept of a motion that just misses is what the next one, which does not, is looked at with.
+    """
+    inner, length, thick = float(rng.uniform(0, 10)), float(rng.uniform(0.5, 6)), 10.0 ** rng.uniform(-3, 0)
+    outline = [[inner, -thick / 2], [inner + length, -thick / 2], [inner + length, thick / 2], [inner, thick / 2]]
+    recipe["links"] = [_link("root", None, "free", rng)]
+    recipe["links"][0].update({"footprint": outline, "anchor": [0.0, 0.0, 0.0]})
+    x, y, heading = rng.uniform(-_AREA, _AREA, 3)
+    axis = np.array([np.cos(heading), np.sin(heading)])
+    small = 10.0 ** rng.uniform(-3, -1)
+    post = np.array([x, y]) + (inner + length) * axis
+    pose = planar.pose_of(post - (10.0 ** rng.uniform(*_DEEP) - small / 2) * axis, float(heading))
+    recipe["obstacles"] = [{"vertices": (0.5 * small * _SQUARE).tolist(), "pose": pose.tolist()}]
+    n = MOTIONS
+    at, turn = parameters(n, rng), 10.0 ** rng.uniform(-2, -0.3, n) * rng.choice([-1, 1], n)
+    back = np.where(rng.random(n) < _DRAWN_BACK, 10.0 ** rng.uniform(-2, -0.5, n), 0.0)
+    passed = np.column_stack([x - back * axis[0], y - back * axis[1], np.full(n, heading)])
+    way = np.column_stack([np.zeros((n, 2)), turn])
+    q0, q1 = passed - at[:, None] * way, passed + (1 - at)[:, None] * way
+    return Draw("plane swing", recipe, Motions(q0, q1, at, passed, back == 0), float(rng.choice([1e-4, 1e-3])))
 
 
 def _states(robot: planar.Robot, n: int, rng: np.random.Generator) -> Floats:
@@ -127,8 +163,12 @@ def _touch(robot: planar.Robot, state: Floats, rng: np.random.Generator) -> tupl
     corners = body.vertices @ pose[:2, :2].T + pose[:2, 2]
     turn = rng.uniform(-np.pi, np.pi)
     normal = np.array([np.cos(turn), np.sin(turn)])
+    if rng.random() < _OUTERMOST:  # what swings about its joint comes nearest where it is furthest out
+        arms = corners - pose[:2, 2]
+        furthest = arms[int(np.argmax((arms**2).sum(axis=1)))]
+        normal = furthest / max(float(np.linalg.norm(furthest)), 1e-300)
     point = corners[int(np.argmax(corners @ normal))]
-    vertices, placed = _polygon(0.0, rng), np.eye(3)
+    vertices, placed = _polygon(0.0, rng, large=0.0), np.eye(3)
     spin = rng.uniform(-np.pi, np.pi)
     placed[:2, :2] = [[np.cos(spin), -np.sin(spin)], [np.sin(spin), np.cos(spin)]]
     other = vertices @ placed[:2, :2].T
@@ -137,7 +177,7 @@ def _touch(robot: planar.Robot, state: Floats, rng: np.random.Generator) -> tupl
     if touches:
         inward = corners.mean(axis=0) - point
         length = float(np.linalg.norm(inward))
-        depth = min(10.0 ** rng.uniform(*_DEPTHS), 0.5 * length)
+        depth = min(10.0 ** rng.uniform(*(_DEEP if rng.random() < _DEEPER else _DEPTHS)), 0.5 * length)
         placed[:2, 2] = point + depth * inward / max(length, 1e-300) - foot
     else:
         placed[:2, 2] = point + 10.0 ** rng.uniform(*_GAPS) * normal - foot
@@ -170,12 +210,11 @@ def _straight_motions(recipe: PlaneRecipe, robot: planar.Robot, shares: int, rng
     way *= (lengths(n, rng) / np.where(largest > 0, largest, 1))[:, None]
     turned = np.abs(way[:, robot.angles]).max(axis=1, initial=0.0)
     way *= np.minimum(1, _LONGEST_TURN / np.maximum(turned, 1e-300))[:, None]
-    at = rng.uniform(0.05, 0.95, n)
-    ends = rng.integers(0, 12, n)
-    at[ends == 0], at[ends == 1] = 0.0, 1.0
-    q0, q1 = state - at[:, None] * way, state + (1 - at)[:, None] * way
-    q0[at == 0], q1[at == 1] = state, state
-    return Motions(q0, q1, at, np.tile(state, (n, 1)), np.full(n, touches))
+    at = parameters(n, rng)
+    passed, touching = lifted(state, rates, touches, n, rng)
+    q0, q1 = passed - at[:, None] * way, passed + (1 - at)[:, None] * way
+    q0[at == 0], q1[at == 1] = passed[at == 0], passed[at == 1]
+    return Motions(q0, q1, at, passed, touching)
 
 
 def _rates(robot: planar.Robot, state: Floats, link: int, point: Floats, normal: Floats) -> Floats:
