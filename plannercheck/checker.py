@@ -16,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import read_only
 from plannercheck.carrying import inverse
 from plannercheck.certified_motions import DEFAULT_TOLERANCE, MotionCertifier
 from plannercheck.checker_settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
@@ -150,7 +151,8 @@ class Checker:
         labels = (*(b.label for b in robot.bodies), *self.scene.body_objects)
         padding = settings.padding if earlier is None else known_parts(settings.padding, bodies, labels)
         padded = padded_pairs(padding, bodies, labels, (table.pairs, table.resting))
-        self.bodies, self._labels, self.paddings, (self.pairs, at_rest) = padded
+        self.bodies, self._labels, paddings, (pairs, at_rest) = padded
+        self.paddings, self.pairs = read_only(paddings), read_only(pairs)
         self._kernel = robot.kinematics if settings.kinematics == "batch" else None
         self._preparation = Preparation(
             self.bodies, self.excess, self.paddings, None if earlier is None else earlier._preparation
@@ -158,7 +160,7 @@ class Checker:
         self._proofs = self._meeting_proofs(None if earlier is None else earlier._proofs)
         candidates = np.concatenate([self.pairs, at_rest])
         apart, resting = self._proofs.of(candidates) if settings.reach else np.zeros((2, len(candidates)), dtype=bool)
-        self.unreachable, self.resting = apart[: len(self.pairs)], resting[: len(self.pairs)]
+        self.unreachable, self.resting = read_only(apart[: len(self.pairs)]), read_only(resting[: len(self.pairs)])
         self._limits = (robot.lower, robot.upper) if self.unreachable.any() else None
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
         self._judge_row = self._row_validity()

@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import contiguous
+from plannercheck.arrays import OwnsArrays, contiguous
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.urdf import Mimic
 
@@ -38,7 +38,7 @@ _UNLIMITED_RANGE = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class ConfigurationMap:
+class ConfigurationMap(OwnsArrays):
     """How a group's configuration becomes Pinocchio's.
 
     Attributes:

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck import body_files
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
 from plannercheck.triangle_meshes import TriangleMesh
@@ -69,7 +70,7 @@ class Decomposition:
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class Pieces(OwnsArrays):
     """A decomposed mesh.
 
     Attributes:

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 from plannercheck.reading import numbers, parse_yaml, read_bytes, required, sequence, text, within
 from plannercheck.sets.chunks import read_chunks
@@ -34,7 +35,7 @@ _OMPL_NUMBERS = re.compile(r"State \[([^\[\]]*)\]")
 
 
 @dataclass(frozen=True, eq=False)
-class PathFile:
+class PathFile(OwnsArrays):
     """A path as a file has it.
 
     Attributes:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.output_files import written_aside
 
@@ -22,7 +23,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(OwnsArrays):
     """What a planner found between two configurations.
 
     Attributes:

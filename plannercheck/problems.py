@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 from plannercheck.motion_requests import MotionRequest, motion_request
 from plannercheck.moveit import attach_from_state, planning_scene
@@ -26,7 +27,7 @@ _MEMBER = re.compile(r"(scene|request)(\d+)\.ya?ml")
 
 
 @dataclass(frozen=True)
-class Problem:
+class Problem(OwnsArrays):
     """One planning problem.
 
     Attributes:

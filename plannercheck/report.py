@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.certificates import Certificate
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ class Verdict:
 
 
 @dataclass(frozen=True, eq=False)
-class MotionProof:
+class MotionProof(OwnsArrays):
     """What proves two bodies apart on an interval of a motion.
 
     Seen from the frame, each point of a body leaves the chord of its path by so little that both bodies together leave

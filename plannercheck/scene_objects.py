@@ -6,6 +6,7 @@ shapes, and by them whatever a checker has prepared.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import read_only_copy
 from plannercheck.errors import PlannercheckError
 from plannercheck.shapes import Body, Shape, checked_pose
 
@@ -34,6 +36,12 @@ class Part:
     shape: Shape
     pose: ArrayLike | None = None
     source: tuple[Path, float | Sequence[float]] | None = None
+
+    def __post_init__(self) -> None:
+        if self.pose is None:
+            return
+        with contextlib.suppress(TypeError, ValueError):  # the object that it is part of says what is wrong with it
+            object.__setattr__(self, "pose", read_only_copy(self.pose))
 
 
 Parts: TypeAlias = Shape | Iterable[Part]

@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.ndim.exact import ExactCertificate, ExactSeparation, ExactSharedPoint, combined
 from plannercheck.ndim.integers import dot
 from plannercheck.ndim.posed import Exact, ExactRows, ExactVertices
@@ -54,7 +55,7 @@ class Effort:
 
 
 @dataclass(frozen=True, eq=False)
-class PosedShape:
+class PosedShape(OwnsArrays):
     """A body that a certificate is about: points (n, d), or halfspaces normals · x ≤ offsets, and its pose."""
 
     pose: Affine
@@ -75,7 +76,7 @@ Shapes: TypeAlias = tuple[PosedShape, PosedShape]
 
 
 @dataclass(frozen=True, eq=False)
-class Separation:
+class Separation(OwnsArrays):
     """A hyperplane between two bodies: normal · x > offset for all x of the first, < offset for all of the second.
 
     The doubles are rounded; the `exact_` attributes give the hyperplane that separates strictly.
@@ -126,7 +127,7 @@ class Separation:
 
 
 @dataclass(frozen=True, eq=False)
-class SharedPoint:
+class SharedPoint(OwnsArrays):
     """A point of both bodies.
 
     Attributes:

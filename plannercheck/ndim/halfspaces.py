@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 from plannercheck.ndim.exact import ExactSeparation, Guess, decide
 from plannercheck.ndim.integers import Farkas, matrix_of, solve
@@ -31,7 +32,7 @@ _INSIDE = 1e-9
 
 
 @dataclass(frozen=True)
-class Examined:
+class Examined(OwnsArrays):
     """A bounded, nonempty intersection of halfspaces.
 
     Attributes:

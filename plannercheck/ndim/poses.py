@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import read_only, read_only_copy
 from plannercheck.errors import PlannercheckError
 from plannercheck.ndim.integers import inverse, matrix_of
 
@@ -50,7 +51,7 @@ class Affine:
 @lru_cache(maxsize=16)
 def identity(dimension: int) -> Affine:
     """The map that moves nothing."""
-    return Affine(np.eye(dimension), np.zeros(dimension), True)
+    return Affine(read_only(np.eye(dimension)), read_only(np.zeros(dimension)), True)
 
 
 def affine_of(pose: Pose, dimension: int, name: str) -> Affine:
@@ -72,7 +73,7 @@ def affine_of(pose: Pose, dimension: int, name: str) -> Affine:
     if max(np.abs(matrix).max(), np.abs(shift).max()) > LARGEST:
         raise PlannercheckError(f"{name} holds numbers beyond {LARGEST:g} in size")
     _check_invertible(matrix, name)
-    return Affine(np.ascontiguousarray(matrix), np.ascontiguousarray(shift), False)
+    return Affine(read_only_copy(matrix), read_only_copy(shift), False)
 
 
 def _split(pose: Any, d: int, name: str) -> tuple[Floats, Floats]:

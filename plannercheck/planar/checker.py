@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import read_only
 from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
@@ -75,12 +76,12 @@ class Checker:
             )
         if method not in METHODS:
             raise unknown_name("method", method, METHODS)
-        self.scene = scene if scene is not None else Scene("empty")
+        self.scene = scene.copy() if scene is not None else Scene("empty")
         self._recipe = robot, self.scene, self_collision, method, bounds
         self.robot = robot if self.scene.bounds is None else robot.within(*self.scene.bounds)
         self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
-        self.pairs = _pair_table(robot, len(self.bodies), self_collision)
+        self.pairs = read_only(_pair_table(robot, len(self.bodies), self_collision))
         self.motion_sampler = MotionSampler(self.robot)
         self._arguments = (
             *robot.core_links(),

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.angles import whole_turns
+from plannercheck.arrays import read_only
 from plannercheck.errors import PlannercheckError
 from plannercheck.planar.robot import Robot
 
@@ -84,4 +85,4 @@ def _lever_arms(robot: Robot) -> tuple[Floats, float]:
     for k, link in enumerate(robot.links):
         if link.joint != "fixed":
             levers[robot.column(k) + (2 if link.joint == "free" else 0)] = reach[k]
-    return levers, float(reach[0])
+    return read_only(levers), float(reach[0])

@@ -17,7 +17,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import contiguous
+from plannercheck.arrays import contiguous, read_only, read_only_copy
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.convexity import convexity_fault
@@ -33,14 +33,14 @@ METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
 # How far a pose may be from rigid, as ||M^T M - 1||; beyond it the numbers are a mistake.
 LARGEST_DEFECT = 1e-6
 
-_IDENTITY = np.eye(3)[None]
+_IDENTITY = read_only(np.eye(3)[None])
 
 
 class Polygons:
-    """Polygons checked once, for many calls of the batch functions. The arrays are not copied.
+    """Polygons checked once, for many calls of the batch functions.
 
     Attributes:
-        vertices: The arrays (n, 2), in the order given.
+        vertices: Read-only copies (n, 2), in the order given.
     """
 
     def __init__(self, polygons: Sequence[ArrayLike], *, validate: bool = False) -> None:
@@ -50,7 +50,8 @@ class Polygons:
             polygons: Vertices (n, 2) each, m.
             validate: Whether to check, exactly and in linear time, that all are convex.
         """
-        self.vertices = tuple(checked_polygon(given, f"polygon {k}", validate) for k, given in enumerate(polygons))
+        given = (checked_polygon(polygon, f"polygon {k}", validate) for k, polygon in enumerate(polygons))
+        self.vertices = tuple(read_only_copy(polygon) for polygon in given)
         self.core = core.PolygonList(list(self.vertices))
 
     def __len__(self) -> int:
@@ -177,7 +178,7 @@ def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
         name: For errors.
 
     Returns:
-        (n, 3, 3), n = 1 for one.
+        (n, 3, 3), n = 1 for one; the given array itself where it can be, so whoever keeps it has to copy it.
     """
     if poses is None:
         return _IDENTITY
@@ -200,22 +201,24 @@ def _batch(
     poses_a: ArrayLike | None,
     poses_b: ArrayLike | None,
 ) -> tuple[Any, Floats, Any, Floats, int]:
-    a, b = _polygons(A, "A"), _polygons(B, "B")
+    (a, count_a), (b, count_b) = _polygons(A, "A"), _polygons(B, "B")
     matrices_a, matrices_b = checked_poses(poses_a, "poses_a"), checked_poses(poses_b, "poses_b")
-    n = _pairs(A=len(a), B=len(b), poses_a=len(matrices_a), poses_b=len(matrices_b))
-    return a.core, matrices_a, b.core, matrices_b, n
+    n = _pairs(A=count_a, B=count_b, poses_a=len(matrices_a), poses_b=len(matrices_b))
+    return a, matrices_a, b, matrices_b, n
 
 
-def _polygons(given: Several, name: str) -> Polygons:
+def _polygons(given: Several, name: str) -> tuple[Any, int]:
+    """The core's list of them, for one call: arrays are not copied; and how many they are."""
     if isinstance(given, Polygons):
-        return given
+        return given.core, len(given)
     if isinstance(given, list | tuple) and (not given or np.ndim(given[0]) == 2):
         several: Sequence[ArrayLike] = given
     else:
         array = np.asarray(given, dtype=np.float64)
         several = list(array) if array.ndim == 3 else [array]
     with within(name):
-        return Polygons(several)
+        arrays = [checked_polygon(polygon, f"polygon {k}") for k, polygon in enumerate(several)]
+    return core.PolygonList(arrays), len(arrays)
 
 
 def _pairs(**lengths: int) -> int:
