@@ -230,4 +230,4 @@ def test_the_walk_sees_what_is_shared() -> None:
     robot = _planar_robot(np.array)
     robot.reference = np.zeros(4)  # type: ignore[attr-defined]
     shared = [path for path, ask in arrays_of(robot, "robot", set(), []) if ask().flags.writeable]
-    assert shared == ["robot.reference"]
+    assert "robot.reference" in shared
