@@ -14,8 +14,6 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import io
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +25,7 @@ from plannercheck import body_files
 from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
+from plannercheck.isolated import run_isolated
 from plannercheck.triangle_meshes import TriangleMesh
 
 Floats = NDArray[np.float64]
@@ -207,8 +206,7 @@ def _coacd(mesh: TriangleMesh, options: Decomposition, name: str) -> list[Floats
         seed=options.seed,
         preprocess="off" if mesh.is_watertight else "auto",
     )
-    command = [sys.executable, "-m", "plannercheck.coacd_worker"]
-    ran = subprocess.run(command, input=given.getvalue(), capture_output=True, check=False)
+    ran = run_isolated("plannercheck.coacd_worker", content=given.getvalue())
     if ran.returncode:
         last = " ".join(ran.stderr.decode(errors="replace").split())[-300:]
         raise PlannercheckError(f"{name}: CoACD fails ({ran.returncode}): {last}")

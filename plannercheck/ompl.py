@@ -10,8 +10,6 @@ a resolution is given: see motion_validators.py.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -32,6 +30,7 @@ from plannercheck.planar.curves import Curve
 from plannercheck.planar.ompl_space import PlanarSpace, sampled_curve
 from plannercheck.plans import Plan, joint_length
 from plannercheck.protocols import AnyChecker, AnyRobot
+from plannercheck.silence import Silence
 from plannercheck.state_validators import ExactStates
 
 Floats = NDArray[np.float64]
@@ -43,6 +42,9 @@ SIMPLIFICATION_TIME = 1.0
 # Longest motion that a planner tries at once, rad. OMPL's default, a fifth of the space's extent, is 2.6 rad
 # for seven joints: most such motions collide, and checking them to a millimetre is wasted.
 LONGEST_MOTION = 0.5
+
+# OMPL says nothing on the console while it plans: results and reasons are returned.
+_SILENCE = Silence(util.getLogLevel, util.setLogLevel, util.LOG_NONE)
 
 
 def setup(
@@ -183,7 +185,7 @@ def plan(
     if any(reasons):
         return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
     space = space_of(checker, curve, turning_radius)
-    with _quiet():
+    with _SILENCE():
         _seed(seed)
         setup = _setup(checker, space, resolution, DEFAULT_TOLERANCE)
         information = setup.getSpaceInformation()
@@ -258,14 +260,3 @@ def _seed(seed: int | None) -> None:
     if seed < 1:
         raise PlannercheckError(f"seed must be at least 1, not {seed}")
     util.RNG.setSeed(seed)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """OMPL says nothing on the console: results and reasons are returned."""
-    level = util.getLogLevel()
-    util.setLogLevel(util.LOG_NONE)
-    try:
-        yield
-    finally:
-        util.setLogLevel(level)
