@@ -10,7 +10,6 @@ import contextlib
 import hashlib
 import os
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
+from plannercheck.output_files import written_aside
+from plannercheck.reading import within
 
 _MAGIC = b"plannercheck body"
 _HASH_BYTES = 32
@@ -39,17 +40,9 @@ def write(path: Path, data: bytes) -> None:
     Raises:
         PlannercheckError: If the folder can't be written to.
     """
-    try:
-        handle, aside = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(_header() + hashlib.sha256(data).digest() + data)
-            Path(aside).replace(path)
-        except BaseException:
-            Path(aside).unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise PlannercheckError(f"can't write the body to {path}: {error}") from error
+    content = _header() + hashlib.sha256(data).digest() + data
+    with within("body"):
+        written_aside(path, lambda aside: aside.write_bytes(content))
 
 
 def read(path: Path) -> bytes:

@@ -36,6 +36,7 @@ from plannercheck.robot import Robot
 from plannercheck.scene import Scene
 from plannercheck.scene_objects import Parts
 from plannercheck.shapes import DEFAULT_EXCESS, Body
+from plannercheck.threads import checked_threads
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -381,7 +382,7 @@ class Checker:
             (n,), True means valid.
         """
         rows = self.robot.check_configurations(q)
-        threads = _useful_threads(threads, len(rows))
+        threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return np.asarray(self._all.core.first_of_poses(self._link_poses(rows), threads) < 0)
         return self._judged(lambda table, part: table.core.check_states(self._kernel, part, threads).view(bool), rows)
@@ -397,7 +398,7 @@ class Checker:
             (n,) rows of `pairs`, -1 where the configuration is valid.
         """
         rows = self.robot.check_configurations(q)
-        threads = _useful_threads(threads, len(rows))
+        threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return self._all.named(self._all.core.first_of_poses(self._link_poses(rows), threads))
         return self._judged(
@@ -503,7 +504,7 @@ class Checker:
         """
         starts, ends = self._motion_ends(q0, q1)
         if resolution is None:
-            return self.motion_certifier.check(starts, ends, tolerance, _useful_threads(threads, len(starts)))
+            return self.motion_certifier.check(starts, ends, tolerance, checked_threads(threads, len(starts)))
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)
@@ -685,12 +686,6 @@ class Checker:
 
     def __repr__(self) -> str:
         return f"Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
-
-
-def _useful_threads(threads: int, rows: int) -> int:
-    if not isinstance(threads, int) or threads < 1:
-        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
-    return min(threads, max(rows, 1))
 
 
 def _never_known(q: ArrayLike) -> None:

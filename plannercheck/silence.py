@@ -62,7 +62,7 @@ def urdf_silence() -> Silence:
 
 
 def _bridge_path() -> str:
-    """The library that Pinocchio's wheel brings, by its versioned name, else the system's: the one that is loaded already."""
+    """The library that is loaded already: what Pinocchio's wheel brings, by its versioned name, else the system's."""
     try:
         files = importlib.metadata.files("cmeel-console-bridge") or []
     except importlib.metadata.PackageNotFoundError:

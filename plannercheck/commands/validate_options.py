@@ -8,7 +8,9 @@ from pathlib import Path
 from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.commands.common import add_checker_arguments, add_robot_argument, add_scene_argument
 from plannercheck.errors import PlannercheckError
+from plannercheck.reading import within
 from plannercheck.sets.chunks import STANDARD_INPUT
+from plannercheck.threads import checked_threads
 
 _EPILOG = """\
 Files: npy, npz (its only array, or q, or configurations), csv, parquet (a column a joint, or one of lists; or a
@@ -161,8 +163,8 @@ def check_options(options: argparse.Namespace) -> None:
         raise PlannercheckError("needs either files with configurations or --path with paths")
     if options.path:
         _check_path_options(options)
-    if options.threads < 1:
-        raise PlannercheckError(f"--threads must be at least 1, not {options.threads}")
+    with within("--threads"):
+        checked_threads(options.threads, options.threads)
     written = options.output or options.summary
     if (options.only_invalid or options.explain) and options.output is None:
         raise PlannercheckError("--only-invalid and --explain say what is written: they need --output")

@@ -26,6 +26,7 @@ from plannercheck.planar.polygons import METHODS, Method
 from plannercheck.planar.robot import Body, Robot
 from plannercheck.planar.scene import Scene
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
+from plannercheck.threads import checked_threads
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -117,7 +118,7 @@ class Checker:
     def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
         """The first colliding pair of each configuration (n, nq): (n,) rows of `pairs`, -1 where it is valid."""
         rows = self.robot.check_configurations(q)
-        return np.asarray(self._core.first_of_states(rows, min(_checked_threads(threads), max(len(rows), 1))))
+        return np.asarray(self._core.first_of_states(rows, checked_threads(threads, len(rows))))
 
     def colliding_pairs(self, q: ArrayLike) -> Bools:
         """Which pairs collide: (n, k) for configurations (n, nq) and the k rows of `pairs`."""
@@ -196,7 +197,7 @@ class Checker:
             judged = [self._curve_is_free(a, b, resolution, tolerance, curve, turning_radius) for a, b in rows]
             return np.array(judged, dtype=bool)
         if resolution is None:
-            return self.motion_certifier.check(starts, ends, tolerance, _checked_threads(threads))
+            return self.motion_certifier.check(starts, ends, tolerance, checked_threads(threads, len(starts)))
         steps = self.motion_sampler.steps(starts, ends, resolution)
         return np.asarray(self._core.motions_are_free(starts, ends, steps)).astype(bool)
 
@@ -330,12 +331,6 @@ class Checker:
 
     def __repr__(self) -> str:
         return f"planar.Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
-
-
-def _checked_threads(threads: int) -> int:
-    if not isinstance(threads, int) or threads < 1:
-        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
-    return threads
 
 
 def _pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:
