@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plannercheck.errors import PlannercheckError
 
-# More than any machine has cores for; beyond it the system may refuse to start them.
+# Never more than this: no machine has as many cores, and systems refuse to start very many.
 MOST_THREADS = 1024
 
 
@@ -19,8 +19,8 @@ def checked_threads(threads: int, rows: int) -> int:
         1 to `threads`.
 
     Raises:
-        PlannercheckError: If it is no whole number, or one that no machine has use for.
+        PlannercheckError: If it is no whole number of at least 1.
     """
-    if not isinstance(threads, int) or not 1 <= threads <= MOST_THREADS:
-        raise PlannercheckError(f"threads must be a whole number from 1 to {MOST_THREADS}, not {threads!r}")
-    return max(1, min(threads, rows))
+    if not isinstance(threads, int) or threads < 1:
+        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
+    return max(1, min(threads, rows, MOST_THREADS))

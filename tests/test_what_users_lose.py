@@ -253,11 +253,7 @@ def test_text_in_other_encodings(tmp_path: Path, name: str, encoding: str) -> No
     assert name in ran.stderr
 
 
-def test_threads_beyond_reason_are_refused(tmp_path: Path) -> None:
+def test_more_threads_than_a_system_starts() -> None:
     checker = pc.Checker(pc.Robot.load("panda"))
-    q = checker.robot.random_configurations(5, seed=1)
-    with pytest.raises(pc.PlannercheckError, match="threads must be"):
-        checker.check_states(q, threads=100_000)
-    with pytest.raises(pc.PlannercheckError, match="threads must be"):
-        checker.check_motions(q, q, threads=100_000)
-    assert len(checker.check_states(q, threads=64)) == 5
+    q = checker.robot.random_configurations(200_000, seed=1)
+    assert np.array_equal(checker.check_states(q, threads=100_000), checker.check_states(q))
