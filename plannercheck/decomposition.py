@@ -105,11 +105,11 @@ def pieces_of(mesh: TriangleMesh, options: Decomposition, name: str = "mesh") ->
         PlannercheckError: If CoACD is not installed or fails.
     """
     cache = _cache_file(mesh, options)
-    if cache is not None and (data := body_files.read_if_valid(cache)) is not None:
+    if cache is not None and (data := body_files.read_cached(cache)) is not None:
         return _unpacked(data)
     pieces = repaired(mesh, _coacd(mesh.outward, options, name), options.slack)
     if cache is not None:
-        body_files.write_if_possible(cache, _packed(pieces))
+        body_files.write_to_cache(cache, _packed(pieces))
     return pieces
 
 

@@ -18,12 +18,13 @@ from plannercheck.errors import PlannercheckError
 _DESCRIPTORS = Path("/proc/self/fd")
 
 
-def written_aside(path: Path, write: Callable[[Path], object]) -> None:
+def written_aside(path: Path, write: Callable[[Path], object], mode: int = 0o666) -> None:
     """Lets a function write a file beside `path`, then renames it.
 
     Args:
         path: Where the file shall be; its folder must exist.
         write: Called with the path to write to, which may lack the suffix.
+        mode: Of the file, less what the process's mask takes away.
 
     Raises:
         PlannercheckError: If the file can't be written; then `path` is as it was.
@@ -31,9 +32,9 @@ def written_aside(path: Path, write: Callable[[Path], object]) -> None:
     try:
         if path.is_dir():
             raise IsADirectoryError(0, "there is a folder of this name")
-        with _unnamed(path.parent) as descriptor:
+        with _unnamed(path.parent, mode) as descriptor:
             if descriptor is None:
-                _by_name(path, write)
+                _by_name(path, write, mode)
             else:
                 file = _DESCRIPTORS / str(descriptor)
                 write(file)
@@ -43,12 +44,12 @@ def written_aside(path: Path, write: Callable[[Path], object]) -> None:
 
 
 @contextlib.contextmanager
-def _unnamed(folder: Path) -> Iterator[int | None]:
+def _unnamed(folder: Path, mode: int) -> Iterator[int | None]:
     """A new file without a name, with the rights of any new file; None where there are none."""
     flag, descriptor = getattr(os, "O_TMPFILE", None), None
     if flag is not None and _DESCRIPTORS.is_dir():
         with contextlib.suppress(OSError):  # of file systems that have none; a folder that can't be written fails below
-            descriptor = os.open(folder, flag | os.O_RDWR, 0o666)
+            descriptor = os.open(folder, flag | os.O_RDWR, mode)
     try:
         yield descriptor
     finally:
@@ -66,9 +67,9 @@ def _named(file: Path, path: Path) -> None:
     _replace(aside, path)
 
 
-def _by_name(path: Path, write: Callable[[Path], object]) -> None:
+def _by_name(path: Path, write: Callable[[Path], object], mode: int) -> None:
     aside = _other_name(path)
-    os.close(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+    os.close(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode))
     try:
         write(aside)
     except BaseException:
