@@ -85,6 +85,8 @@ def _document(path: Path) -> Any:
         return json.loads(read_bytes(path))
     except ValueError as error:
         raise PlannercheckError(f"is no JSON: {error}") from None
+    except RecursionError:
+        raise PlannercheckError("is JSON that is nested too deep") from None
 
 
 def _from_document(document: Any, joint_names: Sequence[str], width: int) -> PathFile:

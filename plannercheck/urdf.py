@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import mesh_hint, xacro_hint
+from plannercheck.input_limits import check_xml
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
 from plannercheck.silence import urdf_silence
 from plannercheck.urdf_messages import native_messages
@@ -74,6 +75,7 @@ def read_model(urdf: Path, floating: bool = False) -> pin.Model:
     """
     if not urdf.is_file():
         raise PlannercheckError(f"URDF {urdf} does not exist")
+    check_xml(urdf, "URDF")
     try:
         with urdf_silence()():
             model = pin.buildModelFromUrdf(str(urdf), *([pin.JointModelFreeFlyer()] if floating else []))
