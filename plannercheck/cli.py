@@ -16,12 +16,13 @@ import threading
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stdout, suppress
 from types import FrameType
-from typing import TextIO
+from typing import TextIO, cast
 
 from plannercheck import __version__
 from plannercheck.errors import PlannercheckError
+from plannercheck.escaping import TerminalText, on_terminal
 
 # Exit codes beyond a command's own 0 and 1.
 BAD_INPUT = 2
@@ -60,13 +61,23 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = parser_for(arguments).parse_args(arguments)
     except SystemExit as stop:  # argparse has said why
         return int(stop.code or 0)
-    with warnings.catch_warnings(), _interrupted_by_sigterm():
+    with warnings.catch_warnings(), _interrupted_by_sigterm(), _safe_output():
         warnings.showwarning = _show_warning
         return _run(options)
 
 
 class Terminated(KeyboardInterrupt):
     """SIGTERM: handled as Ctrl-C is, so that what is kept for later is said."""
+
+
+@contextmanager
+def _safe_output() -> Iterator[None]:
+    """Names of files, links and objects reach the terminal as text, whatever is in them."""
+    if sys.stdout is None:
+        yield
+        return
+    with redirect_stdout(cast(TextIO, TerminalText(sys.stdout))):
+        yield
 
 
 @contextmanager
@@ -114,7 +125,7 @@ def _run(options: argparse.Namespace) -> int:
 def _say(message: str) -> None:
     """One line on the error stream."""
     with suppress(OSError, ValueError, AttributeError):  # full, closed or none
-        print(f"plannercheck: error: {' '.join(message.split())}", file=sys.stderr)
+        print(f"plannercheck: error: {on_terminal(' '.join(message.split()))}", file=sys.stderr)
 
 
 def _flush_or_drop() -> None:
@@ -174,4 +185,4 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    print(f"plannercheck: warning: {' '.join(str(message).split())}", file=sys.stderr)
+    print(f"plannercheck: warning: {on_terminal(' '.join(str(message).split()))}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""Files that somebody made to do harm: an error in a second or two, no crash, no hang, nothing read that is not theirs."""
+"""Files made to do harm: an error in a second or two, no crash, no hang, nothing read that is somebody else's."""
 
 from __future__ import annotations
 

@@ -10,8 +10,6 @@ npz: `valid` (n,), `first_pair` (n,) row of `pairs` or -1, `beyond_limits` (n,),
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
@@ -23,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.escaping import csv_cell
 from plannercheck.extras import extra_module
 from plannercheck.output_files import written_aside
 from plannercheck.protocols import AnyChecker
@@ -188,9 +187,7 @@ def _dimension(results: Results) -> int:
 
 
 def _line(fields: Sequence[object]) -> str:
-    with io.StringIO() as text:
-        csv.writer(text, lineterminator="\n").writerow(fields)
-        return text.getvalue().rstrip("\n")
+    return ",".join(csv_cell(str(field)) for field in fields)
 
 
 def _codes(arrays: Arrays) -> list[int]:
