@@ -6,6 +6,7 @@ In: None, a (d + 1, d + 1) matrix, or a pair (M, t). Out: `Affine`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any, TypeAlias
 
@@ -74,6 +75,29 @@ def affine_of(pose: Pose, dimension: int, name: str) -> Affine:
         raise PlannercheckError(f"{name} holds numbers beyond {LARGEST:g} in size")
     _check_invertible(matrix, name)
     return Affine(read_only_copy(matrix), read_only_copy(shift), False)
+
+
+def rounded_inverse(matrix: Floats) -> Floats:
+    """The inverse of an invertible matrix (d, d), in doubles; where those can't find it, the exact one, rounded."""
+    try:
+        return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        pass
+    rows, unit = matrix_of(matrix)
+    found = inverse(rows)
+    assert found is not None, "poses are invertible"
+    scaled, denominator = found
+    scale = denominator * Fraction(2) ** unit
+    largest = Fraction(float(np.finfo(np.float64).max))
+    return np.array([[float(max(-largest, min(x / scale, largest))) for x in row] for row in scaled])
+
+
+def solved(matrix: Floats, right: Floats) -> Floats:
+    """About the x with matrix x = right, for guides: of a matrix that is singular in doubles, a least one."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
 
 
 def _split(pose: Any, d: int, name: str) -> tuple[Floats, Floats]:
