@@ -21,7 +21,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.carrying import carried_pairs, check_objects, on_links
+from plannercheck.anchored_objects import placed
+from plannercheck.carrying import carried_pairs, check_objects
 from plannercheck.configurations import ConfigurationMap, planning_group, whole_robot
 from plannercheck.decomposed_links import decomposed
 from plannercheck.decomposition import Decomposition, Pieces
@@ -379,7 +380,7 @@ class Robot:
         other = copy.copy(self)
         for name in ("kinematic_error", "_rounding"):  # they depend on the bodies
             other.__dict__.pop(name, None)
-        other._carry(on_links(self, tuple(objects)))
+        other._carry(placed(self, objects))
         return other
 
     def _carry(self, objects: tuple[SceneObject, ...]) -> None:
