@@ -138,13 +138,19 @@ def _is_given(robot: Robot, joint: str, anchor: Anchor) -> bool:
 
 
 def _check_planning_frame(robot: Robot, scene: Scene) -> None:
-    """Raises if the scene's planning frame is a link of the robot, but not its root."""
-    planning, parents = scene.frames.planning, robot.link_tree.parents
-    if planning in parents:
+    """Raises if the scene's planning frame is a link of the robot, but neither its root nor always where that is."""
+    planning = scene.frames.planning
+    if planning in robot.link_tree.parents and not _is_at_root(robot, planning):
         raise PlannercheckError(
             f"the scene's planning frame (child_frame_id of its fixed_frame_transforms) is {planning!r}, a link of "
             f"{robot.name!r}, but not its root: MoveIt's is the root link or the parent of the virtual joint"
         )
+
+
+def _is_at_root(robot: Robot, link: str) -> bool:
+    """Whether a link is fixed to the root with the same frame, e.g. base_link of a URDF that begins with world."""
+    frame = robot.model.frames[robot.frames[robot.link_index(link)]]
+    return frame.parentJoint == 0 and np.array_equal(frame.placement.homogeneous, np.eye(4))
 
 
 def inverse(pose: Floats) -> Floats:

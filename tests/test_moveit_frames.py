@@ -194,6 +194,14 @@ def test_the_planning_frame_is_the_root_or_no_link_at_all(panda):
         Checker(panda, scene_of(transforms=[fixed("map", MAP, "panda_hand")]))
 
 
+def test_the_planning_frame_may_be_a_link_that_is_fixed_where_the_root_is():
+    for name, link in (("ur10", "base_link"), ("panda", "panda_link0")):
+        checker = Checker(Robot.load(name), scene_of(ball("a", link, OFFSET), transforms=[fixed("map", MAP, link)]))
+        np.testing.assert_allclose(checker.scene.object("a").pose, se3(OFFSET), atol=1e-15)
+    with pytest.raises(PlannercheckError, match="'base', a link of 'ur10'"):  # turned by half a turn
+        Checker(Robot.load("ur10"), scene_of(transforms=[fixed("map", MAP, "base")]))
+
+
 def test_unknown_frames_are_refused_with_those_that_are_known(panda):
     scene = scene_of(ball("a", "map", OFFSET), ball("b", "mop", OFFSET), state=state_of())
     with pytest.raises(
