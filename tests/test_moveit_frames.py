@@ -357,6 +357,23 @@ def test_objects_are_frames_and_so_are_their_subframes():
     np.testing.assert_allclose(found["x"], base @ se3(TAG) @ se3(SHORT) @ se3(SHORT), atol=1e-14)
 
 
+def test_names_are_looked_up_in_moveits_order():
+    """`PlanningScene::getFrameTransform`: attached objects, objects of the world, then fixed frames."""
+    transforms = [*EXPORTED, fixed("tray", TAG), fixed("held/rim", TAG)]
+    held = {"link_name": "panda_hand", "object": tray("held", "panda_hand", SHORT)}
+    scene = scene_of(
+        tray("tray", "map", OFFSET),
+        ball("a", "tray", SHORT),
+        ball("b", "held/rim", SHORT),
+        transforms=transforms,
+        state=state_of(attached=[held]),
+    )
+    np.testing.assert_allclose(scene.object("a").pose, se3(MAP) @ se3(OFFSET) @ se3(SHORT), atol=1e-14)
+    assert scene.object("b").anchor.frame == "panda_hand"
+    (body,) = scene_of(ball("c", "tray", SHORT), transforms=transforms).bodies
+    np.testing.assert_allclose(body.pose, se3(TAG) @ se3(SHORT), atol=1e-14)
+
+
 def test_an_objects_frame_is_its_pose_or_if_that_is_left_out_that_of_its_only_shape():
     """As `PlanningScene::shapesAndPosesFromCollisionObjectMessage` has it; ROS 1's all zeros are not left out."""
     zeros = {"pose": {"position": [0, 0, 0], "orientation": [0, 0, 0, 0]}}
