@@ -92,10 +92,8 @@ def _link_poses(robot: Robot, state: StatedJoints) -> Floats:
     for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
         if joint_width(joint) > 1 and _is_at_identity(robot, name, state):
             values[name] = neutral[joint.idx_q : joint.idx_q + joint.nq].tolist()
-        elif joint_width(joint) == 1:
-            leader, multiplier, offset = followed(name, robot.mimics, state.values)
-            if leader in state.values:  # also where the robot holds a follower apart from its leader
-                values[name] = multiplier * state.values[leader] + offset
+        elif joint_width(joint) == 1 and name in state.values:
+            values[name] = state.values[name]
     posed = robot.holding(values)
     return posed.link_poses(posed.reference)
 

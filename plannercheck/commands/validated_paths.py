@@ -81,7 +81,7 @@ def _read(path: Path, robot: AnyRobot, options: argparse.Namespace) -> PathFile:
 def _sentence(verdict: PathVerdict) -> str:
     limits = f"; {verdict.beyond_limits} configurations beyond the limits" if verdict.beyond_limits else ""
     if verdict.stopped is None:
-        return f"free, proved for all {verdict.motions} motions{limits}"
+        return f"free, proved for all {verdict.motions} straight motions{limits}"
     stopped, count = verdict.stopped, f"{verdict.motions - verdict.free_motions} of {verdict.motions} motions"
     start = f"not free ({count}): motion {verdict.motion} is proved free up to {stopped.free_until:.9g}, "
     assert stopped.pair is not None
