@@ -53,7 +53,7 @@ class Checker:
 
     Attributes:
         robot: The robot.
-        scene: The scene, as it was when the checker was built.
+        scene: The scene, as it was when the checker was built; all its objects have their places.
         bodies: The robot's collision bodies, then the scene's, or what stands in for them; then copies for pairs with
             a padding of their own.
         pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
