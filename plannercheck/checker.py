@@ -16,8 +16,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.anchored_objects import inverse, place_objects
 from plannercheck.arrays import read_only
-from plannercheck.carrying import inverse
 from plannercheck.certified_motions import DEFAULT_TOLERANCE, MotionCertifier
 from plannercheck.checker_settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
 from plannercheck.compiled_pairs import CompiledPairs, Preparation, added
@@ -55,7 +55,7 @@ class Checker:
 
     Attributes:
         robot: The robot.
-        scene: The scene, as it was when the checker was built.
+        scene: The scene, as it was when the checker was built; all its objects have their places.
         bodies: The robot's collision bodies, then the scene's, or what stands in for them; then copies for pairs with
             a padding of their own.
         pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
@@ -146,6 +146,7 @@ class Checker:
         """Builds all that depends on the scene, from what another checker of the same settings has where it holds."""
         settings = self._settings
         self.scene = scene.copy()
+        place_objects(settings.robot, self.scene)
         self.robot = robot = self._carrier(earlier)
         bodies = stand_ins(settings.bodies, (*robot.bodies, *self.scene.bodies))
         table = pair_table(robot, self.scene, settings.self_collision, settings.acm)
@@ -200,15 +201,12 @@ class Checker:
         return np.asarray(carried[self.pairs].any(axis=1))
 
     def _carrier(self, earlier: Checker | None) -> Robot:
-        """The robot with what the scene attaches to it; the scene then has poses on links."""
+        """The robot with what the scene attaches to it."""
         carried = (*self._settings.robot.carried, *self.scene.attached)
         if earlier is not None and earlier.robot.carried == carried:
             return earlier.robot
         robot = self._settings.robot
-        if self.scene.attached:
-            robot = robot.carrying(carried)
-            self.scene.anchored(robot.carried)
-        return robot
+        return robot.carrying(carried) if self.scene.attached else robot
 
     def with_scene(self, scene: Scene | None) -> Checker:
         """The same checker for another scene, e.g. this one's, in which something was moved, added or attached.

@@ -21,9 +21,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.anchored_objects import placed
 from plannercheck.arrays import read_only
-from plannercheck.carrying import carried_pairs, check_objects, on_links
-from plannercheck.configurations import ConfigurationMap, planning_group, whole_robot
+from plannercheck.carrying import carried_pairs, check_objects
+from plannercheck.configurations import ConfigurationMap, followed, planning_group, whole_robot
 from plannercheck.decomposed_links import decomposed
 from plannercheck.decomposition import Decomposition, Pieces
 from plannercheck.errors import unknown_name
@@ -349,12 +350,17 @@ class Robot:
         """The same robot with joints held elsewhere (or, for joints of the group, another reference).
 
         Args:
-            values: By joint name, in rad or m; they may be beyond the joints' limits.
+            values: By joint name, in rad or m; they may be beyond the joints' limits. Joints that follow them do so,
+                wherever they were held before, unless they are given, too.
 
         Returns:
             A new robot with the same bodies and group.
         """
-        return self._changed(values={**self._values, **checked_values(self.model, values)})
+        given = checked_values(self.model, values)
+        kept = {
+            name: value for name, value in self._values.items() if followed(name, self._mimics, given)[0] not in given
+        }
+        return self._changed(values={**kept, **given})
 
     def with_group(self, joints: Sequence[str], name: str = "group") -> Robot:
         """The same robot with another planning group; the joints outside it stay at the reference.
@@ -380,7 +386,7 @@ class Robot:
         other = copy.copy(self)
         for name in ("kinematic_error", "_rounding"):  # they depend on the bodies
             other.__dict__.pop(name, None)
-        other._carry(on_links(self, tuple(objects)))
+        other._carry(placed(self, objects))
         return other
 
     def _carry(self, objects: tuple[SceneObject, ...]) -> None:

@@ -258,6 +258,17 @@ def test_mimics_of_held_joints_follow_or_are_as_given(arm):
     assert robot.holding({"pinch": 0.3}).expand([0.0])[-2:].tolist() == [0.5, 0.3]
 
 
+def test_followers_that_were_held_apart_follow_what_is_held_anew():
+    """robots/panda.yaml gives both fingers: whoever holds the first elsewhere means both, as a trajectory does."""
+    panda = Robot.load("panda")
+    closed = panda.holding({"panda_finger_joint1": 0.01})
+    assert closed.expand(panda.reference)[-2:].tolist() == [0.01, 0.01]
+    assert closed.holding({"panda_joint1": 1.0}).expand(panda.reference)[-2:].tolist() == [0.01, 0.01]
+    apart = panda.holding({"panda_finger_joint1": 0.01, "panda_finger_joint2": 0.03})
+    assert apart.expand(panda.reference)[-2:].tolist() == [0.01, 0.03]
+    assert panda.holding({"panda_finger_joint2": 0.03}).expand(panda.reference)[-2:].tolist() == [0.04, 0.03]
+
+
 def test_a_floating_base_in_a_group(arm):
     robot = Robot.from_urdf(arm[0], group=["turn", "root_joint"], floating=True)
     assert robot.nq == 8

@@ -145,6 +145,13 @@ def _add_path_arguments(parser: argparse.ArgumentParser) -> None:
         "printed paths (any other suffix)",
     )
     group.add_argument(
+        "--straight",
+        action="store_true",
+        help="for --path: prove the straight motions between a trajectory's points although it gives velocities or "
+        "accelerations, with which a controller runs splines that are not proved; without this, such a trajectory is "
+        "refused",
+    )
+    group.add_argument(
         "--tolerance",
         type=float,
         default=DEFAULT_TOLERANCE,
@@ -163,6 +170,8 @@ def check_options(options: argparse.Namespace) -> None:
         raise PlannercheckError("needs either files with configurations or --path with paths")
     if options.path:
         _check_path_options(options)
+    elif options.straight:
+        raise PlannercheckError("--straight is for --path, not for sets")
     with within("--threads"):
         checked_threads(options.threads, options.threads)
     written = options.output or options.summary

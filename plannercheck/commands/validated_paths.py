@@ -15,9 +15,10 @@ from plannercheck.certificates import Separation
 from plannercheck.checker import Checker
 from plannercheck.commands.common import padding_of, planar_checker
 from plannercheck.errors import PlannercheckError
-from plannercheck.path_files import read_path
+from plannercheck.path_files import PathFile, read_path
 from plannercheck.path_validation import PathVerdict, validate_path
 from plannercheck.planar.robot_files import is_planar
+from plannercheck.protocols import AnyRobot
 from plannercheck.reading import within
 from plannercheck.report import PairVerdict
 from plannercheck.robot import Robot
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
 def _planar(options: argparse.Namespace) -> list[PathVerdict]:
     checker, verdicts = planar_checker(options), []
     for path in options.path:
-        file = read_path(path, checker.robot.joint_names, checker.robot.nq)
+        file = _read(path, checker.robot, options)
         with within(f"path file {str(path)!r}"):
             if file.others:
                 raise PlannercheckError(f"{checker.robot.name!r} has no joint {', '.join(file.others)}")
@@ -56,7 +57,7 @@ def _in_space(options: argparse.Namespace) -> list[PathVerdict]:
     checkers: dict[tuple[tuple[str, float], ...], Checker] = {}
     verdicts = []
     for path in options.path:
-        file = read_path(path, robot.joint_names, robot.nq)
+        file = _read(path, robot, options)
         held = tuple(sorted(file.others.items()))
         with within(f"path file {str(path)!r}"):
             if held not in checkers:
@@ -66,10 +67,21 @@ def _in_space(options: argparse.Namespace) -> list[PathVerdict]:
     return verdicts
 
 
+def _read(path: Path, robot: AnyRobot, options: argparse.Namespace) -> PathFile:
+    """A path, whose motions are straight, or to be taken so."""
+    file = read_path(path, robot.joint_names, robot.nq)
+    if file.bent_by and not options.straight:
+        raise PlannercheckError(
+            f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "
+            "between its points, but straight motions are what is proved: --straight says that these are meant"
+        )
+    return file
+
+
 def _sentence(verdict: PathVerdict) -> str:
     limits = f"; {verdict.beyond_limits} configurations beyond the limits" if verdict.beyond_limits else ""
     if verdict.stopped is None:
-        return f"free, proved for all {verdict.motions} motions{limits}"
+        return f"free, proved for all {verdict.motions} straight motions{limits}"
     stopped, count = verdict.stopped, f"{verdict.motions - verdict.free_motions} of {verdict.motions} motions"
     start = f"not free ({count}): motion {verdict.motion} is proved free up to {stopped.free_until:.9g}, "
     assert stopped.pair is not None
