@@ -12,6 +12,8 @@ constexpr int kGjkRounds = 64;
 // translations and 2u of everything for the sums: below 9u times the sum of the sizes. A direction d in the world,
 // turned into a body's frame errs by 5.2u |d|, which moves a product by 5.2u |d| r; a scan misses by at most 14u |d| r;
 // evaluating d·w by 5.2u |d| |w|. The length of d is 1 up to 4u. All of it: below 30u times the sum of the sizes.
+// Where lengths are so small that products underflow, all of this errs by kDenormalError at most besides: nine products
+// a body and three of the height, by 2^-1075 each, times entries of the direction.
 constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
 
 struct Corner {
@@ -136,7 +138,9 @@ class NearestPoints {
   NearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
       : guest_(guest), host_(host), counters_(counters), shift_(guest.pose.translation() - host.pose.translation()) {
     swell_ = guest.body->swell + host.body->swell;
-    size_ = guest.body->reach + host.body->reach + norm_1(shift_);
+    const double size = guest.body->reach + host.body->reach + norm_1(shift_);
+    difference_error_ = kDifference * size + kDenormalError;
+    support_error_ = kSupport * size + kDenormalError;
   }
 
   Proximity run(Vec3 direction) {
@@ -153,16 +157,16 @@ class NearestPoints {
   }
 
   LowestDifference lowest(Vec3 direction) {
-    const Vec3 d = (1 / norm(direction)) * direction;
-    const Corner corner = furthest_against(d);
-    return {dot(d, corner.difference) - kSupport * size_, corner.guest};
+    const Corner corner = furthest_against(direction);
+    return {dot(direction, corner.difference) - support_error_, corner.guest};
   }
 
  private:
   const PosedBody &guest_, &host_;
   PairCounters& counters_;
   Vec3 shift_;
-  double swell_, size_;
+  double swell_;
+  double difference_error_, support_error_;  // of a difference as a vector; of a height along a direction of length 1
 
   static Proximity with_corners(Proximity out, const Simplex& simplex) {
     out.count = simplex.count;
@@ -184,7 +188,7 @@ class NearestPoints {
       if (!(length > kTrustedLength) || !std::isfinite(length)) return out;
       direction = (1 / length) * direction;
       const Corner corner = furthest_against(direction);
-      const double height = dot(direction, corner.difference) - kSupport * size_;
+      const double height = dot(direction, corner.difference) - support_error_;
       if (round == 0 || height > out.lower) out.direction = direction;
       out.lower = larger(out.lower, height);
       if (goal.met(out)) return out;
@@ -195,7 +199,7 @@ class NearestPoints {
       if (!reduce_to_nearest_face(simplex, square)) return --simplex.count, out;
       if (simplex.count == 4) return out;  // the origin is inside, as far as doubles tell
       direction = simplex.nearest();
-      out.upper = norm(direction) + 2 * kDifference * size_;
+      out.upper = norm_at_any_scale(direction) + 2 * difference_error_;
       out.on_guest = simplex.on_guest();
       out.on_host = out.on_guest - direction;
       if (goal.met(out)) return out;
@@ -214,7 +218,7 @@ class NearestPoints {
       out.direction = direction;
       const Corner corner = furthest_against(direction);
       const double height = dot(direction, corner.difference);
-      if (height > swell_ * (1 + 4 * 0x1p-53) + kSupport * size_) {
+      if (height > swell_ * (1 + 4 * 0x1p-53) + support_error_) {
         out.answer = Answer::kSeparated;
         return out;
       }
@@ -246,9 +250,8 @@ class NearestPoints {
 
   // Mixing four corners errs by 6u of their size besides.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
-    const double error = kDifference * size_;
-    const bool within = swell_ > kTrustedLength && norm(v) * (1 + 8 * 0x1p-53) + 2 * error < swell_;
-    if (!within && !(simplex.count == 4 && surely_inside(simplex, error))) return false;
+    const bool within = swell_ > kTrustedLength && norm(v) * (1 + 8 * 0x1p-53) + 2 * difference_error_ < swell_;
+    if (!within && !(simplex.count == 4 && surely_inside(simplex, difference_error_))) return false;
     out.answer = Answer::kShared;
     const double part = swell_ > 0 ? guest_.body->swell / swell_ : 0;
     out.point = simplex.on_guest() - part * v;

@@ -63,7 +63,7 @@ bool PairFrame::boxes_apart() const {
   const Body &g = guest(), &h = host();
   const Vec3 host_half = 0.5 * (h.high - h.low), guest_half = 0.5 * (g.high - g.low);
   const Vec3 d = map(0.5 * (g.low + g.high)) - (0.5 * (h.low + h.high) - h.centre);
-  const double room = (swell_ + 4 * pose_error_) * kAxisLength;
+  const double room = (swell_ + 4 * pose_error_) * kAxisLength + kDenormalError;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t row = 3 * i;
     const double half = std::fabs(m_[row]) * guest_half.x + std::fabs(m_[row + 1]) * guest_half.y +
