@@ -11,19 +11,23 @@ namespace {
 constexpr int kDistanceRounds = 256;  // of distances, which have nothing to fall back on
 constexpr int kDouble2Rounds = 32;    // it begins near the end; what is left is decided exactly
 
-// An operation errs by 2^-102 of its result, e = 2^-102 below; all lengths are in the unit of the pair, see below.
+// e = kDouble2Error; all lengths are in the unit of the pair, see below. Checked by tests/proofs/gjk_double2.
 //
 // (a) A difference: per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
-//     1 + 1e-6 long), t_P − t_R is exact up to e, two more sums: below 5e times the size, so 9e as a vector.
+//     1 + 1e-6 long), so 3.5e as a vector; t_P − t_R is exact, two more sums: below 5.5e times the size.
 // (b) Support: d turned into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
 //     10.4e |d| r. The vertex is extreme along what was computed, exactly. Evaluating d·w errs by 3e |d| |w|, and w by
-//     (a). All of it: below 32e |d| times the size.
-// (c) Mixing four corners with weights of sum W errs by e for the products, 3e for the sums, besides (a), and so does
-//     W: below 32e W times the size.
-// (d) Determinants of three corners: (a) three times, and twelve operations of the products of their 1-norms.
+//     (a). All of it: below 19e |d| times the size.
+// (c) Mixing four corners with weights of sum W errs by e for the products, 3e for the sums, besides (a), and W by 3e:
+//     below 13e W times the size.
+// (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations of the products of their
+//     1-norms.
 // Each with room for rounding the bound itself.
-constexpr double kDifference = 0x1p-98, kSupport = 0x1p-96, kMixing = 0x1p-96, kDeterminant = 0x1p-97;
-constexpr double kSquares = 0x1p-97;  // of squares, products of these and their difference: ten operations
+constexpr double kDifference = 16 * kDouble2Error, kSupport = 64 * kDouble2Error, kMixing = 64 * kDouble2Error,
+                 kDeterminant = 32 * kDouble2Error;
+constexpr double kSquares = 32 * kDouble2Error;  // of squares, products of these and their difference: ten operations
+// Of heights and lengths rounded to doubles, with the norms, quotients and sums of weights in doubles: below 8u.
+constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
 
 // The unit is a power of two near the pair's size, into which vertices, translations and swells are scaled before
 // anything else, so that nothing of relevance underflows: what is lost lies below 2^-1022 units. A power beyond
@@ -195,7 +199,8 @@ class FineNearestPoints {
   void raise_lower_bound(HullDistance& found, const Double2Vec3& towards, const FineCorner& corner) const {
     const Vec3 d = rounded(towards);
     const double height = dot(towards, corner.difference).high / norm(d);
-    const double lower = (height - 0x1p-49 * std::fabs(height) - 2 * kSupport * size_) / to_units_ - kDenormalError;
+    const double lower =
+        (height - kHeightRounding * std::fabs(height) - 2 * kSupport * size_) / to_units_ - kDenormalError;
     if (lower > found.lower) found.lower = lower, found.direction = (1 / norm(d)) * d;
   }
 
@@ -214,7 +219,7 @@ class FineNearestPoints {
       on_host = on_host + w.high * host_.pose.apply(host_.body->inner.points[at(corner.host)]);
     }
     const double length = norm_at_any_scale(rounded(mixture)) / whole;
-    const double upper = (length * (1 + 0x1p-48) + kMixing * size_) / to_units_ + kDenormalError;
+    const double upper = (length * (1 + kLengthRounding) + kMixing * size_) / to_units_ + kDenormalError;
     if (!(upper < found.upper)) return;
     found.upper = upper;
     found.on_guest = (1 / whole) * on_guest, found.on_host = (1 / whole) * on_host;
