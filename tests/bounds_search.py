@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
+import numpy as np
 from gappa_proofs import value
 
 Numbers = list[float]
@@ -139,11 +140,64 @@ def scan(n: Numbers) -> F:
     return abs(F(dot3(u, p)) - exact_dot(u, p)) / size / value("support", "kScanError")
 
 
+def two_sum(a: float, b: float) -> tuple[float, float]:
+    """As double2.hpp."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
+def quick_two_sum(a: float, b: float) -> tuple[float, float]:
+    return a + b, b - ((a + b) - a)
+
+
+def double2(n: Numbers) -> F:
+    """kDouble2Error: the larger of a sum's and a product's."""
+    (ah, al), (bh, bl) = two_sum(n[0], n[1] * 2.0**-53), two_sum(n[2], n[3] * 2.0**-53)
+    a, b = F(ah) + F(al), F(bh) + F(bl)
+    high, low = two_sum(ah, bh), two_sum(al, bl)
+    total = quick_two_sum(high[0], high[1] + low[0])
+    total = quick_two_sum(total[0], total[1] + low[1])
+    product = ah * bh
+    exact_low = float(F(ah) * F(bh) - F(product))  # as two_product finds it
+    times = quick_two_sum(product, exact_low + (ah * bl + al * bh))
+    off_sum = abs(F(total[0]) + F(total[1]) - (a + b)) / (abs(a) + abs(b))
+    off_product = abs(F(times[0]) + F(times[1]) - a * b) / abs(a * b)
+    return max(off_sum, off_product) / value("double2", "kDouble2Error")
+
+
+def float_tie(n: Numbers) -> F:
+    """kFloatTie: twice what a product in floats is off by."""
+    u, p = n[:3], n[3:6]
+    length = max(abs(x) for x in u)
+    single = np.float32
+    x, y, z = (single(a) * single(b) for a, b in zip(u, p, strict=True))
+    return 2 * abs(F(float((x + y) + z)) - exact_dot(u, p)) / F(length) / value("scans", "kFloatTie")
+
+
+def posed(n: Numbers) -> F:
+    """kPairError: of a guest's vertex in the host's frame, which is part (a) of it."""
+    m, r = rotation(n[:4]), rotation(n[4:8])
+    p, t, s, c = n[8:11], n[11:14], n[14:17], n[17:20]
+    relative = [[dot3([r[k][i] for k in range(3)], [m[k][j] for k in range(3)]) for j in range(3)] for i in range(3)]
+    w = [a - b for a, b in zip(t, s, strict=True)]
+    shift = [dot3([r[k][i] for k in range(3)], w) - c[i] for i in range(3)]
+    found = [(a[0] * p[0] + a[1] * p[1]) + (a[2] * p[2] + b) for a, b in zip(relative, shift, strict=True)]
+    world = [exact_dot(m[k], p) + F(t[k]) - F(s[k]) for k in range(3)]
+    true = [exact_dot([r[k][i] for k in range(3)], world) - F(c[i]) for i in range(3)]
+    off = [F(a) - b for a, b in zip(found, true, strict=True)]
+    sizes = root_below(exact_dot(p, p)) + sum((abs(F(x)) for x in (*w, *c)), F(0))
+    return root_above(exact_dot(off, off)) / sizes / value("pair", "kPairError")
+
+
 SEARCHED: dict[str, tuple[Callable[[Numbers], F], int]] = {
     "predicates/kAlongError": (along, 9),
     "predicates/kDeterminantError": (determinant, 12),
     "planar_signs/kSideBound": (side, 18),
     "support/kScanError": (scan, 6),
+    "double2/kDouble2Error": (double2, 4),
+    "scans/kFloatTie": (float_tie, 6),
+    "pair/kPairError": (posed, 20),
     "gjk/kDifference": (corner, 20),
     "gjk/kSupport": (support, 29),
 }

@@ -11,6 +11,7 @@ import shutil
 from fractions import Fraction
 
 import pytest
+from bounds_search import SEARCHED, search
 from gappa_proofs import PROOFS, constants, filled, is_proved, scripts, value
 
 # Where an error constant may not be without a script or a lemma. Constants of the same files that are none of errors
@@ -87,6 +88,12 @@ def test_the_table_has_the_values_of_the_sources():
     # So that a constant whose lemma stands by hand does not change without one looking at the lemma.
     for name, (stated, _) in table().items():
         assert stated == constants(name.split("/")[0])[name.split("/")[1]].replace("\n", " "), name
+
+
+@pytest.mark.parametrize("name", SEARCHED)
+def test_no_error_found_by_a_search_exceeds_its_bound(name):
+    error, count = SEARCHED[name]
+    assert 0 < search(error, count, 400, seed=2) < 1
 
 
 @pytest.mark.parametrize(

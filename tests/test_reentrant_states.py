@@ -267,3 +267,27 @@ def test_counters_while_a_collection_asks_for_states():
     run = subprocess.run([sys.executable, "-c", COLLECTING], capture_output=True, text=True, timeout=60, check=False)
     assert run.returncode == 0, run.stderr
     assert run.stdout.startswith("done")
+
+
+COMPILING = """
+import plannercheck as pc
+
+robot = pc.Robot.load("panda")
+checker = pc.Checker(robot, pc.Scene.load("bookshelf"))
+beyond = robot.upper[None] + 0.1  # needs the full table, which the first caller compiles
+compiled, asked = checker._compiled, []
+
+def asking(*arguments):  # as a finaliser may while it compiles
+    if not asked:
+        asked.append(None)
+        asked[0] = bool(checker.check_states(beyond)[0])
+    return compiled(*arguments)
+
+checker._compiled = asking
+assert [bool(checker.check_states(beyond)[0])] == asked
+"""
+
+
+def test_a_state_beyond_the_limits_while_the_full_table_is_compiled():
+    run = subprocess.run([sys.executable, "-c", COMPILING], capture_output=True, text=True, timeout=60, check=False)
+    assert run.returncode == 0, run.stderr
