@@ -116,6 +116,12 @@ def test_filters_leave_contacts_alone(size, distance, off_rigid):
         both = np.stack(poses, axis=1)
         agree(checker_of([p.polytope, r.polytope], [0, 1], [[0, 1]]), both, expected)
         agree(checker_of([p.polytope, r.polytope], [1, 0], [[0, 1]]), both[:, ::-1], expected)
+        # Inner shapes find collisions, so they are held against bodies that are just apart.
+        poses = contacts(p, r, rng, distance, off_rigid, -np.minimum(depths, 0.02 * size))
+        apart = truth(p, r, *poses)
+        assert apart.mean() < 0.5
+        agree(checker_of([p.polytope, r.polytope], [0, 1], [[0, 1]], overlaps=True), np.stack(poses, axis=1), apart)
+        poses = both[:, 0], both[:, 1]
         for options in (pair_options(), pair_options("walk"), pair_options(cached_plane=False, centre_axis=False)):
             found = core.intersect_batch(p.polytope.core, poses[0], r.polytope.core, poses[1], options)[0]
             np.testing.assert_array_equal(found.astype(bool), expected)
