@@ -94,7 +94,7 @@ def test_flat_pairs_with_coinciding_centres(exponent, method):
         assert pc.distance(P, R, pose, pose).distance == 0
 
 
-@pytest.mark.parametrize("exponent", [-600, -560, -540, -535, -400, -10, 10])
+@pytest.mark.parametrize("exponent", [-1068, -1060, -600, -560, -540, -535, -400, -10, 10])
 def test_origin_radius_and_radius_are_upper_bounds(exponent):
     rng = np.random.default_rng(7)
     for n in (1, 2, 5, 30):
@@ -144,3 +144,46 @@ def test_planar_bodies_that_touch_at_any_scale(exponent):
         for bounds in (True, False):
             checker = pc.planar.Checker(robot, scene, bounds=bounds)
             assert checker.check_states(q).tolist() == [False] * 5 + [True] * 2
+
+
+def test_what_is_beyond_the_range_is_refused():
+    """Coordinates and swells beyond 1e50 m, poses beyond 1e-6 off rigid, reflections; what is just within is taken."""
+    pc.Polytope(UNIT * 1e50, swell=1e50)
+    for vertices, swell, words in (
+        (UNIT * 1.01e50, 0.0, "coordinates"),
+        (UNIT, 1.01e50, "swell"),
+        (UNIT, -1e-300, "swell"),
+    ):
+        with pytest.raises(pc.PlannercheckError, match=words):
+            pc.Polytope(vertices, swell=swell)
+    cube, pose = pc.Polytope(UNIT), np.eye(4)
+    for stretch, taken in ((0.499e-6, True), (0.501e-6, False), (-0.499e-6, True), (-0.501e-6, False)):
+        pose[0, 0] = 1 + stretch
+        pose[0, 3] = np.finfo(float).max
+        if taken:
+            assert not pc.intersects(cube, cube, pose)
+        else:
+            with pytest.raises(pc.PlannercheckError, match="rigid"):
+                pc.intersects(cube, cube, pose)
+    with pytest.raises(pc.PlannercheckError, match="pose"):
+        pc.intersects(cube, cube, np.diag([1.0, 1, -1, 1]))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_bodies_at_the_ends_of_the_range_of_doubles(method):
+    """The largest translations, whose differences overflow, and the least sizes, whose products underflow."""
+    largest = np.finfo(float).max
+    places = [
+        (largest, 0, 0),
+        (-largest, 0, 0),
+        (largest, largest, 0),
+        (np.nextafter(largest, 0), 0, 0),
+        (1e-170, 0, 0),
+    ]
+    for size_p, size_r, swell in itertools.product((1e-310, 1e-162, 1.0, 1e49), (1e-310, 1.0), (0.0, 1e-200, 1e50)):
+        P, R = pc.Polytope((UNIT - 0.5) * size_p, swell=swell), pc.Polytope((UNIT - 0.5)[:4] * size_r)
+        for at_p, at_r in itertools.combinations_with_replacement(places, 2):
+            poses = contacts.identities(2)
+            poses[:, :3, 3] = at_p, at_r
+            truth = exact.intersects(P.vertices, R.vertices, *poses, P.swell, R.swell)
+            assert pc.intersects(P, R, *poses, method=method) == truth
