@@ -21,7 +21,8 @@ constexpr int kGjkRounds = 64;
 //
 // Where lengths are so small that products underflow, all of this errs by kDenormalError at most besides: nine products
 // a body and three of the height, by 2^-1075 each, times entries of the direction.
-constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53, kVolume = 16 * 0x1p-53;
+constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
+constexpr double kVolume = 16 * 0x1p-53;
 constexpr double kSwellAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
 
 struct Corner {
