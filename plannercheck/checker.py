@@ -167,7 +167,7 @@ class Checker:
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
         self._judge_row = self._row_validity()
         self._whole: CompiledPairs | None = None
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # a finaliser that runs while its holder compiles may ask, too
         shared = earlier is not None and earlier.robot is robot
         self.motion_sampler = earlier.motion_sampler if earlier and shared else MotionSampler(robot, self.excess)
         never_moving = self.pairs[self.resting & ~self.unreachable & self._with_carried()]
@@ -193,7 +193,7 @@ class Checker:
         self._proofs = self._meeting_proofs(None)
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
         self._judge_row = self._row_validity()
-        self._whole, self._lock = None, threading.Lock()
+        self._whole, self._lock = None, threading.RLock()
 
     def _with_carried(self) -> Bools:
         """(k,) which of `pairs` have a body that a link carries."""

@@ -15,11 +15,15 @@ from plannercheck.stress.tables import lines
 
 _EPILOG = """\
 Families of bodies x size x ratio of sizes x distance from the origin x rotation x gap, drawn at random. Every pair is
-decided by all methods of the core and by exact arithmetic in Python integers. Exit code 1 if a verdict is wrong, an
+decided by all methods of the core and by an oracle of its own, which tells what it has proved in whole numbers; every
+fourth draw the core's certificates have to prove its verdicts, too. What is found depends on the seed and the number of
+pairs alone. Exit code 1 if a verdict is wrong, an
 exception is thrown, a body is refused or a query takes more than a second.
 """
 # Pairs between two lines of progress.
 _REPORT_EVERY = 20_000
+# More would only get in each other's way on any machine.
+MOST_PROCESSES = 1024
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = _EPILOG
     parser.add_argument("--pairs", type=int, default=10_000, help="how many at least (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
+    parser.add_argument("--processes", type=int, default=1, help="how many to use (default: %(default)s)")
     parser.add_argument("--peers", action="store_true", help="count the errors of python-fcl and coal, too")
     parser.add_argument("--cases", type=Path, metavar="FOLDER", help="keep failures, shrunk, as JSON files here")
 
@@ -39,8 +44,10 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.cases is not None:
         check_folder(options.cases / "case")
+    if not 1 <= options.processes <= MOST_PROCESSES:
+        raise PlannercheckError(f"--processes must be 1 to {MOST_PROCESSES}, not {options.processes}")
     peers: list[Peer] = [Fcl(), Coal()] if options.peers else []
-    tally = run_suite(options.pairs, options.seed, peers, _Progress())
+    tally = run_suite(options.pairs, options.seed, peers, _Progress(), options.processes)
     print("\n".join(lines(tally, [peer.name for peer in peers])))
     for number, case in enumerate(tally.cases):
         print(f"failed: {case.name}")
@@ -58,5 +65,5 @@ class _Progress:
     def __call__(self, tally: StressTally) -> None:
         pairs = tally.pairs.total()
         if pairs >= self._next:
-            self._next += _REPORT_EVERY
+            self._next = (pairs // _REPORT_EVERY + 1) * _REPORT_EVERY
             print(f"{pairs} pairs, {len(tally.cases)} failures", file=sys.stderr, flush=True)

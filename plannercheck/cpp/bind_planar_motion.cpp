@@ -41,14 +41,15 @@ class BoundPlanarCertifier {
 
   const PlanarCertifier& certifier() const { return certifier_; }
 
-  nb::dict statistics() const {
+  nb::dict statistics() {
+    const PlanarMotionCounters total = pool_.alone([&] { return total_; });
     nb::dict out;
-    out["motions"] = total_.motions;
-    out["grids"] = total_.grids;
-    out["states"] = total_.states;
-    out["intervals"] = total_.intervals;
-    out["lines"] = total_.lines;
-    out["swept"] = total_.swept;
+    out["motions"] = total.motions;
+    out["grids"] = total.grids;
+    out["states"] = total.states;
+    out["intervals"] = total.intervals;
+    out["lines"] = total.lines;
+    out["swept"] = total.swept;
     return out;
   }
 

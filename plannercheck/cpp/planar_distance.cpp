@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "vec.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -92,7 +94,7 @@ PlanarApart planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarP
   double square = 0;  // |v|² once v is a point of the simplex
   for (int round = 0; round < kPlanarRounds; ++round) {
     const double length = std::sqrt(planar_dot(v, v));
-    if (!(length > 0)) return answer;
+    if (!(length > kTrustedLength)) return answer;
     const PlanarVector d{v.x / length, v.y / length};
     PlanarDifference lowest = planar_difference(a, b, places[0], d);
     if (count > 1) {

@@ -110,7 +110,7 @@ class PlanarRun {
 
   void begin(const PlanarPiece& piece) {
     piece_ = &piece;
-    way_ = std::sqrt(piece.way_x * piece.way_x + piece.way_y * piece.way_y) * (1 + 0x1p-40);
+    way_ = norm_above({piece.way_x, piece.way_y, 0}) * (1 + 0x1p-40);
     for (std::size_t c = 0; c < w_.rates.size(); ++c)
       w_.rates[c] = (piece.to - piece.from) * (motion_.q1[c] - motion_.q0[c]);
     if (certifier_.links_[0].joint == PlanarJoint::kFree) w_.rates[2] = piece.turn;
