@@ -218,6 +218,35 @@ def test_an_attached_body_is_as_a_fixed_link_of_the_urdf(panda, scene, q, tmp_pa
     np.testing.assert_allclose(same.clearances(q[:20]), welded.clearances(q[:20]), atol=1e-9)
 
 
+def test_a_long_object_is_not_taken_for_the_short_one_that_was_carried_before(panda, q):
+    """Of the same name, on the same link: no length of the first may be used for the second."""
+    scene = pc.Scene("far")
+    rng = np.random.default_rng(2)
+    for k in range(12):
+        direction = rng.normal(size=3)
+        scene.add_box(f"box {k}", [0.1, 0.1, 0.1], at(*(1.4 * direction / np.linalg.norm(direction))))
+    checker = pc.Checker(panda, scene).attach("tool", Sphere(0.01), HAND, at(0, 0, 0.12), FINGERS)
+    assert checker.unreachable.any()
+    for parts, pose in ((Capsule(0.02, 1.2), at(0, 0, 0.7)), (Sphere(0.3), at(0, 0, 0.5)), (Sphere(0.01), at(0, 0, 1))):
+        scene.attach("tool", HAND, pose, FINGERS, parts)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            found, truth = checker.with_scene(scene), pc.Checker(panda, scene)
+        np.testing.assert_array_equal(found.unreachable, truth.unreachable)
+        assert (found.unreachable != checker.unreachable).any()
+        np.testing.assert_array_equal(found.check_states(q), truth.check_states(q))
+        scene.remove("tool")
+
+
+def test_either_of_two_carried_objects_may_list_the_other_as_a_touch_link(panda):
+    for first, second in (((), ("a",)), (("b",), ())):
+        scene = pc.Scene("two carried")
+        scene.attach("a", HAND, at(0, 0, 0.2), (*FINGERS, *first), Sphere(0.02))
+        scene.attach("b", "panda_link5", at(0, 0.2, 0), second, Sphere(0.02))
+        checker = pc.Checker(panda, scene)
+        assert {"a", "b"} not in [set(checker.pair_names(k)) for k in range(len(checker.pairs))]
+
+
 def test_attaching_in_any_way_is_attaching_in_the_scene(panda, scene, q):
     scene.attach("can", HAND, at(0, 0, 0.2), FINGERS, Cylinder(0.03, 0.3))
     whole = pc.Checker(panda, scene)

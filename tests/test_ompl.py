@@ -74,12 +74,53 @@ def test_a_plan_leads_from_start_to_goal_within_the_limits(checker, ends, plan):
     assert 0 < plan.time < 10
 
 
-def test_continuous_joints_are_checked_on_the_short_way(kinova):
-    validator, space, information = validator_of(kinova)
-    q = kinova.robot.random_configurations(40, 5)
-    for q0, q1 in zip(q[::2], q[1::2], strict=True):
+def test_continuous_joints_are_checked_on_the_short_way():
+    """Motions of which many go one way free and the other way not, the short way held to plain arithmetic."""
+    checker = Checker(Robot.load("kinova"), Scene.load("kitchen"))
+    validator, space, information = validator_of(checker)
+    turning = space.continuous
+    rng = np.random.default_rng(5)
+    q = checker.robot.random_configurations(2000, 5)
+    starts = q[checker.check_states(q)][:200]
+    ends = starts + rng.uniform(-1, 1, starts.shape) * np.where(turning, 1.0, 0.1)
+    ends = np.where(
+        turning, (ends + np.pi) % (2 * np.pi) - np.pi, np.clip(ends, checker.robot.lower, checker.robot.upper)
+    )
+    step = ends - starts
+    near = np.where(
+        turning & (step > np.pi), step - 2 * np.pi, np.where(turning & (step < -np.pi), step + 2 * np.pi, step)
+    )
+    assert (np.abs(step) > np.pi).any(axis=1).sum() > 20
+    truth = checker.motion_certifier.check(starts, starts + near, 1e-4, 1)
+    long_way = checker.motion_certifier.check(starts, starts + step, 1e-4, 1)
+    assert (truth & ~long_way).sum() > 10
+    for q0, q1, free in zip(starts, ends, truth, strict=True):
         states = space.state(information, q0), space.state(information, q1)
-        assert validator.checkMotion(*states) == kinova.check_motion(q0, q1)
+        assert validator.checkMotion(*states) == free
+        assert validator.checkMotionWithLastValid(*states)[0] == free
+        assert checker.check_motion(q0, q1) == free
+    assert np.array_equal(checker.check_motions(starts, ends), truth)
+
+
+def test_states_are_written_with_angles_within_half_a_turn(kinova):
+    """As OMPL's SO2 needs them: an angle outside would make its distances wrong."""
+    space = JointSpace(kinova.robot)
+    information = planning.setup(kinova).getSpaceInformation()
+    row = kinova.robot.reference.copy()
+    for angle, written in (
+        (4.0, 4.0 - 2 * np.pi),
+        (-4.0, 2 * np.pi - 4.0),
+        (np.pi, -np.pi),
+        (-np.pi, -np.pi),
+        (0.5, 0.5),
+    ):
+        row[space.continuous] = angle
+        state = space.state(information, row)
+        assert information.satisfiesBounds(state)
+        found = np.array(space.read(state))
+        assert found[space.continuous] == pytest.approx(written, abs=1e-15)
+        assert np.array_equal(found[~space.continuous], row[~space.continuous])
+    assert (found[space.continuous] == 0.5).all()
 
 
 def test_all_sampled_states_of_a_plan_are_valid(checker, plan):

@@ -1,0 +1,55 @@
+"""Contact by construction: a state within the limits first, then bodies that touch there: they are reachable."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from random_trees import limit_states, points_on_others, random_tree
+
+import plannercheck as pc
+
+CONTACTS = 60
+
+
+def scene_of_cubes(points, size):
+    scene = pc.Scene("contacts")
+    for k, point in enumerate(points):
+        pose = np.eye(4)
+        pose[:3, 3] = point
+        scene.add_box(f"cube{k}", [size] * 3, pose)
+    return scene
+
+
+def assert_nothing_that_touches_is_unreachable(robot, scene, q, least):
+    """Both with few and with all obstacles; returns the share of pairs that are proved never to meet."""
+    checker = pc.Checker(robot, scene)
+    touching = pc.Checker(robot, scene, reach=False).colliding_pairs(q).any(axis=0)
+    assert touching.sum() >= least
+    wrong = [checker.pair_names(k) for k in np.flatnonzero(touching & checker.unreachable)]
+    assert not wrong
+    return checker.unreachable.mean()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_obstacles_that_bodies_touch(tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    robot = random_tree(rng, int(rng.integers(2, 6))).robot(tmp_path)
+    q = limit_states(rng, robot, CONTACTS)
+    links = rng.integers(1, len(robot.link_names), CONTACTS)
+    points = robot.link_poses(q)[np.arange(CONTACTS), links, :3, 3]
+    few = scene_of_cubes(points[:6], 1e-4)
+    assert_nothing_that_touches_is_unreachable(robot, few, q[:6], 6)
+    proved = assert_nothing_that_touches_is_unreachable(robot, scene_of_cubes(points, 1e-4), q, CONTACTS)
+    assert proved > 0.05
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_branches_that_touch(tmp_path, seed):
+    rng = np.random.default_rng(100 + seed)
+    count = int(rng.integers(4, 8))
+    tree = random_tree(rng, count)
+    bare = tree.robot(tmp_path)
+    q = limit_states(rng, bare, CONTACTS)
+    sides = np.array([rng.choice(count + 1, 2, replace=False) for _ in range(CONTACTS)])
+    robot = tree.robot(tmp_path, points_on_others(bare, q, *sides.T), 1e-4)
+    assert_nothing_that_touches_is_unreachable(robot, pc.Scene("nothing"), q, CONTACTS // 3)
