@@ -1,6 +1,6 @@
 """URDFs of random trees of joints, mimics of mimics with offsets among them, and extra bodies where a test wants them.
 
-In: a random generator. Out: `RandomTree`, which writes its URDF with any bodies added, so that a test can choose a state
+In: a random generator. Out: `RandomTree`, which writes its URDF with any bodies added: a test can choose a state
 first and then put a body where it touches there.
 """
 

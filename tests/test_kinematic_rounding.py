@@ -174,7 +174,8 @@ FAR = """<robot name="far"><link name="base"/><link name="tip"><collision><origi
 <joint name="lead" type="{kind}"><parent link="base"/><child link="lead"/><axis xyz="0 0 1"/>
 <limit lower="-0.4" upper="0.4" effort="1" velocity="1"/></joint>
 <joint name="turn" type="{kind}"><parent link="base"/><child link="tip"/><axis xyz="0.6 0.8 0"/>
-<limit lower="-99" upper="99" effort="1" velocity="1"/><mimic joint="lead" multiplier="{multiplier}"/></joint></robot>"""
+<limit lower="-99" upper="99" effort="1" velocity="1"/>
+<mimic joint="lead" multiplier="{multiplier}" offset="{offset}"/></joint></robot>"""
 
 
 @pytest.mark.parametrize("multiplier", [1.0, 3.1])
@@ -182,7 +183,9 @@ FAR = """<robot name="far"><link name="base"/><link name="tip"><collision><origi
 def test_a_body_far_from_its_joint(tmp_path, kind, multiplier):
     """100 m away the turn's error counts, and most of it is the rounding of the multiplier's product."""
     urdf = tmp_path / "far.urdf"
-    urdf.write_text(FAR.format(far="0 100 100" if kind == "revolute" else "0 0 0", kind=kind, multiplier=multiplier))
+    urdf.write_text(
+        FAR.format(far="0 100 100" if kind == "revolute" else "0 0 0", kind=kind, multiplier=multiplier, offset=0)
+    )
     robot = pc.Robot.from_urdf(urdf, group=["lead"])
     q = robot.random_configurations(200, 1)
     measured = deviation_of_robot(robot, q)
@@ -190,17 +193,27 @@ def test_a_body_far_from_its_joint(tmp_path, kind, multiplier):
     assert robot.kinematic_error < SILLY * measured
 
 
-@pytest.mark.parametrize("multiplier", [30.1, 1000.1])
-def test_the_rounding_of_a_large_multiplier_is_most_of_the_error(tmp_path, multiplier):
+@pytest.mark.parametrize(("multiplier", "offset"), [(30.1, 0.0), (1000.1, 0.0), (1.0, 1000.3)])
+def test_the_rounding_of_a_mimics_value_is_most_of_the_error(tmp_path, multiplier, offset):
     """The angle is rounded at a size of some hundred rad, the body 100 m away: this alone breaks a bound without it."""
     urdf = tmp_path / "far.urdf"
-    urdf.write_text(FAR.format(far="0 100 100", kind="revolute", multiplier=multiplier))
+    urdf.write_text(FAR.format(far="0 100 100", kind="revolute", multiplier=multiplier, offset=offset))
     robot = pc.Robot.from_urdf(urdf, group=["lead"])
     q = robot.random_configurations(300, 1)
     q = q[np.abs(q[:, 0]) > 0.3]
     measured = deviation_of_robot(robot, q)
     assert measured > 0.2 * robot.kinematic_error
     assert measured <= robot.kinematic_error
+
+
+def test_a_body_of_200_m_about_its_joint(tmp_path):
+    """The joint's turn errs, its origin does not: what the corners are off by is the turn times their distance."""
+    urdf = tmp_path / "far.urdf"
+    text = FAR.format(far="0 0 0", kind="revolute", multiplier=3.1, offset=0)
+    urdf.write_text(text.replace('size="0.1 0.1 0.1"', 'size="200 200 200"'))
+    robot = pc.Robot.from_urdf(urdf, group=["lead"])
+    measured = deviation_of_robot(robot, robot.random_configurations(100, 1))
+    assert 1e-15 < measured <= robot.kinematic_error < SILLY * measured
 
 
 def test_nothing_is_proven_where_pinocchio_has_to_pose():

@@ -102,6 +102,18 @@ def test_continuous_joints_are_checked_on_the_short_way():
     assert np.array_equal(checker.check_motions(starts, ends), truth)
 
 
+def test_distances_are_those_of_all_joints_and_bounded_ones_never_go_round(kinova):
+    """Joints weigh equally; one with limits goes all the way, be it more than half a turn."""
+    space = JointSpace(kinova.robot)
+    setup = planning.setup(kinova)
+    bounded = ~space.continuous
+    low, high = (np.where(bounded, limit, 0.5) for limit in (kinova.robot.lower, kinova.robot.upper))
+    assert (high - low)[bounded].max() > np.pi
+    assert np.array_equal(space.differences(low, high), high - low)
+    a, b = (space.state(setup.getSpaceInformation(), q) for q in (low, high))
+    assert setup.getStateSpace().distance(a, b) == pytest.approx((high - low).sum())
+
+
 def test_states_are_written_with_angles_within_half_a_turn(kinova):
     """As OMPL's SO2 needs them: an angle outside would make its distances wrong."""
     space = JointSpace(kinova.robot)

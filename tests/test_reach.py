@@ -147,6 +147,9 @@ def test_a_pair_that_meets_only_beyond_the_limits_is_found_there(machine):
     assert checker.is_valid(within)
     assert not checker.is_valid(beyond)
     assert not checker.check_motion(within, beyond)
+    for ends in ((within, beyond), (beyond, within)):
+        assert not checker.check_motion(*ends, 0.01)
+    assert checker.check_motion(-within, within, 0.01)
     k = int(checker.first_colliding_pair([within, beyond])[1])
     assert checker.pair_names(k) == ("carriage", "crate")
     assert not checker.explain(beyond).valid
