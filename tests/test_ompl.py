@@ -102,6 +102,23 @@ def test_continuous_joints_are_checked_on_the_short_way():
     assert np.array_equal(checker.check_motions(starts, ends), truth)
 
 
+def test_a_validator_proves_with_its_own_tolerance():
+    checker = Checker(Robot.load("kinova"), Scene.load("kitchen"))
+    space = JointSpace(checker.robot)
+    information = planning.setup(checker).getSpaceInformation()
+    q = checker.robot.random_configurations(600, 6)
+    starts = q[checker.check_states(q)][:60]
+    ends = np.clip(starts + np.random.default_rng(2).uniform(-0.5, 0.5, starts.shape), -3, 3)
+    judged = {}
+    for tolerance in (1e-4, 0.2):
+        judged[tolerance] = checker.check_motions(starts, ends, tolerance=tolerance)
+        validator = planning.motion_validator(information, checker, space, None, tolerance)
+        states = [[space.state(information, row) for row in pair] for pair in zip(starts, ends, strict=True)]
+        assert [validator.checkMotion(*pair) for pair in states] == judged[tolerance].tolist()
+        assert [validator.checkMotionWithLastValid(*pair)[0] for pair in states] == judged[tolerance].tolist()
+    assert (judged[1e-4] & ~judged[0.2]).sum() > 5
+
+
 def test_distances_are_those_of_all_joints_and_bounded_ones_never_go_round(kinova):
     """Joints weigh equally; one with limits goes all the way, be it more than half a turn."""
     space = JointSpace(kinova.robot)
