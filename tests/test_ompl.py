@@ -15,6 +15,7 @@ from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
 from plannercheck.joint_space import JointSpace
 from plannercheck.path_checks import resampled
+from plannercheck.path_validation import validate_path
 from plannercheck.plans import Plan
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
@@ -102,21 +103,28 @@ def test_continuous_joints_are_checked_on_the_short_way():
     assert np.array_equal(checker.check_motions(starts, ends), truth)
 
 
-def test_a_validator_proves_with_its_own_tolerance():
-    checker = Checker(Robot.load("kinova"), Scene.load("kitchen"))
-    space = JointSpace(checker.robot)
-    information = planning.setup(checker).getSpaceInformation()
-    q = checker.robot.random_configurations(600, 6)
-    starts = q[checker.check_states(q)][:60]
-    ends = np.clip(starts + np.random.default_rng(2).uniform(-0.5, 0.5, starts.shape), -3, 3)
-    judged = {}
-    for tolerance in (1e-4, 0.2):
-        judged[tolerance] = checker.check_motions(starts, ends, tolerance=tolerance)
+def test_a_validator_proves_with_its_own_tolerance(tmp_path):
+    """A block turns under a lid, 0.05 mm below it: refused for 0.1 mm, free for 0.04 mm."""
+    urdf = tmp_path / "turning.urdf"
+    urdf.write_text(
+        """<robot name="turning"><link name="base"/>
+<link name="block"><collision><origin xyz="1 0 0"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<joint name="turn" type="continuous"><parent link="base"/><child link="block"/><axis xyz="0 0 1"/></joint></robot>"""
+    )
+    scene, pose = Scene("lid"), np.eye(4)
+    pose[:3, 3] = [1.0, 0.0, 0.05 + 0.01 + 5e-5]
+    scene.add_box("lid", [0.02, 0.02, 0.02], pose)
+    checker = Checker(Robot.from_urdf(urdf, group=["turn"]), scene)
+    space, information = JointSpace(checker.robot), planning.setup(checker).getSpaceInformation()
+    for tolerance, free in ((1e-4, False), (4e-5, True)):
+        assert checker.check_motion([-1.0], [1.0], tolerance=tolerance) == free
         validator = planning.motion_validator(information, checker, space, None, tolerance)
-        states = [[space.state(information, row) for row in pair] for pair in zip(starts, ends, strict=True)]
-        assert [validator.checkMotion(*pair) for pair in states] == judged[tolerance].tolist()
-        assert [validator.checkMotionWithLastValid(*pair)[0] for pair in states] == judged[tolerance].tolist()
-    assert (judged[1e-4] & ~judged[0.2]).sum() > 5
+        ends = [space.state(information, q) for q in ([-1.0], [1.0])]
+        assert validator.checkMotion(*ends) == free
+        assert validator.checkMotionWithLastValid(*ends)[0] == free
+        path = validate_path(checker, [[-1.0], [1.0], [-1.0]], tolerance)
+        assert path.free == free
+        assert path.motion == (None if free else 0)
 
 
 def test_distances_are_those_of_all_joints_and_bounded_ones_never_go_round(kinova):
