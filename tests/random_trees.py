@@ -23,12 +23,12 @@ class RandomTree:
     Attributes:
         joints: The URDF's joint elements; joint k moves link k + 1.
         group: Names of the joints that mimic no other.
-        size: Edge of the box on each link, m.
+        sizes: Edges of the box about each link's origin, m.
     """
 
     joints: tuple[str, ...]
     group: tuple[str, ...]
-    size: float
+    sizes: tuple[float, float, float]
 
     def robot(self, folder, extra: Mapping[int, Sequence[np.ndarray]] = {}, size: float = 1e-3) -> pc.Robot:
         """The robot with cubes on its links: one at each origin, and one about each point (3,) in `extra`, m."""
@@ -38,24 +38,24 @@ class RandomTree:
         return pc.Robot.from_urdf(path, group=self.group)
 
     def _link(self, k: int, points: Sequence[np.ndarray], size: float) -> str:
-        cubes = [cube((0, 0, 0), self.size), *(cube(point, size) for point in points)]
-        return f'<link name="link{k}">{"".join(cubes)}</link>'
+        boxes = [box((0, 0, 0), self.sizes), *(box(point, (size,) * 3) for point in points)]
+        return f'<link name="link{k}">{"".join(boxes)}</link>'
 
 
-def cube(centre, size: float) -> str:
+def box(centre, sizes) -> str:
     """A collision element, its numbers to the last bit."""
     x, y, z = (float(value) for value in centre)
-    edge = f"{size!r} {size!r} {size!r}"
-    return f'<collision><origin xyz="{x!r} {y!r} {z!r}"/><geometry><box size="{edge}"/></geometry></collision>'
+    edges = _text(sizes)
+    return f'<collision><origin xyz="{x!r} {y!r} {z!r}"/><geometry><box size="{edges}"/></geometry></collision>'
 
 
-def random_tree(rng, joints: int, size: float = 1e-3, reach: float = 1.0, kinds: Sequence[str] = KINDS) -> RandomTree:
+def random_tree(rng, joints: int, sizes=(1e-3, 1e-3, 1e-3), reach: float = 1.0, kinds=KINDS) -> RandomTree:
     """A tree of so many joints; every third or so mimics an earlier one, which may be a mimic too.
 
     Args:
         rng: Generator.
         joints: How many.
-        size: Edge of the box on each link, m.
+        sizes: Edges of the box about each link's origin, m.
         reach: About the length of a link, m.
         kinds: Of joints.
     """
@@ -69,7 +69,7 @@ def random_tree(rng, joints: int, size: float = 1e-3, reach: float = 1.0, kinds:
         turning.append(kind == "revolute" if kind != "continuous" else None)
         if not follows:
             group.append(f"joint{k}")
-    return RandomTree(tuple(texts), tuple(group), size)
+    return RandomTree(tuple(texts), tuple(group), tuple(sizes))
 
 
 def _joint(rng, k: int, kind: str, parent: int, leader: int | None, reach: float) -> str:
@@ -102,14 +102,16 @@ def limit_states(rng, robot: pc.Robot, n: int) -> np.ndarray:
     return np.where(finite, np.clip(q, robot.lower, robot.upper), q)
 
 
-def points_on_others(robot: pc.Robot, q, firsts, seconds) -> dict[int, list[np.ndarray]]:
-    """For each configuration (n, nq) the origin of one link, in another link's frame: by that link.
+def points_on_others(robot: pc.Robot, q, firsts, seconds, offsets) -> dict[int, list[np.ndarray]]:
+    """For each configuration (n, nq) a point of one link, in another link's frame: by that link.
 
-    A body put there on the second link touches one at the first one's origin, at this configuration.
+    A body put there on the second link touches one at that point of the first, at this configuration. `offsets` (n, 3)
+    are the points in the frames of the first links.
     """
     poses = robot.link_poses(q)
     points: dict[int, list[np.ndarray]] = {}
     for k, (a, b) in enumerate(zip(firsts, seconds, strict=True)):
         on, other = (poses[k, robot.link_index(f"link{link}")] for link in (b, a))
-        points.setdefault(int(b), []).append(on[:3, :3].T @ (other[:3, 3] - on[:3, 3]))
+        world = other[:3, :3] @ offsets[k] + other[:3, 3]
+        points.setdefault(int(b), []).append(on[:3, :3].T @ (world - on[:3, 3]))
     return points

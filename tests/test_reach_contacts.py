@@ -44,12 +44,20 @@ def test_obstacles_that_bodies_touch(tmp_path, seed):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_branches_that_touch(tmp_path, seed):
+@pytest.mark.parametrize(("sizes", "padding"), [((1e-3,) * 3, 0.0), ((1.0, 1e-3, 1e-3), 0.0), ((1e-3,) * 3, 0.05)])
+def test_branches_that_touch(tmp_path, seed, sizes, padding):
+    """Dots, rods that touch with an end, and dots that come within the padding."""
     rng = np.random.default_rng(100 + seed)
     count = int(rng.integers(4, 8))
-    tree = random_tree(rng, count)
+    tree = random_tree(rng, count, sizes)
     bare = tree.robot(tmp_path)
     q = limit_states(rng, bare, CONTACTS)
-    sides = np.array([rng.choice(count + 1, 2, replace=False) for _ in range(CONTACTS)])
-    robot = tree.robot(tmp_path, points_on_others(bare, q, *sides.T), 1e-4)
-    assert_nothing_that_touches_is_unreachable(robot, pc.Scene("nothing"), q, CONTACTS // 3)
+    links = np.array([rng.choice(count + 1, 2, replace=False) for _ in range(CONTACTS)])
+    ends = rng.choice([-0.5, 0.5], (CONTACTS, 3)) * sizes
+    away = rng.normal(size=(CONTACTS, 3))
+    offsets = ends + 0.95 * padding * away / np.linalg.norm(away, axis=1, keepdims=True)
+    robot = tree.robot(tmp_path, points_on_others(bare, q, *links.T, offsets), 1e-4)
+    checker = pc.Checker(robot, padding=padding)
+    touching = pc.Checker(robot, padding=padding, reach=False).colliding_pairs(q).any(axis=0)
+    assert touching.sum() >= CONTACTS // 4
+    assert not [checker.pair_names(k) for k in np.flatnonzero(touching & checker.unreachable)]

@@ -38,7 +38,7 @@ def touched_at(rng, robot, q, size):
 @pytest.mark.parametrize(("count", "seed"), [(1, 0), (8, 1), (9, 2), (40, 3), (64, 4), (65, 5), (150, 6)])
 def test_obstacles_are_found_where_they_touch(tmp_path, count, seed, self_collision):
     rng = np.random.default_rng(seed)
-    robot = random_tree(rng, 3 + seed, size=0.02).robot(tmp_path)
+    robot = random_tree(rng, 3 + seed, sizes=(0.02,) * 3).robot(tmp_path)
     contacts = limit_states(rng, robot, count)
     scene = touched_at(rng, robot, contacts, 0.01)
     q = np.concatenate([contacts, robot.random_configurations(61, seed)])[rng.permutation(count + 61)]
@@ -65,7 +65,7 @@ def test_obstacles_are_found_where_they_touch(tmp_path, count, seed, self_collis
 def test_contacts_far_from_the_origin_and_of_single_pairs(tmp_path, seed):
     """One obstacle at a time, so that each pair is the first of its table, and the robot 1 km away from it."""
     rng = np.random.default_rng(20 + seed)
-    robot = random_tree(rng, 4, size=0.02, reach=1.0 if seed == 0 else 300.0).robot(tmp_path)
+    robot = random_tree(rng, 4, sizes=(0.02,) * 3, reach=1.0 if seed == 0 else 300.0).robot(tmp_path)
     for q in limit_states(rng, robot, 12):
         scene = touched_at(rng, robot, q[None], 1e-3)
         checker = pc.Checker(robot, scene, self_collision=False)
