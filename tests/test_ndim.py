@@ -17,7 +17,7 @@ from plannercheck import exact as exact_in_space
 from plannercheck import ndim
 from plannercheck.ndim import pair as pair_module
 from plannercheck.ndim.exact import ExactSharedPoint, Guess, decide
-from plannercheck.ndim.filters import encloses_origin
+from plannercheck.ndim.filters import encloses_origin, proves_inside
 from plannercheck.ndim.integers import Farkas, Mix, dot, inverse, solve
 from plannercheck.ndim.posed import ExactRows, ExactVertices
 from plannercheck.ndim.poses import Affine, identity
@@ -428,3 +428,23 @@ def test_what_rounding_may_move_out_is_not_enclosed(dimension):
         for height, enclosed in ((1e-6, True), (1e-16, False), (0.0, False), (-1e-6, False)):
             moved = (corners - height * corners[-1]) @ turn
             assert encloses_origin(moved, rounding) == enclosed
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 5])
+def test_a_point_is_proved_inside_only_where_rounding_leaves_it(dimension):
+    """A turned box, and points just within and beyond its faces, some of them moved by an error."""
+    rng = np.random.default_rng(dimension)
+    normals, offsets = np.vstack([np.eye(dimension), -np.eye(dimension)]), np.repeat([1.0, 1.0], dimension)
+    none = np.zeros(dimension)
+    for _ in range(30):
+        turn = np.linalg.qr(rng.normal(size=(dimension, dimension)))[0]
+        shift = rng.uniform(-3, 3, dimension)
+        face = rng.uniform(-0.9, 0.9, dimension)
+        for depth_below, proved in ((1e-9, True), (1e-16, False), (0.0, False), (-1e-9, False)):
+            face[0] = 1 - depth_below
+            point = turn @ face + shift
+            assert proves_inside(normals, offsets, Affine(turn, shift, False), point, none) == proved
+            assert proves_inside(normals, offsets, identity(dimension), face, none) == proved
+            assert not proves_inside(normals, offsets, Affine(turn, shift, False), point, none + 1e-8)
+        inside = turn @ (0.5 * face) + shift
+        assert proves_inside(normals, offsets, Affine(turn, shift, False), inside, none + 1e-3)
