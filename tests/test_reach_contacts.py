@@ -31,9 +31,12 @@ def assert_nothing_that_touches_is_unreachable(robot, scene, q, least):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_obstacles_that_bodies_touch(tmp_path, seed):
+@pytest.mark.parametrize("reach", [1.0, 0.03])
+def test_obstacles_that_bodies_touch(tmp_path, seed, reach):
+    """Where links are short, what joints slide is most of all lengths."""
     rng = np.random.default_rng(seed)
-    robot = random_tree(rng, int(rng.integers(2, 6))).robot(tmp_path)
+    kinds = ("revolute", "prismatic", "continuous") if reach == 1.0 else ("revolute", "prismatic")
+    robot = random_tree(rng, int(rng.integers(2, 6)), reach=reach, kinds=kinds).robot(tmp_path)
     q = limit_states(rng, robot, CONTACTS)
     links = rng.integers(1, len(robot.link_names), CONTACTS)
     points = robot.link_poses(q)[np.arange(CONTACTS), links, :3, 3]
@@ -61,3 +64,33 @@ def test_branches_that_touch(tmp_path, seed, sizes, padding):
     touching = pc.Checker(robot, padding=padding, reach=False).colliding_pairs(q).any(axis=0)
     assert touching.sum() >= CONTACTS // 4
     assert not [checker.pair_names(k) for k in np.flatnonzero(touching & checker.unreachable)]
+
+
+HELD = """<robot name="held"><link name="base"/>
+<link name="a"><collision><geometry>{shape}</geometry></collision></link>
+<link name="between"/><link name="b"><collision><geometry>{shape}</geometry></collision></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="a"/><origin xyz="0.3 0.1 0.7"/>
+<axis xyz="0.6 0.8 0"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="hold" type="prismatic"><parent link="a"/><child link="between"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
+<joint name="hold2" type="prismatic"><parent link="between"/><child link="b"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("shape", ['<sphere radius="0.25"/>', '<box size="0.5 0.5 0.5"/>'])
+def test_what_rests_within_rounding_is_not_said_to_be_apart(tmp_path, shape):
+    """Two bodies that a held joint keeps at contact: rounding decides state by state, so every state is asked."""
+    (tmp_path / "held.urdf").write_text(HELD.format(shape=shape))
+    q = np.random.default_rng(1).uniform(-2, 2, (100, 1))
+    mixed = False
+    for gap in (0.0, 1e-16, 2e-16, 1e-15, 1e-9, 1e-7, 1e-3):
+        held = {"hold": 0.5, "hold2": gap}
+        robot = pc.Robot.from_urdf(tmp_path / "held.urdf", group=["turn"]).holding(held)
+        checker, full = pc.Checker(robot), pc.Checker(robot, reach=False)
+        (k,) = [k for k in range(len(checker.pairs)) if set(checker.pair_names(k)) == {"a", "b"}]
+        assert checker.resting[k]
+        assert checker.unreachable[k] == (gap == 1e-3)
+        truth = full.check_states(q)
+        np.testing.assert_array_equal(checker.check_states(q), truth)
+        mixed |= bool(truth.any() and not truth.all())
+    assert mixed
