@@ -23,33 +23,37 @@ class RandomTree:
     Attributes:
         joints: The URDF's joint elements; joint k moves link k + 1.
         group: Names of the joints that mimic no other.
-        sizes: Edges of the box about each link's origin, m.
+        reference: A value within the limits of each joint of the group; continuous ones at 0.
+        sizes: Edges of the box on each link, m.
+        places: Of these boxes on their links, in the URDF's words.
     """
 
     joints: tuple[str, ...]
     group: tuple[str, ...]
+    reference: dict[str, float]
     sizes: tuple[float, float, float]
+    places: tuple[str, ...]
 
     def robot(self, folder, extra: Mapping[int, Sequence[np.ndarray]] = {}, size: float = 1e-3) -> pc.Robot:
-        """The robot with cubes on its links: one at each origin, and one about each point (3,) in `extra`, m."""
+        """The robot with boxes on its links: their own, and a cube about each point (3,) in `extra`, m."""
         path = folder / "tree.urdf"
         links = "".join(self._link(k, extra.get(k, ()), size) for k in range(len(self.joints) + 1))
         path.write_text(f'<robot name="tree">{links}{"".join(self.joints)}</robot>')
-        return pc.Robot.from_urdf(path, group=self.group)
+        return pc.Robot.from_urdf(path, group=self.group, reference=self.reference)
 
     def _link(self, k: int, points: Sequence[np.ndarray], size: float) -> str:
-        boxes = [box((0, 0, 0), self.sizes), *(box(point, (size,) * 3) for point in points)]
+        boxes = [box(self.places[k], self.sizes), *(box(f'xyz="{_text(point)}"', (size,) * 3) for point in points)]
         return f'<link name="link{k}">{"".join(boxes)}</link>'
 
 
-def box(centre, sizes) -> str:
+def box(place: str, sizes) -> str:
     """A collision element, its numbers to the last bit."""
-    x, y, z = (float(value) for value in centre)
-    edges = _text(sizes)
-    return f'<collision><origin xyz="{x!r} {y!r} {z!r}"/><geometry><box size="{edges}"/></geometry></collision>'
+    return f'<collision><origin {place}/><geometry><box size="{_text(sizes)}"/></geometry></collision>'
 
 
-def random_tree(rng, joints: int, sizes=(1e-3, 1e-3, 1e-3), reach: float = 1.0, kinds=KINDS) -> RandomTree:
+def random_tree(
+    rng, joints: int, sizes=(1e-3, 1e-3, 1e-3), reach: float = 1.0, kinds=KINDS, placed: bool = False
+) -> RandomTree:
     """A tree of so many joints; every third or so mimics an earlier one, which may be a mimic too.
 
     Args:
@@ -58,26 +62,32 @@ def random_tree(rng, joints: int, sizes=(1e-3, 1e-3, 1e-3), reach: float = 1.0, 
         sizes: Edges of the box about each link's origin, m.
         reach: About the length of a link, m.
         kinds: Of joints.
+        placed: Whether the boxes are turned and off their links' origins; else they are about them.
     """
-    texts, group, turning = [], [], []
+    texts, turning = [], []
+    group: dict[str, float] = {}
     for k in range(joints):
         kind = str(rng.choice(kinds))
         leaders = [i for i in range(k) if turning[i] == (kind == "revolute")] if kind != "continuous" else []
         follows = bool(leaders) and rng.uniform() < 0.4
         parent = k if rng.uniform() < 0.6 else int(rng.integers(0, k + 1))
-        texts.append(_joint(rng, k, kind, parent, int(rng.choice(leaders)) if follows else None, reach))
+        low = rng.uniform(-1, 0)
+        limits = (-99.0, 99.0) if follows else (low, low + rng.uniform(0.1, 1.5))
+        texts.append(_joint(rng, k, kind, parent, int(rng.choice(leaders)) if follows else None, limits, reach))
         turning.append(kind == "revolute" if kind != "continuous" else None)
         if not follows:
-            group.append(f"joint{k}")
-    return RandomTree(tuple(texts), tuple(group), tuple(sizes))
+            group[f"joint{k}"] = 0.0 if kind == "continuous" else float(rng.uniform(*limits))
+    places = [
+        f'xyz="{_text(rng.uniform(-0.3, 0.3, 3))}" rpy="{_text(rng.uniform(-3, 3, 3))}"' if placed else 'xyz="0 0 0"'
+        for _ in range(joints + 1)
+    ]
+    return RandomTree(tuple(texts), tuple(group), group, tuple(sizes), tuple(places))
 
 
-def _joint(rng, k: int, kind: str, parent: int, leader: int | None, reach: float) -> str:
+def _joint(rng, k: int, kind: str, parent: int, leader: int | None, limits, reach: float) -> str:
     axis = rng.normal(size=3)
     axis = np.eye(3)[rng.integers(3)] * rng.choice([-1, 1]) if rng.uniform() < 0.5 else axis / np.linalg.norm(axis)
     origin, turn = rng.uniform(-reach, reach, 3), rng.uniform(-3, 3, 3)
-    low = rng.uniform(-1, 0)
-    limits = (-99.0, 99.0) if leader is not None else (low, low + rng.uniform(0.1, 1.5))
     limit = f'<limit lower="{limits[0]}" upper="{limits[1]}" effort="1" velocity="1"/>' if kind != "continuous" else ""
     mimic = ""
     if leader is not None:

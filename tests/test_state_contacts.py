@@ -16,15 +16,16 @@ UNFILTERED = {"method": "exact", "bounds": False, "boxes": False, "overlaps": Fa
 
 
 def touched_at(rng, robot, q, size):
-    """A scene with one obstacle a configuration, about the origin of a link that goes places; of all kinds."""
+    """A scene with one obstacle a configuration, about the middle of a body that goes places; of all kinds."""
     scene, poses = pc.Scene("touched"), robot.link_poses(q)
-    origins = robot.link_poses(robot.random_configurations(50, 0))[:, :, :3, 3]
-    moving = np.flatnonzero(np.ptp(origins, axis=0).max(axis=1) > 0.2)
-    for k, link in enumerate(rng.choice(moving, len(q))):
+    bodies = [(robot.link_index(body.link), body.pose[:, 3]) for body in robot.bodies]
+    somewhere = robot.link_poses(robot.random_configurations(50, 0))
+    moving = [k for k, (link, at) in enumerate(bodies) if np.ptp(somewhere[:, link] @ at, axis=0).max() > 0.2]
+    for k, (link, at) in enumerate(bodies[i] for i in rng.choice(moving, len(q))):
         pose = np.eye(4)
         pose[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0]
         pose[:3, 0] *= np.sign(np.linalg.det(pose[:3, :3]))
-        pose[:3, 3] = poses[k, link, :3, 3]
+        pose[:, 3] = poses[k, link] @ at
         if k % 3 == 0:
             scene.add_sphere(f"ball{k}", size / 2, pose)
         elif k % 3 == 1:
@@ -38,7 +39,7 @@ def touched_at(rng, robot, q, size):
 @pytest.mark.parametrize(("count", "seed"), [(1, 0), (8, 1), (9, 2), (40, 3), (64, 4), (65, 5), (150, 6)])
 def test_obstacles_are_found_where_they_touch(tmp_path, count, seed, self_collision):
     rng = np.random.default_rng(seed)
-    robot = random_tree(rng, 3 + seed, sizes=(0.02,) * 3).robot(tmp_path)
+    robot = random_tree(rng, 3 + seed, sizes=(0.02, 0.03, 0.1), placed=True).robot(tmp_path)
     contacts = limit_states(rng, robot, count)
     scene = touched_at(rng, robot, contacts, 0.01)
     q = np.concatenate([contacts, robot.random_configurations(61, seed)])[rng.permutation(count + 61)]
