@@ -73,3 +73,22 @@ def test_contacts_far_from_the_origin_and_of_single_pairs(tmp_path, seed):
         assert not checker.is_valid(q)
         for size in (2, 3, 8, 9):
             assert not checker.check_states(np.repeat(q[None], size, axis=0)).any()
+
+
+def test_small_bodies_that_pass_each_other_far_from_the_origin_are_free(tmp_path):
+    """Bodies of 0.1 mm some millimetres apart, a kilometre away: floats there are 0.06 mm apart, their bounds wider."""
+    rng = np.random.default_rng(5)
+    robot = random_tree(rng, 4, sizes=(1e-4,) * 3, reach=1000.0).robot(tmp_path)
+    free = 0
+    for q in limit_states(rng, robot, 12):
+        scene, poses = pc.Scene("near"), robot.link_poses(q)
+        for k in range(1, 5):
+            pose, away = np.eye(4), rng.normal(size=3)
+            pose[:3, 3] = poses[k, :3, 3] + rng.uniform(3e-4, 8e-3) * away / np.linalg.norm(away)
+            scene.add_box(f"box{k}", [1e-4] * 3, pose)
+        truth = pc.Checker(robot, scene, **UNFILTERED).check_states(q[None])[0]
+        checker = pc.Checker(robot, scene)
+        assert checker.is_valid(q) == truth
+        assert (checker.check_states(np.repeat(q[None], 9, axis=0)) == truth).all()
+        free += truth
+    assert free > 6
