@@ -262,6 +262,10 @@ def test_the_hash_of_a_checker_depends_on_where_bodies_are_and_on_limits(checker
         scene.add_box("box", (0.1, 0.1, 0.1), box)
         hashes.add(content_hash(Checker(robot, scene)))
     assert len(hashes) == 2
+    balls = [Scene("ball"), Scene("ball")]
+    for ball, radius in zip(balls, (0.1, np.nextafter(0.1, 1)), strict=True):
+        ball.add_sphere("ball", radius, box)
+    assert len({content_hash(Checker(robot, ball)) for ball in balls}) == 2
     hashes = set()
     for placed, upper in (("0 0 0", "1"), ("0 0 1e-16", "1"), ("0 0 0", "1.0000000000000002"), ("1 0 0", "1")):
         (tmp_path / "one.urdf").write_text(
@@ -283,7 +287,8 @@ def test_a_damaged_record_and_what_follows_it_is_judged_again(file, tmp_path, sm
     damaged = bytearray(journal.read_bytes())
     damaged[-300] ^= 1
     journal.write_bytes(bytes(damaged))
-    run(file, "--output", output, "--resume", "--summary", tmp_path / "s.json")
+    # The number of threads is not part of what a run is.
+    run(file, "--output", output, "--resume", "--threads", 2, "--summary", tmp_path / "s.json")
     assert json.loads((tmp_path / "s.json").read_text())["resumed"] == 128
     assert output.read_bytes() == whole
 
