@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -284,3 +286,20 @@ def test_stretched_obstacles_touch_where_they_are(tmp_path):
         checker = pc.Checker(robot, scene)
         assert not checker.check_states([[0.0]])[0]
         assert not checker.unreachable.any()
+
+
+def test_what_a_short_chain_carries_is_looked_at_anew(machine):
+    """All columns that move the carriage can be cut: where its tool's middle gets is known, and of this tool alone."""
+    robot, scene = machine(), pc.Scene("crates")
+    for k, (x, y) in enumerate(itertools.product((-3, -1, 0, 1, 3), (-1, 0, 1))):
+        pose = np.eye(4)
+        pose[:3, 3] = x, y, 0.5
+        scene.add_box(f"crate{k}", [0.1, 0.1, 0.1], pose)
+    checker = pc.Checker(robot, scene)
+    for place in ((0, 1, 0.5), (0, -1, 0.5), (2, 0, 0.5), (0, 0, 5.0)):
+        pose = np.eye(4)
+        pose[:3, 3] = place
+        scene.attach("tool", "carriage", pose, (), pc.Box([0.05, 0.05, 0.05]))
+        checker = checker.with_scene(scene)
+        np.testing.assert_array_equal(checker.unreachable, pc.Checker(robot, scene).unreachable)
+        scene.remove("tool")
