@@ -293,6 +293,20 @@ def test_a_damaged_record_and_what_follows_it_is_judged_again(file, tmp_path, sm
     assert output.read_bytes() == whole
 
 
+def test_a_run_broken_off_twice_keeps_what_came_after_a_cut_off_record(file, tmp_path, small_chunks, monkeypatch):
+    """What a kill cut off goes, or all that is written after it would be taken for damaged."""
+    output, journal = tmp_path / "v.npz", tmp_path / "v.npz.progress"
+    run(file, "--output", output)
+    whole = output.read_bytes()
+    output.unlink()
+    broken_off(monkeypatch, 3, file, "--output", output)
+    journal.write_bytes(journal.read_bytes()[:-10])
+    broken_off(monkeypatch, 2, file, "--output", output, "--resume")
+    run(file, "--output", output, "--resume", "--summary", tmp_path / "s.json")
+    assert json.loads((tmp_path / "s.json").read_text())["resumed"] == 192
+    assert output.read_bytes() == whole
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 def test_a_killed_run_goes_on(tmp_path, checker):
     rows = checker.robot.random_configurations(400_000, 3)
