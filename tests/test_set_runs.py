@@ -303,7 +303,7 @@ def test_a_run_broken_off_twice_keeps_what_came_after_a_cut_off_record(file, tmp
     journal.write_bytes(journal.read_bytes()[:-10])
     broken_off(monkeypatch, 2, file, "--output", output, "--resume")
     run(file, "--output", output, "--resume", "--summary", tmp_path / "s.json")
-    assert json.loads((tmp_path / "s.json").read_text())["resumed"] == 192
+    assert json.loads((tmp_path / "s.json").read_text())["resumed"] == 256
     assert output.read_bytes() == whole
 
 
