@@ -95,7 +95,7 @@ class CheckoutCopy:
         for command in [*commands, ["cmake", "--build", str(self._build), "--parallel", "2"]]:
             ran = run(command, self.root, self._environment, BUILD_LIMIT)
             if ran.code != 0:
-                return ran.text
+                return ran.text or "no word of the compiler: its time was over"
         self._put_in(self._build)
         return ""
 
