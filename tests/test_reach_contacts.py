@@ -94,3 +94,22 @@ def test_what_rests_within_rounding_is_not_said_to_be_apart(tmp_path, shape):
         np.testing.assert_array_equal(checker.check_states(q), truth)
         mixed |= bool(truth.any() and not truth.all())
     assert mixed
+
+
+def test_a_slide_whose_reference_is_its_far_end(tmp_path):
+    """Lengths are measured there, with the dot at 1 m; where the slide is out, the dot is at 3 m."""
+    path = tmp_path / "crane.urdf"
+    path.write_text(
+        """<robot name="crane"><link name="base"/><link name="boom"/>
+<link name="dot"><collision><origin xyz="2 0 0"/><geometry><box size="1e-3 1e-3 1e-3"/></geometry></collision></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="boom"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="slide" type="prismatic"><parent link="boom"/><child link="dot"/><axis xyz="1 0 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+    )
+    robot = pc.Robot.from_urdf(path, group=["turn", "slide"], reference={"turn": 0.0, "slide": -1.0})
+    q = np.array([[turn, slide] for turn in (-2.0, 2.0) for slide in (-1.0, 1.0)])
+    points = [[(2 + slide) * np.cos(turn), (2 + slide) * np.sin(turn), 0.0] for turn, slide in q]
+    assert_nothing_that_touches_is_unreachable(robot, scene_of_cubes(points, 1e-3), q, 4)
+    beyond = [[3.05 * np.cos(turn), 3.05 * np.sin(turn), 0.0] for turn in (-2.0, 2.0)]
+    assert pc.Checker(robot, scene_of_cubes(beyond, 1e-3)).unreachable.all()
