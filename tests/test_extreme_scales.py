@@ -187,3 +187,17 @@ def test_bodies_at_the_ends_of_the_range_of_doubles(method):
             poses[:, :3, 3] = at_p, at_r
             truth = exact.intersects(P.vertices, R.vertices, *poses, P.swell, R.swell)
             assert pc.intersects(P, R, *poses, method=method) == truth
+
+
+@pytest.mark.parametrize("method", ["exact", "oracle"])
+def test_denormal_and_normal_numbers_add_up(method):
+    """A box ends at the smallest normal double and a denormal one; another begins there, posed by the normal one."""
+    normal, last = 2.0**-1022, 2.0**-1074
+    first = pc.Polytope(UNIT * (normal + 64 * last))
+    for steps, shared in ((63, True), (64, True), (65, False), (96, False)):
+        second = pc.Polytope(steps * last + UNIT * normal)
+        pose = np.eye(4)
+        pose[:3, 3] = normal
+        assert exact.intersects(first.vertices, second.vertices, np.eye(4), pose) == shared
+        assert pc.intersects(first, second, None, pose, method) == shared
+        assert pc.intersects(second, first, pose, None, method) == shared

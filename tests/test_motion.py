@@ -219,3 +219,27 @@ def test_bad_motions_are_refused(turntable):
         turntable.check_motions(np.zeros((2, 2)), np.array([[0.0, 0.0], [np.nan, 0.0]]))
     with pytest.raises(pc.PlannercheckError, match=r"\(2,\), not \(1, 2\)"):
         turntable.check_motion(np.zeros((1, 2)), np.zeros((1, 2)))
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 7, 8, 9, 16, 17, 33])
+def test_every_sampled_state_is_looked_at(tmp_path, steps):
+    """A dot on a slide, and one obstacle at a time at one sampled state, or half-way to the next, where none is."""
+    path = tmp_path / "dot.urdf"
+    path.write_text(
+        """<robot name="dot"><link name="rail"/>
+<link name="dot"><collision><geometry><box size="1e-3 1e-3 1e-3"/></geometry></collision></link>
+<joint name="slide" type="prismatic"><parent link="rail"/><child link="dot"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"""
+    )
+    robot = pc.Robot.from_urdf(path)
+    resolution = 1.01 / steps
+    assert MotionSampler(robot).steps(np.array([[0.0]]), np.array([[1.0]]), resolution).tolist() == [steps]
+    for k in np.arange(0, steps + 0.5, 0.5):
+        scene, pose = pc.Scene("one"), np.eye(4)
+        pose[0, 3] = k / steps
+        scene.add_box("box", [1e-3, 1e-3, 1e-3], pose)
+        checker = pc.Checker(robot, scene)
+        sampled = k == int(k)
+        assert checker.check_motion([0.0], [1.0], resolution) != sampled
+        free = checker.check_motions([[0.0], [1.0], [0.0]], [[1.0], [0.0], [1.0]], resolution)
+        assert (free != sampled).all()

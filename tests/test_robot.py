@@ -269,6 +269,32 @@ def test_followers_that_were_held_apart_follow_what_is_held_anew():
     assert panda.holding({"panda_finger_joint2": 0.03}).expand(panda.reference)[-2:].tolist() == [0.04, 0.03]
 
 
+def test_a_mimic_of_a_mimic_follows_with_both_multipliers_and_offsets(tmp_path):
+    path = tmp_path / "row.urdf"
+    mimics = {2: (1, -2.0, 0.25), 3: (2, 3.0, 0.125), 4: (3, 0.5, -1.0)}
+    joints = "".join(
+        f"""<joint name="j{k}" type="prismatic"><parent link="l{k - 1}"/><child link="l{k}"/><axis xyz="0 0 1"/>
+<limit lower="-99" upper="99" effort="1" velocity="1"/>"""
+        + (
+            f'<mimic joint="j{mimics[k][0]}" multiplier="{mimics[k][1]}" offset="{mimics[k][2]}"/>'
+            if k in mimics
+            else ""
+        )
+        + "</joint>"
+        for k in (1, 2, 3, 4)
+    )
+    links = "".join(f'<link name="l{k}"/>' for k in range(5))
+    path.write_text(f'<robot name="row">{links}{joints}</robot>')
+    robot = Robot.from_urdf(path, group=["j1"])
+    for value in (0.0, 1.0, -0.75):
+        values = {1: value}
+        for k, (leader, multiplier, offset) in mimics.items():
+            values[k] = multiplier * values[leader] + offset
+        assert robot.expand([value]).tolist() == [values[k] for k in (1, 2, 3, 4)]
+        heights = robot.link_poses([value])[:, 2, 3]
+        np.testing.assert_array_equal(heights, np.cumsum([0, *values.values()]))
+
+
 def test_a_floating_base_in_a_group(arm):
     robot = Robot.from_urdf(arm[0], group=["turn", "root_joint"], floating=True)
     assert robot.nq == 8
