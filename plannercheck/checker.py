@@ -553,8 +553,9 @@ class Checker:
             PlannercheckError: If Pinocchio itself poses, or python-flint is not installed.
         """
         free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads)
-        rows = zip(*self._motion_ends(q0, q1), self.robot.check_configurations(q1), free.tolist(), strict=True)
-        return tuple(self._proof(*ends, tolerance) if passed else None for *ends, passed in rows)
+        (starts, ends), asked = self._motion_ends(q0, q1), self.robot.check_configurations(q1)
+        rows = zip(starts, ends, asked, free.tolist(), strict=True)
+        return tuple(self._proof(q, end, to, tolerance) if passed else None for q, end, to, passed in rows)
 
     def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance)

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from plannercheck.proofs.chains import Chains, off_rigid
 from plannercheck.proofs.jets import affine, times, total
-from plannercheck.proofs.proof import WORLD, Entry, Model, Proof
+from plannercheck.proofs.proof import WORLD, Entry, Model, Motion, Proof
 from plannercheck.proofs.well_formed import unreached
 
 Floats = NDArray[np.float64]
@@ -96,7 +96,8 @@ class EntryChecker:
         """
         assert isinstance(proof.model, Model)
         self._model = model = proof.model
-        self._chains = Chains(model, proof.motion)  # type: ignore[arg-type]
+        assert isinstance(proof.motion, Motion)
+        self._chains = Chains(model, proof.motion)
         self._links = [affine(link.placement) for link in model.links]
         poses = [affine(body.pose) for body in model.bodies]
         off = max((float(off_rigid(pose)) for pose in poses), default=0.0)
@@ -120,18 +121,19 @@ class EntryChecker:
         if entry.by == "plane":
             direction = self._direction(entry.frame, entry.direction)
             return self._apart(self._seen[a], self._seen[b], direction, radii, (entry.start, entry.end), deepest)
-        balls = self._ball(a), self._ball(b)
-        if balls[0] is None or balls[1] is None:
+        first, second = self._ball(a), self._ball(b)
+        if first is None or second is None:
             return False
         reach = self._model.bodies[a].reach + self._model.bodies[b].reach
-        return self._balls_apart(*balls, radii + reach, (entry.start, entry.end), deepest)
+        return self._balls_apart(first, second, radii + reach, (entry.start, entry.end), deepest)
 
     def described(self, entry: Entry) -> str:
         """What an entry says, in words."""
         a, b = (self._model.bodies[k] for k in self._model.pairs[entry.pair])
         frame = "the world" if entry.frame == WORLD else self._model.links[entry.frame].name
         by = "their balls" if entry.by == "balls" else f"a plane along {list(entry.direction)} in {frame}"
-        return f"{a.name} ({a.label}) and {b.name} ({b.label}) are not kept apart on [{entry.start!r}, {entry.end!r}] by {by}"
+        pair = f"{a.name} ({a.label}) and {b.name} ({b.label})"
+        return f"{pair} are not kept apart on [{entry.start!r}, {entry.end!r}] by {by}"
 
     def _direction(self, frame: int, numbers: Sequence[float]) -> Direction:
         joint = WORLD if frame == WORLD else self._model.links[frame].joint
@@ -226,11 +228,11 @@ class EntryChecker:
         frame, body = chains.jet(span, above, direction.joint), chains.jet(span, above, seen.joint)
         rows = (body.value * seen.place - frame.value * _SHIFT).entries()
         sizes = [*seen.sizes.tolist(), 1.0]
-        far = sum(float(rows[4 * i + k].abs_upper()) * sizes[k] for i in range(3) for k in range(4))
+        far: float = sum(float(rows[4 * i + k].abs_upper()) * sizes[k] for i in range(3) for k in range(4))
         return far * self._stretch * chains.defect * direction.length * _UP
 
     def _end_shift(self, proof: Proof) -> float:
-        """How far the asked end's poses may be from those of the end that is gone to, by angles that are no whole turns.
+        """How far the asked end's poses may be from those of the end that is gone to, by what are no whole turns.
 
         A joint that is off by an angle moves the points beyond it by at most that times their distance from its axis,
         which is at most the sum of all lengths between the joints and within the bodies.

@@ -1,4 +1,4 @@
-"""What each joint does on a motion, in ball arithmetic: the interpolations of the claim, written from their definitions.
+"""What each joint does on a motion, in ball arithmetic: the claim's interpolations, written from their definitions.
 
 In: a joint, both ends of a motion. Out: a function from the parameter (a point, or a ball of an interval) to the jet of
 the map from the joint's frame after its motion to its parent's.

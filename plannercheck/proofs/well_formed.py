@@ -1,7 +1,7 @@
 """Whether a proof in space is well-formed: indices, finite numbers, rigid placements, hashes, the motion's ends.
 
-In: a proof of any content whose classes are those of `proof.py`. Out: nothing, or a `UnprovedError`. After this the verifier
-may index and compute.
+In: a proof of any content whose classes are those of `proof.py`. Out: nothing, or an `UnprovedError`. After this the
+verifier may index and compute.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ def check_tiling(proof: Proof) -> None:
             raise UnprovedError(f"entry {k} is of pair {entry.pair}, of {len(proof.model.pairs)}")
         if not entry.start < entry.end or reached.get(entry.pair, 0.0) != entry.start:
             raise UnprovedError(
-                f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so far, "
-                f"at {reached.get(entry.pair, 0.0)!r}"
+                f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so "
+                f"far, at {reached.get(entry.pair, 0.0)!r}"
             )
         reached[entry.pair] = entry.end
         if entry.by not in ("plane", "balls"):
