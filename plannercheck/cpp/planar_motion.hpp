@@ -10,7 +10,8 @@
 // further. Without turning, ε is 0, and a whole piece is settled at once. A motion is refused only where a pair is
 // proved to be within `tolerance` at a state on it.
 //
-// Immutable: each thread brings a workspace, which holds what is learnt.
+// Immutable: each thread brings a workspace. Nothing in it outlives a motion, so verdicts do not depend on what was
+// asked before.
 #pragma once
 
 #include <memory>
@@ -21,9 +22,10 @@
 
 namespace plannercheck {
 
-// Pieces in order; joints go from q0 to q1 (rows of configurations).
+// Pieces in order; joints go from q0 to q1 (rows of configurations). `given`: the end before whole turns were taken off
+// its angles, which rounds it by a part of what was given.
 struct PlanarMotion {
-  const double *q0, *q1;
+  const double *q0, *q1, *given;
   const PlanarPiece* pieces;
   std::size_t count;
 };
@@ -32,7 +34,7 @@ struct PlanarMotion {
 struct PlanarProof {
   std::int32_t pair;
   double from, to;
-  PlanarVector direction;
+  PlanarDirection direction;
   double gap, bulge;
 };
 

@@ -33,6 +33,9 @@ Ints = NDArray[np.int32]
 # Room for rounding in circles and boxes, as a part of the coordinates' size: they round by less than 1e-14 of it.
 _ROOM = 1e-12
 
+# And this much in any case, m: the squares of lengths that are not far above 1e-162 have too few bits to be compared.
+_LEAST_ROOM = 1e-150
+
 # With L links and A = 1 + the sum of all angles' sizes, an angle is a sum that errs by L A u at most, sine and cosine
 # by 4u more, which moves what they turn by as much of the reach; the at most L + 1 sums of a position add 3u each of
 # the coordinates' size. Together that is less than 16u L A of reach, way to the root and anchors.
@@ -189,13 +192,13 @@ class Checker:
             (n,), True means free.
         """
         check_curve(self.robot, curve, turning_radius)
-        starts, ends = self._motion_ends(q0, q1, curve)
+        starts, ends, given = self._motion_ends(q0, q1, curve)
         if curve != "straight":
-            rows = zip(starts, ends, strict=True)
-            judged = [self._curve_is_free(a, b, resolution, tolerance, curve, turning_radius) for a, b in rows]
+            rows = zip(starts, ends, given, strict=True)
+            judged = [self._curve_is_free(row, resolution, tolerance, curve, turning_radius) for row in rows]
             return np.array(judged, dtype=bool)
         if resolution is None:
-            return self.motion_certifier.check(starts, ends, tolerance, _checked_threads(threads))
+            return self.motion_certifier.check(starts, ends, tolerance, _checked_threads(threads), given)
         steps = self.motion_sampler.steps(starts, ends, resolution)
         return np.asarray(self._core.motions_are_free(starts, ends, steps)).astype(bool)
 
@@ -223,9 +226,9 @@ class Checker:
             The verdict.
         """
         check_curve(self.robot, curve, turning_radius)
-        (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1), curve)
+        (start,), (end,), (given,) = self._motion_ends(self._single(q0), self._single(q1), curve)
         pieces, certifier = self._pieces(start, end, curve, turning_radius), self.motion_certifier
-        passage = certifier.passage(start, end, tolerance, proofs, pieces)
+        passage = certifier.passage(start, end, tolerance, proofs, pieces, given)
         return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance)
 
     @cached_property
@@ -233,28 +236,31 @@ class Checker:
         """Proves motions free; built when it is first needed."""
         return MotionCertifier(*self._arguments)
 
-    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats]:
-        """Starts and ends (n, nq); angles without limits take the short way, but for the heading on curves."""
+    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats, Floats]:
+        """Starts and ends (n, nq), and the ends as given: angles without limits take the short way.
+
+        The heading on curves stays as given, too.
+        """
         starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
         if starts.shape != ends.shape:
             raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
         near = self.motion_sampler.short_way(starts, ends)
         if curve != "straight":
             near[:, 2] = ends[:, 2]  # to the bit: of two curves of one length rounding may choose
-        return starts, near
+        return starts, near, ends
 
     def _curve_is_free(
         self,
-        start: Floats,
-        end: Floats,
+        ends: tuple[Floats, Floats, Floats],
         resolution: float | None,
         tolerance: float,
         curve: Curve,
         turning_radius: float | None,
     ) -> bool:
+        start, end, given = ends
         pieces = self._pieces(start, end, curve, turning_radius)
         if resolution is None:
-            return self.motion_certifier.is_free(start, end, tolerance, pieces)
+            return self.motion_certifier.is_free(start, end, tolerance, pieces, given)
         way = self._curves_of(curve, turning_radius).way(start, end, self.motion_sampler)
         steps = int(self.motion_sampler.steps_of_way(np.array([way]), resolution)[0])
         states = self.motion_certifier.states(start, end, np.arange(steps + 1) / steps, pieces)
@@ -363,12 +369,14 @@ def _circle(vertices: Floats) -> tuple[float, float, float]:
     """A circle around vertices: centre and radius, with room for its rounding and that of its pose."""
     x, y = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
     radius = float(np.hypot(vertices[:, 0] - x, vertices[:, 1] - y).max())
-    return float(x), float(y), radius + _ROOM * (radius + abs(float(x)) + abs(float(y)))
+    return float(x), float(y), radius + _ROOM * (radius + abs(float(x)) + abs(float(y))) + _LEAST_ROOM
 
 
 def _box(body: Body) -> tuple[float, float, float, float]:
     """A box in the world around a posed polygon, with room for rounding."""
     posed = body.vertices @ body.pose[:2, :2].T + body.pose[:2, 2]
-    room = _ROOM * (float(np.abs(body.vertices).sum(axis=1).max()) + float(np.abs(body.pose[:2, 2]).sum()))
+    room = (
+        _ROOM * (float(np.abs(body.vertices).sum(axis=1).max()) + float(np.abs(body.pose[:2, 2]).sum())) + _LEAST_ROOM
+    )
     (x0, y0), (x1, y1) = posed.min(axis=0) - room, posed.max(axis=0) + room
     return float(x0), float(y0), float(x1), float(y1)
