@@ -10,8 +10,8 @@ import copy
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
-from typing import Any, Literal
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +36,10 @@ from plannercheck.scene import Scene
 from plannercheck.scene_objects import Parts
 from plannercheck.shapes import DEFAULT_EXCESS, Body
 
+if TYPE_CHECKING:
+    from plannercheck.proofs.build import Builder
+    from plannercheck.proofs.proof import Proof
+
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
@@ -45,7 +49,7 @@ Ints = NDArray[np.int32]
 _BOUND_ROUNDS = 2
 
 # Attributes that hold compiled objects or a lock, which a pickle can't have; they are made anew.
-_COMPILED = frozenset({"_live", "_judge_row", "_whole", "_lock", "_proofs", "motion_certifier"})
+_COMPILED = frozenset({"_live", "_judge_row", "_whole", "_lock", "_proofs", "motion_certifier", "_prover"})
 
 
 class Checker:
@@ -227,7 +231,8 @@ class Checker:
         if self._settings.bodies is not None:
             raise PlannercheckError("a checker with stand-ins for its bodies can't take another scene: build a new one")
         other = copy.copy(self)
-        other.__dict__.pop("motion_certifier", None)  # it is cached, for this scene
+        for name in ("motion_certifier", "_prover"):  # they are cached, for this scene
+            other.__dict__.pop(name, None)
         other._prepare(scene if scene is not None else Scene("empty"), self)
         return other
 
@@ -527,7 +532,40 @@ class Checker:
         (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
         certifier = self.motion_certifier
         passage = certifier.passage(start, end, tolerance, proofs)
-        return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance)
+        prover = partial(self._proof, start, end, self.robot.check_configurations(q1)[0], tolerance)
+        return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance, prover)
+
+    def certify_motions(
+        self, q0: ArrayLike, q1: ArrayLike, tolerance: float = DEFAULT_TOLERANCE, threads: int = 1
+    ) -> tuple[Proof | None, ...]:
+        """Proofs of motions that anyone can check, without this checker (`Proof.verify`, `Proof.save`).
+
+        Args:
+            q0: (n, nq) starts, rad and m.
+            q1: (n, nq) ends.
+            tolerance: As for `check_motion`.
+            threads: How many to use for finding out which motions are free.
+
+        Returns:
+            One a motion, None where it is not free.
+
+        Raises:
+            PlannercheckError: If Pinocchio itself poses, or python-flint is not installed.
+        """
+        free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads)
+        (starts, ends), asked = self._motion_ends(q0, q1), self.robot.check_configurations(q1)
+        rows = zip(starts, ends, asked, free.tolist(), strict=True)
+        return tuple(self._proof(q, end, to, tolerance) if passed else None for q, end, to, passed in rows)
+
+    def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Proof | None:
+        return self._prover.proof(start, end, asked_end, tolerance)
+
+    @cached_property
+    def _prover(self) -> Builder:
+        """Builds proofs of motions; made when it is first needed."""
+        from plannercheck.proofs.build import Builder  # needs python-flint
+
+        return Builder(self)
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:

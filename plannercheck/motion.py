@@ -66,6 +66,11 @@ class MotionSampler:
             )
         return steps.astype(np.int64)
 
+    @property
+    def whole_turns(self) -> NDArray[np.int64]:
+        """Columns that are angles of which a whole turn changes nothing, so that motions take the short way."""
+        return self._turning
+
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
         """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; these stay as they are."""
         if not len(self._turning):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ from plannercheck.certificates import Certificate
 
 if TYPE_CHECKING:
     from plannercheck.planar.certificates import Certificate as PlanarCertificate
+    from plannercheck.proofs.proof import Proof
 
 
 @dataclass(frozen=True)
@@ -101,6 +103,7 @@ class MotionVerdict:
         pair: The pair that stops the motion, with its certificate at `collides_at`, or, if nothing collides, at
             `near_at`; None if the motion is free.
         proofs: If asked for, what proves the part up to `free_until`.
+        prover: Computes `proof`; None where there is none.
     """
 
     free: bool
@@ -110,6 +113,18 @@ class MotionVerdict:
     near_at: float | None
     pair: PairVerdict | None
     proofs: tuple[MotionProof, ...] = ()
+    prover: Callable[[], Proof | None] | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def proof(self) -> Proof | None:
+        """The proof of the motion that anyone can check (`Proof.verify`), computed when first asked for.
+
+        None unless the motion is free.
+
+        Raises:
+            PlannercheckError: If python-flint is not installed.
+        """
+        return self.prover() if self.free and self.prover is not None else None
 
 
 @dataclass(frozen=True)
