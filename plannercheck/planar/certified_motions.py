@@ -107,8 +107,10 @@ class MotionCertifier:
         answer, until, near, pair, *found = self._core.explain(q0, q1, unreduced, pieces, tolerance, proofs)
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
-        listed = tuple(proof for proof in self._proofs(*found) if proof.start < until)
-        return Passage(True, 1.0, -1.0, -1, listed) if answer == _FREE else Passage(False, until, near, pair, listed)
+        listed = tuple(self._proofs(*found))
+        if answer == _FREE:
+            return Passage(True, 1.0, -1.0, -1, listed)
+        return Passage(False, until, near, pair, tuple(proof for proof in listed if proof.start < until))
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats, pieces: Floats = STRAIGHT) -> Floats:
         """(k, nq) of one motion at parameters (k,) in [0, 1]."""

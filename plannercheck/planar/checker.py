@@ -7,8 +7,9 @@ core (cpp/planar_checker).
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import Any
+from collections.abc import Sequence
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +26,10 @@ from plannercheck.planar.polygons import METHODS, Method
 from plannercheck.planar.robot import Body, Robot
 from plannercheck.planar.scene import Scene
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
+
+if TYPE_CHECKING:
+    from plannercheck.proofs.planar_build import PlanarBuilder
+    from plannercheck.proofs.proof import Proof
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -229,7 +234,51 @@ class Checker:
         (start,), (end,), (given,) = self._motion_ends(self._single(q0), self._single(q1), curve)
         pieces, certifier = self._pieces(start, end, curve, turning_radius), self.motion_certifier
         passage = certifier.passage(start, end, tolerance, proofs, pieces, given)
-        return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance)
+        prover = partial(self._proof, (start, end, given), tolerance, curve, turning_radius)
+        return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance, prover)
+
+    def certify_motions(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        tolerance: float = DEFAULT_TOLERANCE,
+        threads: int = 1,
+        *,
+        curve: Curve = "straight",
+        turning_radius: float | None = None,
+    ) -> tuple[Proof | None, ...]:
+        """Proofs of motions that anyone can check, without this checker (`Proof.verify`, `Proof.save`).
+
+        Args:
+            q0: (n, nq) starts, m and rad.
+            q1: (n, nq) ends.
+            tolerance: As for `check_motion`.
+            threads: As for `check_motions`.
+            curve: As for `check_motion`.
+            turning_radius: As for `check_motion`.
+
+        Returns:
+            One a motion, None where it is not free.
+
+        Raises:
+            PlannercheckError: If python-flint is not installed.
+        """
+        free = self.check_motions(q0, q1, None, tolerance, threads, curve=curve, turning_radius=turning_radius)
+        rows = zip(*self._motion_ends(q0, q1, curve), free.tolist(), strict=True)
+        return tuple(self._proof(ends, tolerance, curve, turning_radius) if passed else None for *ends, passed in rows)
+
+    def _proof(
+        self, ends: Sequence[Floats], tolerance: float, curve: Curve, turning_radius: float | None
+    ) -> Proof | None:
+        pieces = self._pieces(ends[0], ends[1], curve, turning_radius)
+        return self._prover.proof(*ends, tolerance, pieces, curve, turning_radius)
+
+    @cached_property
+    def _prover(self) -> PlanarBuilder:
+        """Builds proofs of motions; made when it is first needed."""
+        from plannercheck.proofs.planar_build import PlanarBuilder  # needs python-flint
+
+        return PlanarBuilder(self)
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.extras import extra_module
-from plannercheck.proofs.faults import Fault
+from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.planar_proof import PlanarBody, PlanarModel
 from plannercheck.proofs.proof import Entry, Proof, Verification
 
@@ -69,7 +69,7 @@ def verified(proof: Proof) -> Verification:
         for k, entry in enumerate(proof.entries):
             verifier.check(k, entry)
             confirmed += 1
-    except Fault as found:
+    except UnprovedError as found:
         fault = str(found)
     except (ArithmeticError, ValueError) as found:  # numbers within the limits whose products are not
         fault = f"entry {confirmed} has numbers that can't be computed with: {found}"
@@ -114,13 +114,13 @@ class Verifier:
         """Confirms an entry.
 
         Raises:
-            Fault: If it does not prove its pair apart on its interval.
+            UnprovedError: If it does not prove its pair apart on its interval.
         """
         a, b = self._pairs[entry.pair]
         frame = self._paths.meeting(self._bodies[a].link, self._bodies[b].link)
         name = f"entry {index} ({self._bodies[a].label} and {self._bodies[b].label})"
         if entry.by == "plane" and entry.frame != frame:
-            raise Fault(f"{name}: its line is fixed in frame {entry.frame}, not in {frame}, which carries both")
+            raise UnprovedError(f"{name}: its line is fixed in frame {entry.frame}, not in {frame}, which carries both")
         for span in self._paths.spans(entry.start, entry.end):
             self._confirm(entry, a, b, frame, span, 0, name)
 
@@ -132,9 +132,9 @@ class Verifier:
         if excess > 0:
             return
         middle = (span.start + span.end) / 2
-        if depth >= _DEEPEST or not span.start < middle < span.end or (entry.by == "plane" and depth >= 1):
+        if depth >= _DEEPEST or not span.start < middle < span.end:
             kind = "line" if entry.by == "plane" else "circles"
-            raise Fault(
+            raise UnprovedError(
                 f"{name}: its {kind} do not keep both apart by the margin on [{span.start!r}, {span.end!r}]; "
                 f"{excess!r} m are lacking"
             )

@@ -1,6 +1,6 @@
 """Whether a proof in the plane is well-formed: indices, finite numbers, rigid poses, circles, hashes, ends, margin.
 
-In: a proof of any content whose classes are those of `planar_proof.py`. Out: nothing, or a `Fault`. After this the
+In: a proof of any content whose classes are those of `planar_proof.py`. Out: nothing, or a `UnprovedError`. After this the
 verifier may index and compute.
 """
 
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from plannercheck.proofs.faults import Fault
+from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
 from plannercheck.proofs.proof import Hashes, Proof
@@ -38,25 +38,25 @@ _ROUNDING = 2.0**-47
 
 
 def check_well_formed(proof: Proof) -> None:
-    """Raises a `Fault` for what no proof may have; curves and entries are looked at elsewhere."""
+    """Raises a `UnprovedError` for what no proof may have; curves and entries are looked at elsewhere."""
     model, motion = proof.model, proof.motion
     if proof.kind != "plane" or not isinstance(model, PlanarModel) or not isinstance(motion, PlanarMotion):
-        raise Fault("the proof is not of a motion in the plane")
+        raise UnprovedError("the proof is not of a motion in the plane")
     _check_links(model)
     for index, body in enumerate(model.bodies):
         _check_body(body, len(model.links), f"body {index} ({body.name})")
     for index, (a, b) in enumerate(model.pairs):
         if a == b or not (0 <= a < len(model.bodies) and 0 <= b < len(model.bodies)):
-            raise Fault(f"pair {index} is of bodies {a} and {b}: they must be two of {len(model.bodies)}")
+            raise UnprovedError(f"pair {index} is of bodies {a} and {b}: they must be two of {len(model.bodies)}")
     _check_ends(model, motion)
     for index, piece in enumerate(motion.pieces):
         _check_piece(piece, f"piece {index}")
     if hashes_of(model) != proof.hashes:
-        raise Fault("the model is not the one whose content hashes the proof has")
+        raise UnprovedError("the model is not the one whose content hashes the proof has")
     check_numbers([proof.margin], "margin")
     least = least_margin(model, motion)
     if not proof.margin >= least:
-        raise Fault(f"the margin is {proof.margin!r} m; computed poses may be off by {least!r}")
+        raise UnprovedError(f"the margin is {proof.margin!r} m; computed poses may be off by {least!r}")
 
 
 def hashes_of(model: PlanarModel) -> Hashes:
@@ -80,7 +80,7 @@ def least_margin(model: PlanarModel, motion: PlanarMotion) -> float:
 
 
 def check_tiling(proof: Proof) -> None:
-    """Raises a `Fault` unless the entries of every pair tile [0, 1], in order, and name what there is.
+    """Raises a `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
 
     On curves the end counts by itself: each pair has an entry from 1 to 1 after the others.
     """
@@ -91,12 +91,12 @@ def check_tiling(proof: Proof) -> None:
     ended: set[int] = set()
     for k, entry in enumerate(proof.entries):
         if not 0 <= entry.pair < len(proof.model.pairs):
-            raise Fault(f"entry {k} is of pair {entry.pair}, of {len(proof.model.pairs)}")
+            raise UnprovedError(f"entry {k} is of pair {entry.pair}, of {len(proof.model.pairs)}")
         so_far = reached.get(entry.pair, 0.0)
         if has_end and entry.start == entry.end == 1.0 == so_far and entry.pair not in ended:
             ended.add(entry.pair)
         elif not entry.start < entry.end or so_far != entry.start:
-            raise Fault(
+            raise UnprovedError(
                 f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so far, "
                 f"at {so_far!r}"
             )
@@ -104,78 +104,80 @@ def check_tiling(proof: Proof) -> None:
         _check_entry(entry, k)
     for pair in range(len(proof.model.pairs)):
         if reached.get(pair, 0.0) != 1.0 or (has_end and pair not in ended):
-            raise Fault(f"pair {pair} is proved up to {reached.get(pair, 0.0)!r} alone, not to the end")
+            raise UnprovedError(f"pair {pair} is proved up to {reached.get(pair, 0.0)!r} alone, not to the end")
 
 
 def _check_entry(entry: Any, k: int) -> None:
     if entry.by not in ("plane", "balls"):
-        raise Fault(f"entry {k} is by {entry.by!r:.40}, which is not known")
+        raise UnprovedError(f"entry {k} is by {entry.by!r:.40}, which is not known")
     if entry.by == "plane":
         if len(entry.direction) != 2 or not any(entry.direction):
-            raise Fault(f"entry {k} needs a direction of two numbers that are not both 0")
+            raise UnprovedError(f"entry {k} needs a direction of two numbers that are not both 0")
         check_numbers(entry.direction, f"direction of entry {k}")
 
 
 def check_numbers(values: Iterable[Any], what: str) -> None:
-    """Raises a `Fault` for a number that is not finite or is too large."""
+    """Raises a `UnprovedError` for a number that is not finite or is too large."""
     for value in values:
         if not isinstance(value, float) or not abs(value) <= LARGEST_NUMBER:
-            raise Fault(f"{what} has the number {value!r:.40}, which is not finite, or beyond {LARGEST_NUMBER:g}")
+            raise UnprovedError(
+                f"{what} has the number {value!r:.40}, which is not finite, or beyond {LARGEST_NUMBER:g}"
+            )
 
 
 def _check_length(values: Sequence[Any], length: int, what: str) -> None:
     if len(values) != length:
-        raise Fault(f"{what} has {len(values)} numbers, not {length}")
+        raise UnprovedError(f"{what} has {len(values)} numbers, not {length}")
 
 
 def _check_links(model: PlanarModel) -> None:
     column = 0
     if not model.links:
-        raise Fault("the robot has no links")
+        raise UnprovedError("the robot has no links")
     for index, link in enumerate(model.links):
         _check_link(link, index, column)
         column += _WIDTHS[link.joint]
     if column != model.columns:
-        raise Fault(f"the links take {column} numbers, a configuration has {model.columns}")
+        raise UnprovedError(f"the links take {column} numbers, a configuration has {model.columns}")
 
 
 def _check_link(link: PlanarLink, index: int, column: int) -> None:
     what = f"link {index} ({link.name})"
     if link.joint not in _WIDTHS:
-        raise Fault(f"{what} has a joint of kind {link.joint!r:.40}, which is not known")
+        raise UnprovedError(f"{what} has a joint of kind {link.joint!r:.40}, which is not known")
     if not (link.parent == _WORLD if index == 0 else 0 <= link.parent < index):
-        raise Fault(f"{what} has the parent {link.parent}, which is no link before it")
+        raise UnprovedError(f"{what} has the parent {link.parent}, which is no link before it")
     if link.joint == "free" and index > 0:
-        raise Fault(f"{what} is free, and not the first")
+        raise UnprovedError(f"{what} is free, and not the first")
     if link.column != column:
-        raise Fault(f"{what} takes column {link.column}, where column {column} is the next")
+        raise UnprovedError(f"{what} takes column {link.column}, where column {column} is the next")
     check_numbers((link.x, link.y, link.angle), what)
 
 
 def _check_body(body: PlanarBody, links: int, what: str) -> None:
     if not _WORLD <= body.link < links:
-        raise Fault(f"{what} is on link {body.link}, which there is not")
+        raise UnprovedError(f"{what} is on link {body.link}, which there is not")
     _check_length(body.pose, 6, what)
     _check_length(body.centre, 2, what)
     check_numbers((*body.pose, *body.centre, body.reach), what)
     matrix = np.reshape(body.pose, (2, 3))
     if body.link >= 0 and not (matrix == np.eye(2, 3)).all():
-        raise Fault(f"{what} is on a link, but has a pose of its own")
+        raise UnprovedError(f"{what} is on a link, but has a pose of its own")
     defect = float(np.linalg.norm(matrix[:, :2].T @ matrix[:, :2] - np.eye(2)))
     if not defect <= LARGEST_DEFECT or not np.linalg.det(matrix[:, :2]) > 0:
-        raise Fault(f"{what} has a pose that is not rigid: |M^T M - 1| is {defect:.3g}, or it is a reflection")
+        raise UnprovedError(f"{what} has a pose that is not rigid: |M^T M - 1| is {defect:.3g}, or it is a reflection")
     shape = body.vertices.shape
     if len(shape) != 2 or shape[1] != 2 or not shape[0]:
-        raise Fault(f"{what} has vertices of shape {shape}, not (n, 2)")
+        raise UnprovedError(f"{what} has vertices of shape {shape}, not (n, 2)")
     if not (np.abs(body.vertices) <= LARGEST_NUMBER).all():
-        raise Fault(f"{what} has a vertex that is not finite, or beyond {LARGEST_NUMBER:g}")
+        raise UnprovedError(f"{what} has a vertex that is not finite, or beyond {LARGEST_NUMBER:g}")
     # Stretched by the pose, too: by less than the defect.
     held = arb(body.reach) / (1 + 2 * LARGEST_DEFECT if body.link < 0 else 1)
     for x, y in body.vertices.tolist():
         if not (arb(x) - body.centre[0]) ** 2 + (arb(y) - body.centre[1]) ** 2 <= held**2:
-            raise Fault(f"{what} has the vertex ({x!r}, {y!r}) outside its circle")
+            raise UnprovedError(f"{what} has the vertex ({x!r}, {y!r}) outside its circle")
     if body.reach < 0:
-        raise Fault(f"{what} has a circle of negative radius")
+        raise UnprovedError(f"{what} has a circle of negative radius")
 
 
 def _check_ends(model: PlanarModel, motion: PlanarMotion) -> None:
@@ -183,22 +185,24 @@ def _check_ends(model: PlanarModel, motion: PlanarMotion) -> None:
         _check_length(q, model.columns, f"the motion's {name}")
         check_numbers(q, f"the motion's {name}")
     if motion.curve not in _CURVES:
-        raise Fault(f"the curve is {motion.curve!r:.40}, which is not known")
+        raise UnprovedError(f"the curve is {motion.curve!r:.40}, which is not known")
     angles = {link.column + (2 if link.joint == "free" else 0) for link in model.links if link.joint != "fixed"}
     if not set(model.whole_turns) <= angles:
-        raise Fault(f"columns {sorted(set(model.whole_turns) - angles)} of whole turns are no angles")
+        raise UnprovedError(f"columns {sorted(set(model.whole_turns) - angles)} of whole turns are no angles")
     for column, (start, end, asked) in enumerate(zip(motion.start, motion.end, motion.asked_end, strict=True)):
         keeps = motion.curve != "straight" and column == 2
         if column not in model.whole_turns or keeps:
             if end != asked:
-                raise Fault(f"the motion ends at {end!r} in column {column}, where {asked!r} was asked for")
+                raise UnprovedError(f"the motion ends at {end!r} in column {column}, where {asked!r} was asked for")
             continue
         if not abs(end - start) <= _HALF_TURN:
-            raise Fault(f"the motion turns column {column} by more than half a turn: not the short way")
+            raise UnprovedError(f"the motion turns column {column} by more than half a turn: not the short way")
         turns = round((asked - end) / (2 * math.pi))
         off = arb(asked) - end - 2 * arb.pi() * turns
         if not abs(off) <= 2.0**-51 * (abs(asked) + abs(end)):
-            raise Fault(f"the motion ends at {end!r} in column {column}, no whole turns from {asked!r} asked for")
+            raise UnprovedError(
+                f"the motion ends at {end!r} in column {column}, no whole turns from {asked!r} asked for"
+            )
 
 
 def _check_piece(piece: Piece, what: str) -> None:
@@ -207,4 +211,4 @@ def _check_piece(piece: Piece, what: str) -> None:
     numbers = piece.start, piece.end, *piece.origin, *piece.way, piece.heading, piece.turn, *piece.arm, piece.slip
     check_numbers(numbers, what)
     if piece.slip < 0:
-        raise Fault(f"{what} has a negative slip")
+        raise UnprovedError(f"{what} has a negative slip")
