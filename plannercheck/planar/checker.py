@@ -7,7 +7,6 @@ core (cpp/planar_checker).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -265,13 +264,17 @@ class Checker:
         """
         free = self.check_motions(q0, q1, None, tolerance, threads, curve=curve, turning_radius=turning_radius)
         rows = zip(*self._motion_ends(q0, q1, curve), free.tolist(), strict=True)
-        return tuple(self._proof(ends, tolerance, curve, turning_radius) if passed else None for *ends, passed in rows)
+        return tuple(
+            self._proof((start, end, given), tolerance, curve, turning_radius) if passed else None
+            for start, end, given, passed in rows
+        )
 
     def _proof(
-        self, ends: Sequence[Floats], tolerance: float, curve: Curve, turning_radius: float | None
+        self, ends: tuple[Floats, Floats, Floats], tolerance: float, curve: Curve, turning_radius: float | None
     ) -> Proof | None:
-        pieces = self._pieces(ends[0], ends[1], curve, turning_radius)
-        return self._prover.proof(*ends, tolerance, pieces, curve, turning_radius)
+        start, end, given = ends
+        pieces = self._pieces(start, end, curve, turning_radius)
+        return self._prover.proof(start, end, given, tolerance, pieces, curve, turning_radius)
 
     @cached_property
     def _prover(self) -> PlanarBuilder:

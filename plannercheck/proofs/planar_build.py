@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Ints = NDArray[np.int64]
 
 # What computed states and poses of two bodies may be off by, a part of L links, A = 1 + all angles and the size of what
 # is posed: twice what `planar_well_formed.py` asks for, and an eighth of what the certifier leaves (cpp/planar_motion).
@@ -83,8 +84,8 @@ class PlanarBuilder:
         passage = certifier.passage(start, end, tolerance, True, pieces, asked_end)
         if not passage.free:
             return None
-        ends = (tuple(q.tolist()) for q in (start, end, asked_end))
-        motion = PlanarMotion(*ends, curve, float(turning_radius or 0.0), _pieces(pieces))
+        q0, q1, asked = (tuple(q.tolist()) for q in (start, end, asked_end))
+        motion = PlanarMotion(q0, q1, asked, curve, float(turning_radius or 0.0), _pieces(pieces))
         parameters = np.unique([t for line in passage.proofs for t in (line.start, line.end)])
         states = certifier.states(start, end, parameters, pieces)
         margin = self._margin(motion)
@@ -111,7 +112,7 @@ class PlanarBuilder:
         centres = np.einsum("tbij,bj->tbi", poses[..., :2, :2], self._centres) + poses[..., :2, 2]
         links = self._checker.robot.link_poses(states)
         at = np.searchsorted(parameters, [(line.start, line.end) for line in lines]).reshape(-1, 2)
-        a, b = self._checker.pairs[[line.pair for line in lines]].T
+        a, b = self._checker.pairs[[line.pair for line in lines]].T.astype(np.int64)
         frames = np.array([line.frame for line in lines], dtype=np.int64)
         seen = [self._seen(centres, links, rows, a, b, frames) for rows in at.T]
         bulges = np.array([line.bulge for line in lines])
@@ -119,7 +120,7 @@ class PlanarBuilder:
         slip = float(pieces[:, 10].max(initial=0.0))
         return np.asarray(_to_origin(*seen) > radii * (1 + _CLEAR) + _BULGES * bulges + 4 * (margin + slip))
 
-    def _seen(self, centres: Floats, links: Floats, rows: Floats, a: Floats, b: Floats, frames: Floats) -> Floats:
+    def _seen(self, centres: Floats, links: Floats, rows: Ints, a: Ints, b: Ints, frames: Ints) -> Floats:
         """(n, 2) from b's centre to a's, seen from a frame."""
         way = centres[rows, a] - centres[rows, b]
         turns = links[rows, np.maximum(frames, 0), :2, :2]

@@ -1,8 +1,8 @@
 """Whether the pieces of a curve are what a vehicle of its kind can drive, from the motion's start to its end.
 
-In: a well-formed proof. Out: nothing, or a `UnprovedError`. Pieces tile [0, 1]; each is an arc of the turning radius or a line,
-which the heading touches all along, forwards alone on Dubins curves; neighbours meet up to their slips; the first begins
-at the start and the last leads to the end; and the root goes along them at one speed.
+In: a well-formed proof. Out: nothing, or an `UnprovedError`. Pieces tile [0, 1]; each is an arc of the turning radius,
+or a line, which the heading touches all along, forwards alone on Dubins curves; neighbours meet up to their slips; the
+first begins at the start and the last leads to the end; and the root goes along them at one speed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _SPEED_ROUNDING = 1e-9
 
 
 def check_motion(proof: Proof) -> None:
-    """Raises a `UnprovedError` unless the motion is one of its kind."""
+    """Raises an `UnprovedError` unless the motion is one of its kind."""
     model, motion = proof.model, proof.motion
     assert isinstance(model, PlanarModel)
     assert isinstance(motion, PlanarMotion)
@@ -62,7 +62,7 @@ def _check_parameters(pieces: tuple[Piece, ...]) -> None:
 
 
 def _check_drivable(piece: Piece, motion: PlanarMotion, margin: float, what: str) -> None:
-    """Seen from the heading, the root's speed is `way` turned back on a line and i turn arm on an arc: along x alone."""
+    """Seen from the heading, the root's speed is `way` turned back on a line, i turn arm on an arc: along x."""
     loose = piece.slip + margin
     if piece.turn != 0 or any(piece.arm):
         off = abs(abs(piece.arm[1]) - motion.turning_radius)
@@ -83,15 +83,16 @@ def _check_drivable(piece: Piece, motion: PlanarMotion, margin: float, what: str
 def _check_joins(model: PlanarModel, motion: PlanarMotion, margin: float) -> None:
     lever, paths, last = _lever(model), Paths(model, motion), len(motion.pieces) - 1
     ends = [paths.ends(k) for k in range(len(motion.pieces))]
+    loose = margin / 2  # the other half is for computed poses
     slips = [piece.slip for piece in motion.pieces]
     for k, (before, after) in enumerate(pairwise(ends)):
-        if not _moved(before[1], after[0], lever) <= slips[k] + slips[k + 1] + margin:
+        if not _moved(before[1], after[0], lever) <= slips[k] + slips[k + 1] + loose:
             raise UnprovedError(f"pieces {k} and {k + 1} do not meet up to their slips")
     given = paths.given_ends()
-    if not _moved(ends[0][0], given[0], lever) <= slips[0] + margin:
+    if not _moved(ends[0][0], given[0], lever) <= slips[0] + loose:
         raise UnprovedError("piece 0 does not begin at the motion's start")
     jump = _END_JUMP * (motion.turning_radius + lever)
-    if not _moved(ends[last][1], given[1], lever) <= slips[last] + margin + jump:
+    if not _moved(ends[last][1], given[1], lever) <= slips[last] + loose + jump:
         raise UnprovedError(f"piece {last} does not lead to the motion's end")
 
 

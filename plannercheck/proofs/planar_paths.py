@@ -1,7 +1,7 @@
 """Where the links of a planar robot are on a motion, in ball arithmetic.
 
-In: a well-formed model and motion. Out: `Paths`: for a span of the parameter that lies on one piece, the places of links
-at both ends, and bounds of what points of a body leave their chords by.
+In: a well-formed model and motion. Out: `Paths`: for a span of the parameter that lies on one piece, the places of
+links at both ends, and bounds of what points of a body leave their chords by.
 
 A place is a pair of complex balls: the unit number of the link's turn, and its origin. Seen from a link, or from the
 world, a point of a body is o + e^(i f1) u1 + e^(i f2) u2 + … with complex constants u, one a link on its way, angles f
@@ -112,7 +112,8 @@ class Paths:
         return self._known[piece, t]
 
     def _computed(self, piece: int, t: float) -> list[Place]:
-        angles, places = [], []
+        angles: list[Any] = []
+        places: list[Place] = []
         for index, link in enumerate(self._links):
             if link.parent == WORLD:
                 angle, origin = arb(link.angle), self._anchors[index]

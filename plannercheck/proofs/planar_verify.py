@@ -1,13 +1,13 @@
 """The verifier of motions in the plane: confirms every entry of a proof in ball arithmetic, trusting nothing in it.
 
-In: a `Proof` whose kind is "plane". Out: a `Verification`. It has no function in common with what makes proofs: it poses
-links by the proof's own table (`planar_paths.py`) with python-flint.
+In: a `Proof` whose kind is "plane". Out: a `Verification`. It has no function in common with what makes proofs: it
+poses links by the proof's own table (`planar_paths.py`) with python-flint.
 
 One entry, by a line. Let d be the direction, fixed in the frame of the last link that carries both bodies. On a part of
-the interval the height d . x of every point x of a body, seen from that frame, is at least the chord between its heights
-at both ends less |d| times the body's `deviation`. So the first body's lowest vertex stays above the second's highest
-one by what it does at the worse end, less |d| times both deviations. If that is more than |d| times the margin and the
-piece's slip, the bodies are apart all over. Else the part is cut in halves, some times over.
+the interval the height d . x of every point x of a body, seen from that frame, is at least the chord between its
+heights at both ends less |d| times the body's `deviation`. So the first body's lowest vertex stays above the second's
+highest one by what it does at the worse end, less |d| times both deviations. If that is more than |d| times the margin
+and the piece's slip, the bodies are apart all over. Else the part is cut in halves, some times over.
 
 By circles ("balls"): the same with both centres in place of the vertices and the radii added to the margin, along a
 direction that the verifier chooses, from one centre to the other where they are closest on their chord.
@@ -146,7 +146,7 @@ class Verifier:
     def _line_excess(self, direction: tuple[float, ...], a: int, b: int, frame: int, span: Any) -> float:
         """At most the gap along a direction on a span less what it has to exceed, m; proved if it is above 0."""
         d = self._acb(*direction)
-        needed = self._margin + self._paths.slip(span)
+        needed: float = self._margin + self._paths.slip(span)
         for body in (a, b):
             needed += self._deviation(span, frame, body, self._extents[body])
         gaps = [self._gap(d, a, b, frame, span.piece, t) for t in {span.start, span.end}]
@@ -192,7 +192,7 @@ class Verifier:
 
     def _circles_excess(self, a: int, b: int, frame: int, span: Any) -> float:
         """At most the gap between two circles on a span less what it has to exceed, m; proved if it is above 0."""
-        needed = self._margin + self._paths.slip(span) + self._bodies[a].reach + self._bodies[b].reach
+        needed: float = self._margin + self._paths.slip(span) + self._bodies[a].reach + self._bodies[b].reach
         for body in (a, b):
             needed += self._deviation(span, frame, body, self._centre_extents[body])
         ends = [self._between(a, b, frame, span.piece, t) for t in (span.start, span.end)]

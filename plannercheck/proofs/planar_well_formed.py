@@ -1,7 +1,7 @@
 """Whether a proof in the plane is well-formed: indices, finite numbers, rigid poses, circles, hashes, ends, margin.
 
-In: a proof of any content whose classes are those of `planar_proof.py`. Out: nothing, or a `UnprovedError`. After this the
-verifier may index and compute.
+In: a proof of any content whose classes are those of `planar_proof.py`. Out: nothing, or an `UnprovedError`. After this
+the verifier may index and compute.
 """
 
 from __future__ import annotations
@@ -33,12 +33,13 @@ _HALF_TURN = math.pi + 1e-6
 
 # With u = 2^-53, L links, A = 1 + all angles' sizes and S the size of what is posed: an angle of the chain is a sum of
 # L + 1 numbers, each interpolated with an error of 3 u, and errs by (L + 4) u A; sine and cosine add 4 u; so a turned
-# length errs by that much of S, once a link; sums of positions add 3 u S a link. Two bodies: less than 2 * 16 u L A S.
+# length errs by that much of its part of S; sums of positions add 3 u S a link. Two bodies: less than 2 * 16 u L A S.
+# As much again is for the start of a curve, whose heading loses its whole turns.
 _ROUNDING = 2.0**-47
 
 
 def check_well_formed(proof: Proof) -> None:
-    """Raises a `UnprovedError` for what no proof may have; curves and entries are looked at elsewhere."""
+    """Raises an `UnprovedError` for what no proof may have; curves and entries are looked at elsewhere."""
     model, motion = proof.model, proof.motion
     if proof.kind != "plane" or not isinstance(model, PlanarModel) or not isinstance(motion, PlanarMotion):
         raise UnprovedError("the proof is not of a motion in the plane")
@@ -80,7 +81,7 @@ def least_margin(model: PlanarModel, motion: PlanarMotion) -> float:
 
 
 def check_tiling(proof: Proof) -> None:
-    """Raises a `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
+    """Raises an `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
 
     On curves the end counts by itself: each pair has an entry from 1 to 1 after the others.
     """
@@ -97,8 +98,8 @@ def check_tiling(proof: Proof) -> None:
             ended.add(entry.pair)
         elif not entry.start < entry.end or so_far != entry.start:
             raise UnprovedError(
-                f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so far, "
-                f"at {so_far!r}"
+                f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so "
+                f"far, at {so_far!r}"
             )
         reached[entry.pair] = entry.end
         _check_entry(entry, k)
@@ -117,7 +118,7 @@ def _check_entry(entry: Any, k: int) -> None:
 
 
 def check_numbers(values: Iterable[Any], what: str) -> None:
-    """Raises a `UnprovedError` for a number that is not finite or is too large."""
+    """Raises an `UnprovedError` for a number that is not finite or is too large."""
     for value in values:
         if not isinstance(value, float) or not abs(value) <= LARGEST_NUMBER:
             raise UnprovedError(
