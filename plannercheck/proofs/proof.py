@@ -227,19 +227,23 @@ class Proof:
     margin: float
     entries: tuple[Entry, ...]
 
-    def verify(self) -> Verification:
+    def verify(self, robot: str | None = None, scene: str | None = None) -> Verification:
         """Confirms the claim in ball arithmetic, without the compiled core and without what made the proof.
+
+        Args:
+            robot: If given, the model has to be that of this robot: a shipped one's name, a YAML or a URDF file.
+            scene: With `robot`: a shipped scene's name, or a file; None for the empty one.
 
         Returns:
             The verification; a proof whose numbers are malformed in whatever way is not proved.
 
         Raises:
-            PlannercheckError: If python-flint is not installed.
+            PlannercheckError: If python-flint is not installed, or the robot's or scene's files can't be read.
         """
-        module: Any = importlib.import_module(
-            "plannercheck.proofs.verify" if self.kind == "space" else "plannercheck.proofs.planar_verify"
-        )
-        found: Verification = module.verified(self)
+        found: Verification = _verifier(self.kind).verified(self)
+        if found and robot is not None:
+            model = confirmed(self, robot, scene)
+            return Verification(model.proved, model.fault, found.entries, found.seconds + model.seconds)
         return found
 
     def save(self, path: str | Path) -> None:
@@ -271,3 +275,14 @@ class Proof:
         from plannercheck.proofs.files import load_one
 
         return load_one(path)
+
+
+def confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
+    """Whether a proof's model is that of a robot in a scene, by their files (`confirm.py`); no entry is looked at."""
+    found: Verification = _verifier(proof.kind).model_confirmed(proof, robot, scene)
+    return found
+
+
+def _verifier(kind: str) -> Any:
+    """The module that verifies a kind of proof."""
+    return importlib.import_module(f"plannercheck.proofs.{'verify' if kind == 'space' else 'planar_verify'}")

@@ -11,7 +11,7 @@ import time
 
 from plannercheck.extras import extra_module
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.proof import Proof, Verification
+from plannercheck.proofs.proof import Model, Proof, Verification
 
 # Of ball arithmetic: one machine word, 11 bits more than a double.
 _BITS = 64
@@ -50,3 +50,30 @@ def verified(proof: Proof) -> Verification:
     finally:
         flint.ctx.prec = bits
     return Verification(fault is None, fault, confirmed, time.perf_counter() - began)
+
+
+def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
+    """Whether a proof's model is that of files.
+
+    Args:
+        proof: In space.
+        robot: A shipped robot's name, a YAML or a URDF file.
+        scene: A shipped scene's name or a file; None for the empty one.
+
+    Returns:
+        Whether it is, or the first difference.
+
+    Raises:
+        PlannercheckError: If a file can't be read.
+    """
+    from plannercheck.proofs.confirm import confirm_model  # needs all of the package
+    from plannercheck.proofs.well_formed import check_well_formed
+
+    began, fault = time.perf_counter(), None
+    try:
+        check_well_formed(proof)
+        assert isinstance(proof.model, Model)
+        confirm_model(proof.model, robot, scene)
+    except UnprovedError as found:
+        fault = str(found)
+    return Verification(fault is None, fault, 0, time.perf_counter() - began)
