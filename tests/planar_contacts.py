@@ -79,6 +79,19 @@ def small_body(at, generator):
     return [[p.real, p.imag] for p in points]
 
 
+def grazing_wedge(here, before, after, generator):
+    """A wedge beside a vertex's way, on the side to which that bulges; it just holds the place between the others."""
+    bend, way = before + after - 2 * here, after - before
+    across = way / abs(way) * 1j
+    across = -across if (bend * across.conjugate()).real > 0 else across
+    thin = 10.0 ** generator.uniform(-4, -1)
+    depth = thin * 10.0 ** generator.uniform(-5, -1)
+    along = way / abs(way) * 10.0 ** generator.uniform(-4, 0)
+    side = here - across * depth
+    points = [side, side + along + across * thin, side - along + across * thin]
+    return [[p.real, p.imag] for p in points]
+
+
 def contact_with_obstacle(generator, size, offset, turns):
     """The robot's vertex touches an obstacle at t."""
     links = some_tree(generator, size, offset)
@@ -95,19 +108,10 @@ def contact_with_obstacle(generator, size, offset, turns):
         posed_vertex(links, link.name, vertex, (1 - s) * q0 + s * q1) for s in (t, t - 1e-5, t + 1e-5)
     )
     scene = P.Scene()
-    bend, way = before + after - 2 * here, after - before
-    if abs(way) < 1e-12 or generator.random() < 0.5:
+    if abs(after - before) < 1e-12 or generator.random() < 0.5:
         scene.add_polygon("post", small_body(here, generator))
     else:
-        # Grazed: beside the way, on the side to which the vertex's path bulges.
-        across = way / abs(way) * 1j
-        across = -across if (bend * across.conjugate()).real > 0 else across
-        thin = 10.0 ** generator.uniform(-4, -1)
-        depth = thin * 10.0 ** generator.uniform(-5, -1)
-        along = way / abs(way) * 10.0 ** generator.uniform(-4, 0)
-        side = here - across * depth
-        points = [side, side + along + across * thin, side - along + across * thin]
-        scene.add_polygon("post", [[p.real, p.imag] for p in points])
+        scene.add_polygon("post", grazing_wedge(here, before, after, generator))
     return Contact(robot, scene, q0, q1, t)
 
 

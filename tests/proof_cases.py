@@ -31,7 +31,9 @@ def random_tree(generator, folder, links=6, kinds=KINDS, mimics=True):
         tag = ""
         if mimics and leaders and kind in ("revolute", "prismatic") and generator.random() < 0.4:
             leader = leaders[generator.integers(len(leaders))]
-            tag = f"<mimic joint='{leader}' multiplier='{generator.uniform(-2, 2)}' offset='{generator.uniform(-1, 1)}'/>"
+            tag = (
+                f"<mimic joint='{leader}' multiplier='{generator.uniform(-2, 2)}' offset='{generator.uniform(-1, 1)}'/>"
+            )
         elif kind in ("revolute", "prismatic"):
             leaders.append(f"j{k}")
         parent = int(generator.integers(max(0, k - 2), k))

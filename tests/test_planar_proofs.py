@@ -16,7 +16,7 @@ import plannercheck as pc
 from plannercheck.certified_motions import Passage
 from plannercheck.certified_motions import Proof as Line
 from plannercheck.planar.curves import Curves
-from plannercheck.proofs import Proof, load_proofs, save_proofs
+from plannercheck.proofs import Entry, Proof, load_proofs, save_proofs
 from plannercheck.proofs.planar_paths import Paths
 from plannercheck.proofs.planar_well_formed import hashes_of, least_margin
 
@@ -457,6 +457,40 @@ def test_a_certifier_with_long_directions_is_found_out(monkeypatch):
     found = proof.verify()
     assert not found
     assert "post" in found.fault
+
+
+def test_circles_count_all_the_way():
+    """Far apart at both ends of a turn, and in the middle of it."""
+    scene = P.Scene()
+    scene.add_polygon("post", [[10.0, 0.0]])
+    scene.add_polygon("other", [[-30.0, 0.0]])
+    checker = P.Checker(P.Robot([[9.9, -0.1], [10.1, -0.1], [10.1, 0.1], [9.9, 0.1]]), scene)
+    (proof,) = checker.certify_motions([[0, 0, 0.5]], [[0, 0, 1.5]])
+    balls = tuple(Entry(pair, 0.0, 1.0, "balls") for pair in range(2))
+    assert replace(proof, entries=balls).verify()
+    for ends in ([0, 0, -1.0], [0, 0, 1.5]), ([0, 0, -1.4], [0, 0, 1.4]), ([0, 0, -0.5], [0, 0, 0.1]):
+        q0, q1 = (tuple(map(float, q)) for q in ends)
+        found = replace(proof, motion=replace(proof.motion, start=q0, end=q1, asked_end=q1), entries=balls).verify()
+        assert "post" in found.fault
+
+
+def test_pieces_are_gone_through_at_one_speed():
+    """Another share of the parameter for a piece: the hinges would be elsewhere."""
+    checker, seen = shipped("truck_trailer", "parking"), 0
+    for _, _, proof in free_motions(checker, 15, 11, 0.4, curve="reeds_shepp", turning_radius=6.0):
+        pieces = proof.motion.pieces
+        for k in range(len(pieces) - 1):
+            middle = pieces[k].end + 0.3 * (pieces[k + 1].end - pieces[k].end)
+            moved = (
+                *pieces[:k],
+                replace(pieces[k], end=middle),
+                replace(pieces[k + 1], start=middle),
+                *pieces[k + 2 :],
+            )
+            found = replace(proof, motion=replace(proof.motion, pieces=moved)).verify()
+            assert (pieces[k + 1].end - pieces[k].end < 1e-4) or "speed" in found.fault
+            seen += 1
+    assert seen > 10
 
 
 def test_a_curve_without_its_joints_way_is_found_out(monkeypatch):
