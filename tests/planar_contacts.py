@@ -79,6 +79,17 @@ def small_body(at, generator):
     return [[p.real, p.imag] for p in points]
 
 
+def long_bar(at, generator):
+    """A bar along an axis, a side or an end of which holds a complex point."""
+    length, width = 10.0 ** generator.uniform(-1, 1), 10.0 ** generator.uniform(-4, -1)
+    low, high = generator.uniform(0, length), width * float(generator.choice([0, 0, 1]))
+    x, y = (-low, length - low), (-high, width - high)
+    corners = [complex(x[0], y[0]), complex(x[1], y[0]), complex(x[1], y[1]), complex(x[0], y[1])]
+    if generator.random() < 0.5:
+        corners = [z.imag + 1j * z.real for z in corners]
+    return [[(at + z).real, (at + z).imag] for z in corners]
+
+
 def grazing_wedge(here, before, after, generator):
     """A wedge beside a vertex's way, on the side to which that bulges; it just holds the place between the others."""
     bend, way = before + after - 2 * here, after - before
@@ -108,7 +119,10 @@ def contact_with_obstacle(generator, size, offset, turns):
         posed_vertex(links, link.name, vertex, (1 - s) * q0 + s * q1) for s in (t, t - 1e-5, t + 1e-5)
     )
     scene = P.Scene()
-    if abs(after - before) < 1e-12 or generator.random() < 0.5:
+    kind = generator.random()
+    if kind < 0.3:
+        scene.add_polygon("post", long_bar(here, generator))
+    elif abs(after - before) < 1e-12 or kind < 0.6:
         scene.add_polygon("post", small_body(here, generator))
     else:
         scene.add_polygon("post", grazing_wedge(here, before, after, generator))

@@ -18,6 +18,7 @@ from plannercheck.certified_motions import Proof as Line
 from plannercheck.planar.curves import Curves
 from plannercheck.proofs import Entry, Proof, load_proofs, save_proofs
 from plannercheck.proofs.planar_paths import Paths
+from plannercheck.proofs.planar_proof import Piece, PlanarMotion
 from plannercheck.proofs.planar_well_formed import hashes_of, least_margin
 
 P = pc.planar
@@ -154,8 +155,6 @@ def test_the_verifiers_poses_are_those_of_verdicts():
         q0, q1 = generator.uniform(-scale, scale, (2, robot.nq))
         (start,), (end,), (given,) = checker._motion_ends(q0[None], q1[None])
         builder = checker._prover
-        from plannercheck.proofs.planar_proof import PlanarMotion
-
         motion = PlanarMotion(*(tuple(q.tolist()) for q in (start, end, given)))
         paths, margin = Paths(builder._model, motion), least_margin(builder._model, motion)
         for t in (0.0, 0.3, 0.8125, 1.0):
@@ -472,6 +471,72 @@ def test_circles_count_all_the_way():
         q0, q1 = (tuple(map(float, q)) for q in ends)
         found = replace(proof, motion=replace(proof.motion, start=q0, end=q1, asked_end=q1), entries=balls).verify()
         assert "post" in found.fault
+
+
+def test_a_curves_end_counts_by_itself():
+    checker = shipped("truck_trailer", "parking")
+    for _, _, proof in free_motions(checker, 3, 12, 0.4, curve="dubins", turning_radius=6.0):
+        for pair in (0, len(proof.model.pairs) - 1):
+            entries = tuple(e for e in proof.entries if (e.pair, e.start) != (pair, 1.0))
+            assert len(entries) == len(proof.entries) - 1
+            assert "not to the end" in replace(proof, entries=entries).verify().fault
+
+
+def test_pieces_that_do_not_meet_are_found_out():
+    checker, seen = shipped("forklift", "parking"), 0
+    for _, _, proof in free_motions(checker, 20, 13, 0.4, curve="reeds_shepp", turning_radius=1.5):
+        pieces = proof.motion.pieces
+        for k in range(1, len(pieces) - 1):
+            shifted = replace(pieces[k], origin=(pieces[k].origin[0] + 1e-6, pieces[k].origin[1]))
+            found = replace(proof, motion=replace(proof.motion, pieces=changed(pieces, k, shifted))).verify()
+            assert pieces[k].slip > 1e-7 or "do not meet" in found.fault
+            seen += 1
+    assert seen > 10
+
+
+def test_deviations_hold_by_sampling():
+    """Points of random trees leave their chords by no more than said, on lines and arcs, seen from any link."""
+    generator, tight = np.random.default_rng(14), 0
+    flint.ctx.prec = 192
+    for _ in range(60):
+        links = some_tree(generator, 0.2, 10.0 ** generator.uniform(-2, 1))
+        robot = P.Robot(links)
+        if robot.nq == 0:
+            continue
+        model = P.Checker(robot, P.Scene())._prover._model
+        q0 = generator.uniform(-1, 1, robot.nq)
+        q1 = q0 + generator.normal(size=robot.nq) * 10.0 ** generator.uniform(-2, -0.5)
+        pieces, radius = (), 0.0
+        if robot.is_free and generator.random() < 0.6:
+            radius = 10.0 ** generator.uniform(-1, 1)
+            turn = float(generator.normal() * 0.3)
+            pieces = (Piece(0.0, 1.0, (0.1, 0.2), (0.0, 0.0), float(q0[2]), turn, (0.0, radius), 0.0),)
+        ends = tuple(q0.tolist()), tuple(q1.tolist())
+        motion = PlanarMotion(*ends, ends[1], "dubins" if pieces else "straight", radius, pieces)
+        paths, (low, high) = Paths(model, motion), np.sort(generator.uniform(0, 1, 2)).tolist()
+        (span,) = paths.spans(low, high)
+        for body in model.bodies:
+            extent = float(np.hypot(*body.vertices.T).max())
+            frame = body.link
+            while frame >= 0:
+                frame = model.links[frame].parent
+                seen = []
+                for t in np.linspace(low, high, 9):
+                    q = (1 - t) * q0 + t * q1
+                    if pieces:
+                        q[2] = q0[2] + t * turn
+                        root = complex(0.1, 0.2) + cmath.exp(1j * q[2]) * radius * 1j
+                        q[:2] = root.real, root.imag
+                    frames = list(link_frames(links, q).values())
+                    world = frames[body.link][1] + frames[body.link][0] * (body.vertices @ [1, 1j])
+                    seen.append(world if frame < 0 else (world - frames[frame][1]) / frames[frame][0])
+                seen = np.array(seen)
+                parts = np.linspace(0, 1, 9)[:, None]
+                off = np.abs(seen - (1 - parts) * seen[0] - parts * seen[-1]).max()
+                said = paths.deviation(span, frame, body.link, extent)
+                assert off <= said + 1e-12
+                tight += off > 0.5 * said > 1e-9
+    assert tight > 40
 
 
 def test_pieces_are_gone_through_at_one_speed():
