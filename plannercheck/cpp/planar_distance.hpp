@@ -21,17 +21,15 @@ struct PlanarVector {
 // room for.
 class PlanarDirection {
  public:
-  // Along x where the vector has no direction: 0 or not finite.
+  // Along x where doubles hold no length of the vector: it is 0, not finite, or beyond any scene.
   static PlanarDirection along(PlanarVector v) {
     const double square = v.x * v.x + v.y * v.y;
-    if (square >= kLeastSquare && square <= kLargestSquare) return divided(v, std::sqrt(square));
-    const double size = std::fabs(v.x) > std::fabs(v.y) ? std::fabs(v.x) : std::fabs(v.y);
-    if (!(size > 0 && size < HUGE_VAL)) return {};
-    // Scaled by a power of two, exactly, until the larger number is between 1/2 and 1.
-    int exponent = 0;
-    std::frexp(size, &exponent);
-    const PlanarVector scaled{std::ldexp(v.x, -exponent), std::ldexp(v.y, -exponent)};
-    return divided(scaled, std::sqrt(scaled.x * scaled.x + scaled.y * scaled.y));
+    PlanarDirection made;
+    if (square >= kLeastSquare && square <= kLargestSquare) {
+      const double length = std::sqrt(square);
+      made.unit_ = {v.x / length, v.y / length};
+    }
+    return made;
   }
 
   PlanarVector vector() const { return unit_; }
@@ -41,12 +39,6 @@ class PlanarDirection {
   static constexpr double kLeastSquare = 1e-250, kLargestSquare = 1e250;
 
   PlanarVector unit_{1, 0};
-
-  static PlanarDirection divided(PlanarVector v, double length) {
-    PlanarDirection made;
-    made.unit_ = {v.x / length, v.y / length};
-    return made;
-  }
 };
 
 struct PlanarHull {

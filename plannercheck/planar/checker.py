@@ -17,6 +17,7 @@ from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.motion_verdicts import explained_motion
+from plannercheck.planar.body_tables import core_arguments, pair_table
 from plannercheck.planar.certificates import certify
 from plannercheck.planar.certified_motions import STRAIGHT, MotionCertifier
 from plannercheck.planar.curves import Curve, Curves, check_curve
@@ -33,12 +34,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
-
-# Room for rounding in circles and boxes, as a part of the coordinates' size: they round by less than 1e-14 of it.
-_ROOM = 1e-12
-
-# And this much in any case, m: the squares of lengths that are not far above 1e-162 have too few bits to be compared.
-_LEAST_ROOM = 1e-150
 
 # With L links and A = 1 + the sum of all angles' sizes, an angle is a sum that errs by L A u at most, sine and cosine
 # by 4u more, which moves what they turn by as much of the reach; the at most L + 1 sums of a position add 3u each of
@@ -87,17 +82,9 @@ class Checker:
         self.robot = robot if self.scene.bounds is None else robot.within(*self.scene.bounds)
         self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
-        self.pairs = _pair_table(robot, len(self.bodies), self_collision)
+        self.pairs = pair_table(robot, len(self.bodies), self_collision)
         self.motion_sampler = MotionSampler(self.robot)
-        self._arguments = (
-            *robot.core_links(),
-            [body.vertices for body in self.bodies],
-            np.array([body.link for body in self.bodies], dtype=np.int32),
-            np.array([body.pose for body in self.bodies]).reshape(-1, 3, 3),
-            np.array([_circle(body.vertices) for body in self.bodies]).reshape(-1, 3),
-            np.array([_box(body) for body in self.bodies]).reshape(-1, 4),
-            self.pairs,
-        )
+        self._arguments = core_arguments(robot, self.bodies, self.pairs)
         self._core = core.PlanarChecker(*self._arguments, bounds, getattr(core.Precision, method))
         self._curves: dict[tuple[Curve, float], Curves] = {}
 
@@ -395,40 +382,6 @@ def _checked_threads(threads: int) -> int:
     return threads
 
 
-def _pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:
-    own = robot.self_pairs() if self_collision else []
-    fixed = _fixed_links(robot)
-    others = range(len(robot.bodies), bodies)
-    moving = [k for k, body in enumerate(robot.bodies) if body.link not in fixed]
-    return np.array([*own, *((a, b) for a in moving for b in others)], dtype=np.int32).reshape(-1, 2)
-
-
-def _fixed_links(robot: Robot) -> set[int]:
-    """Links that no joint moves: as in space, they are not tested against the scene."""
-    fixed: set[int] = set()
-    for k, link in enumerate(robot.links):
-        if link.joint == "fixed" and (k == 0 or robot.parent_index(k) in fixed):
-            fixed.add(k)
-    return fixed
-
-
 def _rebuilt(robot: Robot, scene: Scene, self_collision: bool, method: Method, bounds: bool) -> Checker:
     """A checker from a pickle; there is nothing in it that takes long to prepare."""
     return Checker(robot, scene, self_collision, method=method, bounds=bounds)
-
-
-def _circle(vertices: Floats) -> tuple[float, float, float]:
-    """A circle around vertices: centre and radius, with room for its rounding and that of its pose."""
-    x, y = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    radius = float(np.hypot(vertices[:, 0] - x, vertices[:, 1] - y).max())
-    return float(x), float(y), radius + _ROOM * (radius + abs(float(x)) + abs(float(y))) + _LEAST_ROOM
-
-
-def _box(body: Body) -> tuple[float, float, float, float]:
-    """A box in the world around a posed polygon, with room for rounding."""
-    posed = body.vertices @ body.pose[:2, :2].T + body.pose[:2, 2]
-    room = (
-        _ROOM * (float(np.abs(body.vertices).sum(axis=1).max()) + float(np.abs(body.pose[:2, 2]).sum())) + _LEAST_ROOM
-    )
-    (x0, y0), (x1, y1) = posed.min(axis=0) - room, posed.max(axis=0) + room
-    return float(x0), float(y0), float(x1), float(y1)
