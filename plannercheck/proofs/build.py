@@ -154,14 +154,18 @@ class _PairEntries:
     ) -> None:
         self._checker, self._pair, self._resting = checker, pair, resting
         self._planes = sorted(planes, key=lambda plane: plane.start)
+        self._lost = False
 
     def over(self, start: float, end: float, depth: int) -> list[Entry]:
         """What keeps the pair apart from start to end."""
         candidates = self._candidates(start, end)
+        if self._lost:
+            return candidates[-1:]
         for entry in candidates:
             if self._checker.holds(entry, _WITHIN):
                 return [entry]
         if depth >= _DEEPEST:
+            self._lost = True  # the proof will be refused: the rest is not worth the search
             return candidates[-1:]
         middle = (start + end) / 2
         return self.over(start, middle, depth + 1) + self.over(middle, end, depth + 1)

@@ -50,7 +50,8 @@ def confirm_model(model: Model, robot: str, scene: str | None) -> None:
         PlannercheckError: If a file can't be read.
     """
     description = description_of(robot)
-    _TreeComparison(model, read_tree(description.urdf), description.floating, description.joints is None).run()
+    whole = description.joints is None and description.group is None
+    _TreeComparison(model, read_tree(description.urdf), description.floating, whole).run()
     loaded = Robot.load(robot)
     checker = Checker(loaded, Scene("empty") if scene is None else Scene.load(scene))
     _compare_bodies(model, space_model(checker))
