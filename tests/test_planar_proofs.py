@@ -587,6 +587,20 @@ def test_deviations_hold_by_sampling():
     assert tight > 40
 
 
+def test_circles_count_with_both_radii():
+    """Circles that overlap by less than either radius prove nothing."""
+    scene = P.Scene()
+    scene.add_box("post", [0.2, 0.2], P.pose_of([10.0, 0.0]))
+    checker = P.Checker(P.Robot([[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]]), scene)
+    (proof,) = checker.certify_motions([[9.0, 0, 0]], [[9.0, 0, 0.01]])
+    balls = (Entry(0, 0.0, 1.0, "balls"),)
+    radius = proof.model.bodies[0].reach
+    for gap, expected in ((1e-3, True), (-1e-3, False), (-0.9 * radius, False)):
+        q = 10.0 - 2 * radius - gap, 0.0, 0.0
+        found = replace(proof, motion=replace(proof.motion, start=q, end=q, asked_end=q), entries=balls).verify()
+        assert bool(found) == expected, found.fault
+
+
 def test_pieces_are_gone_through_at_one_speed():
     """Another share of the parameter for a piece: the hinges would be elsewhere."""
     checker, seen = shipped("truck_trailer", "parking"), 0

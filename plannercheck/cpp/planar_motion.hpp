@@ -6,7 +6,7 @@
 // The idea is that of motion_certifier.hpp: a piece is cut into intervals; along a direction fixed in a pair's frame
 // the gap of the bodies is at least that at both ends less ε = h²/8 (the sum of both bodies' bounds of |p''|). A
 // direction with a larger gap at both ends is sought cheapest first: boxes around paths, circles on chords against
-// boxes, the direction of last time, a descent on what both bodies sweep. Where there is none, the interval is cut
+// boxes, the direction found last, a descent on what both bodies sweep. Where there is none, the interval is cut
 // further. Without turning, ε is 0, and a whole piece is settled at once. A motion is refused only where a pair is
 // proved to be within `tolerance` at a state on it.
 //
