@@ -253,6 +253,37 @@ def test_hinges_of_many_turns_count_in_full():
             assert not checker.check_motion(start, [far], tolerance=1e4)
 
 
+@pytest.mark.parametrize("far", [0.0, 1.0, 1e3, 1e6])
+def test_states_with_a_contact_are_invalid(far):
+    """A speck of a few last doubles at a body's furthest vertex; single, in a batch, and on a motion."""
+    generator, judged = np.random.default_rng(18), 0
+    for _ in range(250):
+        size = 10.0 ** generator.uniform(-4, 1)
+        footprint = size * (generator.normal(size=2) + np.array([[0, 0], [1, 0.2], [0.3, 0.9]]))
+        robot = P.Robot(footprint)
+        q = generator.uniform(-1, 1, 3) * [far + size, far + size, 3]
+        pose, vertices = robot.link_poses(q)[0], robot.bodies[0].vertices
+        middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+        vertex = vertices[np.argmax(np.hypot(*(vertices - middle).T))]
+        exact = [
+            Fraction(pose[k, 0]) * Fraction(vertex[0])
+            + Fraction(pose[k, 1]) * Fraction(vertex[1])
+            + Fraction(pose[k, 2])
+            for k in range(2)
+        ]
+        low, high = ([np.nextafter(float(value), way) for value in exact] for way in (-np.inf, np.inf))
+        assert all(Fraction(a) <= value <= Fraction(b) for a, value, b in zip(low, exact, high, strict=True))
+        scene = P.Scene()
+        scene.add_polygon("speck", [low, [high[0], low[1]], high, [low[0], high[1]]])
+        checker = P.Checker(robot, scene)
+        assert not checker.is_valid(q)
+        batch = np.vstack([[*q, 50 * size, 0, 0], *[q] * 9, q])
+        assert checker.check_states(batch).tolist() == [True, *[False] * 10]
+        assert not checker.check_motion(q, q + np.array([size, size, 0.1]), tolerance=max(1e-4, 1e-9 * far))
+        judged += 1
+    assert judged == 250
+
+
 def test_tiny_bodies_that_touch_are_never_apart():
     """Squares of lengths about 1e-162 m are a few of the least doubles."""
     for scale in (1e-140, 1e-155, 1e-161, 1.5e-162, 1.6e-162, 1.8e-162, 5e-163, 1e-200, 1e-310):
