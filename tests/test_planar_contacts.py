@@ -277,7 +277,7 @@ def test_states_with_a_contact_are_invalid(far):
         scene.add_polygon("speck", [low, [high[0], low[1]], high, [low[0], high[1]]])
         checker = P.Checker(robot, scene)
         assert not checker.is_valid(q)
-        batch = np.vstack([[*q, 50 * size, 0, 0], *[q] * 9, q])
+        batch = np.vstack([q + np.array([50 * size, 0, 0]), *[q] * 9, q])
         assert checker.check_states(batch).tolist() == [True, *[False] * 10]
         assert not checker.check_motion(q, q + np.array([size, size, 0.1]), tolerance=max(1e-4, 1e-9 * far))
         judged += 1
