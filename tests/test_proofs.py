@@ -11,19 +11,21 @@ import warnings
 from dataclasses import replace
 from itertools import pairwise
 
+import mpmath
 import numpy as np
 import pinocchio as pin
 import proof_oracle
 import pytest
-from flint import arb
+from flint import arb, arb_mat
 from proof_cases import free_motions, random_tree, scattered, whole_robot
 
 import plannercheck as pc
 from plannercheck.certified_motions import Passage
 from plannercheck.certified_motions import Proof as Plane
-from plannercheck.proofs import Entry, Joint, Link, Model, Motion, PosedBody, Proof
+from plannercheck.proofs import Entry, Joint, Link, Model, Motion, PosedBody, Proof, entries, joint_motions
 from plannercheck.proofs.build import Builder
 from plannercheck.proofs.chains import Chains
+from plannercheck.proofs.proof import JOINT_VALUES
 from plannercheck.proofs.well_formed import hashes_of
 
 # Proofs of which one number is changed; 1,000 take some 10 minutes.
@@ -393,6 +395,136 @@ def test_placements_off_rigid_cost_what_they_may_be_off():
         assert bool(claim([joint], bodies, (0.0,), (1e-9,), [plane((0, 1, 0), 0)]).verify()) == holds
 
 
+def test_lengths_in_frames_off_rigid_are_stretched():
+    # Both bodies hang on a joint whose placement shrinks them by 2e-7: in the joint's frame they are 0.1 mm further
+    # apart than their radii, in the world 0.1 mm nearer.
+    small = tuple(x * (1 - 2e-7) if k % 4 < 3 else x for k, x in enumerate(STILL))
+    for placement, holds in ((STILL, True), (small, False)):
+        bodies = [point("a", 0, at(y=1000.0001), radius=500.0), point("b", 0, radius=500.0)]
+        joint = replace(turn(), placement=placement)
+        assert bool(claim([joint], bodies, (0.0,), (1e-3,), [plane((0, 1, 0), 0)]).verify()) == holds
+
+
+def test_axes_off_unit_length_cost_what_they_may_be_off():
+    # Half a turn about an axis that is too long by 5e-7 stretches along it by 2e-6: at 1 km the tip is in the wall.
+    for length, holds in ((1.0, True), (1 + 5e-7, False)):
+        bodies = [point("wall", -1, at(z=1000.0)), point("tip", 0, at(z=999.999))]
+        joint = turn(axis=(0.0, 0.0, length))
+        assert bool(claim([joint], bodies, (3.0,), (3.1,), [plane((0, 0, 1), 0)]).verify()) == holds
+
+
+def test_the_defect_of_a_tree_holds_for_every_chain():
+    off = tuple(x * (1 + 2e-7) if k % 4 < 3 else x for k, x in enumerate(STILL))
+    joints, links = [turn(), replace(turn(0, column=1), placement=off)], (Link("l", 1, off), Link("w", -1, off))
+    proof = claim(joints, [point("a", -1), point("b", 0)], (0.0, 0.0), (0.1, 0.1), [], links=links)
+    chains = Chains(proof.model, proof.motion)
+    turned = proof_oracle.link_poses(proof.model, (0.3, 0.4))[0][:3, :3]
+    assert chains.defect >= np.linalg.norm(turned.T @ turned - np.eye(3), 2)
+
+
+def test_both_halves_of_an_interval_are_looked_at():
+    # The swing is nearest to the wall at a quarter, or at three quarters, of its way, where it goes through.
+    for start, end in ((-0.9, 0.3), (-0.3, 0.9)):
+        bodies = [point("wall", -1, at(y=1 - 1e-6)), point("tip", 0, at(y=1.0))]
+        assert not claim([turn()], bodies, (start,), (end,), [plane()]).verify()
+        slide = turn(axis=(1.0, 0.0, 0.0), kind="slide")
+        bodies = [point("post", -1, at(y=0.1), radius=0.06), point("ball", 0, radius=0.05)]
+        balls = [Entry(0, 0.0, 1.0, "balls")]
+        assert not claim([slide], bodies, (10 * start,), (10 * end,), balls).verify()
+
+
+def test_what_is_no_number_is_not_straight():
+    assert np.isnan(entries._positive(float("nan")))
+    assert entries._positive(-1.0) == 0.0
+    assert entries._positive(2.0) == 2.0
+
+
+def test_the_width_of_an_enclosure_counts():
+    points = np.array([[1.0, 2.0, 3.0], [-1.0, 0.5, -3.0]])
+    seen = entries.Seen(points, np.abs(points).max(axis=0), 0, None)
+    middles, widths = [0.3, -0.2, 0.1, 5.0], [0.01, 0.02, 0.03, 0.04]
+    for k in range(4):
+        row = arb_mat(1, 4, [arb(x, w if j == k else 0) for j, (x, w) in enumerate(zip(middles, widths, strict=True))])
+        true = [p @ middles[:3] + middles[3] - widths[k] * abs([*p, 1.0][k]) for p in points]
+        assert entries.lowest(seen, row) <= min(true) + 1e-15
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_bending_seen_from_another_branch_is_the_second_derivative(seed):
+    generator = np.random.default_rng(seed)
+    joints = [
+        turn(k, at(*generator.uniform(-1, 1, 3)), axis=tuple(np.eye(3)[k % 3].tolist()), column=j)
+        for j, k in enumerate((-1, 0, 1, 0, 3))
+    ]
+    bodies = [point("a", 2, at(0.3, 0.2), CUBE), point("b", 4, at(0.1, -0.3), CUBE)]
+    ends = generator.uniform(-1, 1, (2, 5)).tolist()
+    checker = entries.EntryChecker(claim(joints, bodies, *ends, [plane((1, 2, 3), 2)]))
+    step, t = 2.0**-12, 0.5
+    for frame in (2, 1, 4):
+        direction = checker._direction(frame, (1.0, 2.0, 3.0))
+        for seen in checker._seen:
+            rows = [row_of(checker._row(seen, direction, t + d)) for d in (-step, 0.0, step)]
+            second = (rows[2] - 2 * rows[1] + rows[0]) / step**2
+            bending = checker._bending(seen, direction, (t - step, t + step))
+            assert np.abs(row_of(bending) - second).max() < 1e-4 * (1 + np.abs(second).max())
+
+
+def row_of(matrix):
+    return np.array([float(x) for x in matrix.entries()])
+
+
+@pytest.mark.parametrize("kind", sorted(JOINT_VALUES))
+def test_held_joints_stand_where_they_are_held(kind):
+    values = {
+        "turn": (0.7,),
+        "slide": (0.4,),
+        "circle": (0.6, 0.8),
+        "planar": (0.3, -0.2, 0.6, -0.8),
+        "ball": (0.5, -0.5, 0.5, 0.5),
+        "free": (0.1, 0.2, 0.3, 0.1, 0.7, 0.1, 0.7),
+    }[kind]
+    axis = (0.6, 0.0, 0.8) if kind in ("turn", "slide", "circle") else (0.0, 0.0, 0.0)
+    joint = Joint("h", kind, 0, at(0.1, 0.2, 0.3), axis, (-1,) * len(values), (0.0,) * len(values), values)
+    proof = claim([turn(), joint], [point("a", -1), point("b", 1)], (0.2,), (0.4,), [])
+    pose = middle(Chains(proof.model, proof.motion).at(0.5, -1, 1))
+    assert np.abs(pose - proof_oracle.link_poses(proof.model, (0.3,))[1]).max() < 1e-15
+
+
+@pytest.mark.parametrize("kind", ["circle", "planar", "ball", "free"])
+def test_numbers_off_unit_length_are_normalised(kind):
+    count = JOINT_VALUES[kind]
+    joint = Joint("j", kind, -1, STILL, (0.0, 0.0, 1.0), tuple(range(count)), (1.0,) * count, (0.0,) * count)
+    unit = np.array([0.6, 0.8] if kind in ("circle", "planar") else [0.1, 0.7, 0.1, 0.7])
+    start = (*(0.5,) * (count - len(unit)), *(unit * (1 + 5e-7)).tolist())
+    end = (*(0.5,) * (count - len(unit)), *(unit[::-1] * (1 - 5e-7)).tolist())
+    proof = claim([joint], [point("a", -1), point("b", 0)], start, end, [])
+    for t in (0.0, 0.4, 1.0):
+        turned = middle(Chains(proof.model, proof.motion).at(t, -1, 0))[:3, :3]
+        assert np.abs(turned.T @ turned - np.eye(3)).max() < 1e-15
+
+
+def exact(x):
+    """A ball without a radius as mpmath's number."""
+    mantissa, exponent = x.man_exp()
+    return mpmath.ldexp(int(mantissa), int(exponent))
+
+
+def test_series_of_small_turns():
+    for x in (0.0, 1e-200, 1e-9, 1e-3, 0.1, 0.249999):
+        with mpmath.workdps(60):
+            square = mpmath.mpf(x) ** 2
+            half = mpmath.mpf(x) / 2
+            cotangent = (1 - half * mpmath.cot(half)) / square if x > 1e-30 else mpmath.mpf(1) / 12
+            arctangent = mpmath.atan(x) / x if x > 1e-30 else mpmath.mpf(1)
+            for found, true in (
+                (joint_motions._cotangent(arb(x) ** 2), cotangent),
+                (joint_motions._arctangent(arb(x)), arctangent),
+            ):
+                low, high = (exact(x) for x in (found.lower().mid(), found.upper().mid()))
+                assert low - mpmath.mpf(10) ** -25 <= true <= high + mpmath.mpf(10) ** -25
+                assert high - low < 1e-14
+
+
 # ----- tables and intervals
 
 
@@ -419,6 +551,13 @@ def test_intervals_have_to_tile():
     assert not replace(proof, entries=proof.entries[:3]).verify()
     assert not replace(proof, entries=()).verify()
     assert replace(proof, entries=proof.entries[3:] + proof.entries[:3]).verify()
+
+
+def test_intervals_go_forward():
+    bodies = [point("wall", -1, at(y=1.1)), point("tip", 0, at(y=1.0))]
+    times = (0.0, 0.6, 0.4, 1.0)
+    back = claim([turn()], bodies, (-0.3,), (0.3,), [plane(start=a, end=b) for a, b in pairwise(times)])
+    assert not back.verify()
 
 
 def test_pairs_of_the_table_can_not_be_left_out_or_doubled():

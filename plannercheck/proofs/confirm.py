@@ -149,9 +149,7 @@ def _compare_bodies(model: Model, loaded: Model) -> None:
     for body in model.bodies:
         other = known.get(_key(model, body))
         if other is None:
-            raise UnprovedError(
-                f"body {body.name} ({body.label}) is none of the robot in the scene, or stands elsewhere"
-            )
+            raise UnprovedError(f"body {body.name} ({body.label}) is not in the files, or stands elsewhere")
         same = np.array_equal(body.vertices, other.vertices)
         if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
             raise UnprovedError(f"body {body.name} ({body.label}) has another shape than in the files")

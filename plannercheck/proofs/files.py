@@ -136,7 +136,7 @@ def _motion(
 ) -> Proof:
     if not isinstance(item, dict) or set(item) != {"motion", "margin", "entries"}:
         raise PlannercheckError(f"{where} must have motion, margin, entries")
-    if not isinstance(item["entries"], list) or not isinstance(item["margin"], float | int):
+    if not isinstance(item["entries"], list) or type(item["margin"]) not in (float, int):
         raise PlannercheckError(f"{where}: 'entries' must be a list, 'margin' a number")
     entries = tuple(from_plain(Entry, entry, f"{where}, entry {k}") for k, entry in enumerate(item["entries"]))
     motion = from_plain(motion_class, item["motion"], where)
