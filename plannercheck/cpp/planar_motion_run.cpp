@@ -30,7 +30,7 @@ constexpr double kPlanarRoundingPart = 1.0 / 4;
 
 struct PlanarLine {
   bool valid = false;
-  PlanarVector direction;  // in the pair's frame
+  PlanarDirection direction;  // in the pair's frame
 };
 
 // A pair that is not settled on an interval; `refused`: the parameter of an end at which it is within the tolerance, -1
@@ -57,6 +57,12 @@ class PlanarCertifier::Workspace {
     std::iota(all.begin(), all.end(), 0);
   }
 
+  // Of earlier motions: what they left could settle an interval that by itself rounds to the other side.
+  void forget() {
+    failures.clear();
+    std::fill(lines.begin(), lines.end(), PlanarLine{});
+  }
+
   PlanarGrid grid;
   std::vector<double> rates;
   std::vector<PlanarBound> bounds;  // per pair, of both bodies together
@@ -78,7 +84,7 @@ class PlanarRun {
 
   MotionReport run() {
     ++w_.counters.motions;
-    w_.failures.clear();
+    w_.forget();
     const double rounding = certifier_.rounding(motion_);
     if (!(rounding <= kPlanarRoundingPart * given_tolerance_)) return {MotionAnswer::kImprecise, 0, 0, -1};
     for (std::size_t k = 0; k < motion_.count; ++k) {
@@ -181,7 +187,10 @@ class PlanarRun {
       if (depth < found.depth) found.depth = depth, found.state = i;
     }
     PlanarLine& line = w_.lines[at(index)];
-    if (!line.valid) line = {true, w_.grid.place_of(pair.frame, found.state).turned_back(between(pair, found.state))};
+    if (!line.valid) {
+      const PlanarVector v = w_.grid.place_of(pair.frame, found.state).turned_back(between(pair, found.state));
+      line = {true, PlanarDirection::along(v)};
+    }
     return found;
   }
 

@@ -149,8 +149,8 @@ class Curves:
 
 def _cells(cells: _Cells, at: Callable[[float], _Place], first: _Place, length: float) -> list[_Cell]:
     """Cells of one kind each, but for those too short to matter."""
-    if length == 0:
-        return []
+    if length == 0:  # the root stands still, but joints may move
+        return [cells.cell(first, first._replace(t=_LAST))]
     places = [first, *(at(k / _FIRST_CELLS) for k in range(1, _FIRST_CELLS)), at(_LAST)]
     found = [cells.cell(a, b) for a, b in pairwise(places)]
     k = 0
