@@ -196,3 +196,25 @@ def test_planes_are_kept_only_as_long_as_they_separate():
     for options in (pair_options(), pair_options(interleaving=False), pair_options("walk")):
         found = core.intersect_batch(p.polytope.core, poses_p, r.polytope.core, poses_r, options)[0]
         np.testing.assert_array_equal(found.astype(bool), expected)
+
+
+@pytest.mark.parametrize("method", ["oracle", "walk"])
+def test_contacts_on_the_last_double_of_what_stands_at_the_origin(method):
+    """The host's pose is the identity, so that all that the game's bound covers is rounding."""
+    rng = np.random.default_rng(14)
+    sharing = []
+    for names in itertools.product(("round", "cone", "box"), repeat=2):
+        p, r = (prepared(name, FAMILIES[name](12, rng) + rng.normal(size=3)) for name in names)
+        for first, second in ((p, r), (r, p)):
+            point_p, normal_p = first.features(STATES, rng)
+            point_r, normal_r = second.features(STATES, rng)
+            poses_p, poses_r = identities(STATES), identities(STATES)
+            poses_p[:, :3, :3] = turns_onto(normal_p, -normal_r, rng)
+            gaps = rng.choice([0.0, 1e-16, -1e-16, 3e-16, -3e-16], (STATES, 1))
+            poses_p[:, :3, 3] = point_r - turned(poses_p, point_p) + gaps * normal_r
+            expected = truth(first, second, poses_p, poses_r)
+            sharing.append(expected.mean())
+            options = pair_options(method, cached_plane=False, centre_axis=False, facet_plane=False)
+            found = core.intersect_batch(first.polytope.core, poses_p, second.polytope.core, poses_r, options)[0]
+            np.testing.assert_array_equal(found.astype(bool), expected)
+    assert 0.2 < np.mean(sharing) < 0.8
