@@ -58,7 +58,12 @@ def save_proofs(proofs: Sequence[Proof], path: str | Path) -> None:
         return {"array": len(arrays) - 1}
 
     text = json.dumps(content, default=apart)
-    written_aside(path, lambda aside: np.savez_compressed(aside, document=np.array(text), **arrays))  # type: ignore[arg-type]
+
+    def write(aside: Path) -> None:
+        with aside.open("wb") as file:  # given a name, numpy would add its suffix
+            np.savez_compressed(file, document=np.array(text), **arrays)  # type: ignore[arg-type]
+
+    written_aside(path, write)
 
 
 def load_proofs(path: str | Path) -> tuple[Proof, ...]:
