@@ -7,8 +7,13 @@ The arms. A point of a joint's axis stays where it is on both links that the joi
 its points are within D(c) of a point c on the first axis; a point c' on the next axis is on the same link as c, so the
 body's points are within D(c) + |c - c'| of it, and their distance from that axis is at most D(c) plus that of c. Both
 bounds are taken at their least over a few points of each axis, at one configuration: lengths within a link do not
-change. What joints in between slide comes on top, as the motion has it. A joint without an axis has one point, its
-origin.
+change. A joint without an axis has one point, its origin.
+
+What slides. Joints that slide are at rest at that configuration, so the origins of the links before and after them
+coincide there, and at any other are as far apart as the joint has slid, its extent over the motion. That comes on top
+of each length that leads over the joint. A joint's own arm is counted from the origin of the link after it, about which
+it turns. If the body is beyond that link, no length leads over the joint itself; if the body is on the other side
+(the frame is the one that hangs on the joint), it does, and its own extent counts as well.
 
 The frame. Any link on the way from one body to the other will do; the certificate's error is the sum of both sides',
 and grows with the joints of a side one by one (cpp/motion_bounds.hpp), so a frame in the middle is best. The link is
@@ -53,7 +58,8 @@ class Entry(NamedTuple):
     Attributes:
         joint: Index into the table's joints.
         arm: How far the body's points get from its axis, but for what `slides` slide, m.
-        slides: Joints between this one and the body that slide.
+        slides: Joints that slide and lie between the body and the link after this one: this one itself, too, if it
+            slides and is crossed from the child's side.
     """
 
     joint: int
@@ -211,6 +217,10 @@ class _Tree:
         joints = [joint for joint, _ in rising + falling]
         return joints, [start] + [after for _, after in rising + falling]
 
+    def carries(self, joint: int, last: int) -> bool:
+        """Whether what is on joint `last` hangs on a joint."""
+        return joint in self._ancestors(last)
+
     def _ancestors(self, joint: int) -> list[int]:
         found = []
         while joint >= 0:
@@ -253,10 +263,11 @@ class _Builder:
         start = tree.link_joints[links[first]]
         end = tree.link_joints[links[second]] if links[second] >= 0 else -1
         joints, stations = tree.way(start, end)
-        mine = self._entries(first, joints)
+        rising = next((k for k, joint in enumerate(joints) if not tree.carries(joint, start)), len(joints))
+        mine = self._entries(first, joints, rising)
         if links[second] < 0:
             return ChainedPair(first, second, -1, (self._chain(mine), -1))
-        theirs = self._entries(second, joints[::-1])
+        theirs = self._entries(second, joints[::-1], len(joints) - rising)
         bulges = [_bulge(mine[:k]) + _bulge(theirs[: len(joints) - k]) for k in range(len(stations))]
         usable = [k for k, joint in enumerate(stations) if joint in tree.link_on]
         best = min(usable, key=lambda k: bulges[k])
@@ -272,14 +283,14 @@ class _Builder:
             self.chains.append(entries[::-1])
         return self._index[entries]
 
-    def _entries(self, body: int, joints: Sequence[int]) -> tuple[Entry, ...]:
+    def _entries(self, body: int, joints: Sequence[int], rising: int) -> tuple[Entry, ...]:
         key = (body, tuple(joints))
         if key not in self._arms:
-            self._arms[key] = self._compute(body, joints)
+            self._arms[key] = self._compute(body, joints, rising)
         return self._arms[key]
 
-    def _compute(self, body: int, joints: Sequence[int]) -> tuple[Entry, ...]:
-        """Entries from the body outwards."""
+    def _compute(self, body: int, joints: Sequence[int], rising: int) -> tuple[Entry, ...]:
+        """Entries from the body outwards; it hangs on the first `rising` joints, the others are crossed from below."""
         tree = self._tree
         points, swell = self._vertices(body)
         slides: tuple[int, ...] = ()
@@ -297,7 +308,8 @@ class _Builder:
                     arm = float((known[1] + axis.distance(known[0])).min())
                     reach = (known[1][:, None] + np.linalg.norm(known[0][:, None] - feet, axis=2)).min(axis=0)
                 known = feet, reach
-                entries.append(Entry(joint, arm * _STRETCH, slides))
+                from_child = k >= rising and tree.slides[joint]
+                entries.append(Entry(joint, arm * _STRETCH, (*slides, joint) if from_child else slides))
             else:
                 entries.append(Entry(joint, 0.0, ()))
             if tree.slides[joint]:
