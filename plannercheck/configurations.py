@@ -27,7 +27,7 @@ Ints = NDArray[np.int32]
 PLAIN, COSINE, SINE = 0, 1, 2
 
 # Pinocchio marks a missing limit by the largest double.
-_NO_LIMIT = 1e300
+NO_LIMIT = 1e300
 
 # How far the length of a quaternion or of a (cosine, sine) may be from 1: keeps ||M^T M - 1|| of the rotation
 # below the 1e-6 that a pose is allowed, and lets values pass that were rounded to single precision.
@@ -121,6 +121,18 @@ class ConfigurationMap:
         low = np.where(np.isinf(self.lower), np.minimum(self.upper - 2 * unlimited, -unlimited), self.lower)
         high = np.where(np.isinf(self.upper), np.maximum(low + 2 * unlimited, unlimited), self.upper)
         return low, high
+
+    def turning_columns(self) -> NDArray[np.bool_]:
+        """(nq,) columns that a whole turn does not change: continuous joints, unless a joint follows otherwise.
+
+        Followers turn whole turns, too, if they are continuous and their multiplier is a whole number; one of half the
+        speed, or one that slides, is elsewhere after a turn of its leader.
+        """
+        free = np.isinf(self.lower) & np.isinf(self.upper)
+        whole = (self.roles != PLAIN) & (self.multipliers == np.round(self.multipliers))
+        used = np.bincount(self.columns[self.columns >= 0], minlength=self.width)
+        good = np.bincount(self.columns[(self.columns >= 0) & whole], minlength=self.width)
+        return np.asarray(free & (used == good))
 
     def roles_of_columns(self) -> Ints:
         """(nq,) a role in which each column of the group's configuration is used."""
@@ -230,7 +242,7 @@ def _joints(model: pin.Model) -> Iterator[pin.JointModel]:
 
 def _limits(model: pin.Model) -> tuple[Floats, Floats]:
     lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
-    lower[lower < -_NO_LIMIT], upper[upper > _NO_LIMIT] = -np.inf, np.inf
+    lower[lower < -NO_LIMIT], upper[upper > NO_LIMIT] = -np.inf, np.inf
     return lower, upper
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.angles import whole_turns
+from plannercheck.angles import nearest_turns
 from plannercheck.errors import PlannercheckError
 from plannercheck.planar.robot import Robot
 
@@ -31,7 +31,7 @@ class MotionSampler:
 
     def __init__(self, robot: Robot) -> None:
         """Computes the lever arms of the robot's angles, and how far it reaches from its root, m."""
-        self._robot = robot
+        self._robot, self._angles = robot, robot.angles
         self.levers, self.reach = _lever_arms(robot)
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
@@ -40,7 +40,9 @@ class MotionSampler:
 
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
         """Ends (…, nq) with angles without limits within half a turn of the starts'; these stay as they are."""
-        return np.asarray(np.where(self._robot.angles, q1 - whole_turns(q1 - q0), q1))
+        ends = q1.copy()
+        ends[..., self._angles] = nearest_turns(q0[..., self._angles], q1[..., self._angles])
+        return ends
 
     def way(self, differences: Floats) -> Floats:
         """(n,) m: no point travels further on straight motions with these differences (n, nq)."""
