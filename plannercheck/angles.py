@@ -60,9 +60,9 @@ def nearest_turns(starts: Floats, ends: Floats) -> Floats:
         The ends that are there already with their bits, the others rounded once (`unwound`).
     """
     ways = ends - starts
-    turns = _turns_too_many(ways)
-    if not turns.any():
+    if not (np.abs(ways) > np.pi).any():
         return ends
+    turns = _turns_too_many(ways)
     turns = turns + _turns_too_many(unwound(ends, turns) - starts)  # far from 0 the ways are rounded
     return np.where(turns == 0, ends, unwound(ends, turns))
 

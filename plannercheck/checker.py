@@ -16,8 +16,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import contiguous
 from plannercheck.carrying import inverse
-from plannercheck.certified_motions import DEFAULT_TOLERANCE, MotionCertifier
+from plannercheck.certified_motions import DEFAULT_TOLERANCE, NEAR_TURNS, MotionCertifier
 from plannercheck.checker_settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
 from plannercheck.compiled_pairs import CompiledPairs, Preparation, added
 from plannercheck.core import core
@@ -475,8 +476,9 @@ class Checker:
         """
         starts, ends = self._single(q0), self._single(q1)
         if resolution is None and self.motion_sampler.is_vector_space and starts.shape == ends.shape:
-            ends = self.motion_sampler.short_way(starts, ends)
-            return self.motion_certifier.is_free(starts[0].tolist(), ends[0].tolist(), tolerance)
+            near = self.motion_sampler.short_way(starts, ends)
+            if near is ends or (np.abs(ends) <= NEAR_TURNS).all():
+                return self.motion_certifier.is_free(starts[0].tolist(), near[0].tolist(), tolerance)
         return bool(self.check_motions(starts, ends, resolution, tolerance)[0])
 
     def check_motions(
@@ -501,7 +503,8 @@ class Checker:
         """
         starts, ends = self._motion_ends(q0, q1)
         if resolution is None:
-            return self.motion_certifier.check(starts, ends, tolerance, _useful_threads(threads, len(starts)))
+            given = contiguous(q1).reshape(ends.shape)
+            return self.motion_certifier.check(starts, ends, tolerance, _useful_threads(threads, len(starts)), given)
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)
@@ -526,7 +529,7 @@ class Checker:
         """
         (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
         certifier = self.motion_certifier
-        passage = certifier.passage(start, end, tolerance, proofs)
+        passage = certifier.passage(start, end, tolerance, proofs, contiguous(q1))
         return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance)
 
     @cached_property

@@ -68,7 +68,7 @@ class MotionSampler:
         return steps.astype(np.int64)
 
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
-        """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; the same array if they are."""
+        """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; the same if they are."""
         if not len(self._turning):
             return q1
         given = q1[..., self._turning]

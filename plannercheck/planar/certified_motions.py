@@ -22,6 +22,16 @@ Bools = NDArray[np.bool_]
 PIECE_NUMBERS = 11
 STRAIGHT: Floats = np.zeros((0, PIECE_NUMBERS))
 
+
+def straight_piece(start: Floats, end: Floats, is_free: bool, slip: float) -> Floats:
+    """(1, 11) the piece of a straight motion (nq,) to (nq,), as the core makes it, with a slip, m."""
+    piece = np.zeros((1, PIECE_NUMBERS))
+    piece[0, 1], piece[0, -1] = 1.0, slip
+    if is_free:
+        piece[0, 2:8] = start[0], start[1], end[0] - start[0], end[1] - start[1], start[2], end[2] - start[2]
+    return piece
+
+
 # PlanarAnswer in cpp/planar_motion.hpp.
 _FREE, _IMPRECISE = 0, 2
 

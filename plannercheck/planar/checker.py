@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.certified_motions import DEFAULT_TOLERANCE
+from plannercheck.arrays import contiguous
+from plannercheck.certified_motions import DEFAULT_TOLERANCE, imprecise
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.motion_verdicts import explained_motion
 from plannercheck.planar.certificates import certify
-from plannercheck.planar.certified_motions import STRAIGHT, MotionCertifier
+from plannercheck.planar.certified_motions import STRAIGHT, MotionCertifier, straight_piece
 from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion import MotionSampler
 from plannercheck.planar.polygons import METHODS, Method
@@ -37,6 +38,13 @@ _ROOM = 1e-12
 # by 4u more, which moves what they turn by as much of the reach; the at most L + 1 sums of a position add 3u each of
 # the coordinates' size. Together that is less than 16u L A of reach, way to the root and anchors.
 _KINEMATIC_ROUNDING = 2.0**-49
+
+# Up to this sum of a configuration's angles, rad, the certifier's room for rounding (kPlanarRounding: 1024u, of which
+# some hundred are taken) has as much left as they need: L A u, as above.
+_FAR_ANGLES = 64.0
+
+# At most this part of the tolerance may go to it; the core's own rounding may take a quarter.
+_SLIP_PART = 1 / 16
 
 
 class Checker:
@@ -190,12 +198,17 @@ class Checker:
         """
         check_curve(self.robot, curve, turning_radius)
         starts, ends = self._motion_ends(q0, q1, curve)
+        slips = self._slips(starts, q1, tolerance if resolution is None else np.inf)
         if curve != "straight":
-            rows = zip(starts, ends, strict=True)
-            judged = [self._curve_is_free(a, b, resolution, tolerance, curve, turning_radius) for a, b in rows]
+            rows = zip(starts, ends, slips, strict=True)
+            judged = [self._curve_is_free(*row, resolution, tolerance, curve, turning_radius) for row in rows]
             return np.array(judged, dtype=bool)
         if resolution is None:
-            return self.motion_certifier.check(starts, ends, tolerance, _checked_threads(threads))
+            free = self.motion_certifier.check(starts, ends, tolerance, _checked_threads(threads))
+            for k in np.flatnonzero(slips).tolist():
+                pieces = self._pieces(starts[k], ends[k], curve, None, slips[k])
+                free[k] = self.motion_certifier.is_free(starts[k], ends[k], tolerance, pieces)
+            return free
         steps = self.motion_sampler.steps(starts, ends, resolution)
         return np.asarray(self._core.motions_are_free(starts, ends, steps)).astype(bool)
 
@@ -223,8 +236,9 @@ class Checker:
             The verdict.
         """
         check_curve(self.robot, curve, turning_radius)
-        (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1), curve)
-        pieces, certifier = self._pieces(start, end, curve, turning_radius), self.motion_certifier
+        starts, ends = self._motion_ends(self._single(q0), self._single(q1), curve)
+        (start,), (end,), (slip,) = starts, ends, self._slips(starts, q1, tolerance)
+        pieces, certifier = self._pieces(start, end, curve, turning_radius, slip), self.motion_certifier
         passage = certifier.passage(start, end, tolerance, proofs, pieces)
         return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance)
 
@@ -235,24 +249,48 @@ class Checker:
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats]:
         """Starts and ends (n, nq); angles without limits take the short way, but for the heading on curves."""
-        starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
-        if starts.shape != ends.shape:
-            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
-        near = self.motion_sampler.short_way(starts, ends)
+        starts, given = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
+        if starts.shape != given.shape:
+            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {given.shape}")
+        ends = self.motion_sampler.short_way(starts, given)
         if curve != "straight":
-            near[:, 2] = ends[:, 2]  # to the bit: of two curves of one length rounding may choose
-        return starts, near
+            ends = ends.copy()
+            ends[:, 2] = given[:, 2]  # to the bit: of two curves of one length rounding may choose
+        return starts, ends
+
+    def _slips(self, starts: Floats, q1: ArrayLike, tolerance: float) -> Floats:
+        """How far poses may be from those of the same angles less whole turns, by rounding of those far from 0.
+
+        Args:
+            starts: (n, nq) of motions.
+            q1: (n, nq) their ends as they are given: these are posed, and the motion leads to their angles less turns.
+            tolerance: m.
+
+        Returns:
+            (n,) m, 0 where the certifier's own room for rounding is enough.
+
+        Raises:
+            PlannercheckError: Where it is no small part of the tolerance.
+        """
+        taken = np.maximum(np.abs(starts), np.abs(contiguous(q1).reshape(starts.shape)))
+        slips = np.zeros(len(starts))
+        for k in np.flatnonzero(taken[:, 2 if self.robot.is_free else 0 :].sum(axis=1) > _FAR_ANGLES).tolist():
+            slips[k] = self._kinematic_error(taken[k])
+            if not slips[k] <= _SLIP_PART * tolerance:
+                raise imprecise(k, tolerance)
+        return slips
 
     def _curve_is_free(
         self,
         start: Floats,
         end: Floats,
+        slip: float,
         resolution: float | None,
         tolerance: float,
         curve: Curve,
         turning_radius: float | None,
     ) -> bool:
-        pieces = self._pieces(start, end, curve, turning_radius)
+        pieces = self._pieces(start, end, curve, turning_radius, slip)
         if resolution is None:
             return self.motion_certifier.is_free(start, end, tolerance, pieces)
         way = self._curves_of(curve, turning_radius).way(start, end, self.motion_sampler)
@@ -267,10 +305,15 @@ class Checker:
             self._curves[key] = Curves(*key)
         return self._curves[key]
 
-    def _pieces(self, start: Floats, end: Floats, curve: Curve, turning_radius: float | None) -> Floats:
+    def _pieces(
+        self, start: Floats, end: Floats, curve: Curve, turning_radius: float | None, slip: float = 0.0
+    ) -> Floats:
+        """A motion's pieces, each with this much more slip, m; none if the core's own straight one will do."""
         if curve == "straight":
-            return STRAIGHT
-        return self._curves_of(curve, turning_radius).pieces(start, end, self.motion_sampler.reach)
+            return STRAIGHT if slip == 0 else straight_piece(start, end, self.robot.is_free, slip)
+        pieces = self._curves_of(curve, turning_radius).pieces(start, end, self.motion_sampler.reach)
+        pieces[:, -1] += slip
+        return pieces
 
     def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
         """The verdict of one configuration with the names and certificates behind it.

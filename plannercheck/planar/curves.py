@@ -22,6 +22,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.angles import nearest_turn
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.motion import MotionSampler
 from plannercheck.planar.robot import Robot
@@ -178,7 +179,7 @@ class Curves:
 
 def _write(state: Any, pose: Floats) -> _Place:
     x, y, heading = (float(value) for value in pose[:3])
-    heading = math.remainder(heading, 2 * math.pi)
+    heading = nearest_turn(0.0, heading)
     state.setX(x)
     state.setY(y)
     state.setYaw(heading)

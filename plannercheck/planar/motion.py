@@ -39,9 +39,13 @@ class MotionSampler:
         return self.steps_of_way(self.way(q1 - q0), resolution)
 
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
-        """Ends (…, nq) with angles without limits within half a turn of the starts'; these stay as they are."""
+        """Ends (…, nq) with angles without limits within half a turn of the starts'; the same array if they are."""
+        given = q1[..., self._angles]
+        near = nearest_turns(q0[..., self._angles], given)
+        if near is given:
+            return q1
         ends = q1.copy()
-        ends[..., self._angles] = nearest_turns(q0[..., self._angles], q1[..., self._angles])
+        ends[..., self._angles] = near
         return ends
 
     def way(self, differences: Floats) -> Floats:
