@@ -32,20 +32,16 @@ from numpy.typing import NDArray
 
 from plannercheck.configurations import ConfigurationMap
 from plannercheck.kinematics import JointTable
+from plannercheck.motion_drives import defect, drives
 from plannercheck.shapes import Body, hull_and_swell
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-# The kernel's joint kinds (JointKind in cpp/kinematics.hpp).
-_LAST_TURN, _LAST_UNIT_TURN, _SLIDE = 3, 7, 8
+# The kernel's kind of a prismatic joint (JointKind in cpp/kinematics.hpp); what takes several numbers comes after it.
+_SLIDE = 8
 
-# DriveKind in cpp/motion_bounds.hpp and PartKind in cpp/configuration_path.hpp, by the kernel's kind.
-_TURN_DRIVE, _SLIDE_DRIVE, _PART_DRIVE = 0, 1, 2
-_CIRCLE = 0
-_PARTS = {9: 1 + 1, 10: 1, 11: 3}
-
-# Poses stretch by 1e-6 at most, as the contract says, and lengths are rounded.
+# Bodies are off rigid by 3.6e-6 at most (unit_lengths.py), so lengths stretch by half of that; and they are rounded.
 _STRETCH = 1 + 2e-6
 
 # Points of an axis that are tried: the feet of the origins of this many joints before and after it on the way.
@@ -93,8 +89,9 @@ class MotionChains:
         drives: (joints, 2) kind (turn, slide, or part) and column of each of the table's joints.
         factors: (joints, 2) multiplier and offset of its value.
         parts: (parts, 2) kind and first column of what is no single number.
-        defect: How far all placements together are off rigid, norm of M^T M - 1.
+        defect: How far all placements and held joints together are off rigid, norm of M^T M - 1.
         leverage: Sum of all multipliers.
+        depth: How many quaternions, cosines and sines of a configuration are on one chain at most.
     """
 
     pairs: tuple[ChainedPair, ...]
@@ -104,6 +101,7 @@ class MotionChains:
     parts: Ints
     defect: float
     leverage: float
+    depth: int
 
     def arrays(self) -> tuple[NDArray[np.generic], ...]:
         """Pairs, drives, factors, first entries, entries, arms, slides, parts: what the core takes."""
@@ -153,9 +151,10 @@ def motion_chains(
     return MotionChains(
         chained,
         tuple(builder.chains),
-        *_drives(table),
-        _defect(table),
+        *drives(table),
+        defect(table),
         float(max(1.0, np.abs(table.multipliers).sum())),
+        configurations.lengths.depth,
     )
 
 
@@ -335,29 +334,3 @@ class _Builder:
 def _bulge(entries: Sequence[Entry]) -> float:
     """The bound of cpp/motion_bounds.hpp if all joints turn by 1 rad; entries from the body outwards."""
     return sum(entry.arm * (1 + 2 * (len(entries) - 1 - k)) for k, entry in enumerate(entries))
-
-
-def _drives(table: JointTable) -> tuple[Ints, Floats, Ints]:
-    drives, parts = [], {}
-    for kind, columns in zip(table.kinds.tolist(), table.columns.tolist(), strict=True):
-        column = columns[0]
-        if kind <= _LAST_TURN or kind == _SLIDE or column < 0:
-            drives.append((_SLIDE_DRIVE if kind == _SLIDE else _TURN_DRIVE, column))
-            continue
-        drives.append((_PART_DRIVE, column))
-        parts[column] = _CIRCLE if kind <= _LAST_UNIT_TURN else _PARTS[kind]
-    factors = np.stack([table.multipliers[:, 0], table.offsets[:, 0]], axis=1)
-    listed = sorted((column, part) for column, part in parts.items())
-    return (
-        np.array(drives, dtype=np.int32).reshape(-1, 2),
-        np.ascontiguousarray(factors),
-        np.array([(part, column) for column, part in listed], dtype=np.int32).reshape(-1, 2),
-    )
-
-
-def _defect(table: JointTable) -> float:
-    """Of all placements and axes together, with room for rounding."""
-    turns = np.concatenate([table.placements[:, :, :3], table.link_placements[:, :, :3]])
-    off = np.linalg.norm(np.swapaxes(turns, 1, 2) @ turns - np.eye(3), axis=(1, 2)).sum()
-    axes = np.linalg.norm(table.axes, axis=1)
-    return float(off + np.abs(axes[axes > 0] - 1).sum()) * 2

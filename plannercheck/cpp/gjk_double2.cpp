@@ -13,7 +13,7 @@ constexpr int kDouble2Rounds = 32;    // it begins near the end; what is left is
 // An operation errs by 2^-102 of its result, e = 2^-102 below; all lengths are in the unit of the pair, see below.
 //
 // (a) A difference: per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
-//     1 + 1e-6 long), t_P − t_R is exact up to e, two more sums: below 5e times the size, so 9e as a vector.
+//     1 + 2e-6 long), t_P − t_R is exact up to e, two more sums: below 5e times the size, so 9e as a vector.
 // (b) Support: d turned into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
 //     10.4e |d| r. The vertex is extreme along what was computed, exactly. Evaluating d·w errs by 3e |d| |w|, and w by
 //     (a). All of it: below 32e |d| times the size.
