@@ -98,7 +98,8 @@ class ConfigurationMap:
             )
         rows = array.reshape(-1, self.width)
         _check_finite(rows)
-        self.lengths.check(rows)
+        if self.lengths.columns:
+            self.lengths.check(rows)
         return rows
 
     def random(self, n: int, seed: int | np.random.Generator | None) -> Floats:

@@ -3,6 +3,7 @@ one is then. The motion must be refused, however the two get there."""
 
 from __future__ import annotations
 
+import warnings
 from itertools import pairwise
 
 import mpmath
@@ -71,6 +72,93 @@ def test_bodies_that_meet_are_never_passed(seed, tmp_path):
         checker = pc.Checker(robot_of(made, tmp_path))
         assert len(checker.pairs) == 1
         assert not checker.check_motion(q0, q1), (seed, k)
+
+
+def obstacle_at(point, half, rotation=None):
+    scene, pose = pc.Scene(), np.eye(4)
+    pose[:3, 3] = point
+    if rotation is not None:
+        pose[:3, :3] = rotation
+    scene.add_box("met", [2 * half] * 3, pose)
+    return scene
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_obstacles_that_are_met_are_never_passed(seed, tmp_path):
+    """Also with poses that are off rigid by what is accepted, and bodies of half a metre."""
+    rng = np.random.default_rng(100 + seed)
+    for k in range(25):
+        tree = random_tree(rng, reach=rng.choice([0.05, 0.5]))
+        q0, q1 = tree.motion(rng, far=rng.choice([0.2, 5.0]), way=rng.choice([0.3, 1.5]))
+        t, first = rng.uniform(0.02, 0.98), tips(tree)[rng.integers(2)]
+        own = rng.uniform(-0.5, 0.5, 3) * rng.choice([0.01, 1])
+        half = rng.choice([HALF, 0.2])
+        pose = tree.poses(q0, q1, t)[first]
+        corner = own + half * rng.choice([-1, 1], 3) * (1 - 1e-3 * HALF / half)
+        point = pose[:3, :3] @ corner + pose[:3, 3]
+        stretch = np.eye(3) + np.diag(rng.choice([-2.8e-7, 2.8e-7], 3))
+        scene = obstacle_at(point + rng.uniform(-0.9, 0.9, 3) * HALF, HALF, stretch)
+        checker = pc.Checker(robot_of(tree.with_body(first, half, own), tmp_path), scene, self_collision=False)
+        assert len(checker.pairs) == 1
+        assert not checker.check_motion(q0, q1), (seed, k)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_held_joints_do_not_let_bodies_pass(seed, tmp_path):
+    """Some joints of the robot are held where they are at the start, in any position of the tree."""
+    rng = np.random.default_rng(200 + seed)
+    judged = 0
+    while judged < 20:
+        tree = random_tree(rng, mimics=False)
+        free = [joint.name for joint in tree.joints if rng.random() < 0.6]
+        q0, q1 = tree.motion(rng, far=2.0)
+        columns = np.cumsum([0, *(joint.numbers for joint in tree.joints)])
+        parts = [slice(a, b) for a, b in pairwise(columns.tolist())]
+        for joint, part in zip(tree.joints, parts, strict=True):
+            q1[part] = q1[part] if joint.name in free else q0[part]
+        if not free:
+            continue
+        t = rng.uniform(0.02, 0.98)
+        made, _ = meeting(tree, *tips(tree), q0, q1, t, rng, reach=0.1)
+        held = {
+            joint.name: q0[part].tolist() if joint.numbers > 1 else float(q0[part][0])
+            for joint, part in zip(tree.joints, parts, strict=True)
+            if joint.name not in free
+        }
+        robot = robot_of(made, tmp_path).with_group(free).holding(held)
+        taken = np.concatenate(
+            [np.arange(p.start, p.stop) for j, p in zip(tree.joints, parts, strict=True) if j.name in free]
+        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # two bodies that rest may touch
+            checker = pc.Checker(robot)
+        assert not checker.check_motion(q0[taken], q1[taken])
+        judged += 1
+
+
+def test_ways_between_spheres_are_not_shortened(tmp_path):
+    """Small spheres that pass through each other far from both ends of an interval, on slides."""
+    joints = [Joint("prismatic", "base", f"{branch}0", (0, 0, 0), (0, 0, 0), (1, 0, 0)) for branch in "ab"]
+    tree = Tree(tuple(joints)).with_body("a0", 1e-3, np.zeros(3)).with_body("b0", 1e-3, np.array([0, 1.9e-3, 0]))
+    checker = pc.Checker(robot_of(tree, tmp_path))
+    rng = np.random.default_rng(3)
+    for way in 10 ** rng.uniform(-2, 1, 40):
+        a, b = rng.uniform(0.2, 0.8, 2) * way
+        assert not checker.check_motion([-a, b], [way - a, b - way])
+
+
+@pytest.mark.parametrize("where", [1, -2])
+def test_every_sampled_state_counts(where, tmp_path):
+    """An obstacle as small as the body meets it at the second or at the last but one of the states alone."""
+    joint = Joint("prismatic", "base", "a0", (0, 0, 0), (0, 0, 0), (1, 0, 0))
+    robot = robot_of(Tree((joint,)).with_body("a0", 1e-3, np.zeros(3)), tmp_path)
+    for count in (*range(3, 40), 64, 100):
+        parameters = np.arange(count + 1) / count
+        scene = obstacle_at([parameters[where], 0, 0], 1e-3)
+        checker = pc.Checker(robot, scene)
+        steps = int(checker.motion_sampler.steps(np.array([[0.0]]), np.array([[1.0]]), 1 / count * (1 + 1e-9))[0])
+        assert steps == count
+        assert not checker.check_motion([0.0], [1.0], resolution=1 / count * (1 + 1e-9))
 
 
 # ----- fault 3: joints that whole turns do not bring back
@@ -336,3 +424,37 @@ def test_motions_hold_their_stretched_ends(count, off, t, tmp_path):
     ends = (q, away) if t == 0 else (away, q)
     assert not checker.check_motion(*ends, tolerance=1e-3)
     assert checker.check_motion(half_turns(count, 0.0), away, tolerance=1e-8)
+
+
+# ----- the plane
+
+
+@pytest.mark.parametrize("power", [2, 3, 6, 9, 12, 15])
+@pytest.mark.parametrize("curve", ["straight", "dubins", "reeds_shepp"])
+def test_far_headings_in_the_plane_are_judged_as_they_are_posed_or_refused(power, curve):
+    robot = pc.planar.Robot([[29.9999, -1e-4], [30.0001, -1e-4], [30.0001, 1e-4], [29.9999, 1e-4]])
+    rng = np.random.default_rng(power)
+    how = {} if curve == "straight" else {"curve": curve, "turning_radius": 1.0}
+    judged = 0
+    for _ in range(6):
+        end = rng.choice([-1, 1]) * rng.uniform(0.5, 1.0) * 10.0**power
+        there = exact_angle(end)
+        scene = pc.planar.Scene()
+        c, s = np.cos(there), np.sin(there)
+        ahead = np.sign(there) * 1.5e-4
+        centre = np.array([30 * c - ahead * s, 30 * s + ahead * c])
+        square = 1e-4 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ np.array([[c, s], [-s, c]])
+        scene.add_polygon("met", centre + square)
+        checker = pc.planar.Checker(robot, scene)
+        assert not checker.is_valid([0, 0, end])
+        start = [0, 0, there - np.sign(there) * 0.4]
+        try:
+            free = [
+                checker.check_motion(start, [0, 0, end], **how),
+                checker.explain_motion(start, [0, 0, end], **how).free,
+            ]
+        except pc.PlannercheckError:
+            continue
+        judged += 1
+        assert not any(free)
+    assert judged or power >= (9 if curve == "straight" else 6)
