@@ -3,7 +3,9 @@ one is then. The motion must be refused, however the two get there."""
 
 from __future__ import annotations
 
+import contextlib
 import warnings
+from dataclasses import replace
 from itertools import pairwise
 
 import mpmath
@@ -17,6 +19,9 @@ from plannercheck.joint_space import JointSpace
 
 # Half edges of the bodies that meet, m: no slack of balls and boxes hides a fault.
 HALF = 5e-4
+
+# Axes of joints that move in the plane.
+FLAT = {"revolute": (0, 0, 1), "prismatic": (1, 0, 0)}
 
 
 def robot_of(tree, tmp_path):
@@ -134,6 +139,57 @@ def test_held_joints_do_not_let_bodies_pass(seed, tmp_path):
             checker = pc.Checker(robot)
         assert not checker.check_motion(q0[taken], q1[taken])
         judged += 1
+
+
+def assert_met(robot, tree, link, q0, q1, rng, count=25):
+    """A body of a millimetre on a link is refused motions that lead it against obstacles, at many parameters."""
+    for t in rng.uniform(0.02, 0.98, count):
+        pose = tree.poses(q0, q1, t)[link]
+        point = pose[:3, :3] @ tree.bodies[link][1] + pose[:3, 3] + rng.uniform(-0.9, 0.9, 3) * HALF
+        checker = pc.Checker(robot, obstacle_at(point, HALF), self_collision=False)
+        assert not checker.check_motion(q0, q1)
+
+
+def test_extents_hold_all_the_way(tmp_path):
+    """What slides before, after and beside the start lengthens the arm of the joint that turns it."""
+    rng = np.random.default_rng(5)
+    turn, slide = far_joint("revolute", "base", "a0"), far_joint("prismatic", "a0", "a1")
+    slide = replace(slide, axis=(1, 0, 0))
+    joints = {
+        "slides out": (turn, slide),
+        "screws out": (turn, far_joint("planar", "a0", "a1")),
+        "follows far off": (turn, replace(slide, mimic=(turn.name, 0.1, 3.0))),
+    }
+    motions = {
+        "slides out": ([0, 0], [1, 3]),
+        "screws out": ([0, 0, 0, 1, 0], [1, 3, 0, np.cos(0.5), np.sin(0.5)]),
+        "follows far off": ([0], [1]),
+    }
+    for name, used in joints.items():
+        tree = Tree(used).with_body("a1", HALF, np.zeros(3))
+        q0, q1 = (np.array(q, dtype=float) for q in motions[name])
+        assert_met(robot_of(tree, tmp_path), tree, "a1", q0, q1, rng)
+
+
+@pytest.mark.parametrize("kinds", [("revolute", "revolute"), ("revolute", "prismatic"), ("prismatic", "revolute")])
+def test_curvature_is_no_less_than_what_it_is(kinds, tmp_path):
+    """Of two turns about one axis, and of a slide on what turns, the bound is sharp."""
+    rng = np.random.default_rng(6)
+    first, second = far_joint(kinds[0], "base", "a0"), far_joint(kinds[1], "a0", "a1")
+    tree = Tree((replace(first, axis=FLAT[kinds[0]]), replace(second, axis=FLAT[kinds[1]])))
+    tree = tree.with_body("a1", HALF, np.array([1.0 if kinds[1] == "revolute" else 0.0, 0, 0]))
+    robot = robot_of(tree, tmp_path)
+    ways = {"revolute": (-0.5, 0.5), "prismatic": (-2.0, 2.0)}
+    q0, q1 = (np.array([ways[kind][k] for kind in kinds]) for k in range(2))
+    assert_met(robot, tree, "a1", q0, q1, rng, count=60)
+
+
+def test_directions_are_of_length_one(tmp_path):
+    tree = Tree((far_joint("revolute", "base", "a0"),)).with_body("a0", 0.1, np.array([1.0, 0, 0]))
+    scene = obstacle_at([3, 0, 0], 0.1, np.eye(3) * (1 + 2.8e-7))
+    verdict = pc.Checker(robot_of(tree, tmp_path), scene).explain_motion([0.0], [1.0], proofs=True)
+    assert verdict.proofs
+    assert all(abs(np.linalg.norm(proof.normal) - 1) < 1e-12 for proof in verdict.proofs)
 
 
 def test_ways_between_spheres_are_not_shortened(tmp_path):
@@ -458,3 +514,34 @@ def test_far_headings_in_the_plane_are_judged_as_they_are_posed_or_refused(power
         judged += 1
         assert not any(free)
     assert judged or power >= (9 if curve == "straight" else 6)
+
+
+# A square of 2 µm, 3 m out.
+PAD = [[3 - 1e-6, -1e-6], [3 + 1e-6, -1e-6], [3 + 1e-6, 1e-6], [3 - 1e-6, 1e-6]]
+
+
+@pytest.mark.parametrize("power", [3, 5, 7, 9, 11, 13])
+def test_far_angles_of_planar_joints_are_judged_as_they_are_posed_or_refused(power):
+    """Angles along a chain are summed and rounded: far from 0 the pose is not that of the angle less whole turns."""
+    links = [
+        pc.planar.Link("root", PAD, joint="free"),
+        pc.planar.Link("arm", PAD, "root", (0, 0, 0.7), "revolute"),
+    ]
+    robot = pc.planar.Robot(links)
+    rng = np.random.default_rng(power)
+    for _ in range(10):
+        end = rng.uniform(0.5, 1.0) * 10.0**power
+        pose = robot.link_poses(np.array([[0, 0, 0.3, end]]))[0, 1]
+        scene = pc.planar.Scene()
+        ahead = pose[:2, :2] @ np.array([3.0, 1.999e-6]) + pose[:2, 2]
+        scene.add_polygon("met", ahead + (np.array(PAD) - [3, 0]) @ pose[:2, :2].T)
+        checker = pc.planar.Checker(robot, scene)
+        goal = [0, 0, 0.3, end]
+        if checker.is_valid(goal):
+            continue
+        start = [0, 0, 0.3, exact_angle(end) - 0.2]
+        if power <= 5:
+            assert not checker.check_motion(start, goal)
+        else:
+            with contextlib.suppress(pc.PlannercheckError):
+                assert not checker.check_motion(start, goal)
