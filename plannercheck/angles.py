@@ -84,4 +84,5 @@ def wrapped(angles: Floats) -> Floats:
 def _turns_too_many(ways: Floats) -> Floats:
     """How many whole turns longer than need be ways are; 0 for up to half a turn, as double arithmetic has it."""
     lengths = np.abs(ways)
-    return np.where(lengths > np.pi, np.copysign(np.maximum(np.round(lengths / TURN), 1.0), ways), 0.0)
+    # The next double after pi is more than half of TURN, also when divided: it is rounded to 1.
+    return np.where(lengths > np.pi, np.copysign(np.round(lengths / TURN), ways), 0.0)

@@ -127,6 +127,7 @@ class MotionCertifier:
         self._low, self._high = low - _MARGIN, high + _MARGIN
         self._error = robot.kinematic_error_within(self._low, self._high)
         self._far_errors: dict[bytes, float] = {}
+        self._turns = bool(robot.configuration_map.turning_columns().any())
         self._range = self._low, self._high
         if limits is not None:
             self._range = np.maximum(limits[0], self._low), np.minimum(limits[1], self._high)
@@ -150,11 +151,12 @@ class MotionCertifier:
         """
         check_tolerance(tolerance)
         within = self._within_limits(q0, q1)
+        by_error = self._errors(q0, q1, q1 if given is None else given)
         free = np.empty(len(q0), dtype=bool)
         for rows, whole in ((np.flatnonzero(within), False), (np.flatnonzero(~within), True)):
             if len(rows):
                 part = self._whole if whole else self._live
-                for error, chosen in self._by_error(q0, q1 if given is None else given, rows, q1):
+                for error, chosen in by_error(rows):
                     free[chosen] = self._judged(part, q0, q1, chosen, tolerance, error, threads)
         return free
 
@@ -238,8 +240,8 @@ class MotionCertifier:
         part = self._live if within and not proofs else self._whole
         if part.touching:
             return Passage(False, 0.0, 0.0, part.touching[0])
-        ends = q1[None]
-        ((error, _),) = self._by_error(q0[None], ends if given is None else given[None], np.zeros(1, np.int64), ends)
+        by_error = self._errors(q0[None], q1[None], (q1 if given is None else given)[None])
+        ((error, _),) = by_error(np.zeros(1, np.int64))
         answer, until, near, row, *found = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
@@ -261,29 +263,32 @@ class MotionCertifier:
             else added(counted, self._whole.core.statistics())
         )
 
-    def _by_error(
-        self, q0: Floats, given: Floats, rows: NDArray[np.int64], q1: Floats
-    ) -> list[tuple[float, NDArray[np.int64]]]:
-        """Rows by the bound, m, that holds for both ends, as given and as judged, and all states between.
+    def _errors(
+        self, q0: Floats, q1: Floats, given: Floats
+    ) -> Callable[[NDArray[np.int64]], list[tuple[float, NDArray[np.int64]]]]:
+        """What puts rows of motions by the bound, m, that holds for both ends, as judged and as given, and between.
 
         A row's bound depends on nothing but the row: that of the range around the limits if the row is within it; else
         of one that reaches to the next powers of 2 in the columns in which it is not.
         """
-        ends = (q0[rows], given[rows]) if given is q1 else (q0[rows], given[rows], q1[rows])
-        beyond = np.zeros(ends[0].shape, dtype=bool)
-        for q in ends:
-            beyond |= (q < self._low) | (q > self._high)
-        far = beyond.any(axis=1)
-        if not far.any():
-            return [(self._error, rows)]
-        furthest = np.max([np.abs(q[far]) for q in ends], axis=0)
-        powers = np.where(beyond[far], np.ceil(np.log2(np.maximum(furthest, 1.0))), -1.0)
+        low, high = self._low, self._high
+        near = (q0 >= low) & (q0 <= high) & (given >= low) & (given <= high)
+        if self._turns:  # else these are the given ends
+            near &= (q1 >= low) & (q1 <= high)
+        if near.all():
+            return lambda rows: [(self._error, rows)]
+        furthest = np.max([np.abs(q0), np.abs(q1), np.abs(given)], axis=0)
+        powers = np.where(near, -1.0, np.ceil(np.log2(np.maximum(furthest, 1.0))))
+        return lambda rows: self._by_powers(powers[rows], rows)
+
+    def _by_powers(self, powers: Floats, rows: NDArray[np.int64]) -> list[tuple[float, NDArray[np.int64]]]:
         kinds, kind_of = np.unique(powers, axis=0, return_inverse=True)
-        found = [(self._far_error(kind), rows[far][kind_of.ravel() == k]) for k, kind in enumerate(kinds)]
-        return found if far.all() else [(self._error, rows[~far]), *found]
+        return [(self._far_error(kind), rows[kind_of.ravel() == k]) for k, kind in enumerate(kinds)]
 
     def _far_error(self, powers: Floats) -> float:
         """The bound where columns (nq,) reach to powers of 2, -1 for those within the range."""
+        if (powers < 0).all():
+            return self._error
         key = powers.tobytes()
         if key not in self._far_errors:
             reach = np.where(powers < 0, 0.0, 2.0**powers)

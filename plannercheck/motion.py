@@ -81,29 +81,19 @@ class MotionSampler:
 
     def _way(self, q0: Floats, q1: Floats) -> Floats:
         """(n,) m: no link point travels further on these motions."""
+        levers = self._levers_within(q0, q1)
         if self._column_levers is not None:
-            levers = self._levers_within(q0, q1, 0.0)
             columns = self._column_levers if levers is self._levers else _column_levers(self._robot, levers)
             return np.asarray(np.abs(q1 - q0) @ columns)
         model = self._robot.model
         moved = np.array([pin.difference(model, a, b) for a, b in zip(q0, q1, strict=True)]).reshape(-1, model.nv)
-        levers = self._levers_within(q0, q1, _screwed(model, moved).max(axis=0, initial=0))
         return np.asarray(np.abs(moved) @ levers)
 
-    def _levers_within(self, q0: Floats, q1: Floats, screwed: Floats | float) -> Floats:
-        """The lever arms; longer than usual if a sliding joint of the group goes beyond its limits.
-
-        Args:
-            q0: Starts.
-            q1: Ends.
-            screwed: (full nq,) how far each number gets beyond those of the ends at most, m.
-
-        Returns:
-            (nv,) as of `lever_arms`.
-        """
+    def _levers_within(self, q0: Floats, q1: Floats) -> Floats:
+        """The lever arms; longer than usual if a sliding joint of the group goes beyond its limits."""
         if not len(self._sliding):
             return self._levers
-        taken = np.abs(self._robot.expand(np.concatenate([q0, q1]))).max(axis=0, initial=0) + screwed
+        taken = np.abs(self._robot.expand(np.concatenate([q0, q1]))).max(axis=0, initial=0)
         if (taken[self._sliding] <= self._positions[self._sliding]).all():
             return self._levers
         return lever_arms(self._robot, np.maximum(self._positions, taken), self._excess)
@@ -190,30 +180,10 @@ def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) 
     return np.concatenate([_joint_levers(model, joint, reach[joint]) for joint in range(1, model.njoints)])
 
 
-# The lengths at the front of a joint's numbers, and of its velocities, where it turns as well: it moves along a screw.
+# The lengths at the front of a joint's numbers where it turns as well. On its way, a screw of at most half a turn, its
+# origin stays within half the ends' distance d of their middle m; and |m| + d / 2 is no more than the sum of the larger
+# of both ends' numbers. So levers are measured at the ends.
 _SCREWS = {"JointModelPlanar": 2, "JointModelFreeFlyer": 3}
-
-
-def _screwed(model: pin.Model, moved: Floats) -> Floats:
-    """How far the positions of planar and floating joints get beyond those of the ends of screws at most.
-
-    Along a screw the origin goes a way of the length of the velocity's linear part, so it is within half of that of
-    one of the ends.
-
-    Args:
-        model: Pinocchio's.
-        moved: (n, nv) velocities that lead from starts to ends in a unit of time.
-
-    Returns:
-        (n, full nq) m, 0 for other numbers.
-    """
-    out = np.zeros((len(moved), model.nq))
-    for joint in range(1, model.njoints):
-        lengths = _SCREWS.get(str(model.joints[joint].shortname()), 0)
-        first = model.idx_vs[joint]
-        way = np.linalg.norm(moved[:, first : first + lengths], axis=1)
-        out[:, model.idx_qs[joint] : model.idx_qs[joint] + lengths] = way[:, None] / 2
-    return out
 
 
 def _slides(model: pin.Model, joint: int) -> bool:

@@ -193,7 +193,7 @@ def test_a_floating_base_moves_along_the_group(tmp_path):
 
 @pytest.mark.parametrize("kind", ["planar", "floating"])
 def test_a_joint_in_mid_chain_makes_the_levers_before_it_longer(kind, tmp_path):
-    """Also where the screw between two of its positions leads further out than both."""
+    """Also where it goes along half a turn of a screw."""
     kinds = "revolute", kind, "revolute"
     links = "base", "a", "b", "c"
     joints = [
