@@ -84,6 +84,7 @@ class ChainedPairs:
             len(robot.link_names),
             chains.defect,
             chains.leverage,
+            chains.depth,
         )
 
 

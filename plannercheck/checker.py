@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.anchored_objects import inverse, place_objects
-from plannercheck.arrays import read_only
-from plannercheck.certified_motions import DEFAULT_TOLERANCE, MotionCertifier
+from plannercheck.arrays import contiguous, read_only
+from plannercheck.certified_motions import DEFAULT_TOLERANCE, NEAR_TURNS, MotionCertifier
 from plannercheck.checker_settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
 from plannercheck.compiled_pairs import CompiledPairs, Preparation, added
 from plannercheck.core import core
@@ -481,8 +481,9 @@ class Checker:
         """
         starts, ends = self._single(q0), self._single(q1)
         if resolution is None and self.motion_sampler.is_vector_space and starts.shape == ends.shape:
-            ends = self.motion_sampler.short_way(starts, ends)
-            return self.motion_certifier.is_free(starts[0].tolist(), ends[0].tolist(), tolerance)
+            near = self.motion_sampler.short_way(starts, ends)
+            if near is ends or (np.abs(ends) <= NEAR_TURNS).all():
+                return self.motion_certifier.is_free(starts[0].tolist(), near[0].tolist(), tolerance)
         return bool(self.check_motions(starts, ends, resolution, tolerance)[0])
 
     def check_motions(
@@ -507,7 +508,9 @@ class Checker:
         """
         starts, ends = self._motion_ends(q0, q1)
         if resolution is None:
-            return self.motion_certifier.check(starts, ends, tolerance, checked_threads(threads, len(starts)))
+            given = contiguous(q1).reshape(ends.shape)
+            threads = checked_threads(threads, len(starts))
+            return self.motion_certifier.check(starts, ends, tolerance, threads, given)
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)
@@ -532,7 +535,7 @@ class Checker:
         """
         (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
         certifier = self.motion_certifier
-        passage = certifier.passage(start, end, tolerance, proofs)
+        passage = certifier.passage(start, end, tolerance, proofs, contiguous(q1))
         prover = partial(self._proof, start, end, self.robot.check_configurations(q1)[0], tolerance)
         return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance, prover)
 

@@ -10,6 +10,7 @@ a resolution is given: see motion_validators.py.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -78,13 +79,15 @@ def setup(
     return _setup(checker, space_of(checker, curve, turning_radius), resolution, tolerance)
 
 
-def space_of(checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None) -> Space:
-    """The space in which a checker's robot is planned for; arguments as for `setup`."""
+def space_of(
+    checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None, held: Sequence[Floats] = ()
+) -> Space:
+    """The space in which a checker's robot is planned for; arguments as for `setup`, `held` as for `JointSpace`."""
     if isinstance(checker, PlanarChecker):
         return PlanarSpace(checker.robot, curve, turning_radius)
     if curve != "straight" or turning_radius is not None:
         raise PlannercheckError("curves and turning radii are for planar robots")
-    return JointSpace(checker.robot)  # type: ignore[arg-type]  # the other kind of checker
+    return JointSpace(checker.robot, *held)  # type: ignore[arg-type]  # the other kind of checker
 
 
 def clearance_objective(checker: AnyChecker, setup: Any, resolution: float = CLEARANCE_RESOLUTION) -> Any:
@@ -184,7 +187,7 @@ def plan(
     reasons = [judged(checker, q).reason(name) for name, q in ends.items()]
     if any(reasons):
         return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
-    space = space_of(checker, curve, turning_radius)
+    space = space_of(checker, curve, turning_radius, tuple(ends.values()))
     with _SILENCE():
         _seed(seed)
         setup = _setup(checker, space, resolution, DEFAULT_TOLERANCE)

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from random_branches import Joint, Tree
 
 import plannercheck as pc
 from plannercheck.motion import MOST_STEPS, MotionSampler
@@ -188,6 +189,26 @@ def test_a_floating_base_moves_along_the_group(tmp_path):
     assert not checker.check_motion(q0, q1, 0.01)
     q1[0] = -1.5
     assert checker.check_motion(q0, q1, 0.01)
+
+
+@pytest.mark.parametrize("kind", ["planar", "floating"])
+def test_a_joint_in_mid_chain_makes_the_levers_before_it_longer(kind, tmp_path):
+    """Also where it goes along half a turn of a screw."""
+    kinds = "revolute", kind, "revolute"
+    links = "base", "a", "b", "c"
+    joints = [
+        Joint(k, parent, child, (0.1, 0, 0), (0, 0, 0), (0, 0, 1))
+        for k, parent, child in zip(kinds, links[:-1], links[1:], strict=True)
+    ]
+    path = tmp_path / "tree.urdf"
+    path.write_text(Tree(tuple(joints)).with_body("c", 0.01, np.zeros(3)).urdf().replace('upper="50"', 'upper="3"'))
+    robot = pc.Robot.from_urdf(path)
+    turned = [0.0, 1.0] if kind == "planar" else [0.0, 0.0, 1.0, 0.0]
+    rest = [1.0, 0.0] if kind == "planar" else [0.0, 0.0, 0.0, 1.0]
+    place = [[x, 0.0] if kind == "planar" else [x, 0.0, 0.0] for x in (-4.0, 4.0)]
+    starts = np.array([[0.0, *place[1], *rest, 0.0], [0.0, *place[0], *rest, 0.0]])
+    ends = np.array([[1.0, *place[1], *rest, 0.0], [1.0, *place[1], *turned, 0.0]])
+    assert_small_steps(robot, starts, ends, 0.01)
 
 
 def test_groups_with_a_floating_joint_are_not_sampled():

@@ -82,7 +82,7 @@ class CentreAxis {
  private:
   static constexpr std::size_t kFewVertices = 32;  // of both (measured)
 
-  // Poses are off rigid by 1e-6 at most: radii and swells grow by as much, and the normal that is handed on, M_R M_Rᵀ
+  // Bodies are off rigid by 3.6e-6 at most: radii and swells grow by half of that, and the normal handed on, M_R M_Rᵀ
   // times the axis, is off by as much of its length, which moves differences of points by that much of theirs.
   static constexpr double kSlack = 1e-5;
   // Posing a centre or vertex errs by 7u of |coordinates| + |translation|, a direction turned into a body's frame and

@@ -8,8 +8,8 @@ namespace {
 // Distances are promised up to 1e-9 of max(distance, 1e-3 of the size).
 constexpr double kRelative = 2.5e-10, kLeastPart = 1e-3;
 
-// Poses stretch by 1e-6 at most; the rounding of a ball's centre and of distances, as a part of what goes into it. A
-// norm whose squares underflow errs by less than kTrustedLength.
+// Bodies are off rigid by 3.6e-6 at most, so they stretch by half of that; the rounding of a ball's centre and of
+// distances, as a part of what goes into it. A norm whose squares underflow errs by less than kTrustedLength.
 constexpr double kDistanceStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
 
 double total_swell(const PosedBody& a, const PosedBody& b) { return a.body->swell + b.body->swell; }

@@ -14,7 +14,7 @@ constexpr int kDouble2Rounds = 32;    // it begins near the end; what is left is
 // e = kDouble2Error; all lengths are in the unit of the pair, see below. Checked by tests/proofs/gjk_double2.
 //
 // (a) A difference: per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
-//     1 + 1e-6 long), so 3.5e as a vector; t_P − t_R is exact, two more sums: below 5.5e times the size.
+//     1 + 2e-6 long), so 3.5e as a vector; t_P − t_R is exact, two more sums: below 5.5e times the size.
 // (b) Support: d turned into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
 //     10.4e |d| r. The vertex is extreme along what was computed, exactly. Evaluating d·w errs by 3e |d| |w|, and w by
 //     (a). All of it: below 19e |d| times the size.

@@ -3,7 +3,7 @@
 namespace plannercheck {
 namespace {
 
-// Bounds, u = 2^-53, |.| Euclidean, columns of M at most 1 + 1e-6 long, r_P = reach of the guest, w = t_P − t_R,
+// Bounds, u = 2^-53, |.| Euclidean, columns of M at most 1 + 2e-6 long, r_P = reach of the guest, w = t_P − t_R,
 // c = the host's centre, δ = ‖M_RᵀM_R − 1‖. Terms of second order are covered by rounding each sum up generously.
 //
 // (a) Relative pose. fl(M_Rᵀ M_P) errs by 3u an entry at most (Cauchy-Schwarz on unit columns), 9u in the Frobenius
@@ -20,10 +20,10 @@ namespace {
 //     Counted more sharply, as tests/proofs/pair does, (b) is 33.6u and (c) 37.2u, (a) included.
 // |shift| <= |w| + |c| up to the rounding above, so one bound serves both. The walk mixes 16 points at a time (32u),
 // moves what it got towards another mixture (3u), and may mix that again: kMixtureError for each of its games.
-constexpr double kPairError = 64 * 0x1p-53;       // (a) without δ, plus the larger of (b) and (c): at most 60u
-constexpr double kMixtureError = 40 * 0x1p-53;    // of one more mixture of mixtures
-constexpr double kAxisLength = 1 + 4e-6;          // of a column of M_Rᵀ M_P: both poses are off rigid by 1e-6 at most
-constexpr double kAxisDefect = 8e-6;              // of the products of two of them, twice
+constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
+constexpr double kMixtureError = 40 * 0x1p-53;  // of one more mixture of mixtures
+constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by 3.6e-6 at most
+constexpr double kAxisDefect = 8e-6;            // of the products of two of them: M_P and M_R count
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 
 }  // namespace

@@ -23,6 +23,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.angles import nearest_turn
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.motion import MotionSampler
 from plannercheck.planar.robot import Robot
@@ -175,7 +176,7 @@ def _cut(cells: _Cells, cell: _Cell, middle: _Place) -> list[_Cell]:
 
 def _write(state: Any, pose: Floats) -> _Place:
     x, y, heading = (float(value) for value in pose[:3])
-    heading = math.remainder(heading, 2 * math.pi)
+    heading = nearest_turn(0.0, heading)
     state.setX(x)
     state.setY(y)
     state.setYaw(heading)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from ompl import base
 
-from plannercheck.angles import short_way, wrapped
+from plannercheck.angles import nearest_turns, wrapped
 from plannercheck.errors import PlannercheckError
 from plannercheck.joint_space import bounded_space
 from plannercheck.planar.curves import Curve, Curves, check_curve
@@ -110,8 +110,7 @@ class PlanarSpace:
 
     def differences(self, q0: Floats, q1: Floats) -> Floats:
         """From configurations (…, nq) to others, number by number; free angles take the short way."""
-        differences = q1 - q0
-        return np.where(self.continuous, short_way(differences), differences)
+        return np.where(self.continuous, nearest_turns(q0, q1), q1) - q0
 
     def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
         """A new OMPL state of a configuration (nq,)."""

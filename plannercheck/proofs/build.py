@@ -69,10 +69,10 @@ class Builder:
             asked_end: (nq,) as it was asked for.
             tolerance: m.
         """
-        passage = self._passage(start, end, tolerance)
+        passage = self._passage(start, end, asked_end, tolerance)
         if passage is None:
             return None
-        margin = self._margin(start, end)
+        margin = self._margin(start, end, asked_end)
         motion = Motion(*(tuple(q.tolist()) for q in (start, end, asked_end)))
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
@@ -80,25 +80,25 @@ class Builder:
         entries = _entries(empty, passage.proofs, resting)
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
 
-    def _passage(self, start: Floats, end: Floats, tolerance: float) -> Passage | None:
+    def _passage(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Passage | None:
         """What the certifier notes down of all pairs, if the motion is free.
 
         It is free within the tolerance for the pairs that can meet; others may be nearer all the time.
         """
         certifier = self._checker.motion_certifier
-        if not certifier.check(start[None], end[None], tolerance, 1)[0]:
+        if not certifier.check(start[None], end[None], tolerance, 1, asked_end[None])[0]:
             return None
         for finer in _FINER:
             try:
-                passage = certifier.passage(start, end, finer * tolerance, proofs=True)
+                passage = certifier.passage(start, end, finer * tolerance, True, asked_end)
             except PlannercheckError:  # its rounding is no small part of so small a tolerance
                 return None
             if passage.free:
                 return passage
         return None
 
-    def _margin(self, start: Floats, end: Floats) -> float:
-        error = self._checker.motion_certifier.kinematic_error(start[None], end[None])
+    def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
+        error = 2 * self._checker.motion_certifier.kinematic_error(start, end, asked_end)  # of two bodies
         largest = float(np.abs(np.concatenate([start, end])).max(initial=0.0))
         units = self._checker.robot.configuration_map.units
         off = max((abs(float(np.linalg.norm(q[a:b])) - 1) for q in (start, end) for a, b in units), default=0.0)

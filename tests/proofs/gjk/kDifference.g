@@ -8,7 +8,7 @@
 # size:   norm_1 and three sums, times the constant, plus kDenormalError, s.
 # inside: determinants of three corners, each off by x = 0.6 of `error` in units of the largest |.|_1, L: 3 error L² exceeds
 #         what that makes of one, up to x = 1/5; beyond, 3 error L² is more than L³.
-# By hand: "terms", "rows" and "vectors" (README.md); |row| and |column| <= 1 + 1e-6 (l). kDenormalError: underflow.
+# By hand: "terms", "rows" and "vectors" (README.md); |row| and |column| <= 1 + 2e-6 (l). kDenormalError: underflow.
 u = 1b-53;
 K = @kDifference@;
 turned = sqrt(3)*3*u*c*l + u*a*l + u*b*l;

@@ -1,6 +1,6 @@
 # kDefectRounding: ‖MᵀM − 1‖ as rigidity_defect computes it, in the Frobenius norm.
 #
-# entry: product and two sums of columns of length 1 + 1e-6 at most, c; three times that for nine entries; minus 1 rounds by u of
+# entry: product and two sums of columns of length 1 + 2e-6 at most, c; three times that for nine entries; minus 1 rounds by u of
 # what is left, below 1e-5, as do squares, sums and root, d; and the sum with the constant, s.
 # By hand: "terms", "rows".
 u = 1b-53;
