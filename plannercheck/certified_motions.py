@@ -154,7 +154,7 @@ class MotionCertifier:
     ) -> Bools:
         """Some rows by some pairs."""
         starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
-        error = self.kinematic_error(starts, ends)
+        error = self._kinematic_error(starts, ends)
         answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
             raise imprecise(int(rows[np.argmax(answers == _IMPRECISE)]), tolerance)
@@ -220,7 +220,7 @@ class MotionCertifier:
         part = self._live if within and not proofs else self._whole
         if part.touching:
             return Passage(False, 0.0, 0.0, part.touching[0])
-        error = self.kinematic_error(q0[None], q1[None])
+        error = self._kinematic_error(q0[None], q1[None])
         answer, until, near, row, *found = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
@@ -242,8 +242,8 @@ class MotionCertifier:
             else added(counted, self._whole.core.statistics())
         )
 
-    def kinematic_error(self, q0: Floats, q1: Floats) -> float:
-        """What computed poses may be off by on motions (n, nq) to (n, nq), m."""
+    def _kinematic_error(self, q0: Floats, q1: Floats) -> float:
+        """The bound for all configurations on these motions, m."""
         if ((q0 >= self._low) & (q0 <= self._high) & (q1 >= self._low) & (q1 <= self._high)).all():
             return self._error
         low = np.minimum(self._low, np.minimum(q0, q1).min(axis=0))

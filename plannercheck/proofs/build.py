@@ -72,7 +72,7 @@ class Builder:
         passage = self._passage(start, end, tolerance)
         if passage is None:
             return None
-        margin = self._margin(start, end)
+        margin = self._margin(start, end, asked_end)
         motion = Motion(*(tuple(q.tolist()) for q in (start, end, asked_end)))
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
@@ -97,9 +97,10 @@ class Builder:
                 return passage
         return None
 
-    def _margin(self, start: Floats, end: Floats) -> float:
-        error = self._checker.motion_certifier.kinematic_error(start[None], end[None])
-        largest = float(np.abs(np.concatenate([start, end])).max(initial=0.0))
+    def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
+        ends = np.stack([start, end, asked_end])
+        error = self._checker.robot.kinematic_error_within(ends.min(axis=0), ends.max(axis=0))
+        largest = float(np.abs(ends).max(initial=0.0))
         units = self._checker.robot.configuration_map.units
         off = max((abs(float(np.linalg.norm(q[a:b])) - 1) for q in (start, end) for a, b in units), default=0.0)
         leverage = sum(abs(factor) for joint in self._model.joints for factor in joint.multipliers)
