@@ -240,7 +240,7 @@ class MotionCertifier:
         part = self._live if within and not proofs else self._whole
         if part.touching:
             return Passage(False, 0.0, 0.0, part.touching[0])
-        error = self.kinematic_error(q0, q1, q1 if given is None else given)
+        error = self._kinematic_error(q0, q1, q1 if given is None else given)
         answer, until, near, row, *found = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
@@ -262,7 +262,7 @@ class MotionCertifier:
             else added(counted, self._whole.core.statistics())
         )
 
-    def kinematic_error(self, q0: Floats, q1: Floats, given: Floats) -> float:
+    def _kinematic_error(self, q0: Floats, q1: Floats, given: Floats) -> float:
         """What computed poses may be off by on one motion (nq,) to (nq,), whose end was given as `given`, m."""
         ((error, _),) = self._errors(q0[None], q1[None], given[None])(np.zeros(1, np.int64))
         return error

@@ -118,6 +118,10 @@ def test_a_ball_has_to_hold_its_vertices():
     assert not proof.verify()  # the cube's corners are 0.866 from its centre
     larger = claim([turn()], [replace(bodies[0], reach=0.8661), bodies[1]], (0.0,), (0.1,), proof.entries)
     assert larger.verify()
+    off = replace(
+        bodies[0], vertices=np.vstack([CUBE * 0.1, [[0.0, 0.0, 0.9]]]), reach=0.8661
+    )  # one corner alone is out
+    assert not claim([turn()], [off, bodies[1]], (0.0,), (0.1,), proof.entries).verify()
 
 
 def test_slides_multipliers_and_offsets_move_bodies():

@@ -108,7 +108,9 @@ def test_malformed_motions_are_refused():
     proof = swinging()
     for values in ((float("nan"),), (float("inf"),), (), (0.1, 0.2), (1e16,)):
         for name in ("start", "end", "asked_end"):
-            assert not replace(proof, motion=replace(proof.motion, **{name: values})).verify()
+            found = replace(proof, motion=replace(proof.motion, **{name: values})).verify()
+            assert not found
+            assert ("not finite" if len(values) == 1 else "numbers, not 1") in found.fault
     for margin in (-1e-9, float("nan"), float("inf")):
         assert not replace(proof, margin=margin).verify()
     for direction in ((float("nan"), 1.0, 0.0), (0.0, float("inf"), 0.0), (0.0, 1.0), (1e300, 1e300, 0.0)):
