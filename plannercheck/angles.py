@@ -16,7 +16,7 @@ def wrapped(angles: Floats) -> Floats:
 
 def whole_turns(differences: Floats) -> Floats:
     """What has to be taken off differences to bring them within half a turn, rad; 0 for a half turn, as OMPL has it."""
-    return np.asarray(2 * np.pi * np.round(differences / (2 * np.pi)))
+    return np.asarray(2 * np.pi * np.rint(differences / (2 * np.pi)))
 
 
 def short_way(differences: Floats) -> Floats:
