@@ -1,12 +1,16 @@
-"""Robots of the tests of proofs: random trees with every kind of joint, scenes around them, motions that are free."""
+"""What tests of proofs are about: random trees with every kind of joint, free motions, and proofs written by hand."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
 import plannercheck as pc
 from plannercheck.paths import example_robot_data
+from plannercheck.proofs import Entry, Joint, Link, Model, Motion, PosedBody, Proof
+from plannercheck.proofs.well_formed import hashes_of
 from plannercheck.robot_files import find_description, read_description
 
 KINDS = ("revolute", "continuous", "prismatic", "planar", "floating")
@@ -89,3 +93,41 @@ def free_motions(checker, count, seed, tries=400):
         q1 = q0 + (q1 - q0) * generator.uniform(0.05, 1.0, (len(q0), 1))
     free = np.flatnonzero(checker.check_motions(q0, q1))[:count]
     return q0[free], q1[free]
+
+
+STILL = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0)
+CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2.0
+
+
+def sealed(proof, **changes):
+    """A proof with changes, whose hashes are made to fit."""
+    changed = replace(proof, **changes)
+    return replace(changed, hashes=hashes_of(changed.model))
+
+
+def at(x=0.0, y=0.0, z=0.0):
+    return (1.0, 0.0, 0.0, x, 0.0, 1.0, 0.0, y, 0.0, 0.0, 1.0, z)
+
+
+def point(name, link, pose=STILL, vertices=((0.0, 0.0, 0.0),), radius=0.0, reach=1e-200):
+    return PosedBody(name, name, link, pose, np.array(vertices, dtype=np.float64), radius, 0.0, (0.0, 0.0, 0.0), reach)
+
+
+def turn(parent=-1, placement=STILL, axis=(0.0, 0.0, 1.0), column=0, multiplier=1.0, offset=0.0, kind="turn"):
+    return Joint(f"j{column}", kind, parent, placement, axis, (column,), (multiplier,), (offset,))
+
+
+def claim(joints, bodies, start, end, entries, margin=0.0, links=None, pairs=((0, 1),), asked=None, whole=()):
+    """A proof of what is given, link k on joint k."""
+    links = links or tuple(Link(f"l{k}", k, STILL) for k in range(len(joints)))
+    model = Model(tuple(joints), tuple(links), tuple(bodies), tuple(pairs), tuple(whole), len(start))
+    motion = Motion(tuple(start), tuple(end), tuple(end if asked is None else asked))
+    return Proof("space", "r", "s", hashes_of(model), model, motion, margin, tuple(entries))
+
+
+def plane(direction=(0.0, 1.0, 0.0), frame=-1, start=0.0, end=1.0, pair=0):
+    return Entry(pair, start, end, "plane", frame, tuple(map(float, direction)))
+
+
+def middle(matrix):
+    return np.array([float(x) for x in matrix.entries()]).reshape(4, 4)

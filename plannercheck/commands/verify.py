@@ -62,10 +62,27 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         "model": None if model is None else model.fault or "confirmed",
         "joined": _joined(proofs),
         "pairs": len(proofs[0].model.pairs),
+        "padding": _least_padding(proofs[0]),
+        "held": _held(proofs[0]),
         "entries": sum(each.entries for each in found),
         "seconds": sum(each.seconds for each in found),
         "motions": [_motion(proof, each) for proof, each in zip(proofs, found, strict=True)],
     }
+
+
+def _least_padding(proof: Proof) -> float | None:
+    """What every pair keeps besides not touching, m; None in the plane."""
+    model: Any = proof.model
+    if proof.kind != "space":
+        return None
+    return min((model.bodies[a].padding + model.bodies[b].padding for a, b in model.pairs), default=0.0)
+
+
+def _held(proof: Proof) -> dict[str, list[float]]:
+    """The joints that stand still, which no file says: by name, where."""
+    model: Any = proof.model
+    joints = model.joints if proof.kind == "space" else ()
+    return {joint.name: list(joint.offsets) for joint in joints if max(joint.columns) < 0}
 
 
 def _motion(proof: Proof, found: Verification) -> dict[str, Any]:
@@ -103,4 +120,7 @@ def _lines(result: dict[str, Any]) -> list[str]:
         f"  motion {k}: not proved: {motion['fault']}" for k, motion in enumerate(result["motions"]) if motion["fault"]
     ]
     model = result["model"] or "not compared with files (--robot, --scene)"
+    held = ", ".join(f"{name} = {' '.join(f'{x:.6g}' for x in values)}" for name, values in result["held"].items())
+    lines += [f"  held: {held}"] if held else []
+    lines += [f"  padding: {result['padding']:.6g} m"] if result["padding"] else []
     return [*lines, f"  model: {model}"]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from plannercheck.certificates import Separation
 from plannercheck.certified_motions import Passage
 from plannercheck.certified_motions import Proof as Plane
+from plannercheck.errors import PlannercheckError
 from plannercheck.extras import extra_module
 from plannercheck.proofs.proof import WORLD, Entry, Hashes, Model, Motion, Proof
 
@@ -88,7 +89,10 @@ class Builder:
         if not certifier.check(start[None], end[None], tolerance, 1)[0]:
             return None
         for finer in _FINER:
-            passage = certifier.passage(start, end, finer * tolerance, proofs=True)
+            try:
+                passage = certifier.passage(start, end, finer * tolerance, proofs=True)
+            except PlannercheckError:  # its rounding is no small part of so small a tolerance
+                return None
             if passage.free:
                 return passage
         return None

@@ -59,27 +59,34 @@ class Chains:
         return self._at(t, _remembered(self._points, t), above, joint)
 
     def _jet(self, span: Span, known: dict[tuple[int, int], Jet], above: int, joint: int) -> Jet:
-        if joint == above:
-            return IDENTITY
-        if (above, joint) not in known:
-            parent = self._parents[joint]
-            if parent == above:
-                known[above, joint] = self._motions[joint](ball_between(*span))
-            else:
-                last = self._jet(span, known, parent, joint)
-                known[above, joint] = product(self._jet(span, known, above, parent), last)
+        missing = self._missing(known, above, joint)
+        if not missing:
+            return IDENTITY if joint == above else known[above, joint]
+        ball = ball_between(*span)
+        for k in missing:
+            parent = self._parents[k]
+            if (parent, k) not in known:
+                known[parent, k] = self._motions[k](ball)
+            if parent != above:
+                known[above, k] = product(known[above, parent], known[parent, k])
         return known[above, joint]
 
+    def _missing(self, known: dict[tuple[int, int], Any], above: int, joint: int) -> list[int]:
+        """The joints below one on the way to another whose maps are not known, from above."""
+        found = []
+        while joint != above and (above, joint) not in known:
+            found.append(joint)
+            joint = self._parents[joint]
+        return found[::-1]
+
     def _at(self, t: float, known: dict[tuple[int, int], Any], above: int, joint: int) -> Any:
-        if joint == above:
-            return IDENTITY.value
-        if (above, joint) not in known:
-            parent = self._parents[joint]
-            if parent == above:
-                known[above, joint] = self._motions[joint](arb(t)).value
-            else:
-                known[above, joint] = self._at(t, known, above, parent) * self._at(t, known, parent, joint)
-        return known[above, joint]
+        for k in self._missing(known, above, joint):
+            parent = self._parents[k]
+            if (parent, k) not in known:
+                known[parent, k] = self._motions[k](arb(t)).value
+            if parent != above:
+                known[above, k] = known[above, parent] * known[parent, k]
+        return IDENTITY.value if joint == above else known[above, joint]
 
 
 def _remembered(known: dict[Any, dict[tuple[int, int], Any]], key: Any) -> dict[tuple[int, int], Any]:

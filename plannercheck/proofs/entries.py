@@ -27,10 +27,11 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb_mat
+from flint import arb, arb_mat
 from numpy.typing import NDArray
 
 from plannercheck.proofs.chains import Chains, off_rigid
+from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.jets import affine, times, total
 from plannercheck.proofs.proof import WORLD, Entry, Model, Motion, Proof
 from plannercheck.proofs.well_formed import unreached
@@ -42,6 +43,9 @@ DEEPEST = 7
 
 # A sum of four products in doubles errs by 4 u of their sizes to first order, what is rounded to doubles before by 1 u.
 _ROUNDING = 8 * 2.0**-53
+
+# What chains may be off rigid, norm of M^T M - 1: below this 1 / sqrt(1 - defect) < 1 + defect.
+_LARGEST_DEFECT = 1e-3
 
 # Covers some roundings of a bound that is computed in doubles.
 _UP = 1 + 2.0**-48
@@ -61,12 +65,14 @@ class Seen(NamedTuple):
         sizes: (3,) largest size of each coordinate.
         joint: That it is on.
         place: Of the points on the joint, 4 x 4.
+        centre: Of a ball, 4 x 1 on the joint; None for a hull.
     """
 
     points: Floats
     sizes: Floats
     joint: int
     place: Any
+    centre: Any = None
 
 
 class Direction(NamedTuple):
@@ -101,6 +107,8 @@ class EntryChecker:
         self._links = [affine(link.placement) for link in model.links]
         poses = [affine(body.pose) for body in model.bodies]
         off = max((float(off_rigid(pose)) for pose in poses), default=0.0)
+        if not self._chains.defect <= _LARGEST_DEFECT:
+            raise UnprovedError(f"placements and axes are off rigid by {self._chains.defect:.3g} along a chain")
         self._stretch = (1 + self._chains.defect) * (1 + off) * _UP
         self._seen = [
             Seen(
@@ -146,18 +154,22 @@ class EntryChecker:
             seen, centre = self._seen[body], np.array(self._model.bodies[body].centre)
             furthest = float(np.linalg.norm(seen.points - centre, axis=1).max())
             holds = furthest * _UP + _UNDERFLOW <= self._model.bodies[body].reach
-            self._balls[body] = Seen(centre[None], np.abs(centre), seen.joint, seen.place) if holds else None
+            on_joint = seen.place * arb_mat(4, 1, [*centre.tolist(), 1])
+            ball = Seen(centre[None], np.abs(centre), seen.joint, seen.place, on_joint)
+            self._balls[body] = ball if holds else None
         return self._balls[body]
 
     def _balls_apart(self, a: Seen, b: Seen, radii: float, span: tuple[float, float], deepest: int) -> bool:
         """Whether two balls are, over a span, along a direction that is chosen for each part of it."""
         joint = self._chains.meeting(a.joint, b.joint)
-        centres = [self._centre(seen, joint, t) for t in span for seen in (a, b)]
-        ways = centres[0] - centres[1], centres[2] - centres[3]
-        if not min(np.linalg.norm(way) for way in ways) > radii:
-            return False
-        chosen = ways[0] / np.linalg.norm(ways[0]) + ways[1] / np.linalg.norm(ways[1])
-        direction = _direction(joint, arb_mat(4, 1, [*chosen.tolist(), 0]))
+        chosen = [0.0, 0.0, 0.0]
+        for t in span:
+            way = [x - y for x, y in zip(self._centre(a, joint, t), self._centre(b, joint, t), strict=True)]
+            length = math.hypot(*way)
+            if not length > radii:
+                return False
+            chosen = [x + y / length for x, y in zip(chosen, way, strict=True)]
+        direction = _direction(joint, arb_mat(4, 1, [*chosen, 0]))
         if self._apart(a, b, direction, radii, span, 0):
             return True
         middle = (span[0] + span[1]) / 2
@@ -165,11 +177,10 @@ class EntryChecker:
             self._balls_apart(a, b, radii, part, deepest - 1) for part in ((span[0], middle), (middle, span[1]))
         )
 
-    def _centre(self, seen: Seen, joint: int, t: float) -> Floats:
+    def _centre(self, seen: Seen, joint: int, t: float) -> list[float]:
         """Where a ball's centre is in a joint's frame, in doubles: for choosing alone."""
-        map_ = self._chains.at(t, joint, seen.joint) * seen.place
-        rows = np.array([float(x) for x in map_.entries()]).reshape(4, 4)[:3]
-        return np.asarray(rows[:, :3] @ seen.points[0] + rows[:, 3])
+        column = self._chains.at(t, joint, seen.joint) * seen.centre
+        return [float(x) for x in column.entries()[:3]]
 
     def _apart(
         self, a: Seen, b: Seen, direction: Direction, radii: float, span: tuple[float, float], deepest: int
@@ -262,6 +273,9 @@ def _direction(joint: int, column: Any) -> Direction:
 def lowest(seen: Seen, row: Any) -> float:
     """At most the least value of a linear function (w, s) on a body's points; -infinity or NaN if it is not known."""
     entries = row.entries()
+    if len(seen.points) == 1:
+        value = sum((x * arb(c) for x, c in zip(entries, seen.points[0].tolist(), strict=False)), entries[3]).lower()
+        return float(value) - abs(float(value)) * _ROUNDING - _UNDERFLOW
     middles = np.array([float(x) for x in entries])
     loose = np.array([float(x.rad()) for x in entries]) + np.abs(middles) * _ROUNDING
     values = seen.points @ middles[:3] + middles[3]
