@@ -284,6 +284,33 @@ def test_states_with_a_contact_are_invalid(far):
     assert judged == 250
 
 
+@pytest.mark.parametrize("far", [0.0, 1e3, 1e6])
+def test_branches_with_a_contact_far_from_the_origin_are_invalid(far):
+    """A speck on a second branch at a furthest vertex: circles are posed in doubles that are far too coarse for it."""
+    generator, size = np.random.default_rng(19), 1e-4
+    for _ in range(150):
+        corners = size * (generator.uniform(-1, 1, 2) + np.array([[0, 0], [1, 0.2], [0.3, 0.9]]))
+        base = P.Link("base", [[0.0, 0.0]], joint="free")
+        branches = [
+            P.Link(name, corners, "base", (*generator.uniform(-size, size, 2), 0.1), "revolute")
+            for name in ("one", "two")
+        ]
+        q = generator.uniform(-1, 1, 5) * [far, far, 3, 3, 3]
+        _, one, two = P.Robot([base, *branches]).link_poses(q)
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        vertex = corners[np.argmax(np.hypot(*(corners - middle).T))]
+        m, n = ([[Fraction(value) for value in row] for row in pose[:2].tolist()] for pose in (one, two))
+        way = [m[k][0] * Fraction(vertex[0]) + m[k][1] * Fraction(vertex[1]) + m[k][2] - n[k][2] for k in range(2)]
+        det = n[0][0] * n[1][1] - n[0][1] * n[1][0]
+        x = float((way[0] * n[1][1] - way[1] * n[0][1]) / det)
+        y = float((way[1] * n[0][0] - way[0] * n[1][0]) / det)
+        speck = [x, y] + 1e-14 * size * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        robot = P.Robot([base, branches[0], P.Link("two", speck, "base", branches[1].anchor, "revolute")])
+        checker = P.Checker(robot)
+        assert not checker.is_valid(q)
+        assert not checker.check_states(np.repeat(q[None], 9, axis=0)).any()
+
+
 def test_tiny_bodies_that_touch_are_never_apart():
     """Squares of lengths about 1e-162 m are a few of the least doubles."""
     for scale in (1e-140, 1e-155, 1e-161, 1.5e-162, 1.6e-162, 1.8e-162, 5e-163, 1e-200, 1e-310):

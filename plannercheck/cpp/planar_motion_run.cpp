@@ -29,7 +29,7 @@ constexpr double kPlanarRoundingPart = 1.0 / 4;
 }  // namespace
 
 struct PlanarLine {
-  bool valid = false;
+  std::uint64_t motion = 0;   // by which it was found; of another motion it counts for nothing
   PlanarDirection direction;  // in the pair's frame
 };
 
@@ -57,10 +57,10 @@ class PlanarCertifier::Workspace {
     std::iota(all.begin(), all.end(), 0);
   }
 
-  // Of earlier motions: what they left could settle an interval that by itself rounds to the other side.
-  void forget() {
+  // The lines of earlier motions end with that: they could settle an interval that by itself rounds to the other side.
+  void begin_motion() {
+    ++motion;
     failures.clear();
-    std::fill(lines.begin(), lines.end(), PlanarLine{});
   }
 
   PlanarGrid grid;
@@ -70,6 +70,7 @@ class PlanarCertifier::Workspace {
   std::vector<PlanarFailure> failures;  // a stack: grids inside grids
   std::vector<PlanarLine> lines;        // per pair
   std::vector<std::int32_t> all;
+  std::uint64_t motion = 0;  // how many were begun
   PlanarMotionCounters counters;
 };
 
@@ -84,7 +85,7 @@ class PlanarRun {
 
   MotionReport run() {
     ++w_.counters.motions;
-    w_.forget();
+    w_.begin_motion();
     const double rounding = certifier_.rounding(motion_);
     if (!(rounding <= kPlanarRoundingPart * given_tolerance_)) return {MotionAnswer::kImprecise, 0, 0, -1};
     for (std::size_t k = 0; k < motion_.count; ++k) {
@@ -187,9 +188,9 @@ class PlanarRun {
       if (depth < found.depth) found.depth = depth, found.state = i;
     }
     PlanarLine& line = w_.lines[at(index)];
-    if (!line.valid) {
+    if (line.motion != w_.motion) {
       const PlanarVector v = w_.grid.place_of(pair.frame, found.state).turned_back(between(pair, found.state));
-      line = {true, PlanarDirection::along(v)};
+      line = {w_.motion, PlanarDirection::along(v)};
     }
     return found;
   }
@@ -256,7 +257,7 @@ class PlanarRun {
   bool sweep(PairState& s, const PlanarPlaces* at_ends, int count, double limit) {
     ++w_.counters.swept;
     const PlanarApart answer = planar_apart(hull(s.pair.a), hull(s.pair.b), at_ends, count, limit, s.line.direction);
-    s.line = {true, answer.direction};
+    s.line = {w_.motion, answer.direction};
     s.measured = 0;
     return answer.apart;
   }
