@@ -514,7 +514,7 @@ def test_far_headings_in_the_plane_are_judged_as_they_are_posed_or_refused(power
             continue
         judged += 1
         assert not any(free)
-    assert judged or power >= (9 if curve == "straight" else 6)
+    assert judged or power >= 6
 
 
 # A square of 2 µm, 3 m out.
