@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
 from plannercheck.output_files import written_aside
-from plannercheck.reading import within
 
 _MAGIC = b"plannercheck body"
 _HASH_BYTES = 32
@@ -43,8 +42,7 @@ def write(path: Path, data: bytes, mode: int = 0o666) -> None:
         PlannercheckError: If the folder can't be written to.
     """
     content = _header() + hashlib.sha256(data).digest() + data
-    with within("body"):
-        written_aside(path, lambda aside: aside.write_bytes(content), mode)
+    written_aside(path, lambda aside: aside.write_bytes(content), mode)
 
 
 def read(path: Path) -> bytes:

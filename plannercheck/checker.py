@@ -29,7 +29,7 @@ from plannercheck.motion import MotionSampler
 from plannercheck.motion_verdicts import explained_motion
 from plannercheck.never_meeting import MeetingProofs
 from plannercheck.padding import Padding, padded_pairs
-from plannercheck.pair import Method, certify, pair_options
+from plannercheck.pair import Method, certify_posed, pair_options
 from plannercheck.pairs import Acm, pair_table
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 from plannercheck.robot import Robot
@@ -641,7 +641,7 @@ class Checker:
 
     def _pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
         a, b = (int(i) for i in self.pairs[k])
-        certificate = certify(self._preparation.polytope(a), self._preparation.polytope(b), poses[a], poses[b])
+        certificate = certify_posed(self._preparation.polytope(a), self._preparation.polytope(b), poses[a], poses[b])
         first, second = self.pair_names(k)
         return PairVerdict(first, second, self.bodies[a].name, self.bodies[b].name, colliding, certificate)
 

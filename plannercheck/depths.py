@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.distances import distance
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
-from plannercheck.shapes import POSED_TOLERANCE, checked_pose
+from plannercheck.shapes import checked_pose
 
 Floats = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def depth(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: Arr
             f"depths are for small bodies: {len(P.vertices)} times {len(R.vertices)} vertices are more than "
             f"{MOST_DIFFERENCES}; distance(...).lower_bound bounds the depth of any bodies"
         )
-    poses = [checked_pose(pose, name, POSED_TOLERANCE) for pose, name in ((pose_p, "pose_p"), (pose_r, "pose_r"))]
+    poses = [checked_pose(pose, name) for pose, name in ((pose_p, "pose_p"), (pose_r, "pose_r"))]
     apart = distance(P, R, *poses)
     if apart.distance > 0:
         return Depth(0.0, 0.0, apart.direction)

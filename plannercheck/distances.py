@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.core import core
 from plannercheck.hull import Polytope
-from plannercheck.shapes import POSED_TOLERANCE, checked_pose
+from plannercheck.shapes import checked_pose
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def distance(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: 
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    poses = (checked_pose(pose, name, POSED_TOLERANCE)[None] for pose, name in ((pose_p, "pose_p"), (pose_r, "pose_r")))
+    poses = (checked_pose(pose, name)[None] for pose, name in ((pose_p, "pose_p"), (pose_r, "pose_r")))
     first, second = poses
     overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, first, R.core, second)
     return Distance(0.0 if overlap[0] else float(found[0]), on_p[0], on_r[0], float(lower[0]), along[0])

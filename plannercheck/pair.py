@@ -127,7 +127,14 @@ def certify(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    pose_p, pose_r = _posed(pose_p, "pose_p"), _posed(pose_r, "pose_r")
+    return certify_posed(P, R, _posed(pose_p, "pose_p"), _posed(pose_r, "pose_r"), method)
+
+
+def certify_posed(
+    P: Polytope, R: Polytope, pose_p: ArrayLike, pose_r: ArrayLike, method: Method = "oracle"
+) -> Certificate:
+    """`certify` of two bodies that links pose, which may be off rigid by more than given poses (unit_lengths.py)."""
+    pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
     bodies = PosedBody(P.vertices, pose_p, P.swell), PosedBody(R.vertices, pose_r, R.swell)
     for stage in (method, METHODS[-1]):
         found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
@@ -139,7 +146,7 @@ def certify(
 
 
 def _posed(pose: ArrayLike | None, name: str) -> NDArray[np.float64]:
-    return checked_pose(pose, name, POSED_TOLERANCE)
+    return checked_pose(pose, name)
 
 
 def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:

@@ -28,6 +28,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 
 Floats = NDArray[np.float64]
@@ -48,7 +49,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class UnitLengths:
+class UnitLengths(OwnsArrays):
     """What may be off length 1, and what it stretches.
 
     Attributes:
