@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck import exact
+from plannercheck.arrays import OwnsArrays
 from plannercheck.fcl_bodies import FclBodies
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ _BLOCK = 256
 
 
 @dataclass(frozen=True, eq=False)
-class Disagreement:
+class Disagreement(OwnsArrays):
     """A pair of bodies on which the checker and FCL differ.
 
     Attributes:

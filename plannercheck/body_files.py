@@ -9,8 +9,8 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import stat
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError
+from plannercheck.output_files import written_aside
 
 _MAGIC = b"plannercheck body"
 _HASH_BYTES = 32
@@ -29,27 +30,19 @@ def _header() -> bytes:
     return _MAGIC + f" {core.body_format} {sys.byteorder}\n".encode()
 
 
-def write(path: Path, data: bytes) -> None:
+def write(path: Path, data: bytes, mode: int = 0o666) -> None:
     """Writes data with header and hash; the file appears whole or not at all.
 
     Args:
         path: The file; its folder must exist.
         data: A serialised body.
+        mode: Of the file, less what the process's mask takes away.
 
     Raises:
         PlannercheckError: If the folder can't be written to.
     """
-    try:
-        handle, aside = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(_header() + hashlib.sha256(data).digest() + data)
-            Path(aside).replace(path)
-        except BaseException:
-            Path(aside).unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise PlannercheckError(f"can't write the body to {path}: {error}") from error
+    content = _header() + hashlib.sha256(data).digest() + data
+    written_aside(path, lambda aside: aside.write_bytes(content), mode)
 
 
 def read(path: Path) -> bytes:
@@ -82,19 +75,36 @@ def read(path: Path) -> bytes:
     return data
 
 
-def read_if_valid(path: Path) -> bytes | None:
-    """The data of a file, or None if there is no such file that is whole and of this version."""
+def read_cached(path: Path) -> bytes | None:
+    """The data of a file of the cache, or None if there is none that can be relied on.
+
+    It has to be whole, of this version and of this name, a plain file, and the user's own (or root's) that nobody else
+    can write to: who shares a folder with others gets no body from them.
+    """
+    key = bytes.fromhex(path.stem)
     try:
-        return read(path)
-    except PlannercheckError:
+        if not _is_own_file(path):
+            return None
+        data = read(path)
+    except (PlannercheckError, OSError):
         return None
+    return data[len(key) :] if data.startswith(key) else None
 
 
-def write_if_possible(path: Path, data: bytes) -> None:
+def _is_own_file(path: Path) -> bool:
+    """Whether nobody but the user and root could have written a file; it is not opened, which may block."""
+    found = path.lstat()
+    if not stat.S_ISREG(found.st_mode):
+        return False
+    own = not hasattr(os, "geteuid") or found.st_uid in (os.geteuid(), 0)
+    return own and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def write_to_cache(path: Path, data: bytes) -> None:
     """Writes to the cache; a cache that can't be written is no error."""
     with contextlib.suppress(PlannercheckError, OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        write(path, data)
+        write(path, bytes.fromhex(path.stem) + data, mode=0o644)
 
 
 def cache_folder() -> Path | None:

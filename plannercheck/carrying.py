@@ -1,7 +1,7 @@
-"""Objects that a robot's links carry: which of its links they are tested against, and where they are on their link.
+"""Objects that a robot's links carry: which of its links they are tested against.
 
 In: a robot's links and bodies, attached objects of a scene. Out: the pairs that carried bodies add to the robot's self
-pairs, and poses on links. As in MoveIt, a carried object is tested against all links but the one that carries it and
+pairs. As in MoveIt, a carried object is tested against all links but the one that carries it and
 its touch links, and against all other carried objects but those on the same link and those that either names as one of
 its touch links.
 """
@@ -11,19 +11,10 @@ from __future__ import annotations
 import itertools
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.scene_objects import SceneObject
 from plannercheck.shapes import Body
-
-if TYPE_CHECKING:
-    from plannercheck.robot import Robot
-
-Floats = NDArray[np.float64]
 
 
 def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[Body]) -> None:
@@ -75,30 +66,3 @@ def carried_pairs(objects: Sequence[SceneObject], bodies: Sequence[Body]) -> lis
         if a.link != b.link and a.name not in b.touch_links and b.name not in a.touch_links
     ]
     return with_links + among
-
-
-def on_links(robot: Robot, objects: Sequence[SceneObject]) -> tuple[SceneObject, ...]:
-    """The objects with poses on their links, where they are given in another frame at some configuration."""
-    return tuple(_on_link(robot, item) for item in objects)
-
-
-def _on_link(robot: Robot, item: SceneObject) -> SceneObject:
-    if item.anchor is None:
-        return item
-    known = {joint: value for joint, value in item.anchor.joints.items() if joint in robot.model.names}
-    posed = robot.holding(known)
-    poses = posed.link_poses(posed.reference)
-    if item.link not in robot.link_names:
-        raise unknown_name(f"link that carries {item.name!r}", str(item.link), robot.link_names)
-    if item.anchor.frame and item.anchor.frame not in robot.link_names:
-        raise unknown_name(f"frame of attached object {item.name!r}", item.anchor.frame, robot.link_names)
-    frame = poses[robot.link_index(item.anchor.frame)] if item.anchor.frame else np.eye(4)
-    return item.moved(inverse(poses[robot.link_index(item.link)]) @ frame @ item.pose)
-
-
-def inverse(pose: Floats) -> Floats:
-    """Of a rigid transform (4, 4)."""
-    out = np.eye(4)
-    out[:3, :3] = pose[:3, :3].T
-    out[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return out

@@ -20,6 +20,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 from plannercheck.integers import IntegerHull, Integers, in_common_unit, negated
 from plannercheck.integers import dot as product
@@ -42,7 +43,7 @@ class UnprovedVerdictError(PlannercheckError):
 
 
 @dataclass(frozen=True, eq=False)
-class PosedBody:
+class PosedBody(OwnsArrays):
     """A body that a certificate is about.
 
     Attributes:
@@ -92,7 +93,7 @@ class ExactPoint:
 
 
 @dataclass(frozen=True, eq=False)
-class Mixture:
+class Mixture(OwnsArrays):
     """A convex combination of vertices.
 
     Attributes:
@@ -114,7 +115,7 @@ class Mixture:
 
 
 @dataclass(frozen=True, eq=False)
-class Separation:
+class Separation(OwnsArrays):
     """A plane between two bodies: normal · x > offset for all x of the first, < offset for all of the second.
 
     The doubles are rounded; `exact` gives the plane that separates strictly.
@@ -168,7 +169,7 @@ class Separation:
 
 
 @dataclass(frozen=True, eq=False)
-class SharedPoint:
+class SharedPoint(OwnsArrays):
     """A point of both bodies.
 
     Attributes:

@@ -21,7 +21,7 @@ from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
 from plannercheck.integers import IntegerHull, Integers
-from plannercheck.pair import certify
+from plannercheck.pair import certify_posed
 from plannercheck.shapes import Body, hull_and_swell
 
 Floats = NDArray[np.float64]
@@ -146,7 +146,7 @@ class _Certification:
     def _is_proved(self, pair: int, poses: Floats, colliding: bool) -> bool:
         p, r = self._checker.pairs[pair].tolist()
         try:
-            certificate = certify(self._polytope(p), self._polytope(r), poses[p], poses[r])
+            certificate = certify_posed(self._polytope(p), self._polytope(r), poses[p], poses[r])
         except UnprovedVerdictError:
             return False
         return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()

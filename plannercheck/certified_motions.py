@@ -10,6 +10,7 @@ what rounding moves (`Robot.kinematic_error`, and the core's own bound).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -33,6 +34,9 @@ DEFAULT_TOLERANCE = 1e-4
 
 # Beyond the limits by this much, rad and m, the bound of kinematic rounding is computed once for all.
 _MARGIN = 10.0
+
+# Continuous joints are within it up to here, rad.
+NEAR_TURNS = math.pi + _MARGIN
 
 # MotionAnswer in cpp/motion_certifier.hpp.
 _FREE, _REFUSED, _IMPRECISE = 0, 1, 2
@@ -121,14 +125,18 @@ class MotionCertifier:
         self._limits = limits
         low, high = robot.configuration_map.sampled_range()
         self._low, self._high = low - _MARGIN, high + _MARGIN
-        self._range = limits if limits is not None else (self._low, self._high)
         self._error = robot.kinematic_error_within(self._low, self._high)
+        self._far_errors: dict[bytes, float] = {}
+        self._turns = bool(robot.configuration_map.turning_columns().any())
+        self._range = self._low, self._high
+        if limits is not None:
+            self._range = np.maximum(limits[0], self._low), np.minimum(limits[1], self._high)
 
     @cached_property
     def _whole(self) -> ChainedPairs:
         return self._live if self._limits is None else self._compile_whole()
 
-    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int) -> Bools:
+    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int, given: Floats | None = None) -> Bools:
         """Whether each motion (n, nq) to (n, nq) is free.
 
         Args:
@@ -136,25 +144,34 @@ class MotionCertifier:
             q1: Ends; numbers that are no quaternions or the like are gone through linearly.
             tolerance: m.
             threads: How many to use.
+            given: (n, nq) the ends before whole turns were taken off, if any were: they are posed with more rounding.
 
         Returns:
             (n,) True means proved free, False that some pair comes within the tolerance.
         """
         check_tolerance(tolerance)
         within = self._within_limits(q0, q1)
+        by_error = self._errors(q0, q1, q1 if given is None else given)
         free = np.empty(len(q0), dtype=bool)
         for rows, whole in ((np.flatnonzero(within), False), (np.flatnonzero(~within), True)):
             if len(rows):
                 part = self._whole if whole else self._live
-                free[rows] = self._judged(part, q0, q1, rows, tolerance, threads)
+                for error, chosen in by_error(rows):
+                    free[chosen] = self._judged(part, q0, q1, chosen, tolerance, error, threads)
         return free
 
     def _judged(
-        self, part: ChainedPairs, q0: Floats, q1: Floats, rows: NDArray[np.int64], tolerance: float, threads: int
+        self,
+        part: ChainedPairs,
+        q0: Floats,
+        q1: Floats,
+        rows: NDArray[np.int64],
+        tolerance: float,
+        error: float,
+        threads: int,
     ) -> Bools:
-        """Some rows by some pairs."""
+        """Some rows by some pairs; `error` is the bound of their kinematics' rounding."""
         starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
-        error = self._kinematic_error(starts, ends)
         answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
             raise imprecise(int(rows[np.argmax(answers == _IMPRECISE)]), tolerance)
@@ -203,7 +220,9 @@ class MotionCertifier:
     def _elsewhere(self, tolerance: float, q0: list[float], q1: list[float]) -> bool:
         return self._is_free_anywhere(q0, q1, tolerance)
 
-    def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
+    def passage(
+        self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False, given: Floats | None = None
+    ) -> Passage:
         """How far one motion (nq,) to (nq,) is free, looked at from its start.
 
         Args:
@@ -211,6 +230,7 @@ class MotionCertifier:
             q1: End.
             tolerance: m.
             proofs: Whether to give those of all pairs that can move against each other.
+            given: (nq,) the end before whole turns were taken off.
 
         Returns:
             The passage.
@@ -220,7 +240,7 @@ class MotionCertifier:
         part = self._live if within and not proofs else self._whole
         if part.touching:
             return Passage(False, 0.0, 0.0, part.touching[0])
-        error = self._kinematic_error(q0[None], q1[None])
+        error = self._kinematic_error(q0, q1, q1 if given is None else given)
         answer, until, near, row, *found = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
@@ -242,13 +262,43 @@ class MotionCertifier:
             else added(counted, self._whole.core.statistics())
         )
 
-    def _kinematic_error(self, q0: Floats, q1: Floats) -> float:
-        """The bound for all configurations on these motions, m."""
-        if ((q0 >= self._low) & (q0 <= self._high) & (q1 >= self._low) & (q1 <= self._high)).all():
+    def _kinematic_error(self, q0: Floats, q1: Floats, given: Floats) -> float:
+        """What computed poses may be off by on one motion (nq,) to (nq,), whose end was given as `given`, m."""
+        ((error, _),) = self._errors(q0[None], q1[None], given[None])(np.zeros(1, np.int64))
+        return error
+
+    def _errors(
+        self, q0: Floats, q1: Floats, given: Floats
+    ) -> Callable[[NDArray[np.int64]], list[tuple[float, NDArray[np.int64]]]]:
+        """What puts rows of motions by the bound, m, that holds for both ends, as judged and as given, and between.
+
+        A row's bound depends on nothing but the row: that of the range around the limits if the row is within it; else
+        of one that reaches to the next powers of 2 in the columns in which it is not.
+        """
+        low, high = self._low, self._high
+        near = (q0 >= low) & (q0 <= high) & (given >= low) & (given <= high)
+        if self._turns:  # else these are the given ends
+            near &= (q1 >= low) & (q1 <= high)
+        if near.all():
+            return lambda rows: [(self._error, rows)]
+        furthest = np.max([np.abs(q0), np.abs(q1), np.abs(given)], axis=0)
+        powers = np.where(near, -1.0, np.ceil(np.log2(np.maximum(furthest, 1.0))))
+        return lambda rows: self._by_powers(powers[rows], rows)
+
+    def _by_powers(self, powers: Floats, rows: NDArray[np.int64]) -> list[tuple[float, NDArray[np.int64]]]:
+        kinds, kind_of = np.unique(powers, axis=0, return_inverse=True)
+        return [(self._far_error(kind), rows[kind_of.ravel() == k]) for k, kind in enumerate(kinds)]
+
+    def _far_error(self, powers: Floats) -> float:
+        """The bound where columns (nq,) reach to powers of 2, -1 for those within the range."""
+        if (powers < 0).all():
             return self._error
-        low = np.minimum(self._low, np.minimum(q0, q1).min(axis=0))
-        high = np.maximum(self._high, np.maximum(q0, q1).max(axis=0))
-        return self._robot.kinematic_error_within(low, high)
+        key = powers.tobytes()
+        if key not in self._far_errors:
+            reach = np.where(powers < 0, 0.0, 2.0**powers)
+            low, high = np.minimum(self._low, -reach), np.maximum(self._high, reach)
+            self._far_errors[key] = self._robot.kinematic_error_within(low, high)
+        return self._far_errors[key]
 
 
 def _proofs(part: ChainedPairs, pairs: Ints, intervals: Floats, directions: Floats, gaps: Floats) -> list[Proof]:

@@ -15,7 +15,7 @@ from plannercheck.compiled_pairs import CompiledPairs, mounted
 from plannercheck.core import core
 from plannercheck.hull import Polytope
 from plannercheck.motion_chains import motion_chains
-from plannercheck.pair import certify
+from plannercheck.pair import certify_posed
 from plannercheck.robot import Robot
 from plannercheck.shapes import Body
 
@@ -84,6 +84,7 @@ class ChainedPairs:
             len(robot.link_names),
             chains.defect,
             chains.leverage,
+            chains.depth,
         )
 
 
@@ -97,5 +98,5 @@ def _ordered(pairs: NDArray[np.int32], links: Sequence[int]) -> NDArray[np.int32
 
 def _lastingly_apart(pair: NDArray[np.int32], polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
     a, b = pair.tolist()
-    certificate = certify(polytopes[a], polytopes[b], poses[a], poses[b])
+    certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
     return isinstance(certificate, Separation) and certificate.gap > _LASTING_GAP

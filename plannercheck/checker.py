@@ -10,14 +10,15 @@ import copy
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
-from typing import Any, Literal
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.carrying import inverse
-from plannercheck.certified_motions import DEFAULT_TOLERANCE, MotionCertifier
+from plannercheck.anchored_objects import inverse, place_objects
+from plannercheck.arrays import contiguous, read_only
+from plannercheck.certified_motions import DEFAULT_TOLERANCE, NEAR_TURNS, MotionCertifier
 from plannercheck.checker_settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
 from plannercheck.compiled_pairs import CompiledPairs, Preparation, added
 from plannercheck.core import core
@@ -28,13 +29,18 @@ from plannercheck.motion import MotionSampler
 from plannercheck.motion_verdicts import explained_motion
 from plannercheck.never_meeting import MeetingProofs
 from plannercheck.padding import Padding, padded_pairs
-from plannercheck.pair import Method, certify, pair_options
+from plannercheck.pair import Method, certify_posed, pair_options
 from plannercheck.pairs import Acm, pair_table
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
 from plannercheck.scene_objects import Parts
 from plannercheck.shapes import DEFAULT_EXCESS, Body
+from plannercheck.threads import checked_threads
+
+if TYPE_CHECKING:
+    from plannercheck.proofs.build import Builder
+    from plannercheck.proofs.proof import Proof
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -45,7 +51,7 @@ Ints = NDArray[np.int32]
 _BOUND_ROUNDS = 2
 
 # Attributes that hold compiled objects or a lock, which a pickle can't have; they are made anew.
-_COMPILED = frozenset({"_live", "_judge_row", "_whole", "_lock", "_proofs", "motion_certifier"})
+_COMPILED = frozenset({"_live", "_judge_row", "_whole", "_lock", "_proofs", "motion_certifier", "_prover"})
 
 
 class Checker:
@@ -53,7 +59,7 @@ class Checker:
 
     Attributes:
         robot: The robot.
-        scene: The scene, as it was when the checker was built.
+        scene: The scene, as it was when the checker was built; all its objects have their places.
         bodies: The robot's collision bodies, then the scene's, or what stands in for them; then copies for pairs with
             a padding of their own.
         pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
@@ -144,13 +150,15 @@ class Checker:
         """Builds all that depends on the scene, from what another checker of the same settings has where it holds."""
         settings = self._settings
         self.scene = scene.copy()
+        place_objects(settings.robot, self.scene)
         self.robot = robot = self._carrier(earlier)
         bodies = stand_ins(settings.bodies, (*robot.bodies, *self.scene.bodies))
         table = pair_table(robot, self.scene, settings.self_collision, settings.acm)
         labels = (*(b.label for b in robot.bodies), *self.scene.body_objects)
         padding = settings.padding if earlier is None else known_parts(settings.padding, bodies, labels)
         padded = padded_pairs(padding, bodies, labels, (table.pairs, table.resting))
-        self.bodies, self._labels, self.paddings, (self.pairs, at_rest) = padded
+        self.bodies, self._labels, paddings, (pairs, at_rest) = padded
+        self.paddings, self.pairs = read_only(paddings), read_only(pairs)
         self._kernel = robot.kinematics if settings.kinematics == "batch" else None
         self._preparation = Preparation(
             self.bodies, self.excess, self.paddings, None if earlier is None else earlier._preparation
@@ -158,12 +166,12 @@ class Checker:
         self._proofs = self._meeting_proofs(None if earlier is None else earlier._proofs)
         candidates = np.concatenate([self.pairs, at_rest])
         apart, resting = self._proofs.of(candidates) if settings.reach else np.zeros((2, len(candidates)), dtype=bool)
-        self.unreachable, self.resting = apart[: len(self.pairs)], resting[: len(self.pairs)]
+        self.unreachable, self.resting = read_only(apart[: len(self.pairs)]), read_only(resting[: len(self.pairs)])
         self._limits = (robot.lower, robot.upper) if self.unreachable.any() else None
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
         self._judge_row = self._row_validity()
         self._whole: CompiledPairs | None = None
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # a finaliser that runs while its holder compiles may ask, too
         shared = earlier is not None and earlier.robot is robot
         self.motion_sampler = earlier.motion_sampler if earlier and shared else MotionSampler(robot, self.excess)
         never_moving = self.pairs[self.resting & ~self.unreachable & self._with_carried()]
@@ -189,7 +197,7 @@ class Checker:
         self._proofs = self._meeting_proofs(None)
         self._live = self._compiled(self.pairs, np.flatnonzero(~self.unreachable), self._limits)
         self._judge_row = self._row_validity()
-        self._whole, self._lock = None, threading.Lock()
+        self._whole, self._lock = None, threading.RLock()
 
     def _with_carried(self) -> Bools:
         """(k,) which of `pairs` have a body that a link carries."""
@@ -197,15 +205,12 @@ class Checker:
         return np.asarray(carried[self.pairs].any(axis=1))
 
     def _carrier(self, earlier: Checker | None) -> Robot:
-        """The robot with what the scene attaches to it; the scene then has poses on links."""
+        """The robot with what the scene attaches to it."""
         carried = (*self._settings.robot.carried, *self.scene.attached)
         if earlier is not None and earlier.robot.carried == carried:
             return earlier.robot
         robot = self._settings.robot
-        if self.scene.attached:
-            robot = robot.carrying(carried)
-            self.scene.anchored(robot.carried)
-        return robot
+        return robot.carrying(carried) if self.scene.attached else robot
 
     def with_scene(self, scene: Scene | None) -> Checker:
         """The same checker for another scene, e.g. this one's, in which something was moved, added or attached.
@@ -227,7 +232,8 @@ class Checker:
         if self._settings.bodies is not None:
             raise PlannercheckError("a checker with stand-ins for its bodies can't take another scene: build a new one")
         other = copy.copy(self)
-        other.__dict__.pop("motion_certifier", None)  # it is cached, for this scene
+        for name in ("motion_certifier", "_prover"):  # they are cached, for this scene
+            other.__dict__.pop(name, None)
         other._prepare(scene if scene is not None else Scene("empty"), self)
         return other
 
@@ -379,7 +385,7 @@ class Checker:
             (n,), True means valid.
         """
         rows = self.robot.check_configurations(q)
-        threads = _useful_threads(threads, len(rows))
+        threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return np.asarray(self._all.core.first_of_poses(self._link_poses(rows), threads) < 0)
         return self._judged(lambda table, part: table.core.check_states(self._kernel, part, threads).view(bool), rows)
@@ -395,7 +401,7 @@ class Checker:
             (n,) rows of `pairs`, -1 where the configuration is valid.
         """
         rows = self.robot.check_configurations(q)
-        threads = _useful_threads(threads, len(rows))
+        threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return self._all.named(self._all.core.first_of_poses(self._link_poses(rows), threads))
         return self._judged(
@@ -475,8 +481,9 @@ class Checker:
         """
         starts, ends = self._single(q0), self._single(q1)
         if resolution is None and self.motion_sampler.is_vector_space and starts.shape == ends.shape:
-            ends = self.motion_sampler.short_way(starts, ends)
-            return self.motion_certifier.is_free(starts[0].tolist(), ends[0].tolist(), tolerance)
+            near = self.motion_sampler.short_way(starts, ends)
+            if near is ends or (np.abs(ends) <= NEAR_TURNS).all():
+                return self.motion_certifier.is_free(starts[0].tolist(), near[0].tolist(), tolerance)
         return bool(self.check_motions(starts, ends, resolution, tolerance)[0])
 
     def check_motions(
@@ -501,7 +508,9 @@ class Checker:
         """
         starts, ends = self._motion_ends(q0, q1)
         if resolution is None:
-            return self.motion_certifier.check(starts, ends, tolerance, _useful_threads(threads, len(starts)))
+            given = contiguous(q1).reshape(ends.shape)
+            threads = checked_threads(threads, len(starts))
+            return self.motion_certifier.check(starts, ends, tolerance, threads, given)
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)
@@ -526,8 +535,41 @@ class Checker:
         """
         (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
         certifier = self.motion_certifier
-        passage = certifier.passage(start, end, tolerance, proofs)
-        return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance)
+        passage = certifier.passage(start, end, tolerance, proofs, contiguous(q1))
+        prover = partial(self._proof, start, end, self.robot.check_configurations(q1)[0], tolerance)
+        return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance, prover)
+
+    def certify_motions(
+        self, q0: ArrayLike, q1: ArrayLike, tolerance: float = DEFAULT_TOLERANCE, threads: int = 1
+    ) -> tuple[Proof | None, ...]:
+        """Proofs of motions that anyone can check, without this checker (`Proof.verify`, `Proof.save`).
+
+        Args:
+            q0: (n, nq) starts, rad and m.
+            q1: (n, nq) ends.
+            tolerance: As for `check_motion`.
+            threads: How many to use for finding out which motions are free.
+
+        Returns:
+            One a motion, None where it is not free.
+
+        Raises:
+            PlannercheckError: If Pinocchio itself poses, or python-flint is not installed.
+        """
+        free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads)
+        (starts, ends), asked = self._motion_ends(q0, q1), self.robot.check_configurations(q1)
+        rows = zip(starts, ends, asked, free.tolist(), strict=True)
+        return tuple(self._proof(q, end, to, tolerance) if passed else None for q, end, to, passed in rows)
+
+    def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Proof | None:
+        return self._prover.proof(start, end, asked_end, tolerance)
+
+    @cached_property
+    def _prover(self) -> Builder:
+        """Builds proofs of motions; made when it is first needed."""
+        from plannercheck.proofs.build import Builder  # needs python-flint
+
+        return Builder(self)
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:
@@ -599,7 +641,7 @@ class Checker:
 
     def _pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
         a, b = (int(i) for i in self.pairs[k])
-        certificate = certify(self._preparation.polytope(a), self._preparation.polytope(b), poses[a], poses[b])
+        certificate = certify_posed(self._preparation.polytope(a), self._preparation.polytope(b), poses[a], poses[b])
         first, second = self.pair_names(k)
         return PairVerdict(first, second, self.bodies[a].name, self.bodies[b].name, colliding, certificate)
 
@@ -683,12 +725,6 @@ class Checker:
 
     def __repr__(self) -> str:
         return f"Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
-
-
-def _useful_threads(threads: int, rows: int) -> int:
-    if not isinstance(threads, int) or threads < 1:
-        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
-    return min(threads, max(rows, 1))
 
 
 def _never_known(q: ArrayLike) -> None:

@@ -17,6 +17,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.compiled_pairs import CompiledPairs, Preparation
 from plannercheck.configurations import joint_width
 from plannercheck.errors import PlannercheckError
@@ -84,7 +85,7 @@ class LinkPair:
 
 
 @dataclass(frozen=True, eq=False)
-class CollisionMatrix:
+class CollisionMatrix(OwnsArrays):
     """All pairs of links of a robot.
 
     Attributes:

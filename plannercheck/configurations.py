@@ -17,8 +17,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import contiguous
+from plannercheck.arrays import OwnsArrays, contiguous
 from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.unit_lengths import UnitLengths, unit_lengths
 from plannercheck.urdf import Mimic
 
 Floats = NDArray[np.float64]
@@ -27,18 +28,14 @@ Ints = NDArray[np.int32]
 PLAIN, COSINE, SINE = 0, 1, 2
 
 # Pinocchio marks a missing limit by the largest double.
-_NO_LIMIT = 1e300
-
-# How far the length of a quaternion or of a (cosine, sine) may be from 1: keeps ||M^T M - 1|| of the rotation
-# below the 1e-6 that a pose is allowed, and lets values pass that were rounded to single precision.
-UNIT_TOLERANCE = 2e-7
+NO_LIMIT = 1e300
 
 # Range in m from which positions without limits are sampled.
 _UNLIMITED_RANGE = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class ConfigurationMap:
+class ConfigurationMap(OwnsArrays):
     """How a group's configuration becomes Pinocchio's.
 
     Attributes:
@@ -50,7 +47,7 @@ class ConfigurationMap:
         multipliers: (full nq,) applied to the column's value.
         offsets: (full nq,) added to it; the held value itself where there is no column.
         roles: (full nq,) PLAIN for the value itself, COSINE or SINE of it.
-        units: (start, stop) of columns that form a unit vector: quaternions, cosine and sine.
+        lengths: Of the columns that form unit vectors: quaternions, cosine and sine.
     """
 
     joint_names: tuple[str, ...]
@@ -60,7 +57,12 @@ class ConfigurationMap:
     multipliers: Floats
     offsets: Floats
     roles: Ints
-    units: tuple[tuple[int, int], ...]
+    lengths: UnitLengths
+
+    @property
+    def units(self) -> tuple[tuple[int, int], ...]:
+        """(start, stop) of columns that form a unit vector."""
+        return self.lengths.columns
 
     @property
     def width(self) -> int:
@@ -96,8 +98,8 @@ class ConfigurationMap:
             )
         rows = array.reshape(-1, self.width)
         _check_finite(rows)
-        for start, stop in self.units:
-            _check_unit(rows, start, stop)
+        if self.lengths.columns:
+            self.lengths.check(rows)
         return rows
 
     def random(self, n: int, seed: int | np.random.Generator | None) -> Floats:
@@ -122,6 +124,18 @@ class ConfigurationMap:
         high = np.where(np.isinf(self.upper), np.maximum(low + 2 * unlimited, unlimited), self.upper)
         return low, high
 
+    def turning_columns(self) -> NDArray[np.bool_]:
+        """(nq,) columns that a whole turn does not change: continuous joints, unless a joint follows otherwise.
+
+        Followers turn whole turns, too, if they are continuous and their multiplier is a whole number; one of half the
+        speed, or one that slides, is elsewhere after a turn of its leader.
+        """
+        free = np.isinf(self.lower) & np.isinf(self.upper)
+        whole = (self.roles != PLAIN) & (self.multipliers == np.round(self.multipliers))
+        used = np.bincount(self.columns[self.columns >= 0], minlength=self.width)
+        good = np.bincount(self.columns[(self.columns >= 0) & whole], minlength=self.width)
+        return np.asarray(free & (used == good))
+
     def roles_of_columns(self) -> Ints:
         """(nq,) a role in which each column of the group's configuration is used."""
         roles = np.zeros(self.width, dtype=np.int32)
@@ -133,12 +147,12 @@ class ConfigurationMap:
 def whole_robot(model: pin.Model) -> ConfigurationMap:
     """The map of a robot without a group: Pinocchio's own q, mimic joints independent."""
     full = model.nq
-    units = [(start + j.idx_q, stop + j.idx_q) for j in _joints(model) for start, stop in _unit_parts(j)]
     lower, upper = _limits(model)
     zeros = np.zeros(full)
     roles = np.zeros(full, dtype=np.int32)
     columns = np.arange(full, dtype=np.int32)
-    return ConfigurationMap(tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, tuple(units))
+    lengths = unit_lengths(model, columns.tolist(), zeros, [False] * full)
+    return ConfigurationMap(tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, lengths)
 
 
 def planning_group(
@@ -159,7 +173,7 @@ def planning_group(
     full = model.nq
     columns, multipliers = np.full(full, -1, dtype=np.int32), np.zeros(full)
     offsets, roles = np.zeros(full), np.zeros(full, dtype=np.int32)
-    starts, limits, units = _group_columns(model, joints)
+    starts, limits = _group_columns(model, joints)
     for joint in _joints(model):
         name = model.names[joint.id]
         leader, multiplier, offset = followed(name, mimics, starts)
@@ -173,7 +187,8 @@ def planning_group(
         else:
             offsets[entries] = values[name]
     lower, upper = (np.array([pair[side] for pair in limits]) for side in (0, 1))
-    return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, units)
+    lengths = unit_lengths(model, columns.tolist(), offsets, (roles != PLAIN).tolist())
+    return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, lengths)
 
 
 def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> tuple[str, float, float]:
@@ -230,33 +245,19 @@ def _joints(model: pin.Model) -> Iterator[pin.JointModel]:
 
 def _limits(model: pin.Model) -> tuple[Floats, Floats]:
     lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
-    lower[lower < -_NO_LIMIT], upper[upper > _NO_LIMIT] = -np.inf, np.inf
+    lower[lower < -NO_LIMIT], upper[upper > NO_LIMIT] = -np.inf, np.inf
     return lower, upper
 
 
-def _unit_parts(joint: pin.JointModel) -> list[tuple[int, int]]:
-    """(start, stop) of a joint's numbers that form a unit vector."""
-    if is_continuous(joint):
-        return [(0, 2)]
-    kinds = {"JointModelFreeFlyer": (3, 7), "JointModelSpherical": (0, 4), "JointModelPlanar": (2, 4)}
-    part = kinds.get(joint.shortname())
-    return [part] if part else []
-
-
-def _group_columns(
-    model: pin.Model, joints: Sequence[str]
-) -> tuple[dict[str, int], list[tuple[float, float]], tuple[tuple[int, int], ...]]:
-    """First column of each joint, limits of all columns, and which columns form unit vectors."""
+def _group_columns(model: pin.Model, joints: Sequence[str]) -> tuple[dict[str, int], list[tuple[float, float]]]:
+    """First column of each joint, and limits of all columns."""
     starts: dict[str, int] = {}
     limits: list[tuple[float, float]] = []
-    units: list[tuple[int, int]] = []
     for name in joints:
         joint = joint_by_name(model, name)
-        first = starts[name] = len(limits)
+        starts[name] = len(limits)
         limits += joint_limits(model, joint)
-        if not is_continuous(joint):
-            units += [(first + start, first + stop) for start, stop in _unit_parts(joint)]
-    return starts, limits, tuple(units)
+    return starts, limits
 
 
 # Beyond this, products of poses could overflow; no joint gets there.
@@ -269,15 +270,4 @@ def _check_finite(rows: Floats) -> None:
         row = int(np.flatnonzero(~usable.all(axis=1))[0])
         raise PlannercheckError(
             f"configurations must be finite (and at most {LARGEST_VALUE:g}); row {row} is {rows[row].tolist()}"
-        )
-
-
-def _check_unit(rows: Floats, start: int, stop: int) -> None:
-    length = np.linalg.norm(rows[:, start:stop], axis=1)
-    bad = np.flatnonzero(np.abs(length - 1.0) > UNIT_TOLERANCE)
-    if len(bad):
-        row = int(bad[0])
-        kind = "a quaternion" if stop - start == 4 else "cosine and sine"
-        raise PlannercheckError(
-            f"columns {start} to {stop - 1} are {kind}, of length 1; in row {row} it is {length[row]}"
         )

@@ -14,8 +14,6 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import io
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,8 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck import body_files
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
+from plannercheck.isolated import run_isolated
 from plannercheck.triangle_meshes import TriangleMesh
 
 Floats = NDArray[np.float64]
@@ -69,7 +69,7 @@ class Decomposition:
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class Pieces(OwnsArrays):
     """A decomposed mesh.
 
     Attributes:
@@ -105,11 +105,11 @@ def pieces_of(mesh: TriangleMesh, options: Decomposition, name: str = "mesh") ->
         PlannercheckError: If CoACD is not installed or fails.
     """
     cache = _cache_file(mesh, options)
-    if cache is not None and (data := body_files.read_if_valid(cache)) is not None:
+    if cache is not None and (data := body_files.read_cached(cache)) is not None:
         return _unpacked(data)
     pieces = repaired(mesh, _coacd(mesh.outward, options, name), options.slack)
     if cache is not None:
-        body_files.write_if_possible(cache, _packed(pieces))
+        body_files.write_to_cache(cache, _packed(pieces))
     return pieces
 
 
@@ -206,8 +206,7 @@ def _coacd(mesh: TriangleMesh, options: Decomposition, name: str) -> list[Floats
         seed=options.seed,
         preprocess="off" if mesh.is_watertight else "auto",
     )
-    command = [sys.executable, "-m", "plannercheck.coacd_worker"]
-    ran = subprocess.run(command, input=given.getvalue(), capture_output=True, check=False)
+    ran = run_isolated("plannercheck.coacd_worker", content=given.getvalue())
     if ran.returncode:
         last = " ".join(ran.stderr.decode(errors="replace").split())[-300:]
         raise PlannercheckError(f"{name}: CoACD fails ({ran.returncode}): {last}")

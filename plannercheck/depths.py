@@ -4,7 +4,8 @@ In: two prepared bodies of few vertices that overlap, and their poses. Out: a `D
 span the bodies' Minkowski difference, in which the origin lies; the depth is the origin's distance from its boundary.
 The hull of the differences is built with exact predicates. Its triangles' normals are directions to try, along each of
 which the vertices say how far the bodies are in each other: any of these lengths is enough. The origin's distance from
-the nearest triangle bounds all of them from below. What swells add, they add to both.
+the nearest triangle bounds all of them from below. What swells add, they add to both. Both bounds are proved: what
+rounding can do to them is added to the one and taken from the other.
 
 The number of differences is the product of the vertices' numbers, so this is for small bodies; `distance` bounds the
 depth of any from above.
@@ -30,9 +31,9 @@ MOST_DIFFERENCES = 100_000
 # Of all lengths that go into a bound: rounding of posed points, differences and products, some ten operations.
 _ROUNDING = 64 * 2.0**-53
 
-# Triangles thinner than this part of their longest edge have no reliable normal; they are as near as their edges, less
-# their width.
-_THIN = 1e-7
+# A triangle's normal, the product of two of its edges, errs by less than 4 u of the longest edge's square; so does the
+# height over the triangle, a product with a corner, relative to the corner's length. Twice that is taken.
+_NORMAL_ROUNDING = 8 * 2.0**-53
 
 
 @dataclass(frozen=True)
@@ -40,9 +41,10 @@ class Depth:
     """How deep two bodies are in each other.
 
     Attributes:
-        depth: Translating the first body by this along `direction` parts the bodies, up to contact, m; 0 if they share
-            no point.
-        lower_bound: No shorter translation does, m. Both differ by rounding alone.
+        depth: Translating the first body by this along `direction` parts the bodies, up to contact, m, rounded up; 0
+            if they share no point.
+        lower_bound: No shorter translation does, m. Both differ by rounding alone, unless the hull of all differences
+            of vertices has needle-like triangles.
         direction: (3,) unit vector in the world.
     """
 
@@ -77,18 +79,21 @@ def depth(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: Arr
     if apart.distance > 0:
         return Depth(0.0, 0.0, apart.direction)
     swell = P.swell + R.swell
-    if swell > 0 and distance(Polytope(P.vertices), Polytope(R.vertices), *poses).distance > 0:
-        return Depth(-apart.lower_bound, -apart.lower_bound, apart.direction)  # the hulls are apart: nothing is missed
+    hulls = distance(Polytope(P.vertices), Polytope(R.vertices), *poses) if swell > 0 else apart
     on_p, on_r = (b.vertices @ pose[:3, :3].T + pose[:3, 3] for b, pose in zip((P, R), poses, strict=True))
+    extent = float(np.abs(on_p).max() + np.abs(on_r).max()) + swell
+    rounding = _ROUNDING * extent
+    if hulls.distance > 0:  # within their swells: what is missing to those is the depth
+        upper = swell - hulls.lower_bound + rounding
+        return Depth(upper, max(swell - hulls.distance - rounding, 0.0), hulls.direction)
     differences = (on_p[:, None] - on_r).reshape(-1, 3)
     hull = Polytope(differences)
     normals = _normals(hull)
     reached = (hull.vertices @ normals.T).max(axis=0)
     best = int(reached.argmin())
-    extent = float(np.abs(on_p).max() + np.abs(on_r).max()) + swell
-    upper = max(float(reached[best]), 0.0)
-    lower = max(float(_from_triangles(hull).min()) - _ROUNDING * extent, 0.0) if hull.dimension == 3 else 0.0
-    return Depth(upper + swell, min(lower, upper) + swell, -normals[best])
+    upper = max(float(reached[best]), 0.0) + swell + rounding
+    lower = max(float(_from_triangles(hull).min()) - rounding, 0.0) if hull.dimension == 3 else 0.0
+    return Depth(upper, lower + swell * (1 - _ROUNDING), -normals[best])
 
 
 def _normals(hull: Polytope) -> Floats:
@@ -103,18 +108,26 @@ def _normals(hull: Polytope) -> Floats:
 
 
 def _from_triangles(hull: Polytope) -> Floats:
-    """At most the origin's distance from each triangle of a hull, (m,)."""
+    """At most the origin's distance from each triangle of a hull that holds it, (m,).
+
+    Over a triangle that is its height; beside one, the distance from its edges. Where rounding leaves open which, the
+    smaller of both counts, and of a needle at least what its edges say, less its width.
+    """
     corners = hull.vertices[hull.faces]
     edges = np.roll(corners, -1, axis=1) - corners
-    squares = np.maximum((edges**2).sum(axis=2), np.finfo(float).tiny)
+    lengths = np.linalg.norm(edges, axis=2)
+    squares = np.maximum(lengths**2, np.finfo(float).tiny)
     t = np.clip(-(corners * edges).sum(axis=2) / squares, 0, 1)
-    from_edges = np.linalg.norm(corners + t[..., None] * edges, axis=2).min(axis=1)
+    furthest = np.linalg.norm(corners, axis=2).max(axis=1)
+    from_edges = np.linalg.norm(corners + t[..., None] * edges, axis=2).min(axis=1) - _ROUNDING * furthest
     normals = np.cross(edges[:, 0], edges[:, 1])
-    areas = np.linalg.norm(normals, axis=1)
-    longest = np.sqrt(squares.max(axis=1))
-    width = areas / longest
-    thin = width < _THIN * longest
+    areas, longest = np.linalg.norm(normals, axis=1), lengths.max(axis=1)
+    error = _NORMAL_ROUNDING * (longest**2 + areas)  # of the normal
     inward = np.cross(normals[:, None], edges)
-    above = (-(corners * inward).sum(axis=2) >= 0).all(axis=1)
-    height = np.abs((corners[:, 0] * normals).sum(axis=1)) / np.maximum(areas, np.finfo(float).tiny)
-    return np.asarray(np.where(thin, from_edges - width, np.where(above, height, from_edges)))
+    inside = -(corners * inward).sum(axis=2)
+    beside = (inside < -(error * furthest * longest)[:, None]).any(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        height = (np.abs((corners[:, 0] * normals).sum(axis=1)) - error * furthest) / (areas + error)
+    needle = from_edges - (areas + error) / longest
+    over = np.fmax(np.fmin(height, from_edges), needle)
+    return np.asarray(np.where(beside, from_edges, over))

@@ -24,8 +24,8 @@ class Distance:
     """How far apart two bodies are.
 
     Attributes:
-        distance: In m, within 1e-9 of max(distance, 1e-3 of the larger body's radius); 0 if and only if the bodies
-            share a point, by the exact verdict.
+        distance: In m, within 1e-9 of max(distance, 1e-3 of the larger body's radius), or within 1e-319 m, where
+            doubles are too coarse; 0 if and only if the bodies share a point, by the exact verdict.
         point_p: (3,) in the world, m: of the first body, nearest to the second. If they overlap: the point of the
             first body that is deepest in the second along the way out that was found.
         point_r: (3,) in the world, m: of the second body, nearest to the first. If they overlap: where `point_p` gets

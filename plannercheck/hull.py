@@ -193,13 +193,22 @@ def prepared(
     """
     points = _checked_points(vertices, name)
     cache = body_files.cache_file(points, faces, swell)
-    if cache is not None and (data := body_files.read_if_valid(cache)) is not None:
+    if cache is not None and (data := body_files.read_cached(cache)) is not None:
         with contextlib.suppress(PlannercheckError):  # a damaged file is prepared anew
-            return Polytope._from_bytes(data)
+            found = Polytope._from_bytes(data)
+            if _is_of(found, points, swell):
+                return found
     polytope = Polytope(points, faces, swell, name)
     if cache is not None:
-        body_files.write_if_possible(cache, polytope.core.serialise())
+        body_files.write_to_cache(cache, polytope.core.serialise())
     return polytope
+
+
+def _is_of(body: Polytope, points: Floats, swell: float) -> bool:
+    """Whether a body's vertices are some of these points, and its swell is this one."""
+    source = body.source
+    known = not len(source) or bool(source.min() >= 0 and source.max() < len(points))
+    return known and body.swell == swell and body.vertices.tobytes() == points[source].tobytes()
 
 
 def _read_only(array: NDArray[Any]) -> NDArray[Any]:

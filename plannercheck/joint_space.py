@@ -3,7 +3,9 @@
 In: a robot. Out: `JointSpace`: an OMPL state space, and how its states become configurations and back.
 
 With bounded joints alone the space is a RealVectorStateSpace. Continuous joints of a planning group are SO2
-spaces; then the space is a compound of one part a joint, weighted equally.
+spaces; then the space is a compound of one part a joint, weighted equally. A continuous joint that another follows at
+half the speed, or along a slide, is elsewhere after a whole turn: it is a real number between bounds of our own, and
+goes the way that the certifier judges.
 """
 
 from __future__ import annotations
@@ -16,39 +18,47 @@ import numpy as np
 from numpy.typing import NDArray
 from ompl import base
 
-from plannercheck.angles import short_way, wrapped
-from plannercheck.configurations import is_continuous
+from plannercheck.angles import nearest_turn, nearest_turns, wrapped
+from plannercheck.configurations import PLAIN, ConfigurationMap, is_continuous
 from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
 
 Floats = NDArray[np.float64]
 
 
-# Columns that are angles, of robots that have been planned for: asking Pinocchio takes a tenth of a short plan's time.
-_CONTINUOUS: WeakKeyDictionary[Robot, NDArray[np.bool_]] = WeakKeyDictionary()
+# What is asked of robots that have been planned for: asking Pinocchio takes a tenth of a short plan's time.
+_COLUMNS: WeakKeyDictionary[Robot, tuple[NDArray[np.bool_], Floats, Floats]] = WeakKeyDictionary()
 
 
 class JointSpace:
     """The joint space of a robot.
 
     Attributes:
-        continuous: (nq,) which columns are angles without limits.
+        continuous: (nq,) which columns are angles that a whole turn does not change.
         is_straight: Motions are straight, joint by joint.
     """
 
     is_straight: Literal[True] = True
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, *held: Floats) -> None:
         """Looks at the joints.
+
+        Args:
+            robot: The robot.
+            held: Configurations (nq,) that the bounds are to hold, where a joint has no limits of its own.
 
         Raises:
             PlannercheckError: For a joint that takes several numbers, or that has no limits and is no angle.
         """
-        self._lower, self._upper = robot.lower, robot.upper
-        if robot not in _CONTINUOUS:
-            _CONTINUOUS[robot] = _continuous_columns(robot)
-        self.continuous = _CONTINUOUS[robot]
-        self._turning = bool(self.continuous.any())
+        if robot not in _COLUMNS:
+            _COLUMNS[robot] = _columns(robot)
+        self.continuous, lower, upper = _COLUMNS[robot]
+        free = np.isinf(robot.lower) & ~self.continuous
+        self._names, self._free = robot.joint_names, np.flatnonzero(free).tolist()
+        self._lower = np.where(free, np.min([lower, *held], axis=0), lower)
+        self._upper = np.where(free, np.max([upper, *held], axis=0), upper)
+        self._turns: list[bool] = self.continuous.tolist()
+        self._turning = any(self._turns)
         self._columns = range(robot.nq)
 
     def ompl_space(self) -> Any:
@@ -68,7 +78,18 @@ class JointSpace:
         return [state[k].value if turning else state[k][0] for k, turning in enumerate(self.continuous.tolist())]
 
     def write(self, state: Any, q: Sequence[float] | Floats) -> None:
-        """Sets an OMPL state to a configuration (nq,); angles are brought to [-pi, pi)."""
+        """Sets an OMPL state to a configuration (nq,); angles are brought to [-pi, pi).
+
+        Raises:
+            PlannercheckError: If a joint without limits, which no whole turn brings back, is beyond the space's bounds.
+        """
+        for k in self._free:
+            if not self._lower[k] <= q[k] <= self._upper[k]:
+                raise PlannercheckError(
+                    f"joint {self._names[k]!r} is {q[k]:g}, the space reaches from {self._lower[k]:g} to "
+                    f"{self._upper[k]:g}: another joint follows it, so that whole turns count; plan() makes the space "
+                    "as large as its start and goal need"
+                )
         if not self._turning:
             state[0 : len(self._columns)] = [float(value) for value in q]
             return
@@ -80,15 +101,13 @@ class JointSpace:
 
     def differences(self, q0: Floats, q1: Floats) -> Floats:
         """From configurations (…, nq) to others, joint by joint; angles take the short way."""
-        differences = q1 - q0
-        return np.where(self.continuous, short_way(differences), differences) if self._turning else differences
+        return (np.where(self.continuous, nearest_turns(q0, q1), q1) if self._turning else q1) - q0
 
     def end(self, q0: list[float], q1: list[float]) -> list[float]:
         """The end of a motion from q0 to q1 on which angles take the short way."""
         if not self._turning:
             return q1
-        way = self.differences(np.array(q0), np.array(q1))
-        return [a + d if turns else b for a, b, d, turns in zip(q0, q1, way.tolist(), self.continuous, strict=True)]
+        return [nearest_turn(a, b) if turns else b for a, b, turns in zip(q0, q1, self._turns, strict=True)]
 
     def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
         """A new OMPL state of a configuration (nq,); it frees itself, which states of the space do not."""
@@ -108,21 +127,32 @@ def bounded_space(lower: Floats, upper: Floats) -> Any:
     return space
 
 
-def _continuous_columns(robot: Robot) -> NDArray[np.bool_]:
+def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats]:
+    """(nq,) which columns whole turns do not change, and bounds of the others."""
     model = robot.model
     joints = [model.joints[model.getJointId(name)] for name in robot.joint_names]
-    turning = [robot.group is not None and is_continuous(joint) for joint in joints]
-    for name, joint, free in zip(robot.joint_names, joints, turning, strict=True):
-        if joint.nq != 1 and not free:
+    angles = [robot.group is not None and is_continuous(joint) for joint in joints]
+    for name, joint, angle in zip(robot.joint_names, joints, angles, strict=True):
+        if joint.nq != 1 and not angle:
             raise PlannercheckError(
                 f"joint {name!r} of {robot.name} takes {joint.nq} numbers, planning needs one each: choose "
                 "a planning group without it (robot.with_group), in which continuous joints are angles"
             )
-    for name, free, low, high in zip(robot.joint_names, turning, robot.lower, robot.upper, strict=True):
-        if not free and not (np.isfinite(low) and np.isfinite(high)):
+    for name, angle, low, high in zip(robot.joint_names, angles, robot.lower, robot.upper, strict=True):
+        if not angle and not (np.isfinite(low) and np.isfinite(high)):
             raise PlannercheckError(
                 f"joint {name!r} of {robot.name} has limits {low:g} to {high:g}: planning needs both"
             )
-    columns = np.array(turning, dtype=bool)
+    columns = robot.configuration_map.turning_columns()
+    lower, upper = robot.lower, robot.upper
+    for k in np.flatnonzero(np.array(angles, dtype=bool) & ~columns).tolist():
+        upper[k] = _free_range(robot.configuration_map, k)
+        lower[k] = -upper[k]
     columns.flags.writeable = False
-    return columns
+    return columns, lower, upper
+
+
+def _free_range(used: ConfigurationMap, column: int) -> float:
+    """How far from 0 an angle without limits goes in planning: a whole turn of its own and of each angle behind it."""
+    followers = (used.columns == column) & (used.roles != PLAIN) & (used.multipliers != 0)
+    return float(np.pi * (1 / np.abs(used.multipliers[followers])).max(initial=1.0))

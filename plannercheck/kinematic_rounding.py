@@ -51,9 +51,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.configurations import UNIT_TOLERANCE
 from plannercheck.kinematics import JointTable
 from plannercheck.shapes import Body, Capsule, Cone, Cylinder, Shape, Sphere
+from plannercheck.unit_lengths import UNIT_TOLERANCE
 
 Floats = NDArray[np.float64]
 

@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from plannercheck.arrays import read_only
 from plannercheck.configurations import COSINE, ConfigurationMap
 from plannercheck.core import core
 
@@ -84,7 +85,7 @@ def joint_table(model: pin.Model, configurations: ConfigurationMap, frames: Sequ
         return None
     kinds, axes, columns, multipliers, offsets = zip(*joints, strict=True) if joints else ((), (), (), (), ())
     link_frames = [model.frames[i] for i in frames]
-    return JointTable(
+    table = JointTable(
         configurations.width,
         np.array([model.parents[i] - 1 for i in range(1, model.njoints)], dtype=np.int32),
         np.array(kinds, dtype=np.int32),
@@ -96,6 +97,9 @@ def joint_table(model: pin.Model, configurations: ConfigurationMap, frames: Sequ
         np.array([frame.parentJoint - 1 for frame in link_frames], dtype=np.int32),
         _placements([frame.placement for frame in link_frames]),
     )
+    for array in table[1:]:
+        read_only(array)
+    return table
 
 
 def compiled_kinematics(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> Any | None:

@@ -12,7 +12,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.configurations import PLAIN
+from plannercheck.angles import nearest_turns
+from plannercheck.configurations import NO_LIMIT
 from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
 from plannercheck.shapes import DEFAULT_EXCESS, hull_and_swell
@@ -41,7 +42,7 @@ class MotionSampler:
         self._positions = np.maximum(_limits(robot.model), np.abs(robot.expand(robot.reference)))
         self._levers = lever_arms(robot, self._positions, excess)
         self._sliding = _sliding_columns(robot)
-        self._turning = _turning_columns(robot)
+        self._turning = np.flatnonzero(robot.configuration_map.turning_columns())
         self.is_vector_space = len(robot.joint_names) == robot.nq  # one number a joint: angles and lengths
         self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
 
@@ -66,13 +67,21 @@ class MotionSampler:
             )
         return steps.astype(np.int64)
 
+    @property
+    def whole_turns(self) -> NDArray[np.int64]:
+        """Columns that are angles of which a whole turn changes nothing, so that motions take the short way."""
+        return self._turning
+
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
-        """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; these stay as they are."""
+        """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; the same if they are."""
         if not len(self._turning):
             return q1
+        given = q1[..., self._turning]
+        near = nearest_turns(q0[..., self._turning], given)
+        if near is given:
+            return q1
         ends = q1.copy()
-        way = ends[..., self._turning] - q0[..., self._turning]
-        ends[..., self._turning] -= 2 * np.pi * np.round(way / (2 * np.pi))
+        ends[..., self._turning] = near
         return ends
 
     def _way(self, q0: Floats, q1: Floats) -> Floats:
@@ -118,13 +127,6 @@ class MotionSampler:
             if not checker.check_states(self.states(q0, q1, parameters[first : first + _BATCH])).all():
                 return False
         return True
-
-
-def _turning_columns(robot: Robot) -> NDArray[np.int64]:
-    """Columns of a group that a whole turn does not change: continuous joints, unless one follows at half speed."""
-    used, free = robot.configuration_map, np.isinf(robot.lower) & np.isinf(robot.upper)
-    whole = (used.roles != PLAIN) & (used.multipliers == np.round(used.multipliers))
-    return np.array([c for c in np.flatnonzero(free) if whole[used.columns == c].all()], dtype=np.int64)
 
 
 def _column_levers(robot: Robot, levers: Floats) -> Floats:
@@ -183,15 +185,22 @@ def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) 
     return np.concatenate([_joint_levers(model, joint, reach[joint]) for joint in range(1, model.njoints)])
 
 
+# The lengths at the front of a joint's numbers where it turns as well. On its way, a screw of at most half a turn, its
+# origin stays within half the ends' distance d of their middle m; and |m| + d / 2 is no more than the sum of the larger
+# of both ends' numbers. So levers are measured at the ends.
+_SCREWS = {"JointModelPlanar": 2, "JointModelFreeFlyer": 3}
+
+
 def _slides(model: pin.Model, joint: int) -> bool:
-    """Whether a joint is prismatic (along an axis of its own or of the frame) or planar."""
-    return str(model.joints[joint].shortname()).startswith(("JointModelP", "JointModelMimicP"))
+    """Whether a joint is prismatic, along an axis of its own or of the frame."""
+    name = str(model.joints[joint].shortname())
+    return name not in _SCREWS and name.startswith(("JointModelP", "JointModelMimicP"))
 
 
 def _sliding_part(model: pin.Model, joint: int) -> slice:
     """The numbers of Pinocchio's configurations that are lengths along which a joint slides; may be none."""
-    first, count = model.idx_qs[joint], model.nqs[joint]
-    lengths = min(count, 2) if _slides(model, joint) else 0  # a planar joint has x, y, cosine and sine
+    first = model.idx_qs[joint]
+    lengths = 1 if _slides(model, joint) else _SCREWS.get(str(model.joints[joint].shortname()), 0)
     return slice(first, first + lengths)
 
 
@@ -206,7 +215,7 @@ def _sliding_columns(robot: Robot) -> NDArray[np.int64]:
 def _limits(model: pin.Model) -> Floats:
     """(full nq,) the limit that is further from 0; 0 where there is none."""
     limits = np.abs([model.lowerPositionLimit, model.upperPositionLimit])
-    return np.asarray(np.where(np.isfinite(limits), limits, 0.0).max(axis=0))
+    return np.asarray(np.where(limits < NO_LIMIT, limits, 0.0).max(axis=0))
 
 
 def _joint_levers(model: pin.Model, joint: int, reach: float) -> Floats:

@@ -7,8 +7,13 @@ The arms. A point of a joint's axis stays where it is on both links that the joi
 its points are within D(c) of a point c on the first axis; a point c' on the next axis is on the same link as c, so the
 body's points are within D(c) + |c - c'| of it, and their distance from that axis is at most D(c) plus that of c. Both
 bounds are taken at their least over a few points of each axis, at one configuration: lengths within a link do not
-change. What joints in between slide comes on top, as the motion has it. A joint without an axis has one point, its
-origin.
+change. A joint without an axis has one point, its origin.
+
+What slides. Joints that slide are at rest at that configuration, so the origins of the links before and after them
+coincide there, and at any other are as far apart as the joint has slid, its extent over the motion. That comes on top
+of each length that leads over the joint. A joint's own arm is counted from the origin of the link after it, about which
+it turns. If the body is beyond that link, no length leads over the joint itself; if the body is on the other side
+(the frame is the one that hangs on the joint), it does, and its own extent counts as well.
 
 The frame. Any link on the way from one body to the other will do; the certificate's error is the sum of both sides',
 and grows with the joints of a side one by one (cpp/motion_bounds.hpp), so a frame in the middle is best. The link is
@@ -27,20 +32,16 @@ from numpy.typing import NDArray
 
 from plannercheck.configurations import ConfigurationMap
 from plannercheck.kinematics import JointTable
+from plannercheck.motion_drives import defect, drives
 from plannercheck.shapes import Body, hull_and_swell
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-# The kernel's joint kinds (JointKind in cpp/kinematics.hpp).
-_LAST_TURN, _LAST_UNIT_TURN, _SLIDE = 3, 7, 8
+# The kernel's kind of a prismatic joint (JointKind in cpp/kinematics.hpp); what takes several numbers comes after it.
+_SLIDE = 8
 
-# DriveKind in cpp/motion_bounds.hpp and PartKind in cpp/configuration_path.hpp, by the kernel's kind.
-_TURN_DRIVE, _SLIDE_DRIVE, _PART_DRIVE = 0, 1, 2
-_CIRCLE = 0
-_PARTS = {9: 1 + 1, 10: 1, 11: 3}
-
-# Poses stretch by 1e-6 at most, as the contract says, and lengths are rounded.
+# Bodies are off rigid by 3.6e-6 at most (unit_lengths.py), so lengths stretch by half of that; and they are rounded.
 _STRETCH = 1 + 2e-6
 
 # Points of an axis that are tried: the feet of the origins of this many joints before and after it on the way.
@@ -53,7 +54,8 @@ class Entry(NamedTuple):
     Attributes:
         joint: Index into the table's joints.
         arm: How far the body's points get from its axis, but for what `slides` slide, m.
-        slides: Joints between this one and the body that slide.
+        slides: Joints that slide and lie between the body and the link after this one: this one itself, too, if it
+            slides and is crossed from the child's side.
     """
 
     joint: int
@@ -87,8 +89,9 @@ class MotionChains:
         drives: (joints, 2) kind (turn, slide, or part) and column of each of the table's joints.
         factors: (joints, 2) multiplier and offset of its value.
         parts: (parts, 2) kind and first column of what is no single number.
-        defect: How far all placements together are off rigid, norm of M^T M - 1.
+        defect: How far all placements and held joints together are off rigid, norm of M^T M - 1.
         leverage: Sum of all multipliers.
+        depth: How many quaternions, cosines and sines of a configuration are on one chain at most.
     """
 
     pairs: tuple[ChainedPair, ...]
@@ -98,6 +101,7 @@ class MotionChains:
     parts: Ints
     defect: float
     leverage: float
+    depth: int
 
     def arrays(self) -> tuple[NDArray[np.generic], ...]:
         """Pairs, drives, factors, first entries, entries, arms, slides, parts: what the core takes."""
@@ -147,9 +151,10 @@ def motion_chains(
     return MotionChains(
         chained,
         tuple(builder.chains),
-        *_drives(table),
-        _defect(table),
+        *drives(table),
+        defect(table),
         float(max(1.0, np.abs(table.multipliers).sum())),
+        configurations.lengths.depth,
     )
 
 
@@ -211,6 +216,10 @@ class _Tree:
         joints = [joint for joint, _ in rising + falling]
         return joints, [start] + [after for _, after in rising + falling]
 
+    def carries(self, joint: int, last: int) -> bool:
+        """Whether what is on joint `last` hangs on a joint."""
+        return joint in self._ancestors(last)
+
     def _ancestors(self, joint: int) -> list[int]:
         found = []
         while joint >= 0:
@@ -253,10 +262,11 @@ class _Builder:
         start = tree.link_joints[links[first]]
         end = tree.link_joints[links[second]] if links[second] >= 0 else -1
         joints, stations = tree.way(start, end)
-        mine = self._entries(first, joints)
+        rising = next((k for k, joint in enumerate(joints) if not tree.carries(joint, start)), len(joints))
+        mine = self._entries(first, joints, rising)
         if links[second] < 0:
             return ChainedPair(first, second, -1, (self._chain(mine), -1))
-        theirs = self._entries(second, joints[::-1])
+        theirs = self._entries(second, joints[::-1], len(joints) - rising)
         bulges = [_bulge(mine[:k]) + _bulge(theirs[: len(joints) - k]) for k in range(len(stations))]
         usable = [k for k, joint in enumerate(stations) if joint in tree.link_on]
         best = min(usable, key=lambda k: bulges[k])
@@ -272,14 +282,14 @@ class _Builder:
             self.chains.append(entries[::-1])
         return self._index[entries]
 
-    def _entries(self, body: int, joints: Sequence[int]) -> tuple[Entry, ...]:
+    def _entries(self, body: int, joints: Sequence[int], rising: int) -> tuple[Entry, ...]:
         key = (body, tuple(joints))
         if key not in self._arms:
-            self._arms[key] = self._compute(body, joints)
+            self._arms[key] = self._compute(body, joints, rising)
         return self._arms[key]
 
-    def _compute(self, body: int, joints: Sequence[int]) -> tuple[Entry, ...]:
-        """Entries from the body outwards."""
+    def _compute(self, body: int, joints: Sequence[int], rising: int) -> tuple[Entry, ...]:
+        """Entries from the body outwards; it hangs on the first `rising` joints, the others are crossed from below."""
         tree = self._tree
         points, swell = self._vertices(body)
         slides: tuple[int, ...] = ()
@@ -297,7 +307,8 @@ class _Builder:
                     arm = float((known[1] + axis.distance(known[0])).min())
                     reach = (known[1][:, None] + np.linalg.norm(known[0][:, None] - feet, axis=2)).min(axis=0)
                 known = feet, reach
-                entries.append(Entry(joint, arm * _STRETCH, slides))
+                from_child = k >= rising and tree.slides[joint]
+                entries.append(Entry(joint, arm * _STRETCH, (*slides, joint) if from_child else slides))
             else:
                 entries.append(Entry(joint, 0.0, ()))
             if tree.slides[joint]:
@@ -323,29 +334,3 @@ class _Builder:
 def _bulge(entries: Sequence[Entry]) -> float:
     """The bound of cpp/motion_bounds.hpp if all joints turn by 1 rad; entries from the body outwards."""
     return sum(entry.arm * (1 + 2 * (len(entries) - 1 - k)) for k, entry in enumerate(entries))
-
-
-def _drives(table: JointTable) -> tuple[Ints, Floats, Ints]:
-    drives, parts = [], {}
-    for kind, columns in zip(table.kinds.tolist(), table.columns.tolist(), strict=True):
-        column = columns[0]
-        if kind <= _LAST_TURN or kind == _SLIDE or column < 0:
-            drives.append((_SLIDE_DRIVE if kind == _SLIDE else _TURN_DRIVE, column))
-            continue
-        drives.append((_PART_DRIVE, column))
-        parts[column] = _CIRCLE if kind <= _LAST_UNIT_TURN else _PARTS[kind]
-    factors = np.stack([table.multipliers[:, 0], table.offsets[:, 0]], axis=1)
-    listed = sorted((column, part) for column, part in parts.items())
-    return (
-        np.array(drives, dtype=np.int32).reshape(-1, 2),
-        np.ascontiguousarray(factors),
-        np.array([(part, column) for column, part in listed], dtype=np.int32).reshape(-1, 2),
-    )
-
-
-def _defect(table: JointTable) -> float:
-    """Of all placements and axes together, with room for rounding."""
-    turns = np.concatenate([table.placements[:, :, :3], table.link_placements[:, :, :3]])
-    off = np.linalg.norm(np.swapaxes(turns, 1, 2) @ turns - np.eye(3), axis=(1, 2)).sum()
-    axes = np.linalg.norm(table.axes, axis=1)
-    return float(off + np.abs(axes[axes > 0] - 1).sum()) * 2

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from plannercheck.errors import PlannercheckError
-from plannercheck.moveit import check_robot_state
+from plannercheck.moveit_states import check_robot_state
 from plannercheck.reading import (
     Node,
     mapping,

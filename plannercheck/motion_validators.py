@@ -202,8 +202,8 @@ class SampledMotions(_CountingValidator):
 
     def _ends(self, s1: Any, s2: Any) -> tuple[Floats, Floats]:
         """Both ends; angles of the second on the short way from the first, as OMPL interpolates."""
-        q0 = np.array(self._space.read(s1))
-        return q0, q0 + self._space.differences(q0, np.array(self._space.read(s2)))
+        q0, q1 = np.array(self._space.read(s1)), np.array(self._space.read(s2))
+        return q0, self._sampler.short_way(q0, q1)
 
 
 def motion_validator(

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.certified_motions import Passage, Proof
+from plannercheck.proofs.proof import Proof as WholeProof
 from plannercheck.protocols import AnyChecker
 from plannercheck.report import MotionProof, MotionVerdict, PairVerdict
 
@@ -29,7 +30,13 @@ _LEAST_STEP = 1e-9
 _MOST_HALVINGS = 60
 
 
-def explained_motion(checker: AnyChecker, passage: Passage, states: States, tolerance: float) -> MotionVerdict:
+def explained_motion(
+    checker: AnyChecker,
+    passage: Passage,
+    states: States,
+    tolerance: float,
+    prover: Callable[[], WholeProof | None] | None = None,
+) -> MotionVerdict:
     """The verdict of a motion.
 
     Args:
@@ -37,13 +44,14 @@ def explained_motion(checker: AnyChecker, passage: Passage, states: States, tole
         passage: What its certifier says.
         states: Gives states (k, nq) of the motion at parameters (k,).
         tolerance: m.
+        prover: Gives the proof that anyone can check, if the motion is free.
 
     Returns:
         The verdict.
     """
     named = tuple(_named(checker, proof) for proof in passage.proofs)
     if passage.free:
-        return MotionVerdict(True, tolerance, 1.0, None, None, None, named)
+        return MotionVerdict(True, tolerance, 1.0, None, None, None, named, prover)
     collides_at = _first_collision(checker, states, passage)
     pair = _stopping_pair(checker, states, passage, collides_at)
     return MotionVerdict(False, tolerance, passage.free_until, collides_at, passage.near, pair, named)

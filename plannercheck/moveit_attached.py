@@ -2,104 +2,104 @@
 
 In: `attached_collision_objects` of a parsed robot state, and the scene it belongs to. Out: the scene with them.
 
-As MoveIt has it: an object without shapes is the one of that name in the world, attached where it stands; one with
-shapes takes the place of an object of that name. Its pose is relative to the frame that its header names: the link
-itself, as MoveIt writes it, another link, or a fixed frame; then it is known once there is a robot to pose, at the
-state's joint values.
+As MoveIt has it (`PlanningScene::processAttachedCollisionObjectMsg`): an object without shapes is the one of that name
+in the world, attached where it stands; one with shapes takes the place of an object of that name. Its pose is relative
+to the frame that its header names: the link itself, as MoveIt writes it, another link, a fixed frame, or another
+object's; then it is known once there is a robot to pose, at the state's joint values.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import warnings
-from collections.abc import Callable
-from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
+from dataclasses import dataclass
 
 from plannercheck.errors import PlannercheckError, unknown_name
-from plannercheck.reading import Node, check_keys, mapping, numbers, required, sequence, text, within
+from plannercheck.moveit_frames import find_frame
+from plannercheck.moveit_objects import FindMesh, ObjectMessage, read_object
+from plannercheck.reading import Node, check_keys, mapping, required, sequence, text, within
 from plannercheck.scene import Scene
-from plannercheck.scene_objects import Anchor, Part, SceneObject, scene_object
+from plannercheck.scene_objects import Anchor, SceneObject, StatedJoints, scene_object
 
-Matrix = NDArray[np.float64]
-
-# Reads the name, the parts and the pose in the header's frame of a collision object's mapping.
-ReadObject = Callable[[Node, Callable[[str], Path]], tuple[str, list[Part], Matrix]]
-
+# The fields of moveit_msgs/AttachedCollisionObject; how hands let go and what objects weigh is accepted and not read.
 _KEYS = ("link_name", "object", "touch_links", "detach_posture", "weight")
 
 
-def attach_objects(
-    scene: Scene, state: Node, read: ReadObject, frames: dict[str, Matrix], find_mesh: Callable[[str], Path]
-) -> None:
-    """Attaches what a robot state says; objects that the scene has attached already stay as they are.
+@dataclass(frozen=True)
+class AttachedMessage:
+    """An attached object as a message has it.
 
-    Args:
-        scene: Changed in place.
-        state: A robot state.
-        read: Reads a collision object.
-        frames: Fixed frames' transforms to the world.
-        find_mesh: Turns a mesh's resource into a path.
+    Attributes:
+        link: That carries it.
+        touch_links: That it may touch.
+        object: What is attached; without parts, an object of the world.
+        state: The joints of the state that attaches it.
     """
-    items = sequence(state.get("attached_collision_objects"), "'attached_collision_objects'")
-    joints = _joint_values(mapping(state.get("joint_state"), "'joint_state'")) if items else {}
-    for k, item in enumerate(items):
+
+    link: str
+    touch_links: tuple[str, ...]
+    object: ObjectMessage
+    state: StatedJoints
+
+
+def read_attached(state: Node, joints: StatedJoints, find_mesh: FindMesh) -> list[AttachedMessage]:
+    """Reads what a robot state with these joints attaches."""
+    found: list[AttachedMessage] = []
+    for k, item in enumerate(sequence(state.get("attached_collision_objects"), "'attached_collision_objects'")):
         with within(f"attached object {k}"):
             node = mapping(item, "it")
             check_keys(node, _KEYS)
-            _attach(scene, node, joints, read, frames, find_mesh)
+            link = text(required(node, "link_name"), "link_name")
+            touched = tuple(text(name, "touch_links") for name in sequence(node.get("touch_links"), "'touch_links'"))
+            read = read_object(mapping(required(node, "object"), "'object'"), find_mesh)
+            if any(other.object.name == read.name for other in found):
+                raise PlannercheckError(f"{read.name!r} is attached twice")
+            found.append(AttachedMessage(link, touched, read, joints))
+    return found
 
 
-def _attach(
-    scene: Scene,
-    node: Node,
-    joints: dict[str, float],
-    read: ReadObject,
-    frames: dict[str, Matrix],
-    find_mesh: Callable[[str], Path],
-) -> None:
-    link = text(required(node, "link_name"), "link_name")
-    touched = [text(name, "touch_links") for name in sequence(node.get("touch_links"), "'touch_links'")]
-    inner = mapping(required(node, "object"), "'object'")
-    name, parts, pose = read(inner, find_mesh)
-    if name in {item.name for item in scene.attached}:
-        return
-    if not parts:
+def attach_with_shapes(scene: Scene, messages: list[AttachedMessage]) -> None:
+    """Attaches objects that have shapes of their own, each in the place of what the scene calls so."""
+    for message in messages:
+        if message.object.parts:
+            item = _posed(scene, message)
+            if item.name in {other.name for other in (*scene.objects, *scene.attached)}:
+                scene.remove(item.name)
+            scene.put(item)
+
+
+def attach_from_world(scene: Scene, messages: list[AttachedMessage]) -> None:
+    """Attaches objects of the world where they stand; those that are attached already stay as they are."""
+    attached = {item.name for item in scene.attached}
+    for message in messages:
+        name = message.object.name
+        if message.object.parts or name in attached:
+            continue
         if name not in scene.object_names:
             raise unknown_name("object to attach, without shapes of its own,", name, scene.object_names)
         item = scene.object(name)
-        anchor: Anchor | None = Anchor("", joints)
-    else:
-        anchor, pose = _anchor(inner, name, link, joints, frames, pose)
-        item = scene_object(name, parts, pose)
-    if name in scene.object_names:
+        with within(f"attached object {name!r}"):
+            anchor = item.anchor or Anchor("", message.state)
+            if anchor.state != message.state:
+                raise PlannercheckError("is placed at another robot state: give one robot_state to both")
         scene.remove(name)
-    scene.put_attached(_anchored(item.attached(link, item.pose, touched), anchor))
+        carried = item.attached(message.link, item.pose, message.touch_links)
+        scene.put(dataclasses.replace(carried, anchor=anchor, frame=item.frame))
 
 
-def _anchored(item: SceneObject, anchor: Anchor | None) -> SceneObject:
-    return item if anchor is None else dataclasses.replace(item, anchor=anchor)
-
-
-def _anchor(
-    node: Node, name: str, link: str, joints: dict[str, float], frames: dict[str, Matrix], pose: Matrix
-) -> tuple[Anchor | None, Matrix]:
-    """Where the object's pose is given, and the pose there; None for its own link."""
-    frame = text(mapping(node.get("header"), "'header'").get("frame_id") or "", "frame_id").lstrip("/")
-    if not frame:
-        warnings.warn(f"attached object {name!r} names no frame, its pose is taken as on link {link!r}", stacklevel=2)
-    if not frame or frame == link:
-        return None, pose
-    if frame in frames:
-        return Anchor("", joints), frames[frame] @ pose
-    return Anchor(frame, joints), pose
-
-
-def _joint_values(node: Node) -> dict[str, float]:
-    names = [text(n, "name") for n in sequence(node.get("name"), "'name'")]
-    values = numbers(node.get("position") or [], "position", len(names)) if names else []
-    if len(set(names)) != len(names):
-        raise PlannercheckError(f"joint_state names a joint twice: {', '.join(names)}")
-    return dict(zip(names, values, strict=True))
+def _posed(scene: Scene, message: AttachedMessage) -> SceneObject:
+    """The object on its link, or with an anchor."""
+    read = message.object
+    item = dataclasses.replace(scene_object(read.name, read.parts, read.pose), subframes=read.subframes)
+    with within(f"attached object {read.name!r}"):
+        if not read.frame:
+            raise PlannercheckError(
+                f"its header names no frame: give header.frame_id, {message.link!r} if its pose is on that link"
+            )
+        if read.frame == message.link:
+            return item.attached(message.link, read.pose, message.touch_links)
+        frame = find_frame(scene, read.frame, message.state)
+    held = frame.holds(item)
+    on_own_link = frame.anchor is not None and frame.anchor.frame == message.link
+    anchor = None if on_own_link else frame.anchor or Anchor("", message.state)
+    carried = held.attached(message.link, held.pose, message.touch_links)
+    return dataclasses.replace(carried, anchor=anchor, frame=frame.name)

@@ -10,8 +10,7 @@ a resolution is given: see motion_validators.py.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from typing import Any
@@ -32,6 +31,7 @@ from plannercheck.planar.curves import Curve
 from plannercheck.planar.ompl_space import PlanarSpace, sampled_curve
 from plannercheck.plans import Plan, joint_length
 from plannercheck.protocols import AnyChecker, AnyRobot
+from plannercheck.silence import Silence
 from plannercheck.state_validators import ExactStates
 
 Floats = NDArray[np.float64]
@@ -43,6 +43,9 @@ SIMPLIFICATION_TIME = 1.0
 # Longest motion that a planner tries at once, rad. OMPL's default, a fifth of the space's extent, is 2.6 rad
 # for seven joints: most such motions collide, and checking them to a millimetre is wasted.
 LONGEST_MOTION = 0.5
+
+# OMPL says nothing on the console while it plans: results and reasons are returned.
+_SILENCE = Silence(util.getLogLevel, util.setLogLevel, util.LOG_NONE)
 
 
 def setup(
@@ -76,13 +79,15 @@ def setup(
     return _setup(checker, space_of(checker, curve, turning_radius), resolution, tolerance)
 
 
-def space_of(checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None) -> Space:
-    """The space in which a checker's robot is planned for; arguments as for `setup`."""
+def space_of(
+    checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None, held: Sequence[Floats] = ()
+) -> Space:
+    """The space in which a checker's robot is planned for; arguments as for `setup`, `held` as for `JointSpace`."""
     if isinstance(checker, PlanarChecker):
         return PlanarSpace(checker.robot, curve, turning_radius)
     if curve != "straight" or turning_radius is not None:
         raise PlannercheckError("curves and turning radii are for planar robots")
-    return JointSpace(checker.robot)  # type: ignore[arg-type]  # the other kind of checker
+    return JointSpace(checker.robot, *held)  # type: ignore[arg-type]  # the other kind of checker
 
 
 def clearance_objective(checker: AnyChecker, setup: Any, resolution: float = CLEARANCE_RESOLUTION) -> Any:
@@ -182,8 +187,8 @@ def plan(
     reasons = [judged(checker, q).reason(name) for name, q in ends.items()]
     if any(reasons):
         return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
-    space = space_of(checker, curve, turning_radius)
-    with _quiet():
+    space = space_of(checker, curve, turning_radius, tuple(ends.values()))
+    with _SILENCE():
         _seed(seed)
         setup = _setup(checker, space, resolution, DEFAULT_TOLERANCE)
         information = setup.getSpaceInformation()
@@ -258,14 +263,3 @@ def _seed(seed: int | None) -> None:
     if seed < 1:
         raise PlannercheckError(f"seed must be at least 1, not {seed}")
     util.RNG.setSeed(seed)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """OMPL says nothing on the console: results and reasons are returned."""
-    level = util.getLogLevel()
-    util.setLogLevel(util.LOG_NONE)
-    try:
-        yield
-    finally:
-        util.setLogLevel(level)

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, Literal, TypeAlias
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.certificates import (
     Bodies,
@@ -26,7 +27,7 @@ from plannercheck.certificates import (
 from plannercheck.core import core
 from plannercheck.errors import unknown_name
 from plannercheck.hull import Polytope
-from plannercheck.shapes import checked_pose
+from plannercheck.shapes import POSED_TOLERANCE, checked_pose
 
 Method: TypeAlias = Literal["oracle", "walk", "exact"]
 
@@ -100,7 +101,7 @@ def intersects(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    pose_p, pose_r = checked_pose(pose_p, "pose_p"), checked_pose(pose_r, "pose_r")
+    pose_p, pose_r = _posed(pose_p, "pose_p"), _posed(pose_r, "pose_r")
     return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), False)["shared"])
 
 
@@ -126,7 +127,14 @@ def certify(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    pose_p, pose_r = checked_pose(pose_p, "pose_p"), checked_pose(pose_r, "pose_r")
+    return certify_posed(P, R, _posed(pose_p, "pose_p"), _posed(pose_r, "pose_r"), method)
+
+
+def certify_posed(
+    P: Polytope, R: Polytope, pose_p: ArrayLike, pose_r: ArrayLike, method: Method = "oracle"
+) -> Certificate:
+    """`certify` of two bodies that links pose, which may be off rigid by more than given poses (unit_lengths.py)."""
+    pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
     bodies = PosedBody(P.vertices, pose_p, P.swell), PosedBody(R.vertices, pose_r, R.swell)
     for stage in (method, METHODS[-1]):
         found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
@@ -135,6 +143,10 @@ def certify(
         if certificate is not None:
             return certificate
     raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")
+
+
+def _posed(pose: ArrayLike | None, name: str) -> NDArray[np.float64]:
+    return checked_pose(pose, name)
 
 
 def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:

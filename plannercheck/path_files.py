@@ -3,9 +3,9 @@
 In: a file, the joints of a planning group. Out: `PathFile`: configurations in the group's order, and what the file says
 of joints outside it.
 
-JSON and YAML hold a plan as `Plan.save` writes it, a list of configurations (JSON), or a MoveIt trajectory: a
-JointTrajectory, a RobotTrajectory, or a DisplayTrajectory with one of them or several in a row. npy, npz and csv are
-tables as for sets of configurations. Anything else is text: OMPL's `PathGeometric` as it is printed, or as a matrix.
+JSON and YAML hold a plan as `Plan.save` writes it, a list of configurations (JSON), or a MoveIt trajectory
+(trajectory_files.py). npy, npz and csv are tables as for sets of configurations. Anything else is text: OMPL's
+`PathGeometric` as it is printed, or as a matrix. All are taken as straight motions from state to state.
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
-from plannercheck.reading import numbers, parse_yaml, read_bytes, required, sequence, text, within
+from plannercheck.reading import mapping, parse_yaml, read_bytes, sequence, text, within
 from plannercheck.sets.chunks import read_chunks
+from plannercheck.trajectory_files import read_trajectory
 
 Floats = NDArray[np.float64]
 
@@ -34,16 +36,19 @@ _OMPL_NUMBERS = re.compile(r"State \[([^\[\]]*)\]")
 
 
 @dataclass(frozen=True, eq=False)
-class PathFile:
+class PathFile(OwnsArrays):
     """A path as a file has it.
 
     Attributes:
         states: (k, nq) configurations of the group, k at least 1; rad and m.
         others: By name, the values of joints outside the group, which stand still on the path.
+        bent_by: Which of "velocities" and "accelerations" a trajectory gives that are not zero: a controller then runs
+            splines, not the straight motions between the states.
     """
 
     states: Floats
     others: dict[str, float]
+    bent_by: tuple[str, ...] = ()
 
 
 def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathFile:
@@ -84,6 +89,8 @@ def _document(path: Path) -> Any:
         return json.loads(read_bytes(path))
     except ValueError as error:
         raise PlannercheckError(f"is no JSON: {error}") from None
+    except RecursionError:
+        raise PlannercheckError("is JSON that is nested too deep") from None
 
 
 def _from_document(document: Any, joint_names: Sequence[str], width: int) -> PathFile:
@@ -91,36 +98,19 @@ def _from_document(document: Any, joint_names: Sequence[str], width: int) -> Pat
         return PathFile(_table(document, width), {})
     if not isinstance(document, dict):
         raise PlannercheckError("must hold a plan, a trajectory or a list of configurations")
+    document = mapping(document, "it")
     if "path" in document:
         names = [text(name, "joint_names") for name in sequence(document.get("joint_names"), "'joint_names'")]
         rows = sequence(document["path"], "'path'")
         if not names:
             return PathFile(_table(rows, width), {})
         return _ordered(names, _table(rows, len(names)), joint_names)
-    parts = [_trajectory(part) for part in _trajectories(document)]
-    if not parts:
+    trajectory = read_trajectory(document)
+    if trajectory is None:
         raise PlannercheckError("holds no 'path', no 'joint_trajectory' and no 'points'")
-    names = parts[0][0]
-    for other, _ in parts:
-        if other != names:
-            raise PlannercheckError(f"its trajectories name different joints: {', '.join(other)}")
-    return _ordered(names, np.concatenate([rows for _, rows in parts]), joint_names)
-
-
-def _trajectories(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """The JointTrajectory messages in a document, in order."""
-    if "points" in document:
-        return [document]
-    inner = document.get("joint_trajectory", document.get("trajectory", []))
-    items = inner if isinstance(inner, list) else [inner]
-    return [found for item in items if isinstance(item, dict) for found in _trajectories(item)]
-
-
-def _trajectory(node: dict[str, Any]) -> tuple[list[str], Floats]:
-    names = [text(name, "joint_names") for name in sequence(required(node, "joint_names"), "'joint_names'")]
-    points = sequence(required(node, "points"), "'points'")
-    rows = [numbers(required(point, "positions"), "positions", len(names)) for point in points]
-    return names, np.array(rows, dtype=np.float64).reshape(-1, len(names))
+    found = _ordered(trajectory.joint_names, trajectory.positions, joint_names)
+    held = {name: value for name, value in trajectory.held.items() if name not in joint_names}
+    return PathFile(found.states, {**held, **found.others}, trajectory.bent_by)
 
 
 def _ordered(names: list[str], rows: Floats, joint_names: Sequence[str]) -> PathFile:

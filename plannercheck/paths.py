@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import codecs
 import importlib.metadata
 from pathlib import Path
 
 _PLANAR = "kind: planar"
+_UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _PACKAGE = Path(__file__).resolve().parent
 
 
@@ -24,7 +26,11 @@ def shipped_folder(name: str) -> Path:
 
 def is_planar_file(path: Path) -> bool:
     """Whether a robot's or scene's YAML file says `kind: planar`."""
-    return path.is_file() and any(line.rstrip() == _PLANAR for line in path.read_text(encoding="utf-8").splitlines())
+    if not path.is_file():
+        return False
+    content = path.read_bytes()
+    text = content.decode("utf-16" if content[:2] in _UTF16 else "utf-8", errors="replace")  # as YAML has it
+    return any(line.rstrip() == _PLANAR for line in text.splitlines())
 
 
 def example_robot_data() -> Path:

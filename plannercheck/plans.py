@@ -15,14 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.escaping import csv_cell
 from plannercheck.output_files import written_aside
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(OwnsArrays):
     """What a planner found between two configurations.
 
     Attributes:
@@ -98,7 +100,7 @@ def _write_npy(plan: Plan, path: Path) -> None:
 
 
 def _write_csv(plan: Plan, path: Path) -> None:
-    lines = [",".join(plan.joint_names), *(",".join(map(repr, row)) for row in plan.path.tolist())]
+    lines = [",".join(map(csv_cell, plan.joint_names)), *(",".join(map(repr, row)) for row in plan.path.tolist())]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

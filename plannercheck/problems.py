@@ -15,7 +15,9 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
+from plannercheck.input_limits import INPUT_LIMITS
 from plannercheck.motion_requests import MotionRequest, motion_request
 from plannercheck.moveit import attach_from_state, planning_scene
 from plannercheck.reading import parse_yaml, read_bytes, within
@@ -26,7 +28,7 @@ _MEMBER = re.compile(r"(scene|request)(\d+)\.ya?ml")
 
 
 @dataclass(frozen=True)
-class Problem:
+class Problem(OwnsArrays):
     """One planning problem.
 
     Attributes:
@@ -107,13 +109,28 @@ def load_problems(path: str | Path) -> ProblemSet:
 def _archive(path: Path) -> dict[str, bytes]:
     """The YAML files of a tar archive by name."""
     try:
-        with tarfile.open(path) as archive:
-            members = [m for m in archive if m.isfile() and _MEMBER.fullmatch(PurePosixPath(m.name).name)]
-            return {m.name: f.read() for m in members if (f := archive.extractfile(m)) is not None}
+        with within(f"problem set {str(path)!r}"), tarfile.open(path) as archive:
+            return _members(archive)
     except (OSError, EOFError, tarfile.TarError) as error:
         raise PlannercheckError(
             f"problem set {str(path)!r} is neither a folder nor a readable tar archive: {error}"
         ) from None
+
+
+def _members(archive: tarfile.TarFile) -> dict[str, bytes]:
+    """The scenes and requests, read as the archive is unpacked: what one takes is known before it is read."""
+    contents: dict[str, bytes] = {}
+    seen = 0
+    for member in archive:
+        seen += member.size  # also what is skipped has to be unpacked
+        if seen > INPUT_LIMITS.archive_bytes:
+            raise PlannercheckError(
+                f"the archive unpacks to more than {INPUT_LIMITS.archive_bytes} bytes (INPUT_LIMITS.archive_bytes)"
+            )
+        if member.isfile() and _MEMBER.fullmatch(PurePosixPath(member.name).name):
+            file = archive.extractfile(member)
+            contents[member.name] = b"" if file is None else file.read()
+    return contents
 
 
 def _problem_set(path: Path, names: list[str], read: Callable[[str], bytes], folder: Path) -> ProblemSet:

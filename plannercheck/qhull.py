@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 
 Floats = NDArray[np.float64]
@@ -23,7 +24,7 @@ class FlatError(PlannercheckError):
 
 
 @dataclass(frozen=True)
-class Hull:
+class Hull(OwnsArrays):
     """A hull's boundary, triangulated.
 
     Attributes:

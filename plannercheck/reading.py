@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 import yaml
 
 from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.input_limits import check_yaml
 
 Node: TypeAlias = dict[str, Any]
 
@@ -42,9 +43,10 @@ def read_bytes(path: Path) -> bytes:
 
 def parse_yaml(text: bytes | str) -> Node:
     """Parses a YAML document whose top level maps keys to values."""
+    check_yaml(text)
     try:
         document = yaml.load(text, Loader=_LOADER)  # a safe one, chosen above
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none
         raise PlannercheckError(f"no valid YAML: {' '.join(str(error).split())}") from None
     return mapping(document, "the document")
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.certificates import Certificate
 
 if TYPE_CHECKING:
     from plannercheck.planar.certificates import Certificate as PlanarCertificate
+    from plannercheck.proofs.proof import Proof
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ class Verdict:
 
 
 @dataclass(frozen=True, eq=False)
-class MotionProof:
+class MotionProof(OwnsArrays):
     """What proves two bodies apart on an interval of a motion.
 
     Seen from the frame, each point of a body leaves the chord of its path by so little that both bodies together leave
@@ -101,6 +104,7 @@ class MotionVerdict:
         pair: The pair that stops the motion, with its certificate at `collides_at`, or, if nothing collides, at
             `near_at`; None if the motion is free.
         proofs: If asked for, what proves the part up to `free_until`.
+        prover: Computes `proof`; None where there is none.
     """
 
     free: bool
@@ -110,6 +114,18 @@ class MotionVerdict:
     near_at: float | None
     pair: PairVerdict | None
     proofs: tuple[MotionProof, ...] = ()
+    prover: Callable[[], Proof | None] | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def proof(self) -> Proof | None:
+        """The proof of the motion that anyone can check (`Proof.verify`), computed when first asked for.
+
+        None unless the motion is free.
+
+        Raises:
+            PlannercheckError: If python-flint is not installed.
+        """
+        return self.prover() if self.free and self.prover is not None else None
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.carrying import carried_pairs, check_objects, on_links
-from plannercheck.configurations import ConfigurationMap, planning_group, whole_robot
+from plannercheck.anchored_objects import placed
+from plannercheck.arrays import read_only
+from plannercheck.carrying import carried_pairs, check_objects
+from plannercheck.configurations import ConfigurationMap, followed, planning_group, whole_robot
 from plannercheck.decomposed_links import decomposed
 from plannercheck.decomposition import Decomposition, Pieces
 from plannercheck.errors import unknown_name
@@ -92,7 +94,7 @@ class Robot:
         self.name = name
         self.model = model
         self._tree = tree
-        self._own_bodies, self._own_pairs = bodies, _frozen(pairs)
+        self._own_bodies, self._own_pairs = bodies, read_only(pairs)
         self.pieces = dict(pieces or {})
         self._carry(carried)
         self.disabled_pairs = disabled_pairs
@@ -102,7 +104,7 @@ class Robot:
         self._joints = joints
         everywhere = all_values(model, values, mimics)
         self._map = whole_robot(model) if joints is None else planning_group(model, joints, everywhere, mimics)
-        self.reference = _frozen(reference_of(model, joints, everywhere))
+        self.reference = read_only(reference_of(model, joints, everywhere))
         self.kinematics = self._checked_kinematics()
 
     @classmethod
@@ -291,7 +293,7 @@ class Robot:
     @cached_property
     def sampled_link_poses(self) -> Floats:
         """(k, links, 4, 4) at a few random configurations, m: they show what a checker had better test together."""
-        return np.ascontiguousarray(self.link_poses(self.random_configurations(_SAMPLES, 0)))
+        return read_only(np.ascontiguousarray(self.link_poses(self.random_configurations(_SAMPLES, 0))))
 
     @cached_property
     def kinematic_error(self) -> float:
@@ -348,12 +350,17 @@ class Robot:
         """The same robot with joints held elsewhere (or, for joints of the group, another reference).
 
         Args:
-            values: By joint name, in rad or m; they may be beyond the joints' limits.
+            values: By joint name, in rad or m; they may be beyond the joints' limits. Joints that follow them do so,
+                wherever they were held before, unless they are given, too.
 
         Returns:
             A new robot with the same bodies and group.
         """
-        return self._changed(values={**self._values, **checked_values(self.model, values)})
+        given = checked_values(self.model, values)
+        kept = {
+            name: value for name, value in self._values.items() if followed(name, self._mimics, given)[0] not in given
+        }
+        return self._changed(values={**kept, **given})
 
     def with_group(self, joints: Sequence[str], name: str = "group") -> Robot:
         """The same robot with another planning group; the joints outside it stay at the reference.
@@ -379,7 +386,7 @@ class Robot:
         other = copy.copy(self)
         for name in ("kinematic_error", "_rounding"):  # they depend on the bodies
             other.__dict__.pop(name, None)
-        other._carry(on_links(self, tuple(objects)))
+        other._carry(placed(self, objects))
         return other
 
     def _carry(self, objects: tuple[SceneObject, ...]) -> None:
@@ -387,7 +394,7 @@ class Robot:
         self.carried = objects
         self.bodies = (*self._own_bodies, *(body for item in objects for body in item.bodies))
         more = carried_pairs(objects, self._own_bodies)
-        self.self_pairs = _frozen(np.concatenate([self._own_pairs, np.array(more, dtype=np.int64).reshape(-1, 2)]))
+        self.self_pairs = read_only(np.concatenate([self._own_pairs, np.array(more, dtype=np.int64).reshape(-1, 2)]))
 
     def __repr__(self) -> str:
         group = f"group {self.group!r}, " if self.group else ""
@@ -438,11 +445,6 @@ class Robot:
 
 def _listed(folders: str | Path | Sequence[str | Path]) -> Sequence[str | Path]:
     return [folders] if isinstance(folders, str | Path) else folders
-
-
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)
-    return array
 
 
 def _build(arguments: dict[str, Any]) -> Robot:

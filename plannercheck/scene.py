@@ -58,7 +58,7 @@ from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.meshes import load_mesh
 from plannercheck.paths import is_planar_file, shipped_folder
-from plannercheck.scene_objects import Part, Parts, SceneObject, scene_object
+from plannercheck.scene_objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere
 
 Array = NDArray[np.float64]
@@ -93,6 +93,7 @@ class Scene(DeclaredStates):
         allowed: Which links and objects may touch.
         states: Start, goal and samples by robot name.
         link_padding: What a MoveIt scene asks to be kept from links, by name, m; a checker takes it as `padding=`.
+        frames: Which frames a MoveIt scene knows besides links and objects.
     """
 
     def __init__(self, name: str = "") -> None:
@@ -100,19 +101,20 @@ class Scene(DeclaredStates):
         super().__init__(name)
         self.allowed = AllowedCollisions()
         self.link_padding: dict[str, float] = {}
+        self.frames = SceneFrames()
         self._objects: dict[str, SceneObject] = {}
         self._attached: dict[str, SceneObject] = {}
         self._body_names: set[str] = set()
 
     def __repr__(self) -> str:
         attached = f", {len(self._attached)} attached" if self._attached else ""
-        return f"Scene({self.name!r}, {len(self._objects)} objects{attached}, {len(self.bodies)} bodies)"
+        return f"Scene({self.name!r}, {len(self._objects)} objects{attached}, {len(self.body_objects)} bodies)"
 
     def copy(self) -> Scene:
         """A scene that can be changed on its own; both share the objects' shapes and what is prepared of them."""
         other = Scene(self.name)
         other.allowed = AllowedCollisions(dict(self.allowed.pairs), dict(self.allowed.defaults))
-        other.states, other.link_padding = dict(self.states), dict(self.link_padding)
+        other.states, other.link_padding, other.frames = dict(self.states), dict(self.link_padding), self.frames
         other._objects, other._attached = dict(self._objects), dict(self._attached)
         other._body_names = set(self._body_names)
         return other
@@ -147,9 +149,9 @@ class Scene(DeclaredStates):
             parts: A shape, or parts posed in the object's frame.
             pose: (4, 4) of the object's frame in the world, m; None is the identity.
         """
-        self._put(scene_object(name, parts, pose))
+        self.put(scene_object(name, parts, pose))
 
-    def _put(self, item: SceneObject) -> None:
+    def put(self, item: SceneObject) -> None:
         """Adds an obstacle or an attached object of a new name."""
         if item.name in self._objects or item.name in self._attached:
             raise PlannercheckError(f"object {item.name!r} exists already: remove it first, or choose another name")
@@ -242,11 +244,7 @@ class Scene(DeclaredStates):
         item = item.attached(link, pose, touch_links)
         if parts is None:
             self._taken(name)
-        self._put(item)
-
-    def put_attached(self, item: SceneObject) -> None:
-        """Adds an object that is attached already, of a new name."""
-        self._put(item)
+        self.put(item)
 
     def detach(self, name: str, pose: ArrayLike | None) -> None:
         """Puts an attached object back into the world, its frame at a pose (4, 4), m."""
@@ -254,7 +252,7 @@ class Scene(DeclaredStates):
             raise unknown_name("attached object", name, self._attached)
         item = self._attached[name].released(pose)
         self._taken(name)
-        self._put(item)
+        self.put(item)
 
     def _table_of(self, name: str) -> dict[str, SceneObject]:
         if name not in self._objects and name not in self._attached:
@@ -270,11 +268,10 @@ class Scene(DeclaredStates):
         """An obstacle or an attached object."""
         return self._table_of(name)[name]
 
-    def anchored(self, attached: Iterable[SceneObject]) -> None:
-        """Takes attached objects whose poses on their links are known now."""
-        for item in attached:
-            if item.name in self._attached:
-                self._attached[item.name] = item
+    def placed(self, items: Iterable[SceneObject]) -> None:
+        """Takes objects whose places in the world or on their links are known now."""
+        for item in items:
+            self._table_of(item.name)[item.name] = item
 
     @property
     def objects(self) -> tuple[SceneObject, ...]:
@@ -288,7 +285,14 @@ class Scene(DeclaredStates):
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """All parts of all obstacles, with `link` None and their pose in the world."""
+        """All parts of all obstacles, with `link` None and their pose in the world.
+
+        Raises:
+            PlannercheckError: If an object is posed in a link's frame, which only a robot can place.
+        """
+        for item in self._objects.values():
+            if item.anchor is not None:
+                raise unplaced(item)
         return tuple(body for item in self._objects.values() for body in item.bodies)
 
     @property

@@ -32,7 +32,7 @@ from plannercheck.reading import (
     within,
 )
 from plannercheck.scene import Scene
-from plannercheck.scene_objects import Part, SceneObject
+from plannercheck.scene_objects import Part, SceneObject, unplaced
 from plannercheck.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
 
 _SCENE_KEYS = ("name", "objects", "attached", "allowed", "allowed_by_default", "forbidden", "states")
@@ -239,6 +239,8 @@ def write_scene(scene: Scene, path: Path) -> None:
 
 
 def _object_node(item: SceneObject, folder: Path) -> Node:
+    if item.anchor is not None:
+        raise unplaced(item)
     if len(item.parts) == 1 and item.parts[0].pose is None:
         return {"name": item.name, **_shape_node(item.parts[0], folder), **_pose_node(item.pose)}
     nodes = [_shape_node(part, folder) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts]
@@ -246,11 +248,6 @@ def _object_node(item: SceneObject, folder: Path) -> Node:
 
 
 def _attached_node(item: SceneObject, folder: Path) -> Node:
-    if item.anchor is not None:
-        raise PlannercheckError(
-            f"attached object {item.name!r} is posed in frame {item.anchor.frame or 'world'!r} at a state of the "
-            "robot: build a checker, and save its scene, which knows the pose on the link"
-        )
     touched = {"touch_links": list(item.touch_links)} if item.touch_links else {}
     return {**_object_node(item, folder), "link": item.link, **touched}
 

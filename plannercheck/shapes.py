@@ -37,6 +37,9 @@ _MAX_CAPSULE_RATIO = 1e6
 # Largest Frobenius norm of M^T M - 1 that passes as the rounding of a rotation (the project's contract).
 RIGID_TOLERANCE = 1e-6
 
+# The same for a body that is posed by a link, which may be off rigid itself (unit_lengths.py).
+POSED_TOLERANCE = 3.6e-6
+
 
 @dataclass(frozen=True)
 class Box:
@@ -235,12 +238,13 @@ class Body:
         return self.carried or self.link or self.name
 
 
-def checked_pose(pose: ArrayLike | None, what: str) -> Points:
+def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOLERANCE) -> Points:
     """Validates a rigid transform and leaves its doubles as they are.
 
     Args:
         pose: (4, 4) homogeneous matrix, translation in m; None is the identity.
         what: What is posed, for the error message, e.g. "body 'shelf'".
+        tolerance: How far off rigid it may be.
 
     Returns:
         A read-only float64 copy (4, 4).
@@ -254,17 +258,15 @@ def checked_pose(pose: ArrayLike | None, what: str) -> Points:
         raise PlannercheckError(f"pose of {what} has values that are not finite: {matrix.tolist()}")
     if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
         raise PlannercheckError(f"pose of {what}: last row must be 0 0 0 1, not {matrix[3].tolist()}")
-    _check_rotation(matrix[:3, :3], what)
+    _check_rotation(matrix[:3, :3], what, tolerance)
     return _frozen(matrix)
 
 
-def _check_rotation(rotation: Points, what: str) -> None:
+def _check_rotation(rotation: Points, what: str, tolerance: float) -> None:
     """Raises if a 3 x 3 matrix is no rotation up to rounding."""
     error = float(np.linalg.norm(rotation.T @ rotation - np.eye(3)))
-    if not error <= RIGID_TOLERANCE:
-        raise PlannercheckError(
-            f"pose of {what} is not rigid: |M^T M - 1| is {error:.3g}, accepted is {RIGID_TOLERANCE:g}"
-        )
+    if not error <= tolerance:
+        raise PlannercheckError(f"pose of {what} is not rigid: |M^T M - 1| is {error:.3g}, accepted is {tolerance:g}")
     if np.linalg.det(rotation) < 0:
         raise PlannercheckError(f"pose of {what} is a reflection: det M is -1, a rotation has +1")
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.input_limits import INPUT_LIMITS, check_xml
 from plannercheck.robot_files import DisabledPair
 from plannercheck.urdf import LinkTree
 
@@ -32,6 +33,7 @@ def read_srdf(path: Path) -> Element:
     """
     if not path.is_file():
         raise PlannercheckError(f"SRDF {path} does not exist")
+    check_xml(path, "SRDF")
     try:
         return ElementTree.parse(path).getroot()
     except ElementTree.ParseError as error:
@@ -66,22 +68,41 @@ def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
         raise PlannercheckError(
             f"planning group {name!r}: without an SRDF, a group must be a list of joints, some of {joints}"
         )
-    return list(dict.fromkeys(_group_joints(root, name, tree, ())))
+    return _Groups(root, tree).joints(name, ())
 
 
-def _group_joints(root: Element, name: str, tree: LinkTree, outer: tuple[str, ...]) -> list[str]:
-    if name in outer:
-        raise PlannercheckError(f"SRDF group {name!r} contains itself: {' > '.join((*outer, name))}")
-    group = next((g for g in root.findall("group") if g.get("name") == name), None)
-    if group is None:
-        raise unknown_name("planning group", name, group_names(root))
-    joints: list[str] = []
-    for part in group:
-        joints += _joints_of_part(root, part, tree, (*outer, name))
-    return joints
+class _Groups:
+    """The groups of an SRDF, each resolved once: one that is named again and again costs nothing more."""
+
+    def __init__(self, root: Element, tree: LinkTree) -> None:
+        self._root, self._tree = root, tree
+        self._groups = {group.get("name"): group for group in reversed(root.findall("group"))}
+        self._known: dict[str, list[str]] = {}
+
+    def joints(self, name: str, outer: tuple[str, ...]) -> list[str]:
+        """Names of a group's joints, each once, in the order of the document."""
+        if name in self._known:
+            return self._known[name]
+        if name in outer:
+            raise PlannercheckError(f"SRDF group {name!r} contains itself: {' > '.join((*outer, name))}")
+        if len(outer) >= INPUT_LIMITS.depth:
+            raise PlannercheckError(
+                f"SRDF group {name!r} is nested deeper than {INPUT_LIMITS.depth} levels (INPUT_LIMITS.depth)"
+            )
+        if name not in self._groups:
+            raise unknown_name("planning group", name, group_names(self._root))
+        found: dict[str, None] = {}
+        for part in self._groups[name]:
+            inside = part.tag == "group"
+            part_name = part.get("name", "")
+            joints = self.joints(part_name, (*outer, name)) if inside else _joints_of_part(part, self._tree)
+            found |= dict.fromkeys(joints)
+        self._known[name] = list(found)
+        return self._known[name]
 
 
-def _joints_of_part(root: Element, part: Element, tree: LinkTree, outer: tuple[str, ...]) -> list[str]:
+def _joints_of_part(part: Element, tree: LinkTree) -> list[str]:
+    """The joints that a joint, link or chain of a group names."""
     name = part.get("name", "")
     if part.tag == "joint":
         return [name]
@@ -89,7 +110,7 @@ def _joints_of_part(root: Element, part: Element, tree: LinkTree, outer: tuple[s
         return [tree.joints[_known_link(name, tree)]]
     if part.tag == "chain":
         return _chain(part.get("base_link", ""), part.get("tip_link", ""), tree)
-    return _group_joints(root, name, tree, outer) if part.tag == "group" else []
+    return []
 
 
 def _chain(base: str, tip: str, tree: LinkTree) -> list[str]:

@@ -1,20 +1,16 @@
 """Reads a URDF through Pinocchio: the model, its collision bodies, and what Pinocchio keeps to itself.
 
 In: paths. Out: a Pinocchio model, `Body` by `Body` in Pinocchio's geometry order, the tree of links, and
-which joint mimics which. The idea: Pinocchio is the model and the truth; its and urdfdom's messages end up in
-our errors rather than on the terminal.
+which joint mimics which. The idea: Pinocchio is the model and the truth; what it and urdfdom say about a file that
+they can't read stands in our errors, too.
 """
 
 from __future__ import annotations
 
-import contextlib
-import os
-import sys
-import tempfile
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,7 +22,10 @@ from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import mesh_hint, xacro_hint
+from plannercheck.input_limits import check_xml
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
+from plannercheck.silence import urdf_silence
+from plannercheck.urdf_messages import native_messages
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
 _BOUNDS = coal.NODE_TYPE.BV_OBB
@@ -76,12 +75,13 @@ def read_model(urdf: Path, floating: bool = False) -> pin.Model:
     """
     if not urdf.is_file():
         raise PlannercheckError(f"URDF {urdf} does not exist")
-    with _collected_messages() as messages:
-        try:
+    check_xml(urdf, "URDF")
+    try:
+        with urdf_silence()():
             model = pin.buildModelFromUrdf(str(urdf), *([pin.JointModelFreeFlyer()] if floating else []))
-        except (ValueError, RuntimeError, IndexError) as error:
-            reason = xacro_hint(urdf) or _one_line(messages(), str(error))
-            raise PlannercheckError(f"URDF {urdf} does not parse: {reason}") from None
+    except (ValueError, RuntimeError, IndexError) as error:
+        reason = xacro_hint(urdf) or _one_line(native_messages(urdf, floating, ()), str(error))
+        raise PlannercheckError(f"URDF {urdf} does not parse: {reason}") from None
     _check_names(model, urdf)
     _check_limits(model, urdf)
     return model
@@ -118,20 +118,18 @@ def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) ->
     """
     # Also relative to the URDF, and to what lies above it: a package's folder often does.
     folders = [str(folder) for folder in (*package_dirs, *urdf.resolve().parents)]
-    with _collected_messages() as messages:
-        try:
-            loader = coal.CachedMeshLoader(_BOUNDS)
+    try:
+        loader = coal.CachedMeshLoader(_BOUNDS)
+        with urdf_silence()():
             geometry = pin.buildGeomFromUrdf(model, str(urdf), pin.COLLISION, package_dirs=folders, mesh_loader=loader)
-            _check_complete(model, geometry, urdf, messages())
-            _warn_if_empty(geometry, urdf)
-            return geometry
-        except PlannercheckError:
-            raise
-        except (ValueError, RuntimeError) as error:
-            reason = _one_line(messages(), str(error))
-    raise PlannercheckError(
-        f"URDF {urdf}: a collision mesh does not load: {reason}{_where_sought(reason, package_dirs)}"
-    )
+    except (ValueError, RuntimeError) as error:
+        reason = _one_line(native_messages(urdf, False, folders), str(error))
+        raise PlannercheckError(
+            f"URDF {urdf}: a collision mesh does not load: {reason}{_where_sought(reason, package_dirs)}"
+        ) from None
+    _check_complete(model, geometry, urdf, folders)
+    _warn_if_empty(geometry, urdf)
+    return geometry
 
 
 def _where_sought(reason: str, package_dirs: Sequence[Path]) -> str:
@@ -145,7 +143,7 @@ def _where_sought(reason: str, package_dirs: Sequence[Path]) -> str:
     )
 
 
-def _check_complete(model: pin.Model, geometry: pin.GeometryModel, urdf: Path, messages: str) -> None:
+def _check_complete(model: pin.Model, geometry: pin.GeometryModel, urdf: Path, folders: Sequence[str]) -> None:
     """Raises if a collision element got lost: urdfdom drops those that it does not know."""
     loaded = Counter(model.frames[each.parentFrame].name for each in geometry.geometryObjects)
     for link in _root(urdf).findall("link"):
@@ -155,7 +153,7 @@ def _check_complete(model: pin.Model, geometry: pin.GeometryModel, urdf: Path, m
                 raise PlannercheckError(f"URDF {urdf}: {xacro_hint(urdf)}")
             raise PlannercheckError(
                 f"URDF {urdf}: {loaded[name]} of {wanted} collision elements of link {name!r} could be read; "
-                f"a URDF may hold box, cylinder, sphere and mesh; {_one_line(messages)}"
+                f"a URDF may hold box, cylinder, sphere and mesh; {_one_line(native_messages(urdf, False, folders))}"
             )
 
 
@@ -257,38 +255,3 @@ def _root(urdf: Path) -> ElementTree.Element:
 
 def _one_line(*messages: str) -> str:
     return "; ".join(" ".join(message.split()) for message in messages if message.strip())
-
-
-@contextlib.contextmanager
-def _collected_messages() -> Iterator[Any]:
-    """Keeps what native code writes to stdout and stderr; yields a function that returns it so far.
-
-    Works on the process's file descriptors, since urdfdom and Pinocchio write there; what other threads write
-    in these few milliseconds is kept too.
-    """
-    sys.stdout.flush()
-    sys.stderr.flush()
-    with tempfile.TemporaryFile() as file:
-        saved = [(number, os.dup(number)) for number in (1, 2) if _is_open(number)]
-        for number, _ in saved:
-            os.dup2(file.fileno(), number)
-        try:
-            yield lambda: _written(file)
-        finally:
-            for number, copy in saved:
-                os.dup2(copy, number)
-                os.close(copy)
-
-
-def _is_open(number: int) -> bool:
-    try:
-        os.fstat(number)
-    except OSError:
-        return False
-    return True
-
-
-def _written(file: Any) -> str:
-    file.seek(0)
-    text: str = file.read().decode(errors="replace")
-    return text

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.hints import always_hint, limits_hint
 from plannercheck.protocols import AnyChecker
 from plannercheck.report import PairCount, ValidityReport, pair_counts
@@ -25,7 +26,7 @@ _ALL_PAIRS_ROWS = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class Validation:
+class Validation(OwnsArrays):
     """Verdicts on a set.
 
     Attributes:

@@ -29,6 +29,7 @@ checker = pc.Checker(robot, pc.Scene.load(sys.argv[2]))
 core, kernel = checker._live.core, robot.kinematics
 q = robot.random_configurations(1000, 1)
 few, ends, steps = q[:8].copy(), q + 0.01, np.full(1000, 10)
+states, judge = q.tolist(), checker.state_validity()
 
 
 def allocated(call, *arguments):
@@ -43,6 +44,7 @@ found = {
     "first_of_states": [allocated(core.first_of_states, kernel, rows, 1) for rows in (few, q)],
     "motions": [allocated(core.motions_are_free, kernel, q[:n], ends[:n], steps[:n]) for n in (8, 1000)],
     "is_valid": [allocated(lambda: any(checker.is_valid(row) is None for row in rows)) for rows in (few, q)],
+    "state_validity": [allocated(lambda: any(judge(row) is None for row in rows)) for rows in (states[:8], states)],
 }
 counted = checker.statistics()
 assert counted["exact"] == 0, counted
@@ -108,7 +110,7 @@ def counted(counter, program, *arguments):
 @pytest.mark.parametrize(("robot", "scene"), [("panda", "bookshelf"), ("ur5", "kitchen"), ("talos", "empty")])
 def test_a_thousand_states_allocate_no_more_than_eight(counter, robot, scene):
     for call, (few, many) in counted(counter, COUNTED, robot, scene).items():
-        assert few <= (0 if call == "is_valid" else 2), call  # the result: the core's and NumPy's
+        assert few <= (0 if call in ("is_valid", "state_validity") else 2), call  # the result: the core's and NumPy's
         assert many == few, call
 
 

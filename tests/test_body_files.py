@@ -15,7 +15,7 @@ from body_layout import fields
 import plannercheck as pc
 from plannercheck import body_files, hull
 from plannercheck.core import core
-from plannercheck.hull import prepared
+from plannercheck.hull import Polytope, prepared
 from plannercheck.shapes import Cylinder
 from plannercheck.stress.families import family
 
@@ -298,3 +298,51 @@ def test_a_second_start_of_a_robot_prepares_nothing_but_what_has_few_points(cach
     assert written
     subprocess.run([sys.executable, "-c", forbid + start], check=True)
     assert {path: path.stat().st_mtime_ns for path in cache.iterdir()} == written
+
+
+@pytest.fixture
+def shared_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path))
+    return tmp_path
+
+
+def _two_bodies() -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(8)
+    return rng.normal(size=(100, 3)), 0.1 * rng.normal(size=(100, 3))
+
+
+def test_a_body_of_other_points_in_the_cache_is_not_taken(shared_cache):
+    mine, other = _two_bodies()
+    prepared(mine)
+    (file,) = shared_cache.glob("*.body")
+    content = file.read_bytes()
+    file.unlink()
+    prepared(other)
+    (of_other,) = shared_cache.glob("*.body")
+    file.write_bytes(of_other.read_bytes())  # whole, of this version, but under another name
+    assert prepared(mine).vertices.tobytes() == Polytope(mine).vertices.tobytes()
+    key = bytes.fromhex(file.stem)  # with the right key as well: its vertices tell
+    body_files.write(file, key + Polytope(other).core.serialise())
+    assert prepared(mine).vertices.tobytes() == Polytope(mine).vertices.tobytes()
+    assert content
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files to others")
+def test_files_of_others_in_the_cache_are_not_taken(shared_cache, monkeypatch):
+    mine, _ = _two_bodies()
+    prepared(mine)
+    (file,) = shared_cache.glob("*.body")
+    assert body_files.read_cached(file) is not None
+    os.chown(file, 1234, -1)
+    assert body_files.read_cached(file) is None
+    os.chown(file, 0, -1)
+    file.chmod(0o666)
+    assert body_files.read_cached(file) is None
+
+
+def test_what_is_no_file_in_the_cache_neither_hangs_nor_fails(shared_cache):
+    mine, other = _two_bodies()
+    for points, make in ((mine, lambda p: os.mkfifo(p)), (other, lambda p: p.symlink_to("/dev/zero"))):
+        file = body_files.cache_file(points, None, 0.0)
+        make(file)
+        assert prepared(points).vertices.tobytes() == Polytope(points).vertices.tobytes()

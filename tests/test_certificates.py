@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import plannercheck as pc
 from plannercheck import exact
-from plannercheck.certificates import Mixture, PosedBody, Separation, SharedPoint
+from plannercheck.certificates import ExactPlane, ExactPoint, Mixture, PosedBody, Separation, SharedPoint
 from plannercheck.pair import METHODS
 
 Floats = NDArray[np.float64]
@@ -162,8 +162,10 @@ def mutated_separations(c: Separation) -> Iterator[Separation]:
     yield replace(c, plane=replace(plane, normal=(Fraction(0),) * 3))
     yield replace(c, plane=replace(plane, normal=(plane.normal[1], plane.normal[0], plane.normal[2])))
     for side in (-1, 1):
-        offset = plane.offset + side * plane.gap * plane.length
-        yield replace(c, plane=replace(plane, offset=offset), offset=float(offset / plane.length))
+        # On the border of a body, and a little further: within its inflation where it has one.
+        for part in (Fraction(1, 2), Fraction(51, 100)):
+            offset = plane.offset + side * part * plane.gap * plane.length
+            yield replace(c, plane=replace(plane, offset=offset), offset=float(offset / plane.length))
     yield replace(c, bodies=c.bodies[::-1])
     first, second = c.bodies
     away = np.linalg.norm(c.normal) * 3
@@ -186,10 +188,6 @@ def mutated_points(c: SharedPoint) -> Iterator[SharedPoint]:
     yield replace(c, first=Mixture(c.first.vertices - 1000, c.first.weights))
     yield replace(c, first=Mixture(np.zeros(0, dtype=np.int64), np.zeros(0)), place=replace(place, first=()))
     yield replace(c, first=Mixture(c.first.vertices[:-1], c.first.weights))
-    # One weight too large, the other below 0.
-    spread = (*weights, Fraction(1, 2), Fraction(-1, 2))
-    vertices = np.array([*c.first.vertices, 0, 0])
-    yield replace(c, first=Mixture(vertices, np.array([float(w) for w in spread])), place=replace(place, first=spread))
     # More vertices than four.
     split = tuple(w / 5 for w in weights for _ in range(5))
     many = Mixture(np.repeat(c.first.vertices, 5), np.array([float(w) for w in split]))
@@ -226,6 +224,57 @@ def test_mutated_shared_points_are_rejected(swell: float) -> None:
         assert isinstance(c, SharedPoint)
         for k, mutant in enumerate(mutated_points(c)):
             assert not mutant.verify(), k
+
+
+def of_weights(weights: tuple[Fraction, ...]) -> Mixture:
+    return Mixture(np.arange(len(weights)), np.array([float(w) for w in weights]))
+
+
+def test_weights_below_0_mix_nothing() -> None:
+    """Their sum is 1, and what they mix is the point; but it is beyond the vertices. Two cubes, 4 m apart."""
+    far = at(5, 0, 0)
+    bodies = PosedBody(CUBE[[0, 4]], at(0, 0, 0)), PosedBody(CUBE[[0, 4]], far)  # x = -1 and x = 1
+    beyond, within = (Fraction(-3, 2), Fraction(5, 2)), (Fraction(1), Fraction(0))
+    point = (Fraction(4), Fraction(-1), Fraction(-1))
+    for first, second in ((beyond, within), ((Fraction(-2), Fraction(3)), (Fraction(1, 2), Fraction(1, 2)))):
+        x = first[1] - first[0]
+        place = ExactPoint((x, *point[1:]), first, second)
+        c = SharedPoint(np.array([float(x), -1, -1]), of_weights(first), of_weights(second), place, bodies)
+        assert not c.verify()
+        turned = SharedPoint(c.point, c.second, c.first, replace(place, first=second, second=first), bodies[::-1])
+        assert not turned.verify()
+    # The same with weights of at least 0, of cubes that meet there.
+    near = PosedBody(CUBE[[0, 4]], at(1.5, 0, 0))
+    place = ExactPoint((Fraction(1, 2), *point[1:]), (Fraction(1, 4), Fraction(3, 4)), within)
+    halves = SharedPoint(np.array([0.5, -1, -1]), of_weights(place.first), of_weights(within), place, (bodies[0], near))
+    assert halves.verify()
+
+
+def test_a_length_below_that_of_the_normal_separates_nothing() -> None:
+    """Two balls that overlap by 0.5 m: with half the length their radii would count half."""
+    bodies = PosedBody(POINT, at(1.5, 0, 0), 1.0), PosedBody(POINT, at(0, 0, 0), 1.0)
+    for length in (Fraction(1, 2), Fraction(7, 10)):
+        normal, offset = (Fraction(1), Fraction(0), Fraction(0)), Fraction(3, 4)
+        gap = Fraction(3, 2) / length - 2
+        assert gap > 0
+        plane = ExactPlane(normal, length, offset, gap)
+        doubles = np.array([float(1 / length), 0, 0]), float(offset / length), float(gap) * (1 - 1e-15)
+        assert not Separation(*doubles, plane, bodies).verify()
+
+
+@pytest.mark.parametrize(
+    "shift", [Fraction(1, 10**20), Fraction(1, 4), Fraction(9, 10), Fraction(-1, 4), Fraction(-9, 10)]
+)
+def test_a_plane_within_the_inflation_separates_nothing(shift: Fraction) -> None:
+    """Two balls of 1 m, 1 m apart: the plane may lie anywhere between, but not in one of them."""
+    bodies = PosedBody(POINT, at(3, 0, 0), 1.0), PosedBody(POINT, at(0, 0, 0), 1.0)
+    normal, one = (Fraction(1), Fraction(0), Fraction(0)), Fraction(1)
+    for inside in (False, True):
+        border = Fraction(2) if shift > 0 else one
+        offset = border + (shift if inside else -shift) * (1 if inside else Fraction(1, 2))
+        plane = ExactPlane(normal, one, offset, one)
+        c = Separation(np.array([1.0, 0, 0]), float(offset), 1.0, plane, bodies)
+        assert c.verify() == (not inside)
 
 
 def test_equality_and_words_leave_the_bodies_out() -> None:

@@ -218,6 +218,74 @@ def test_an_attached_body_is_as_a_fixed_link_of_the_urdf(panda, scene, q, tmp_pa
     np.testing.assert_allclose(same.clearances(q[:20]), welded.clearances(q[:20]), atol=1e-9)
 
 
+def test_a_long_object_is_not_taken_for_the_short_one_that_was_carried_before(panda, q):
+    """Of the same name, on the same link: no length of the first may be used for the second."""
+    scene = pc.Scene("far")
+    rng = np.random.default_rng(2)
+    for k in range(12):
+        direction = rng.normal(size=3)
+        scene.add_box(f"box {k}", [0.1, 0.1, 0.1], at(*(1.4 * direction / np.linalg.norm(direction))))
+    checker = pc.Checker(panda, scene).attach("tool", Sphere(0.01), HAND, at(0, 0, 0.12), FINGERS)
+    assert checker.unreachable.any()
+    for parts, pose in ((Capsule(0.02, 1.2), at(0, 0, 0.7)), (Sphere(0.3), at(0, 0, 0.5)), (Sphere(0.01), at(0, 0, 1))):
+        scene.attach("tool", HAND, pose, FINGERS, parts)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            found, truth = checker.with_scene(scene), pc.Checker(panda, scene)
+        np.testing.assert_array_equal(found.unreachable, truth.unreachable)
+        assert (found.unreachable != checker.unreachable).any()
+        np.testing.assert_array_equal(found.check_states(q), truth.check_states(q))
+        scene.remove("tool")
+
+
+def test_a_shape_that_changes_its_name_changes_its_padding(panda, q):
+    """The same shape under a padded name, then under one without: nothing prepared for the one serves the other."""
+    ball = Sphere(0.1)
+    scene = pc.Scene("names")
+    scene.add("padded", ball, at(0.5, 0.2, 0.5))
+    checker = pc.Checker(panda, scene, padding={"padded": 0.15})
+    scene.remove("padded")
+    scene.add("plain", ball, at(0.5, 0.2, 0.5))
+    plain = checker.with_scene(scene)
+    scene.remove("plain")
+    scene.add("padded", ball, at(0.5, 0.2, 0.5))
+    padded = plain.with_scene(scene)
+    verdicts = checker.check_states(q)
+    np.testing.assert_array_equal(padded.check_states(q), verdicts)
+    found = plain.check_states(q)
+    np.testing.assert_array_equal(found, pc.Checker(panda, plain.scene).check_states(q))
+    assert (found & ~verdicts).any()
+
+
+def test_what_a_pairs_own_distance_needed_is_not_taken_for_another_scene(panda, q):
+    """Copies of padded bodies stand among the robot's: without them every obstacle has another place."""
+    scene = pc.Scene("with a ball")
+    scene.add_sphere("ball", 0.1, at(0.5, 0.2, 0.5))
+    for k in range(4):  # bars from afar into the robot's reach
+        scene.add_box(f"bar {k}", [6.0, 0.05, 0.05], at(3.4, 0.2 * k - 0.3, 0.6))
+    padding = {(HAND, "ball"): 0.05, ("panda_link3", "ball"): 0.01}
+    checker = pc.Checker(panda, scene, padding=padding)
+    scene.remove("ball")
+    for k in range(4):  # of what stays where it is, what is known holds
+        scene.move(f"bar {k}", at(3.5, 0.3 - 0.2 * k, 0.5))
+    found, truth = checker.with_scene(scene), pc.Checker(panda, scene)
+    np.testing.assert_array_equal(found.unreachable, truth.unreachable)
+    np.testing.assert_array_equal(found.check_states(q), truth.check_states(q))
+    scene.add_sphere("ball", 0.1, at(0.5, 0.2, 0.5))
+    again = found.with_scene(scene)
+    truth = pc.Checker(panda, scene, padding=padding)
+    np.testing.assert_array_equal(again.check_states(q), truth.check_states(q))
+
+
+def test_either_of_two_carried_objects_may_list_the_other_as_a_touch_link(panda):
+    for first, second in (((), ("a",)), (("b",), ())):
+        scene = pc.Scene("two carried")
+        scene.attach("a", HAND, at(0, 0, 0.2), (*FINGERS, *first), Sphere(0.02))
+        scene.attach("b", "panda_link5", at(0, 0.2, 0), second, Sphere(0.02))
+        checker = pc.Checker(panda, scene)
+        assert {"a", "b"} not in [set(checker.pair_names(k)) for k in range(len(checker.pairs))]
+
+
 def test_attaching_in_any_way_is_attaching_in_the_scene(panda, scene, q):
     scene.attach("can", HAND, at(0, 0, 0.2), FINGERS, Cylinder(0.03, 0.3))
     whole = pc.Checker(panda, scene)

@@ -7,6 +7,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.core import core
+from plannercheck.shapes import Box, Capsule, Sphere
 
 EYE = np.eye(4)
 
@@ -104,6 +105,57 @@ def test_padding_at_the_distance_itself():
         assert not pc.intersects(*halves, posed(np.nextafter(gap, 2)))
 
 
+LOLLIPOP = """<robot name="lollipop"><link name="rail"/>
+<link name="tip"><collision>{pose}<geometry>{shape}</geometry></collision>
+<collision><origin xyz="0 0 5"/><geometry><box size="0.5 0.5 0.5"/></geometry></collision></link>
+<joint name="slide" type="prismatic"><parent link="rail"/><child link="tip"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"""
+
+
+ROUND = {"ball": Sphere(0.25), "capsule": Capsule(0.25, 0.5), "box": Box((0.5, 0.5, 0.5))}
+
+
+@pytest.mark.parametrize("own", ["ball", "capsule"])
+@pytest.mark.parametrize("other", list(ROUND))
+def test_padding_adds_to_what_a_ball_or_capsule_swells(tmp_path, own, other):
+    """All numbers are dyadic: the bodies keep the padding exactly, from either side, also where it is the smaller."""
+    path = tmp_path / "lollipop.urdf"
+    path.write_text(LOLLIPOP.format(shape='<box size="0.25 0.25 0.25"/>', pose='<origin xyz="0 0 9"/>'))
+    robot = pc.Robot.from_urdf(path)
+    scene = pc.Scene("other")
+    scene.add("other", ROUND[other], posed(2))
+    scene.attach("tip's", "tip", posed(0), (), ROUND[own])
+    for padding in (0.125, 0.5, {"other": 0.125}, {"tip's": 0.5}, {("tip's", "other"): 0.25}):
+        checker = pc.Checker(robot, scene, padding=padding)
+        room = padding if isinstance(padding, float) else next(iter(padding.values()))
+        contact = 1.5 - room
+        q = np.array([[np.nextafter(contact, 0)], [contact], [contact + 0.01]])
+        assert checker.check_states(q).tolist() == [True, False, False]
+        assert [checker.is_valid(row) for row in q] == [True, False, False]
+
+
+def test_a_body_of_a_link_has_a_padding_of_its_own(tmp_path):
+    """The link's second body stands 5 m above the first; a part by the body's name counts instead of the link's."""
+    path = tmp_path / "lollipop.urdf"
+    path.write_text(LOLLIPOP.format(shape='<sphere radius="0.25"/>', pose=""))
+    robot = pc.Robot.from_urdf(path)
+    names = [body.name for body in robot.bodies]
+    assert len(names) == 2
+    scene = pc.Scene("two")
+    scene.add_box("low", (0.5, 0.5, 0.5), posed(2))
+    scene.add_box("high", (0.5, 0.5, 0.5), posed(2, 0, 5))
+    for padding, parts in (
+        ({names[1]: 0.5}, [0.0, 0.5, 0.0, 0.0]),
+        ({names[0]: 0.25, "tip": 0.125}, [0.25, 0.125, 0.0, 0.0]),
+        ({"tip": 0.125, names[1]: 0.0}, [0.125, 0.0, 0.0, 0.0]),
+    ):
+        checker = pc.Checker(robot, scene, padding=padding)
+        np.testing.assert_array_equal(checker.paddings, parts)
+        contact = 1.5 - max(parts)
+        assert checker.is_valid([np.nextafter(contact, 0)])
+        assert not checker.is_valid([contact])
+
+
 def test_padding_by_name(panda, scene, samples):
     by_name = pc.Checker(panda, scene, padding={"shelf": 0.03, "panda_hand": 0.01})
     plain = pc.Checker(panda, scene)
@@ -186,8 +238,11 @@ def test_motions_keep_padding(panda, scene, samples):
     """A motion proved free with padding has no state within it; one that has is refused."""
     plain, padded = pc.Checker(panda, scene), pc.Checker(panda, scene, padding=0.02)
     good = samples[padded.check_states(samples)]
-    starts, ends = good[:-1], good[1:]
+    starts = np.repeat(good[:-1], 2, axis=0)
+    ends = starts + np.tile([0.1, 1.0], len(good) - 1)[:, None] * np.repeat(good[1:] - good[:-1], 2, axis=0)
     free = padded.check_motions(starts, ends)
+    assert free.any()
+    assert not free.all()
     t = np.linspace(0, 1, 200)[:, None]
     for q0, q1, passed in zip(starts, ends, free, strict=True):
         least = plain.clearances((1 - t) * q0 + t * q1).min()
@@ -222,6 +277,38 @@ def test_ompl_maximises_the_least_clearance(panda, scene):
     t = np.linspace(0, 1, 30)[:, None]
     fine = checker.clearances((1 - t) * q0 + t * q1).min()
     assert objective.motionCost(a, b).value() == pytest.approx(-fine, abs=5e-3)
+
+
+def test_a_motion_costs_its_least_clearance_and_a_path_its_costliest_part(tmp_path):
+    """A ball that passes a post half-way: the ends are 1 m from it, the middle 0.25 m; a joint turns the short way."""
+    path = tmp_path / "ball.urdf"
+    path.write_text(
+        """<robot name="ball"><link name="base"/><link name="arm"/>
+<link name="ball"><collision><geometry><sphere radius="0.25"/></geometry></collision></link>
+<joint name="turn" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>
+<joint name="slide" type="prismatic"><parent link="arm"/><child link="ball"/><axis xyz="1 0 0"/>
+<limit lower="0.5" upper="9" effort="1" velocity="1"/></joint></robot>"""
+    )
+    scene = pc.Scene("post")
+    scene.add_sphere("post", 0.25, posed(-3))
+    checker = pc.Checker(pc.Robot.from_urdf(path, group=["turn", "slide"]), scene)
+    setup = pc.ompl.setup(checker)
+    objective = pc.ompl.clearance_objective(checker, setup)
+    space, information = pc.ompl.space_of(checker), setup.getSpaceInformation()
+
+    def cost(q0, q1):
+        a, b = (space.state(information, np.array(q)) for q in (q0, q1))
+        return objective.motionCost(a, b).value()
+
+    assert cost((3.0, 2.0), (-3.0, 2.0)) == pytest.approx(-0.5, abs=1e-3)  # by way of pi, where the post is
+    assert cost((0.5, 2.0), (-0.5, 2.0)) == pytest.approx(-checker.clearance([0.5, 2.0]), abs=1e-9)  # by way of 0
+    assert cost((np.pi, 2.0), (np.pi, 1.0)) == pytest.approx(-0.5, abs=1e-6)  # the least is at the first end
+    assert cost((np.pi, 1.0), (np.pi, 2.0)) == pytest.approx(-0.5, abs=1e-6)
+    base = pytest.importorskip("ompl.base")
+    costs = [base.Cost(-0.5), base.Cost(-0.25)]
+    for first, second in (costs, costs[::-1]):
+        assert objective.combineCosts(first, second).value() == -0.25
+    assert objective.combineCosts(objective.identityCost(), costs[0]).value() == -0.5
 
 
 def test_clearances_of_the_core_skip_only_what_is_further():

@@ -255,7 +255,9 @@ def test_help_imports_nothing_heavy():
     assert "validate" in done.stdout
 
 
-@pytest.mark.parametrize("command", ["validate", "plan", "demo", "view", "robots", "inspect", "stress", "bench"])
+@pytest.mark.parametrize(
+    "command", ["validate", "verify", "plan", "demo", "view", "robots", "inspect", "stress", "bench"]
+)
 def test_every_command_has_help(command, capsys):
     assert main([command, "--help"]) == 0
     assert "usage: plannercheck" in capsys.readouterr().out

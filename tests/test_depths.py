@@ -86,7 +86,7 @@ def test_flat_bodies():
     plate = pc.Polytope([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     pose = np.eye(4)
     pose[0, 3] = 0.3
-    assert pc.depth(plate, plate, pose).depth == pytest.approx(0.0, abs=1e-15)
+    assert pc.depth(plate, plate, pose).depth == pytest.approx(0.0, abs=1e-13)
     upright = np.eye(4)
     upright[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
     upright[:3, 3] = 0.2, 0.5, -0.25
@@ -99,10 +99,102 @@ def test_touching_is_no_depth():
     pose = np.eye(4)
     pose[0, 3] = 1.0
     assert pc.intersects(cube, cube, pose)
-    assert pc.depth(cube, cube, pose).depth == pytest.approx(0.0, abs=1e-14)
+    assert pc.depth(cube, cube, pose).depth == pytest.approx(0.0, abs=1e-13)
 
 
 def test_large_bodies_are_refused():
     body = pc.Polytope(family("round", 1000, 1))
     with pytest.raises(pc.PlannercheckError, match="small bodies"):
         pc.depth(body, body)
+
+
+def _exact_depth_bounds(first, second, pose, pose_r):
+    """The depth of two posed hulls between fractions: along directions it is at most so much, and hulls prove it."""
+    import mpmath
+
+    mpmath.mp.prec = 200
+    posed = []
+    for body, matrix in ((first, pose), (second, pose_r)):
+        points = []
+        for v in body.vertices.tolist():
+            points.append(
+                [
+                    sum(mpmath.mpf(matrix[i, k]) * mpmath.mpf(v[k]) for k in range(3)) + mpmath.mpf(matrix[i, 3])
+                    for i in range(3)
+                ]
+            )
+        posed.append(points)
+    return posed
+
+
+def _width(posed, direction):
+    """How far the first body is in the second along a direction, in 200 bits."""
+    import mpmath
+
+    d = [mpmath.mpf(float(x)) for x in direction]
+    length = mpmath.sqrt(sum(x * x for x in d))
+    along = [[sum(a * b for a, b in zip(d, p, strict=True)) for p in points] for points in posed]
+    return (max(along[1]) - min(along[0])) / length
+
+
+def test_both_bounds_are_proved():
+    """Against 200 bits: the depth is enough along its direction, and no direction that is tried needs less."""
+    rng = np.random.default_rng(17)
+    for k in range(60):
+        (name, n), (other, m) = (FAMILIES[i] for i in rng.integers(0, len(FAMILIES), 2))
+        swell = 0.0 if k % 3 else float(rng.uniform(0, 0.2))
+        first, second = pc.Polytope(family(name, n, k), swell=swell), pc.Polytope(family(other, m, k + 1))
+        poses = pose_at(rng, float(rng.uniform(0, 0.6))), pose_at(rng, 0.0)
+        found = pc.depth(first, second, *poses)
+        if found.depth == 0:
+            continue
+        assert found.lower_bound <= found.depth
+        posed = _exact_depth_bounds(first, second, *poses)
+        assert found.depth >= _width(posed, found.direction) + swell
+        tried = by_all_directions_of(first, second, poses)
+        least = min(_width(posed, d) for d in tried)
+        if least > 0:  # the hulls overlap, and some direction of these is the way out
+            assert found.lower_bound <= least + swell
+
+
+def by_all_directions_of(first, second, poses):
+    """The few directions along which the bodies are least in each other."""
+    points, normals, edges = [], [], []
+    for body, pose in zip((first, second), poses, strict=True):
+        points.append(body.vertices @ pose[:3, :3].T + pose[:3, 3])
+        a, b, c = (points[-1][body.faces[:, k]] for k in range(3))
+        normals += [np.cross(b - a, c - a), -np.cross(b - a, c - a)]
+        edges.append(np.concatenate([b - a, c - b, a - c]))
+    products = np.cross(edges[0][:, None], edges[1]).reshape(-1, 3)
+    directions = np.concatenate([*normals, products, -products])
+    lengths = np.linalg.norm(directions, axis=1)
+    directions = directions[lengths > 0] / lengths[lengths > 0, None]
+    widths = (points[1] @ directions.T).max(axis=0) - (points[0] @ directions.T).min(axis=0)
+    return directions[np.argsort(widths)[:5]]
+
+
+@pytest.mark.parametrize("gap", [1e-3, 0.05, 0.19])
+def test_the_depth_of_inflated_bodies_whose_hulls_are_apart(gap):
+    cube = pc.Polytope(CUBE, swell=0.1)
+    pose = np.eye(4)
+    pose[0, 3] = 1 + gap
+    found = pc.depth(cube, cube, pose)
+    assert found.lower_bound < 0.2 - (pose[0, 3] - 1) < found.depth  # the depth in fractions is between doubles
+    assert found.depth - found.lower_bound < 1e-12
+
+
+def test_needles_of_the_hull_of_differences():
+    """A triangle with a normal of few digits must not raise the lower bound."""
+    rng = np.random.default_rng(7)
+    for thin in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9):
+        for k in range(20):
+            first = pc.Polytope(family("round", 12, k) * [1, 1, 1 + thin])
+            tilt = np.eye(4)
+            tilt[:3, :3] = [[1, -thin, 0], [thin, 1, 0], [0, 0, 1]]
+            pose = pose_at(rng, 0.2)
+            second = pc.Polytope(family("round", 12, k) @ tilt[:3, :3].T)
+            found = pc.depth(first, second, pose, pose)
+            posed = _exact_depth_bounds(first, second, pose, pose)
+            least = min(_width(posed, d) for d in by_all_directions_of(first, second, (pose, pose)))
+            assert found.lower_bound <= least
+            assert found.depth >= _width(posed, found.direction)

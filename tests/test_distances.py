@@ -122,3 +122,21 @@ def test_batches_are_single_calls():
     overlap, distances, *_ = core.distance_batch(body.core, poses, body.core, np.eye(4)[None])
     singly = [pc.distance(body, body, pose).distance for pose in poses]
     np.testing.assert_array_equal(np.where(overlap, 0.0, distances), singly)
+
+
+def test_depths_of_swollen_bodies_have_both_swells():
+    """Cubes that overlap by 1/4: to part them takes that and both swells, and by no less do they come apart."""
+    first, second = pc.Polytope(CUBE, swell=0.125), pc.Polytope(CUBE, swell=0.0625)
+    pose = np.eye(4)
+    pose[0, 3] = 0.75
+    found = pc.distance(first, second, pose)
+    depth = 0.25 + 0.125 + 0.0625
+    assert found.distance == 0
+    assert found.lower_bound == pytest.approx(-depth, abs=1e-12)
+    np.testing.assert_allclose(found.direction, [1, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(found.point_r - found.point_p, depth * found.direction, atol=1e-12)
+    assert found.point_p[0] == pytest.approx(0.75 - 0.125)
+    for factor, shared in ((1 - 1e-9, True), (1 + 1e-9, False)):
+        moved = pose.copy()
+        moved[:3, 3] += factor * depth * found.direction
+        assert pc.intersects(first, second, moved) == shared

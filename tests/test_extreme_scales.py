@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,8 +11,9 @@ import pytest
 import plannercheck as pc
 from plannercheck import exact
 from plannercheck.core import core
-from plannercheck.pair import pair_options
+from plannercheck.pair import METHODS, pair_options
 from plannercheck.stress import contacts
+from plannercheck.stress.specimens import base_points
 
 UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 
@@ -67,3 +69,135 @@ def test_what_is_beyond_floats_may_be_anywhere(exponent, first):
         bodies, links, placements, pairs, 1, nothing, nothing, pair_options(), True, True, True, True, pose
     )
     assert checker.first_of_poses(np.repeat(pose, 8, axis=0), 1).tolist() == [first] * 8
+
+
+def plate_in_plane(normal, middle, rng):
+    """Points of a lattice in a plane, in pairs about a point of it: their mean is that point."""
+    arms = np.cross(normal, rng.integers(-8, 9, (2, 3)))
+    off = rng.integers(-4, 5, (rng.integers(1, 4), 2)) @ arms
+    return np.vstack([middle + off, middle - off]).astype(float)
+
+
+@pytest.mark.parametrize("exponent", [-500, -540, -560, -1000, -1030, -1060])
+@pytest.mark.parametrize("method", METHODS)
+def test_flat_pairs_with_coinciding_centres(exponent, method):
+    """Found by an audit: a size that was a sum of squares was 0, and so was what rounding may be."""
+    rng = np.random.default_rng(6)
+    for _ in range(150):
+        normal, middle = rng.integers(1, 10, 3), rng.integers(-2000, 2000, 3)
+        P, R = (pc.Polytope(plate_in_plane(normal, middle, rng) * 2.0 ** (exponent - 12)) for _ in range(2))
+        pose = np.eye(4)
+        onto = np.array([[rng.choice([-1.0, 1.0]), 0, 0]])
+        pose[:3, :3] = contacts.turns_onto(contacts.unit(normal[None].astype(float)), onto, rng)[0]
+        assert exact.intersects(P.vertices, R.vertices, pose, pose)  # both have their middle
+        assert pc.intersects(P, R, pose, pose, method=method)
+        assert pc.distance(P, R, pose, pose).distance == 0
+
+
+@pytest.mark.parametrize("exponent", [-1068, -1060, -600, -560, -540, -535, -400, -10, 10])
+def test_origin_radius_and_radius_are_upper_bounds(exponent):
+    rng = np.random.default_rng(7)
+    for n in (1, 2, 5, 30):
+        body = pc.Polytope(np.ldexp(rng.uniform(-1, 1, (n, 3)), exponent))
+        points = [[Fraction(x) for x in v] for v in body.vertices.tolist()]
+        centre = [Fraction(x) for x in body.centre.tolist()]
+        assert Fraction(body.core.reach) ** 2 >= max(sum(x * x for x in v) for v in points)
+        squares = (sum((x - c) ** 2 for x, c in zip(v, centre, strict=True)) for v in points)
+        assert Fraction(body.core.radius) ** 2 >= max(squares)
+
+
+@pytest.mark.parametrize("exponent", [-307, -300, -200, -165, -160, -150, -125, -121, -100, 0, 40])
+def test_distances_at_any_scale(exponent):
+    """Within 1e-9 of max(distance, 1e-3 of the size); below 1e-121 m the double-double stage used to stand aside."""
+    rng, scale = np.random.default_rng(8), 10.0**exponent
+    apart = 0
+    for k in range(25):
+        family = ("round", "box", "flat", "plate", "segment")[k % 5]
+        P, R = (pc.Polytope(base_points(family, 12, rng) * scale, swell=s * scale) for s in (0.0, 0.1 * (k % 3 == 0)))
+        pose = contacts.identities(1)[0]
+        turn = contacts.turns_onto(contacts.random_directions(1, rng), contacts.random_directions(1, rng), rng)
+        pose[:3, :3] = turn[0]
+        pose[:3, 3] = contacts.random_directions(1, rng)[0] * (0.3, 0.8, 1.01, 2, 1e3)[k // 5] * scale
+        truth = exact.distance(P.vertices, R.vertices, pose, None, P.swell, R.swell)
+        found = pc.distance(P, R, pose)
+        assert (found.distance == 0) == (truth == 0)
+        assert np.isfinite(found.lower_bound)
+        if truth > 0:
+            apart += 1
+            least = Fraction(1e-3 * max(P.core.radius, R.core.radius))
+            off = Fraction(1, 10**9) * max(Fraction(truth), least)
+            assert abs(Fraction(found.distance) - Fraction(truth)) <= off
+            assert Fraction(found.lower_bound) <= Fraction(truth) * (1 + Fraction(1, 2**52))
+    assert 5 < apart < 25
+
+
+@pytest.mark.parametrize("exponent", [-120, -149, -153, -157, -159, -161, -165, -200, -300])
+def test_planar_bodies_that_touch_at_any_scale(exponent):
+    """Found by an audit: circles were compared by squares that were denormal. Two squares, corner on corner."""
+    square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    at = np.array([[-1, -1], [-1, 0], [3, 3], [3, 1], [1, 1], [-1 - 2**-20, 0], [3 + 2**-20, 3]])
+    for odd in (1, 1.25, 1.375, 1.75, 1.8125):
+        scale = odd * 2.0 ** round(exponent * np.log2(10))
+        robot, scene = pc.planar.Robot(square * scale), pc.planar.Scene()
+        scene.add_polygon("other", (square + 1) * scale)
+        q = np.column_stack([at * scale, np.zeros(len(at))])
+        for bounds in (True, False):
+            checker = pc.planar.Checker(robot, scene, bounds=bounds)
+            assert checker.check_states(q).tolist() == [False] * 5 + [True] * 2
+
+
+def test_what_is_beyond_the_range_is_refused():
+    """Coordinates and swells beyond 1e50 m, poses beyond 1e-6 off rigid, reflections; what is just within is taken."""
+    pc.Polytope(UNIT * 1e50, swell=1e50)
+    for vertices, swell, words in (
+        (UNIT * 1.01e50, 0.0, "coordinates"),
+        (UNIT, 1.01e50, "swell"),
+        (UNIT, -1e-300, "swell"),
+    ):
+        with pytest.raises(pc.PlannercheckError, match=words):
+            pc.Polytope(vertices, swell=swell)
+    cube, pose = pc.Polytope(UNIT), np.eye(4)
+    for stretch, taken in ((0.499e-6, True), (0.501e-6, False), (-0.499e-6, True), (-0.501e-6, False)):
+        pose[0, 0] = 1 + stretch
+        pose[0, 3] = np.finfo(float).max
+        if taken:
+            assert not pc.intersects(cube, cube, pose)
+        else:
+            with pytest.raises(pc.PlannercheckError, match="rigid"):
+                pc.intersects(cube, cube, pose)
+    with pytest.raises(pc.PlannercheckError, match="pose"):
+        pc.intersects(cube, cube, np.diag([1.0, 1, -1, 1]))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_bodies_at_the_ends_of_the_range_of_doubles(method):
+    """The largest translations, whose differences overflow, and the least sizes, whose products underflow."""
+    largest = np.finfo(float).max
+    places = [
+        (largest, 0, 0),
+        (-largest, 0, 0),
+        (largest, largest, 0),
+        (np.nextafter(largest, 0), 0, 0),
+        (1e-170, 0, 0),
+    ]
+    for size_p, size_r, swell in itertools.product((1e-310, 1e-162, 1.0, 1e49), (1e-310, 1.0), (0.0, 1e-200, 1e50)):
+        P, R = pc.Polytope((UNIT - 0.5) * size_p, swell=swell), pc.Polytope((UNIT - 0.5)[:4] * size_r)
+        for at_p, at_r in itertools.combinations_with_replacement(places, 2):
+            poses = contacts.identities(2)
+            poses[:, :3, 3] = at_p, at_r
+            truth = exact.intersects(P.vertices, R.vertices, *poses, P.swell, R.swell)
+            assert pc.intersects(P, R, *poses, method=method) == truth
+
+
+@pytest.mark.parametrize("method", ["exact", "oracle"])
+def test_denormal_and_normal_numbers_add_up(method):
+    """A box ends at the smallest normal double and a denormal one; another begins there, posed by the normal one."""
+    normal, last = 2.0**-1022, 2.0**-1074
+    first = pc.Polytope(UNIT * (normal + 64 * last))
+    for steps, shared in ((63, True), (64, True), (65, False), (96, False)):
+        second = pc.Polytope(steps * last + UNIT * normal)
+        pose = np.eye(4)
+        pose[:3, 3] = normal
+        assert exact.intersects(first.vertices, second.vertices, np.eye(4), pose) == shared
+        assert pc.intersects(first, second, None, pose, method) == shared
+        assert pc.intersects(second, first, pose, None, method) == shared

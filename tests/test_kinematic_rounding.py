@@ -107,6 +107,79 @@ def test_random_chains_of_all_kinds_stay_within_the_bound(seed):
     assert measured <= bound <= 500 * measured
 
 
+def row_of_joints(kinds, axes, placements, multipliers, offsets):
+    """A table of joints in a row, all of which the first columns move, and a link on the last."""
+    n = len(kinds)
+    columns = np.tile(np.arange(7, dtype=np.int32), (n, 1))
+    columns[np.array(multipliers) == 0] = -1
+    every = np.ones((1, 7))
+    return JointTable(
+        7,
+        np.arange(-1, n - 1, dtype=np.int32),
+        np.array(kinds, dtype=np.int32),
+        np.array(axes, dtype=np.float64),
+        np.array(placements, dtype=np.float64),
+        columns,
+        np.array(multipliers)[:, None] * every,
+        np.array(offsets)[:, None] * every,
+        np.array([n - 1], dtype=np.int32),
+        np.eye(4)[None, :3],
+    )
+
+
+def error_and_bound(table, q, half):
+    """(measured, bound) of a cube on the last link, of this half edge in m."""
+    body = Body("cube", "link", np.eye(4), Box((2 * half,) * 3))
+    measured = deviation(table, core.Kinematics(*table), [body], [0], q)
+    rounding = KinematicRounding(table, [body], [0])
+    return measured, max(rounding.bound(row, row) for row in q)
+
+
+EYE = np.eye(4)[:3]
+
+
+@pytest.mark.parametrize("kind", [3, 7, 10, 11])
+def test_rotations_err_by_most_of_what_is_said_of_them_alone(kind):
+    """One joint in the world and a cube of 100 m about it: nothing but the rotation's own rounding is left."""
+    rng = np.random.default_rng(kind)
+    measured = bound = 0.0
+    for _ in range(6):
+        table = row_of_joints([kind], [random_axis(rng, kind)], [EYE], [1.0], [0.0])
+        q = random_rows(rng, [kind], 60)
+        if kind == 11:
+            q[:, :3] = 0
+        found, said = error_and_bound(table, q, 100.0)
+        measured, bound = max(measured, found), max(bound, said)
+        assert found <= said
+    assert bound < 20 * measured
+
+
+def test_a_turns_error_counts_along_the_slide_after_it():
+    """A turn of 300 rad, of a mimic, is rounded by 3e-14 rad; then the link slides by 100 m."""
+    table = row_of_joints([2, 8], [[0, 0, 1], [1, 0, 0]], [EYE, EYE], [1000.1, 100.0], [0.0, 0.0])
+    q = np.random.default_rng(1).uniform(0.9, 1.0, (200, 7))
+    measured, bound = error_and_bound(table, q, 0.01)
+    assert 1e-13 < measured <= bound < 20 * measured
+
+
+def test_a_slides_value_that_cancels():
+    """A million times the leader less a million: the value is small, what rounding left of it is not."""
+    table = row_of_joints([8], [[1, 0, 0]], [EYE], [1e6 + 0.1], [-1e6])
+    q = np.random.default_rng(1).uniform(1 - 1e-6, 1 + 1e-6, (200, 7))
+    measured, bound = error_and_bound(table, q, 0.01)
+    assert 1e-11 < measured <= bound < 20 * measured
+
+
+def test_sums_that_round_the_same_way_at_every_placement():
+    """A link 2^20 m away, and 40 placements of 3/4 of the last bit there: each is rounded up."""
+    step = EYE.copy()
+    step[0, 3] = 0.75 * 2.0**-32
+    kinds, axes = [8] * 41, [[1, 0, 0]] * 41
+    table = row_of_joints(kinds, axes, [EYE, *[step] * 40], [1.0, *[0.0] * 40], np.zeros(41))
+    measured, bound = error_and_bound(table, np.full((1, 7), 2.0**20), 0.01)
+    assert 9 * 2.0**-32 < measured <= bound < 20 * measured
+
+
 def test_joints_held_on_the_world_are_posed_once_and_count_too():
     for seed in range(5):
         measured, bound = chain_errors([3, 2, 8, 0, 1], seed, held=1.0)
@@ -167,6 +240,53 @@ def test_the_bound_grows_with_how_far_a_robot_goes(tmp_path):
     far = np.array([[1e6]])
     assert robot.kinematic_error < 1e-14
     assert 1e-11 < deviation_of_robot(robot, far) <= robot.kinematic_error_at(far[0]) < 1e-8
+
+
+FAR = """<robot name="far"><link name="base"/><link name="tip"><collision><origin xyz="{far}"/><geometry>
+<box size="0.1 0.1 0.1"/></geometry></collision></link><link name="lead"/>
+<joint name="lead" type="{kind}"><parent link="base"/><child link="lead"/><axis xyz="0 0 1"/>
+<limit lower="-0.4" upper="0.4" effort="1" velocity="1"/></joint>
+<joint name="turn" type="{kind}"><parent link="base"/><child link="tip"/><axis xyz="0.6 0.8 0"/>
+<limit lower="-99" upper="99" effort="1" velocity="1"/>
+<mimic joint="lead" multiplier="{multiplier}" offset="{offset}"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("multiplier", [1.0, 3.1])
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_a_body_far_from_its_joint(tmp_path, kind, multiplier):
+    """100 m away the turn's error counts, and most of it is the rounding of the multiplier's product."""
+    urdf = tmp_path / "far.urdf"
+    urdf.write_text(
+        FAR.format(far="0 100 100" if kind == "revolute" else "0 0 0", kind=kind, multiplier=multiplier, offset=0)
+    )
+    robot = pc.Robot.from_urdf(urdf, group=["lead"])
+    q = robot.random_configurations(200, 1)
+    measured = deviation_of_robot(robot, q)
+    assert measured <= max(map(robot.kinematic_error_at, q))
+    assert robot.kinematic_error < SILLY * measured
+
+
+@pytest.mark.parametrize(("multiplier", "offset"), [(30.1, 0.0), (1000.1, 0.0), (1.0, 1000.3)])
+def test_the_rounding_of_a_mimics_value_is_most_of_the_error(tmp_path, multiplier, offset):
+    """The angle is rounded at a size of some hundred rad, the body 100 m away: this alone breaks a bound without it."""
+    urdf = tmp_path / "far.urdf"
+    urdf.write_text(FAR.format(far="0 100 100", kind="revolute", multiplier=multiplier, offset=offset))
+    robot = pc.Robot.from_urdf(urdf, group=["lead"])
+    q = robot.random_configurations(300, 1)
+    q = q[np.abs(q[:, 0]) > 0.3]
+    measured = deviation_of_robot(robot, q)
+    assert measured > 0.2 * robot.kinematic_error
+    assert measured <= robot.kinematic_error
+
+
+def test_a_body_of_200_m_about_its_joint(tmp_path):
+    """The joint's turn errs, its origin does not: what the corners are off by is the turn times their distance."""
+    urdf = tmp_path / "far.urdf"
+    text = FAR.format(far="0 0 0", kind="revolute", multiplier=3.1, offset=0)
+    urdf.write_text(text.replace('size="0.1 0.1 0.1"', 'size="200 200 200"'))
+    robot = pc.Robot.from_urdf(urdf, group=["lead"])
+    measured = deviation_of_robot(robot, robot.random_configurations(100, 1))
+    assert 1e-15 < measured <= robot.kinematic_error < SILLY * measured
 
 
 def test_nothing_is_proven_where_pinocchio_has_to_pose():

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from random_branches import Joint, Tree
 
 import plannercheck as pc
 from plannercheck.motion import MOST_STEPS, MotionSampler
@@ -190,6 +191,26 @@ def test_a_floating_base_moves_along_the_group(tmp_path):
     assert checker.check_motion(q0, q1, 0.01)
 
 
+@pytest.mark.parametrize("kind", ["planar", "floating"])
+def test_a_joint_in_mid_chain_makes_the_levers_before_it_longer(kind, tmp_path):
+    """Also where it goes along half a turn of a screw."""
+    kinds = "revolute", kind, "revolute"
+    links = "base", "a", "b", "c"
+    joints = [
+        Joint(k, parent, child, (0.1, 0, 0), (0, 0, 0), (0, 0, 1))
+        for k, parent, child in zip(kinds, links[:-1], links[1:], strict=True)
+    ]
+    path = tmp_path / "tree.urdf"
+    path.write_text(Tree(tuple(joints)).with_body("c", 0.01, np.zeros(3)).urdf().replace('upper="50"', 'upper="3"'))
+    robot = pc.Robot.from_urdf(path)
+    turned = [0.0, 1.0] if kind == "planar" else [0.0, 0.0, 1.0, 0.0]
+    rest = [1.0, 0.0] if kind == "planar" else [0.0, 0.0, 0.0, 1.0]
+    place = [[x, 0.0] if kind == "planar" else [x, 0.0, 0.0] for x in (-4.0, 4.0)]
+    starts = np.array([[0.0, *place[1], *rest, 0.0], [0.0, *place[0], *rest, 0.0]])
+    ends = np.array([[1.0, *place[1], *rest, 0.0], [1.0, *place[1], *turned, 0.0]])
+    assert_small_steps(robot, starts, ends, 0.01)
+
+
 def test_groups_with_a_floating_joint_are_not_sampled():
     robot = whole_robot("ur5", floating=True).with_group(["root_joint", "elbow_joint"])
     checker = pc.Checker(robot)
@@ -219,3 +240,27 @@ def test_bad_motions_are_refused(turntable):
         turntable.check_motions(np.zeros((2, 2)), np.array([[0.0, 0.0], [np.nan, 0.0]]))
     with pytest.raises(pc.PlannercheckError, match=r"\(2,\), not \(1, 2\)"):
         turntable.check_motion(np.zeros((1, 2)), np.zeros((1, 2)))
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 7, 8, 9, 16, 17, 33])
+def test_every_sampled_state_is_looked_at(tmp_path, steps):
+    """A dot on a slide, and one obstacle at a time at one sampled state, or half-way to the next, where none is."""
+    path = tmp_path / "dot.urdf"
+    path.write_text(
+        """<robot name="dot"><link name="rail"/>
+<link name="dot"><collision><geometry><box size="1e-3 1e-3 1e-3"/></geometry></collision></link>
+<joint name="slide" type="prismatic"><parent link="rail"/><child link="dot"/><axis xyz="1 0 0"/>
+<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"""
+    )
+    robot = pc.Robot.from_urdf(path)
+    resolution = 1.01 / steps
+    assert MotionSampler(robot).steps(np.array([[0.0]]), np.array([[1.0]]), resolution).tolist() == [steps]
+    for k in np.arange(0, steps + 0.5, 0.5):
+        scene, pose = pc.Scene("one"), np.eye(4)
+        pose[0, 3] = k / steps
+        scene.add_box("box", [1e-3, 1e-3, 1e-3], pose)
+        checker = pc.Checker(robot, scene)
+        sampled = k == int(k)
+        assert checker.check_motion([0.0], [1.0], resolution) != sampled
+        free = checker.check_motions([[0.0], [1.0], [0.0]], [[1.0], [0.0], [1.0]], resolution)
+        assert (free != sampled).all()

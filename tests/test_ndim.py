@@ -16,7 +16,11 @@ import plannercheck as pc
 from plannercheck import exact as exact_in_space
 from plannercheck import ndim
 from plannercheck.ndim import pair as pair_module
+from plannercheck.ndim.exact import ExactSharedPoint, Guess, decide
+from plannercheck.ndim.filters import encloses_origin, proves_inside
 from plannercheck.ndim.integers import Farkas, Mix, dot, inverse, solve
+from plannercheck.ndim.posed import ExactRows, ExactVertices
+from plannercheck.ndim.poses import Affine, identity
 from plannercheck.ndim.tree import Cones, Tree
 from plannercheck.qhull import convex_hull
 
@@ -385,3 +389,62 @@ def test_hulls_of_halfspaces_and_points_agree():
     assert (body.points >= body.box[0] - 1e-12).all()
     assert (body.points <= body.box[1] + 1e-12).all()
     np.testing.assert_allclose(body.box, [points.min(axis=0), points.max(axis=0)], atol=1e-9)
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 4])
+def test_any_guess_decides_what_touches(dimension):
+    """Boxes that share a corner, an edge or a face, from any two vertices, or halfspaces, as the guess."""
+    corners = np.array(list(itertools.product((0.0, 1.0), repeat=dimension)))
+    normals = np.vstack([np.eye(dimension), -np.eye(dimension)])
+    offsets = np.repeat([1.0, 0.0], dimension)
+    for along in range(1, dimension + 1):
+        shift = np.where(np.arange(dimension) < along, 1.0, 0.5)
+        still, moved = identity(dimension), Affine(np.eye(dimension), shift, False)
+        for kinds in itertools.product("vr", repeat=2):
+            sizes = [2**dimension if kind == "v" else 2 * dimension for kind in kinds]
+            for guess in itertools.islice(itertools.product(*map(range, sizes)), 0, None, 3):
+                bodies = [
+                    ExactVertices(corners, pose) if kind == "v" else ExactRows(normals, offsets, pose)
+                    for kind, pose in zip(kinds, (still, moved), strict=True)
+                ]
+                found, _ = decide(*bodies, Guess((guess[0],), (guess[1],)))
+                assert isinstance(found, ExactSharedPoint)
+                point = [Fraction(x, found.denominator) * Fraction(2) ** bodies[0].unit for x in found.point]
+                for x, s in zip(point, shift.tolist(), strict=True):
+                    assert max(0, Fraction(s)) <= x <= 1
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 4, 6])
+def test_what_rounding_may_move_out_is_not_enclosed(dimension):
+    """A simplex with a face nearer to the origin than what its corners may be off is not proved to hold it."""
+    rng = np.random.default_rng(dimension)
+    rounding = np.full(dimension, 2.0)
+    for _ in range(40):
+        corners = np.vstack([-np.eye(dimension), np.ones(dimension)]) + rng.uniform(
+            -0.1, 0.1, (dimension + 1, dimension)
+        )
+        turn = np.linalg.qr(rng.normal(size=(dimension, dimension)))[0]
+        corners = corners - corners[:-1].mean(axis=0)  # the origin is on the face of all corners but the last
+        for height, enclosed in ((1e-6, True), (1e-16, False), (0.0, False), (-1e-6, False)):
+            moved = (corners - height * corners[-1]) @ turn
+            assert encloses_origin(moved, rounding) == enclosed
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 5])
+def test_a_point_is_proved_inside_only_where_rounding_leaves_it(dimension):
+    """A turned box, and points just within and beyond its faces, some of them moved by an error."""
+    rng = np.random.default_rng(dimension)
+    normals, offsets = np.vstack([np.eye(dimension), -np.eye(dimension)]), np.repeat([1.0, 1.0], dimension)
+    none = np.zeros(dimension)
+    for _ in range(30):
+        turn = np.linalg.qr(rng.normal(size=(dimension, dimension)))[0]
+        shift = rng.uniform(-3, 3, dimension)
+        face = rng.uniform(-0.9, 0.9, dimension)
+        for depth_below, proved in ((1e-9, True), (1e-16, False), (0.0, False), (-1e-9, False)):
+            face[0] = 1 - depth_below
+            point = turn @ face + shift
+            assert proves_inside(normals, offsets, Affine(turn, shift, False), point, none) == proved
+            assert proves_inside(normals, offsets, identity(dimension), face, none) == proved
+            assert not proves_inside(normals, offsets, Affine(turn, shift, False), point, none + 1e-8)
+        inside = turn @ (0.5 * face) + shift
+        assert proves_inside(normals, offsets, Affine(turn, shift, False), inside, none + 1e-3)

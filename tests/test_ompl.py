@@ -15,6 +15,7 @@ from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
 from plannercheck.joint_space import JointSpace
 from plannercheck.path_checks import resampled
+from plannercheck.path_validation import validate_path
 from plannercheck.plans import Plan
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
@@ -74,12 +75,89 @@ def test_a_plan_leads_from_start_to_goal_within_the_limits(checker, ends, plan):
     assert 0 < plan.time < 10
 
 
-def test_continuous_joints_are_checked_on_the_short_way(kinova):
-    validator, space, information = validator_of(kinova)
-    q = kinova.robot.random_configurations(40, 5)
-    for q0, q1 in zip(q[::2], q[1::2], strict=True):
+def test_continuous_joints_are_checked_on_the_short_way():
+    """Motions of which many go one way free and the other way not, the short way held to plain arithmetic."""
+    checker = Checker(Robot.load("kinova"), Scene.load("kitchen"))
+    validator, space, information = validator_of(checker)
+    turning = space.continuous
+    rng = np.random.default_rng(5)
+    q = checker.robot.random_configurations(2000, 5)
+    starts = q[checker.check_states(q)][:200]
+    ends = starts + rng.uniform(-1, 1, starts.shape) * np.where(turning, 1.0, 0.1)
+    ends = np.where(
+        turning, (ends + np.pi) % (2 * np.pi) - np.pi, np.clip(ends, checker.robot.lower, checker.robot.upper)
+    )
+    step = ends - starts
+    near = np.where(
+        turning & (step > np.pi), step - 2 * np.pi, np.where(turning & (step < -np.pi), step + 2 * np.pi, step)
+    )
+    assert (np.abs(step) > np.pi).any(axis=1).sum() > 20
+    truth = checker.motion_certifier.check(starts, starts + near, 1e-4, 1)
+    long_way = checker.motion_certifier.check(starts, starts + step, 1e-4, 1)
+    assert (truth & ~long_way).sum() > 10
+    for q0, q1, free in zip(starts, ends, truth, strict=True):
         states = space.state(information, q0), space.state(information, q1)
-        assert validator.checkMotion(*states) == kinova.check_motion(q0, q1)
+        assert validator.checkMotion(*states) == free
+        assert validator.checkMotionWithLastValid(*states)[0] == free
+        assert checker.check_motion(q0, q1) == free
+    assert np.array_equal(checker.check_motions(starts, ends), truth)
+
+
+def test_a_validator_proves_with_its_own_tolerance(tmp_path):
+    """A block turns under a lid, 0.05 mm below it: refused for 0.1 mm, free for 0.04 mm."""
+    urdf = tmp_path / "turning.urdf"
+    urdf.write_text(
+        """<robot name="turning"><link name="base"/>
+<link name="block"><collision><origin xyz="1 0 0"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<joint name="turn" type="continuous"><parent link="base"/><child link="block"/><axis xyz="0 0 1"/></joint></robot>"""
+    )
+    scene, pose = Scene("lid"), np.eye(4)
+    pose[:3, 3] = [1.0, 0.0, 0.05 + 0.01 + 5e-5]
+    scene.add_box("lid", [0.02, 0.02, 0.02], pose)
+    checker = Checker(Robot.from_urdf(urdf, group=["turn"]), scene)
+    space, information = JointSpace(checker.robot), planning.setup(checker).getSpaceInformation()
+    for tolerance, free in ((1e-4, False), (4e-5, True)):
+        assert checker.check_motion([-1.0], [1.0], tolerance=tolerance) == free
+        validator = planning.motion_validator(information, checker, space, None, tolerance)
+        ends = [space.state(information, q) for q in ([-1.0], [1.0])]
+        assert validator.checkMotion(*ends) == free
+        assert validator.checkMotionWithLastValid(*ends)[0] == free
+        path = validate_path(checker, [[-1.0], [1.0], [-1.0]], tolerance)
+        assert path.free == free
+        assert path.motion == (None if free else 0)
+
+
+def test_distances_are_those_of_all_joints_and_bounded_ones_never_go_round(kinova):
+    """Joints weigh equally; one with limits goes all the way, be it more than half a turn."""
+    space = JointSpace(kinova.robot)
+    setup = planning.setup(kinova)
+    bounded = ~space.continuous
+    low, high = (np.where(bounded, limit, 0.5) for limit in (kinova.robot.lower, kinova.robot.upper))
+    assert (high - low)[bounded].max() > np.pi
+    assert np.array_equal(space.differences(low, high), high - low)
+    a, b = (space.state(setup.getSpaceInformation(), q) for q in (low, high))
+    assert setup.getStateSpace().distance(a, b) == pytest.approx((high - low).sum())
+
+
+def test_states_are_written_with_angles_within_half_a_turn(kinova):
+    """As OMPL's SO2 needs them: an angle outside would make its distances wrong."""
+    space = JointSpace(kinova.robot)
+    information = planning.setup(kinova).getSpaceInformation()
+    row = kinova.robot.reference.copy()
+    for angle, written in (
+        (4.0, 4.0 - 2 * np.pi),
+        (-4.0, 2 * np.pi - 4.0),
+        (np.pi, -np.pi),
+        (-np.pi, -np.pi),
+        (0.5, 0.5),
+    ):
+        row[space.continuous] = angle
+        state = space.state(information, row)
+        assert information.satisfiesBounds(state)
+        found = np.array(space.read(state))
+        assert found[space.continuous] == pytest.approx(written, abs=1e-15)
+        assert np.array_equal(found[~space.continuous], row[~space.continuous])
+    assert (found[space.continuous] == 0.5).all()
 
 
 def test_all_sampled_states_of_a_plan_are_valid(checker, plan):

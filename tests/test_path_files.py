@@ -59,6 +59,58 @@ def test_moveit_trajectories(tmp_path, suffix):
     assert np.array_equal(read(file).states, STATES[[0, 1, 1, 2]])
 
 
+@pytest.mark.parametrize(
+    ("changes", "bent_by"),
+    [
+        ({}, ()),
+        ({"velocities": [], "accelerations": [], "effort": [1.0, 2.0, 3.0]}, ()),
+        ({"velocities": [0.0, -0.0, 0.0], "accelerations": [0, 0, 0]}, ()),
+        ({"velocities": [0.0, 0.0, 1e-300]}, ("velocities",)),
+        ({"velocities": [0.0, 0.0, 0.0], "accelerations": [0.0, -1.0, 0.0]}, ("accelerations",)),
+        ({"velocities": [1.0, 0.0, 0.0], "accelerations": [0.0, -1.0, 0.0]}, ("velocities", "accelerations")),
+    ],
+)
+@pytest.mark.parametrize("point", [0, 2])
+def test_what_bends_the_way_of_a_trajectory_is_told(tmp_path, changes, bent_by, point):
+    """A controller goes straight between points without velocities, and between those where all rest."""
+    document = trajectory(NAMES, STATES.tolist())
+    document["points"][point].update(changes)
+    file = tmp_path / "t.yaml"
+    for whole in (document, {"trajectory": [{"joint_trajectory": document}]}):
+        file.write_text(yaml.safe_dump(whole))
+        found = read(file)
+        assert found.bent_by == bent_by
+        assert np.array_equal(found.states, STATES)
+
+
+def test_the_start_state_of_a_trajectory_gives_what_stands_still(tmp_path):
+    document = {
+        "trajectory": [{"joint_trajectory": trajectory((*NAMES, "d"), [[*row, 2.0] for row in STATES.tolist()])}],
+        "trajectory_start": {"joint_state": {"name": ["a", "d", "finger"], "position": [9.0, 9.0, 0.03]}},
+    }
+    (tmp_path / "t.json").write_text(json.dumps(document))
+    found = read(tmp_path / "t.json")
+    assert np.array_equal(found.states, STATES)
+    assert found.others == {"d": 2.0, "finger": 0.03}
+    document["trajectory_start"]["attached_collision_objects"] = [{"link_name": "hand", "object": {"id": "mug"}}]
+    (tmp_path / "t.json").write_text(json.dumps(document))
+    with pytest.warns(UserWarning, match="trajectory_start attaches mug, which is not looked at"):
+        read(tmp_path / "t.json")
+
+
+def based(**translation):
+    """A trajectory whose base moves with it, or not."""
+    shift = {"x": 0.0, "y": 0.0, "z": 0.0, **translation}
+    still = {"translation": shift, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
+    base = {"joint_names": ["base"], "points": [{"transforms": [still]}]}
+    return {"joint_trajectory": trajectory(NAMES, STATES.tolist()), "multi_dof_joint_trajectory": base}
+
+
+def test_a_base_that_stands_still_may_be_in_a_trajectory(tmp_path):
+    (tmp_path / "t.yaml").write_text(yaml.safe_dump({"trajectory": [based()]}))
+    assert np.array_equal(read(tmp_path / "t.yaml").states, STATES)
+
+
 # OMPL writes to a stream of its own, which is flushed at the end of the process.
 PRINTING = """
 import sys
@@ -98,6 +150,18 @@ def test_what_ompl_prints(tmp_path, name, how):
         ("a.yaml", yaml.safe_dump(trajectory("abcd", [(1, 2, 3, 4), (1, 2, 3, 5)])), "moves d, outside"),
         ("a.yaml", yaml.safe_dump(trajectory("abcc", [(1, 2, 3, 4)])), "twice"),
         ("a.yaml", yaml.safe_dump(trajectory("abc", [(1, 2)])), "positions"),
+        ("a.yaml", yaml.safe_dump(based(x=0.1)), "multi_dof_joint_trajectory: moves base: only joint_trajectory"),
+        ("a.yaml", yaml.safe_dump({"trajectory": based(x=0.1)}), "multi_dof_joint_trajectory: moves base"),
+        (
+            "a.yaml",
+            yaml.safe_dump({"joint_names": list("abc"), "points": [{"positions": [1, 2, 3], "velocities": [1]}]}),
+            "point 0: 'velocities' needs 3 numbers",
+        ),
+        (
+            "a.yaml",
+            yaml.safe_dump({"joint_names": list("abc"), "points": [{"positions": [1, 2, 3], "velocity": [1, 1, 1]}]}),
+            "point 0: unknown key 'velocity'",
+        ),
         ("a.path", "Geometric path with 2 states\nRealVectorState [1 2 3]\n", "2 states hold 3 numbers"),
         ("a.txt", "hello world\n", "no table of numbers"),
         ("missing.json", None, "missing.json"),

@@ -6,8 +6,9 @@ import pytest
 from planar_oracle import share_point
 
 import plannercheck as pc
+from plannercheck.errors import PlannercheckError
 from plannercheck.planar.convexity import convexity_fault
-from plannercheck.planar.polygons import METHODS
+from plannercheck.planar.polygons import METHODS, Polygons
 
 # A pair of a million vertices each takes at most this many rounds: one for each halving of a chain, and the last.
 MOST_ROUNDS = 40
@@ -230,3 +231,41 @@ def test_poses_must_be_rigid(change, message):
     pose[change[0], change[1]] = change[2]
     with pytest.raises(pc.PlannercheckError, match=message):
         pc.planar.intersects([[0, 0]], [[0, 0]], pose)
+
+
+def test_repeated_vertices_change_no_verdict():
+    rng = np.random.default_rng(19)
+    differs = 0
+    for _ in range(600):
+        polygons = [ellipse_like(rng, int(rng.integers(3, 12))) for _ in range(2)]
+        shift = rng.normal(size=2) * 0.9
+        a, b = polygons[0], polygons[1] + shift
+        repeated = [np.repeat(p, rng.integers(1, 5, size=len(p)), axis=0) for p in (a, b)]
+        truth = pc.planar.intersects(a, b)
+        assert pc.planar.intersects(*repeated) == truth
+        assert pc.planar.intersects_batch([repeated[0]], [repeated[1]]).tolist() == [truth]
+        assert pc.planar.intersects_batch(Polygons([repeated[0]]), Polygons([repeated[1]])).tolist() == [truth]
+        differs += pc.planar.intersects(*repeated, scan=False) != truth
+    assert differs, "repeated vertices mislead the algorithm, or this test says nothing"
+
+
+def ellipse_like(rng, n):
+    angles = np.sort(rng.uniform(0, 2 * np.pi, n))
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1) * rng.uniform(0.2, 1, size=2)
+
+
+@pytest.mark.parametrize("n", [3, 100, 5000])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_no_number_that_is_none_goes_unseen(n, bad):
+    angles = np.linspace(0, 2 * np.pi, n, endpoint=False)
+    polygon = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    for k in {0, n // 3, n // 2, n - 1}:
+        broken = polygon.copy()
+        broken[k, 1] = bad
+        for ask in (
+            lambda broken=broken: pc.planar.intersects(broken, polygon),
+            lambda broken=broken: pc.planar.intersects_batch(polygon, [broken, polygon]),
+            lambda broken=broken: Polygons([broken]),
+        ):
+            with pytest.raises(PlannercheckError, match=f"vertex {k} is .*must be finite"):
+                ask()

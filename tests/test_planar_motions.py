@@ -70,7 +70,7 @@ def kinds_for(checker):
 
 def states_of(checker, q0, q1, parameters, kind):
     """States of a motion as the certifier has them."""
-    (start,), (end,) = checker._motion_ends(q0[None], q1[None], kind[0])
+    (start,), (end,), _ = checker._motion_ends(q0[None], q1[None], kind[0])
     return checker.motion_certifier.states(start, end, parameters, checker._pieces(start, end, *kind))
 
 
@@ -212,7 +212,7 @@ def test_clearances_decide(make):
     accepted = refused = close = 0
     for _ in range(16):
         checker, q0, q1, part = grazing(robot, generator)
-        (start,), (end,) = checker._motion_ends(q0[None], q1[None])
+        (start,), (end,), _ = checker._motion_ends(q0[None], q1[None])
         near, far = np.clip(part + np.linspace(-1e-2, 1e-2, 401), 0, 1), np.linspace(0, 1, 401)
         way = float(checker.motion_sampler.way((end - start)[None])[0])
         least_near, least_far = (

@@ -86,6 +86,23 @@ def test_motion_validator_says_how_far():
         assert validator.getInvalidMotionCount() == 2
 
 
+def test_sampled_curves_are_looked_at_all_along():
+    """A robot of 2 cm and a post of 2 cm on its way, 10 m long: some four of a thousand states collide."""
+    half = 0.01
+    square = [[-half, -half], [half, -half], [half, half], [-half, half]]
+    robot = P.Robot(square)
+    for x in np.random.default_rng(3).uniform(1, 9, 12):
+        scene = P.Scene("post")
+        scene.add_polygon("post", [[x + a, b] for a, b in square])
+        checker = P.Checker(robot.within([-1, -2], [11, 2]), scene)
+        information = pc.ompl.setup(checker, 0.005, curve="dubins", turning_radius=0.5).getSpaceInformation()
+        space = space_of(checker, "dubins", 0.5)
+        states = [space.state(information, q) for q in ([0.0, 0.0, 0.0], [10.0, 0.0, 0.0])]
+        assert not information.getMotionValidator().checkMotion(*states)
+        short = space.state(information, [x - 0.1, 0.0, 0.0])
+        assert information.getMotionValidator().checkMotion(states[0], short)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -19,7 +21,7 @@ MACHINE = """<robot name="machine"><link name="rail"/>
 <link name="carriage"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
 <link name="arm"><collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry></collision></link>
 <link name="tip"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
-<link name="follower"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+<link name="follower"><collision><geometry><box size="1e-3 1e-3 1e-3"/></geometry></collision></link>
 <joint name="slide" type="prismatic"><parent link="rail"/><child link="carriage"/><axis xyz="1 0 0"/>
 <limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/></joint>
 <joint name="turn" type="{turn}"><parent link="carriage"/><child link="arm"/><origin xyz="0 0 1"/><axis xyz="0 0 1"/>
@@ -147,6 +149,9 @@ def test_a_pair_that_meets_only_beyond_the_limits_is_found_there(machine):
     assert checker.is_valid(within)
     assert not checker.is_valid(beyond)
     assert not checker.check_motion(within, beyond)
+    for ends in ((within, beyond), (beyond, within)):
+        assert not checker.check_motion(*ends, 0.01)
+    assert checker.check_motion(-within, within, 0.01)
     k = int(checker.first_colliding_pair([within, beyond])[1])
     assert checker.pair_names(k) == ("carriage", "crate")
     assert not checker.explain(beyond).valid
@@ -173,9 +178,9 @@ def test_limits_need_not_be_symmetric(machine, lower, upper):
 
 
 def test_mimics_are_followed(machine):
-    """The follower goes twice as far as its leader: to 2 m."""
-    for x, apart in ((1.9, False), (2.1, False), (2.4, True)):
-        checker = pc.Checker(machine(), crate(x, 3.0, 0.0))
+    """The follower, of 1 mm, goes twice as far as its leader: to 2 m. No ball's slack hides what half a cell is."""
+    for x, apart in ((1.9, False), (2.0, False), (2.01, True)):
+        checker = pc.Checker(machine(), crate(x, 3.0, 0.0, size=1e-3))
         assert (("follower", "crate") in names_of_unreachable(checker)) == apart
     still = pc.Checker(machine(group=("turn", "bend")), crate(0.0, 3.3, 0.0))
     assert ("follower", "crate") in names_of_unreachable(still)
@@ -222,15 +227,79 @@ def test_states_within_the_limits_take_the_live_pairs_alone(robots):
     assert sum(polytope is not None for polytope in checker.polytopes) >= prepared
 
 
+def test_one_step_of_a_double_beyond_a_limit_is_beyond(machine):
+    """Counted by the pairs that are left out: none is beyond the limits, in a batch of any size or alone."""
+    robot = machine()
+    checker = pc.Checker(robot, crate(1.5, 0.0, 0.0))
+    left_out = int(checker.unreachable.sum())
+    assert left_out
+    judge = checker.state_validity()
+    for column in range(robot.nq):
+        for limit, outwards in ((robot.lower, -np.inf), (robot.upper, np.inf)):
+            at_limit = np.zeros(robot.nq)
+            at_limit[column] = limit[column]
+            beyond = at_limit.copy()
+            beyond[column] = np.nextafter(limit[column], outwards)
+            for q, expected in ((at_limit, left_out), (beyond, 0)):
+                for ask in (checker.is_valid, lambda q: checker.check_states(q[None]), lambda q: judge(State(*q))):
+                    before = checker.statistics()["unreachable"]
+                    ask(q)
+                    assert checker.statistics()["unreachable"] - before == expected
+            mixed = np.array([at_limit, beyond] * 9)
+            before = checker.statistics()["unreachable"]
+            checker.check_states(mixed)
+            assert checker.statistics()["unreachable"] - before == 9 * left_out
+
+
+class State:
+    """As OMPL's states are read."""
+
+    def __init__(self, *values):
+        self.values = [float(value) for value in values]
+
+    def __getitem__(self, part):
+        return self.values[part]
+
+
 def test_planners_states_beyond_the_limits_are_judged_with_all_pairs(machine):
-    class State:
-        def __init__(self, *values):
-            self.values = list(values)
-
-        def __getitem__(self, part):
-            return self.values[part]
-
     judge = pc.Checker(machine(), crate(1.5, 0.0, 0.0)).state_validity()
     assert judge is not None
     assert judge(State(1.0, 0.0, 0.0))
     assert not judge(State(1.4, 0.0, 0.0))
+
+
+def test_stretched_obstacles_touch_where_they_are(tmp_path):
+    """A pose may stretch by 1e-6: of a box of 2 km that is 0.5 mm, more than what the carriage's way leaves."""
+    path = tmp_path / "small.urdf"
+    path.write_text(
+        """<robot name="small"><link name="rail"/>
+<link name="dot"><collision><geometry><box size="1e-5 1e-5 1e-5"/></geometry></collision></link>
+<joint name="slide" type="prismatic"><parent link="rail"/><child link="dot"/><axis xyz="0 1 0"/>
+<limit lower="-1e-5" upper="1e-5" effort="1" velocity="1"/></joint></robot>"""
+    )
+    robot = pc.Robot.from_urdf(path)
+    for side in (-1, 1):
+        scene, pose = pc.Scene("wall"), np.eye(4)
+        pose[0, 0] = 1 + 4.9e-7
+        pose[0, 3] = side * (1000 * pose[0, 0])
+        scene.add_box("wall", [2000, 1, 1], pose)
+        checker = pc.Checker(robot, scene)
+        assert not checker.check_states([[0.0]])[0]
+        assert not checker.unreachable.any()
+
+
+def test_what_a_short_chain_carries_is_looked_at_anew(machine):
+    """All columns that move the carriage can be cut: where its tool's middle gets is known, and of this tool alone."""
+    robot, scene = machine(), pc.Scene("crates")
+    for k, (x, y) in enumerate(itertools.product((-3, -1, 0, 1, 3), (-1, 0, 1))):
+        pose = np.eye(4)
+        pose[:3, 3] = x, y, 0.5
+        scene.add_box(f"crate{k}", [0.1, 0.1, 0.1], pose)
+    checker = pc.Checker(robot, scene)
+    for place in ((0, 1, 0.5), (0, -1, 0.5), (2, 0, 0.5), (0, 0, 5.0)):
+        pose = np.eye(4)
+        pose[:3, 3] = place
+        scene.attach("tool", "carriage", pose, (), pc.Box([0.05, 0.05, 0.05]))
+        checker = checker.with_scene(scene)
+        np.testing.assert_array_equal(checker.unreachable, pc.Checker(robot, scene).unreachable)
+        scene.remove("tool")

@@ -258,6 +258,43 @@ def test_mimics_of_held_joints_follow_or_are_as_given(arm):
     assert robot.holding({"pinch": 0.3}).expand([0.0])[-2:].tolist() == [0.5, 0.3]
 
 
+def test_followers_that_were_held_apart_follow_what_is_held_anew():
+    """robots/panda.yaml gives both fingers: whoever holds the first elsewhere means both, as a trajectory does."""
+    panda = Robot.load("panda")
+    closed = panda.holding({"panda_finger_joint1": 0.01})
+    assert closed.expand(panda.reference)[-2:].tolist() == [0.01, 0.01]
+    assert closed.holding({"panda_joint1": 1.0}).expand(panda.reference)[-2:].tolist() == [0.01, 0.01]
+    apart = panda.holding({"panda_finger_joint1": 0.01, "panda_finger_joint2": 0.03})
+    assert apart.expand(panda.reference)[-2:].tolist() == [0.01, 0.03]
+    assert panda.holding({"panda_finger_joint2": 0.03}).expand(panda.reference)[-2:].tolist() == [0.04, 0.03]
+
+
+def test_a_mimic_of_a_mimic_follows_with_both_multipliers_and_offsets(tmp_path):
+    path = tmp_path / "row.urdf"
+    mimics = {2: (1, -2.0, 0.25), 3: (2, 3.0, 0.125), 4: (3, 0.5, -1.0)}
+    joints = "".join(
+        f"""<joint name="j{k}" type="prismatic"><parent link="l{k - 1}"/><child link="l{k}"/><axis xyz="0 0 1"/>
+<limit lower="-99" upper="99" effort="1" velocity="1"/>"""
+        + (
+            f'<mimic joint="j{mimics[k][0]}" multiplier="{mimics[k][1]}" offset="{mimics[k][2]}"/>'
+            if k in mimics
+            else ""
+        )
+        + "</joint>"
+        for k in (1, 2, 3, 4)
+    )
+    links = "".join(f'<link name="l{k}"/>' for k in range(5))
+    path.write_text(f'<robot name="row">{links}{joints}</robot>')
+    robot = Robot.from_urdf(path, group=["j1"])
+    for value in (0.0, 1.0, -0.75):
+        values = {1: value}
+        for k, (leader, multiplier, offset) in mimics.items():
+            values[k] = multiplier * values[leader] + offset
+        assert robot.expand([value]).tolist() == [values[k] for k in (1, 2, 3, 4)]
+        heights = robot.link_poses([value])[:, 2, 3]
+        np.testing.assert_array_equal(heights, np.cumsum([0, *values.values()]))
+
+
 def test_a_floating_base_in_a_group(arm):
     robot = Robot.from_urdf(arm[0], group=["turn", "root_joint"], floating=True)
     assert robot.nq == 8

@@ -173,6 +173,23 @@ def test_cosine_and_sine_must_have_length_one(arm):
         robot.link_poses(q)
 
 
+def test_a_planar_joint_is_two_positions_then_cosine_and_sine(tmp_path):
+    (tmp_path / "cart.urdf").write_text(
+        """<robot name="cart"><link name="floor"/>
+<link name="cart"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+<joint name="drive" type="planar"><parent link="floor"/><child link="cart"/><axis xyz="0 0 1"/>
+<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"""
+    )
+    robot = Robot.from_urdf(tmp_path / "cart.urdf")
+    assert robot.check_configurations([5.0, 7.0, 0.6, 0.8]).shape == (1, 4)
+    assert np.allclose(robot.link_poses([5.0, 7.0, 0.6, 0.8])[robot.link_index("cart"), :2, 3], [5, 7])
+    for bad in ([5.0, 0.6, 0.8, 7.0], [0.6, 0.8, 5.0, 7.0], [0.6, 0.8, 0.6, 0.81]):
+        with pytest.raises(PlannercheckError, match="columns 2 to 3 are cosine and sine"):
+            robot.check_configurations(bad)
+    q = robot.random_configurations(50, 1)
+    assert np.allclose(np.linalg.norm(q[:, 2:], axis=1), 1, atol=1e-12)
+
+
 def test_self_pairs_leave_nothing_else_out(arm):
     model = read_model(arm[0])
     geometry = read_geometry(model, arm[0], ())

@@ -156,6 +156,13 @@ def test_a_column_of_a_held_joint_is_not_left_out_in_silence(tmp_path):
     assert next(read_sets([tmp_path / "q.csv"], columns)).rows.tolist() == [[0.0] * 7]
 
 
+def test_a_column_that_is_there_twice_is_refused():
+    for header in (["a", "b", "a"], ["b", "a", "a"]):
+        with pytest.raises(PlannercheckError, match="2 columns named 'a'"):
+            Columns(("a", "b"), 2).places(header)
+    assert Columns(("a", "b"), 2).places(["b", "a"]) == [1, 0]
+
+
 def test_which_numbers_are_angles():
     assert angle_columns(Robot.load("panda")).tolist() == [True] * 7
     hand = Robot.load("panda").with_group(["panda_joint1", "panda_finger_joint1"])

@@ -252,6 +252,61 @@ def test_the_hash_of_a_checker_depends_on_what_verdicts_do(checker):
     assert len({content_hash(other) for other in [checker, *others]}) == 4
 
 
+def test_the_hash_of_a_checker_depends_on_where_bodies_are_and_on_limits(checker, tmp_path):
+    """Obstacles moved by one step of a double, links' bodies moved, limits by one step: each is another run."""
+    robot, box = checker.robot, np.eye(4)
+    hashes = set()
+    for x in (0.5, np.nextafter(0.5, 1)):
+        scene = Scene("box")
+        box[0, 3] = x
+        scene.add_box("box", (0.1, 0.1, 0.1), box)
+        hashes.add(content_hash(Checker(robot, scene)))
+    assert len(hashes) == 2
+    balls = [Scene("ball"), Scene("ball")]
+    for ball, radius in zip(balls, (0.1, np.nextafter(0.1, 1)), strict=True):
+        ball.add_sphere("ball", radius, box)
+    assert len({content_hash(Checker(robot, ball)) for ball in balls}) == 2
+    hashes = set()
+    for placed, upper in (("0 0 0", "1"), ("0 0 1e-16", "1"), ("0 0 0", "1.0000000000000002"), ("1 0 0", "1")):
+        (tmp_path / "one.urdf").write_text(
+            f'''<robot name="one"><link name="base"/><link name="tip"><collision><origin xyz="{placed}"/><geometry>
+<box size="1 1 1"/></geometry></collision></link><joint name="slide" type="prismatic"><parent link="base"/>
+<child link="tip"/><axis xyz="0 0 1"/><limit lower="-1" upper="{upper}" effort="1" velocity="1"/></joint></robot>'''
+        )
+        hashes.add(content_hash(Checker(Robot.from_urdf(tmp_path / "one.urdf"), scene)))
+    assert len(hashes) == 4
+
+
+def test_a_damaged_record_and_what_follows_it_is_judged_again(file, tmp_path, small_chunks, monkeypatch, capsys):
+    """A byte turned over within a record's arrays: its checksum says so."""
+    output, journal = tmp_path / "v.npz", tmp_path / "v.npz.progress"
+    run(file, "--output", output)
+    whole = output.read_bytes()
+    output.unlink()
+    broken_off(monkeypatch, 3, file, "--output", output)
+    damaged = bytearray(journal.read_bytes())
+    damaged[-300] ^= 1
+    journal.write_bytes(bytes(damaged))
+    # The number of threads is not part of what a run is.
+    run(file, "--output", output, "--resume", "--threads", 2, "--summary", tmp_path / "s.json")
+    assert json.loads((tmp_path / "s.json").read_text())["resumed"] == 128
+    assert output.read_bytes() == whole
+
+
+def test_a_run_broken_off_twice_keeps_what_came_after_a_cut_off_record(file, tmp_path, small_chunks, monkeypatch):
+    """What a kill cut off goes, or all that is written after it would be taken for damaged."""
+    output, journal = tmp_path / "v.npz", tmp_path / "v.npz.progress"
+    run(file, "--output", output)
+    whole = output.read_bytes()
+    output.unlink()
+    broken_off(monkeypatch, 3, file, "--output", output)
+    journal.write_bytes(journal.read_bytes()[:-10])
+    broken_off(monkeypatch, 2, file, "--output", output, "--resume")
+    run(file, "--output", output, "--resume", "--summary", tmp_path / "s.json")
+    assert json.loads((tmp_path / "s.json").read_text())["resumed"] == 256
+    assert output.read_bytes() == whole
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 def test_a_killed_run_goes_on(tmp_path, checker):
     rows = checker.robot.random_configurations(400_000, 3)

@@ -34,7 +34,9 @@ def main() -> None:
         lambda: np.array([checker.is_valid(row) for row in q]),
         lambda: ~checker.colliding_pairs(q).any(axis=1),
         lambda: checker.check_motions(q[:40], ends[:40], 0.01),
+        lambda: checker.check_motions(q[:40], ends[:40]),
         checker.statistics,
+        checker.motion_certifier.statistics,
     ]
     wrong: list[int] = []
 

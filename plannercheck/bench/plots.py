@@ -7,6 +7,7 @@ when a plot is drawn.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -179,5 +180,5 @@ def _figure(width: float, height: float) -> Any:
 def _saved(figure: Any, path: Path) -> list[Path]:
     files = [path.with_suffix(suffix) for suffix in _SUFFIXES]
     for file in files:
-        written_aside(file, lambda aside: figure.savefig(aside, dpi=110))
+        written_aside(file, partial(figure.savefig, dpi=110, format=file.suffix[1:]))
     return files

@@ -14,12 +14,14 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 
 from plannercheck.commands import validated_paths
 from plannercheck.commands.common import check_folder, load_checker, save_json
 from plannercheck.commands.validate_options import add_set_arguments, check_options
 from plannercheck.commands.validation_text import Outcome, as_json, show_table
 from plannercheck.commands.verification import Verification, check_proofs
+from plannercheck.errors import PlannercheckError
 from plannercheck.protocols import AnyChecker
 from plannercheck.sets.chunks import CHUNK_ROWS, STANDARD_INPUT, Chunk, files_of, read_sets
 from plannercheck.sets.columns import columns_of
@@ -53,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output is not None:
         check_output(options.output)
     options.files = files_of(options.files)
+    _check_names(options)
     checker, judge = load_checker(options), _judge(options)
     with _journal(options, checker, judge) as journal:
         outcome = _outcome(options, checker, judge, journal)
@@ -61,6 +64,35 @@ def run(options: argparse.Namespace) -> int:
         if journal is not None:
             journal.remove()
     return _told(options, outcome, judge)
+
+
+def _check_names(options: argparse.Namespace) -> None:
+    """Raises before long work if what is written would replace what is read, or a name can't be written down."""
+    written = [path for path in (options.output, options.summary) if path is not None]
+    read = [path for path in options.files if path != STANDARD_INPUT]
+    for path in [*written, *(_journal_path(path) for path in written[:1])]:
+        same = next((file for file in read if _is_same(file, path)), None)
+        if same is not None:
+            raise PlannercheckError(f"{str(path)!r} would replace the input {str(same)!r}: choose another name")
+    if len(written) == 2 and (written[0] == written[1] or _is_same(*written)):
+        raise PlannercheckError(f"--output and --summary are one file, {str(written[0])!r}: choose two")
+    for file in read if written else []:
+        try:
+            str(file).encode()
+        except UnicodeEncodeError:
+            raise PlannercheckError(f"the name {str(file)!r} is no UTF-8, so it can't be written: rename it") from None
+
+
+def _is_same(a: Path, b: Path) -> bool:
+    """Whether two names are of one file, whatever links lead there."""
+    try:
+        return a.samefile(b)
+    except OSError:
+        return False
+
+
+def _journal_path(written: Path) -> Path:
+    return written.with_name(written.name + JOURNAL_SUFFIX)
 
 
 def _judge(options: argparse.Namespace) -> Judge:
@@ -79,7 +111,7 @@ def _journal(options: argparse.Namespace, checker: AnyChecker, judge: Judge) -> 
     if written is None:
         yield None
         return
-    path = written.with_name(written.name + JOURNAL_SUFFIX)
+    path = _journal_path(written)
     if path.exists() and not options.resume:
         warnings.warn(f"an unfinished run in {str(path)!r} begins anew; --resume would go on", stacklevel=2)
     journal = Journal(path, fingerprint(checker, judge, _chunk_rows(options)), options.resume)

@@ -8,7 +8,9 @@ from pathlib import Path
 from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.commands.common import add_checker_arguments, add_robot_argument, add_scene_argument
 from plannercheck.errors import PlannercheckError
+from plannercheck.reading import within
 from plannercheck.sets.chunks import STANDARD_INPUT
+from plannercheck.threads import checked_threads
 
 _EPILOG = """\
 Files: npy, npz (its only array, or q, or configurations), csv, parquet (a column a joint, or one of lists; or a
@@ -90,7 +92,8 @@ def _add_question_arguments(parser: argparse.ArgumentParser) -> None:
         "--certify",
         action="store_true",
         help="prove every verdict in exact arithmetic, apart from the compiled core: a shared point for each invalid "
-        "configuration, separation of all pairs for each valid one (slow: some 10 ms a configuration)",
+        "configuration, separation of all pairs for each valid one (slow: some 10 ms a configuration); with --path "
+        "write a proof of all motions, which `plannercheck verify` confirms by itself (some 0.5 s a motion)",
     )
 
 
@@ -143,11 +146,25 @@ def _add_path_arguments(parser: argparse.ArgumentParser) -> None:
         "printed paths (any other suffix)",
     )
     group.add_argument(
+        "--straight",
+        action="store_true",
+        help="for --path: prove the straight motions between a trajectory's points although it gives velocities or "
+        "accelerations, with which a controller runs splines that are not proved; without this, such a trajectory is "
+        "refused",
+    )
+    group.add_argument(
         "--tolerance",
         type=float,
         default=DEFAULT_TOLERANCE,
         metavar="M",
         help="for --path: a motion that comes nearer than this may be refused, m; default: %(default)g",
+    )
+    group.add_argument(
+        "--proof",
+        type=Path,
+        metavar="FILE",
+        help="with --path and --certify: where the proof is written, json or npz; default: beside the path, as "
+        "PATH.proof.json",
     )
 
 
@@ -161,8 +178,12 @@ def check_options(options: argparse.Namespace) -> None:
         raise PlannercheckError("needs either files with configurations or --path with paths")
     if options.path:
         _check_path_options(options)
-    if options.threads < 1:
-        raise PlannercheckError(f"--threads must be at least 1, not {options.threads}")
+    elif options.straight:
+        raise PlannercheckError("--straight is for --path, not for sets")
+    with within("--threads"):
+        checked_threads(options.threads, options.threads)
+    if options.proof is not None:
+        _check_proof_option(options)
     written = options.output or options.summary
     if (options.only_invalid or options.explain) and options.output is None:
         raise PlannercheckError("--only-invalid and --explain say what is written: they need --output")
@@ -182,13 +203,21 @@ def check_options(options: argparse.Namespace) -> None:
         raise PlannercheckError(f"--workers must be at least 1, not {options.workers}")
 
 
+def _check_proof_option(options: argparse.Namespace) -> None:
+    if not (options.path and options.certify):
+        raise PlannercheckError(
+            "--proof says where --certify writes the proof of a path: it needs --path and --certify"
+        )
+    if len(options.path) > 1:
+        raise PlannercheckError(f"--proof is one file, and there are {len(options.path)} paths: leave it out")
+
+
 def _check_path_options(options: argparse.Namespace) -> None:
     of_sets = {
         "--output": options.output,
         "--summary": options.summary,
         "--pairs": options.pairs != "first",
         "--reference": options.reference,
-        "--certify": options.certify,
         "--degrees": options.degrees,
         "--columns": options.columns,
         "--engine": options.engine != "local",

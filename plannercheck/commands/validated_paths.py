@@ -1,6 +1,6 @@
 """`plannercheck validate --path`: paths of any planner, proved free or stopped by a certificate.
 
-In: options, path files. Out: a line or a JSON object a path.
+In: options, path files. Out: a line or a JSON object a path; with --certify, a file of proofs beside each.
 """
 
 from __future__ import annotations
@@ -8,20 +8,28 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.certificates import Separation
 from plannercheck.checker import Checker
 from plannercheck.commands.common import padding_of, planar_checker
+from plannercheck.commands.proved_paths import PathProof, check_proof_file, proof_file, write_proof
 from plannercheck.errors import PlannercheckError
-from plannercheck.path_files import read_path
+from plannercheck.path_files import PathFile, read_path
 from plannercheck.path_validation import PathVerdict, validate_path
 from plannercheck.planar.robot_files import is_planar
+from plannercheck.protocols import AnyChecker, AnyRobot
 from plannercheck.reading import within
 from plannercheck.report import PairVerdict
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
+
+# A path's verdict, and what came of proving it.
+Judged: TypeAlias = tuple[PathVerdict, PathProof | None]
 
 
 def run(options: argparse.Namespace) -> int:
@@ -30,46 +38,67 @@ def run(options: argparse.Namespace) -> int:
     Returns:
         0 if all are free and within the limits, else 1.
     """
-    verdicts = _planar(options) if is_planar(options.robot, "robots") else _in_space(options)
+    if options.certify:
+        for path in options.path:
+            check_proof_file(proof_file(path, options.proof), options.path)
+    judged = _planar(options) if is_planar(options.robot, "robots") else _in_space(options)
     if options.format == "json":
-        print(json.dumps([_as_json(path, v) for path, v in zip(options.path, verdicts, strict=True)], indent=1))
+        print(json.dumps([_as_json(path, *each) for path, each in zip(options.path, judged, strict=True)], indent=1))
     else:
-        for path, verdict in zip(options.path, verdicts, strict=True):
-            print(f"{path}: {_sentence(verdict)}")
-    return 0 if all(verdict.passed for verdict in verdicts) else 1
+        for path, (verdict, proved) in zip(options.path, judged, strict=True):
+            print(f"{path}: {_sentence(verdict)}{'' if proved is None else f'; {proved.sentence}'}")
+    return 0 if all(verdict.passed and (proved is None or proved.written) for verdict, proved in judged) else 1
 
 
-def _planar(options: argparse.Namespace) -> list[PathVerdict]:
+def _planar(options: argparse.Namespace) -> list[Judged]:
     checker, verdicts = planar_checker(options), []
     for path in options.path:
-        file = read_path(path, checker.robot.joint_names, checker.robot.nq)
+        file = _read(path, checker.robot, options)
         with within(f"path file {str(path)!r}"):
             if file.others:
                 raise PlannercheckError(f"{checker.robot.name!r} has no joint {', '.join(file.others)}")
-            verdicts.append(validate_path(checker, file.states, options.tolerance, options.threads))
+            verdicts.append(_judged(checker, path, file.states, options))
     return verdicts
 
 
-def _in_space(options: argparse.Namespace) -> list[PathVerdict]:
+def _judged(checker: AnyChecker, path: Path, states: NDArray[np.float64], options: argparse.Namespace) -> Judged:
+    verdict = validate_path(checker, states, options.tolerance, options.threads)
+    if not options.certify or not verdict.free:
+        return verdict, None
+    return verdict, write_proof(checker, states, options.tolerance, proof_file(path, options.proof))
+
+
+def _in_space(options: argparse.Namespace) -> list[Judged]:
     robot = Robot.load(options.robot)
     scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
     checkers: dict[tuple[tuple[str, float], ...], Checker] = {}
     verdicts = []
     for path in options.path:
-        file = read_path(path, robot.joint_names, robot.nq)
+        file = _read(path, robot, options)
         held = tuple(sorted(file.others.items()))
         with within(f"path file {str(path)!r}"):
             if held not in checkers:
                 posed = robot.holding(file.others) if held else robot
                 checkers[held] = Checker(posed, scene, not options.no_self_collision, padding_of(options, scene))
-            verdicts.append(validate_path(checkers[held], file.states, options.tolerance, options.threads))
+            verdicts.append(_judged(checkers[held], path, file.states, options))
     return verdicts
+
+
+def _read(path: Path, robot: AnyRobot, options: argparse.Namespace) -> PathFile:
+    """A path, whose motions are straight, or to be taken so."""
+    file = read_path(path, robot.joint_names, robot.nq)
+    if file.bent_by and not options.straight:
+        raise PlannercheckError(
+            f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "
+            "between its points, but straight motions are what is proved: --straight says that these are meant"
+        )
+    return file
 
 
 def _sentence(verdict: PathVerdict) -> str:
     limits = f"; {verdict.beyond_limits} configurations beyond the limits" if verdict.beyond_limits else ""
     if verdict.stopped is None:
-        return f"free, proved for all {verdict.motions} motions{limits}"
+        return f"free, proved for all {verdict.motions} straight motions{limits}"
     stopped, count = verdict.stopped, f"{verdict.motions - verdict.free_motions} of {verdict.motions} motions"
     start = f"not free ({count}): motion {verdict.motion} is proved free up to {stopped.free_until:.9g}, "
     assert stopped.pair is not None
@@ -91,7 +120,7 @@ def _listed(values: list[float]) -> str:
     return ", ".join(f"{value:.6g}" for value in values)
 
 
-def _as_json(path: Path, verdict: PathVerdict) -> dict[str, Any]:
+def _as_json(path: Path, verdict: PathVerdict, proved: PathProof | None) -> dict[str, Any]:
     out: dict[str, Any] = {
         "path": str(path),
         "free": verdict.free,
@@ -102,6 +131,9 @@ def _as_json(path: Path, verdict: PathVerdict) -> dict[str, Any]:
         "tolerance": verdict.tolerance,
         "duration": verdict.duration,
     }
+    if proved is not None:
+        out |= {"proof": str(proved.file) if proved.written else None, "proof_fault": proved.fault}
+        out |= {"proof_entries": proved.entries}
     if verdict.stopped is None or verdict.stopped.pair is None:
         return out
     pair, stopped = verdict.stopped.pair, verdict.stopped

@@ -120,7 +120,14 @@ def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
     """The configurations to show, and what they are called."""
     robot = checker.robot
     if options.path is not None:
-        return along_path(checker, read_path(options.path, robot.joint_names, robot.nq).states, options.frames)
+        path = read_path(options.path, robot.joint_names, robot.nq)
+        if path.bent_by:
+            warnings.warn(
+                f"straight motions between the points are shown, not the splines that the {' and '.join(path.bent_by)} "
+                "in the file ask for",
+                stacklevel=2,
+            )
+        return along_path(checker, path.states, options.frames)
     if options.file is not None:
         return _of_set(options, checker)
     if options.q is not None:

@@ -183,15 +183,15 @@ nb::object state_validity(nb::object checker, nb::object kinematics, nb::object 
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<std::size_t>(kernel->width());
-  const auto q = std::make_shared<std::vector<double>>(width);  // shared by all calls: the GIL is held in each
-  const auto is_free = [checker, kinematics, elsewhere, judge, kernel, q, states = PlannerStates(width)](nb::handle s) {
-    states.read(s, q->data());
-    for (const double value : *q) {
+  const auto is_free = [checker, kinematics, elsewhere, judge, kernel, states = PlannerStates(width)](nb::handle s) {
+    StateNumbers q(states.width());
+    states.read(s, q);
+    for (const double value : q) {
       if (!std::isfinite(value)) return false;  // OMPL's spaces hold no such state
     }
-    if (!judge->may_judge(q->data())) return nb::cast<bool>(elsewhere(listed(*q)));
+    if (!judge->may_judge(q.data())) return nb::cast<bool>(elsewhere(listed(q)));
     std::uint8_t valid = 0;
-    judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q->data(), 1, &valid, w); });
+    judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
     return valid != 0;
   };
   return nb::cpp_function(is_free);

@@ -4,7 +4,6 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include <array>
 #include <memory>
 
 #include "array_types.hpp"
@@ -49,16 +48,17 @@ class BoundCertifier {
 
   const MotionCertifier& certifier() const { return certifier_; }
 
-  nb::dict statistics() const {
+  nb::dict statistics() {
+    const MotionCounters total = pool_.alone([&] { return total_; });
     nb::dict out;
-    out["motions"] = total_.motions;
-    out["grids"] = total_.grids;
-    out["states"] = total_.states;
-    out["pairs"] = total_.pairs;
-    out["intervals"] = total_.intervals;
-    out["planes"] = total_.planes;
-    out["swept"] = total_.swept;
-    out["queries"] = counters_dict(total_.pair);
+    out["motions"] = total.motions;
+    out["grids"] = total.grids;
+    out["states"] = total.states;
+    out["pairs"] = total.pairs;
+    out["intervals"] = total.intervals;
+    out["planes"] = total.planes;
+    out["swept"] = total.swept;
+    out["queries"] = counters_dict(total.pair);
     return out;
   }
 
@@ -101,9 +101,11 @@ struct ErrorRange {
   std::vector<double> low, high;
   double error;
 
-  bool holds(const std::vector<double>& q) const {
+  // Row: numbers with a size.
+  template <class Row>
+  bool holds(const Row& q) const {
     bool inside = q.size() == low.size();
-    for (std::size_t c = 0; inside && c < q.size(); ++c) inside = q[c] >= low[c] && q[c] <= high[c];
+    for (std::size_t c = 0; inside && c < q.size(); ++c) inside = q.data()[c] >= low[c] && q.data()[c] <= high[c];
     return inside;
   }
 };
@@ -116,8 +118,9 @@ ErrorRange error_range(InputArray<double, -1> low, InputArray<double, -1> high, 
 // kOutside if they are not.
 constexpr int kOutside = 3;
 
-int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
-              const std::vector<double>& q1, const ErrorRange& range, double tolerance) {
+template <class Row>
+int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
+              const ErrorRange& range, double tolerance) {
   if (!range.holds(q0) || !range.holds(q1)) return kOutside;
   MotionReport report;
   bound.with_workspace([&](MotionCertifier::Workspace& w) {
@@ -141,14 +144,12 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
                            nb::object elsewhere) {
   auto* bound = nb::cast<BoundCertifier*>(certifier);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
-  using Ends = std::array<std::vector<double>, 2>;
-  const std::size_t width = low.shape(0);
-  const auto ends = std::make_shared<Ends>(Ends{std::vector<double>(width), std::vector<double>(width)});
-  const auto is_free = [certifier, kinematics, elsewhere, bound, kernel, tolerance, ends, states = PlannerStates(width),
+  const auto is_free = [certifier, kinematics, elsewhere, bound, kernel, tolerance,
+                        states = PlannerStates(low.shape(0)),
                         range = error_range(low, high, kinematic_error)](nb::handle s0, nb::handle s1) {
-    auto& [q0, q1] = *ends;  // shared by all calls: the GIL is held in each
-    states.read(s0, q0.data());
-    states.read(s1, q1.data());
+    StateNumbers q0(states.width()), q1(states.width());
+    states.read(s0, q0);
+    states.read(s1, q1);
     const int answer = answer_of(*bound, *kernel, q0, q1, range, tolerance);
     if (answer <= static_cast<int>(MotionAnswer::kRefused)) return answer == static_cast<int>(MotionAnswer::kFree);
     return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
@@ -200,7 +201,7 @@ void bind_motion(nb::module_& m) {
               InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements, IndexTable<5> pairs,
               IndexTable<2> drives, InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry,
               IndexTable<3> entries, InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides,
-              IndexTable<2> parts, int width, int link_count, double defect, double leverage) {
+              IndexTable<2> parts, int width, int link_count, double defect, double leverage, int depth) {
              MotionModel model;
              for (std::size_t i = 0; i < bodies.size(); ++i)
                model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
@@ -213,6 +214,7 @@ void bind_motion(nb::module_& m) {
              model.links = link_count;
              model.defect = defect;
              model.leverage = leverage;
+             model.depth = depth;
              new (self) BoundCertifier(std::move(model));
            })
       .def("check", &check_motions)

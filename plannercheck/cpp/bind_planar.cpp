@@ -61,6 +61,21 @@ std::int64_t first_bent_pose(PlanarPoseRows poses, double largest) {
 }
 
 // Verdicts on n pairs; lists and poses of length 1 stand for all. Also the counters of each pair.
+// What one pass over a polygon finds that the algorithm takes for granted: it reads a logarithmic part of the vertices.
+enum VertexFault : int { kSound, kRepeated, kNotFinite };
+
+int vertex_fault(PolygonArray polygon) {
+  const double* v = polygon.data();
+  const std::size_t n = polygon.shape(0);
+  int fault = kSound;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double x = v[2 * k], y = v[2 * k + 1];
+    if (!std::isfinite(x) || !std::isfinite(y)) return kNotFinite;
+    if (k > 0 && x == v[2 * k - 2] && y == v[2 * k - 1]) fault = kRepeated;
+  }
+  return fault;
+}
+
 nb::tuple planar_intersect_batch(const PolygonList& a, PlanarPoseRows poses_a, const PolygonList& b,
                                  PlanarPoseRows poses_b, std::size_t n, Precision first, bool count) {
   std::vector<std::uint8_t> shared(n);
@@ -90,6 +105,7 @@ void bind_planar(nb::module_& m) {
   nb::class_<PolygonList>(m, "PolygonList").def(nb::init<const nb::list&>());
   m.def("are_affine", &are_affine);
   m.def("first_bent_pose", &first_bent_pose);
+  m.def("vertex_fault", &vertex_fault);
   m.def("planar_intersect_batch", &planar_intersect_batch);
   bind_planar_checker(m);
 }

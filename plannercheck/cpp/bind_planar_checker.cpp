@@ -43,17 +43,17 @@ class BoundPlanarChecker {
   }
 
   nb::dict statistics() {
-    const std::lock_guard lock(mutex_);
+    const PlanarCheckerCounters total = counted();
     nb::dict out, queries;
-    out["states"] = total_.states;
-    out["pairs"] = total_.pairs;
-    out["bounds"] = total_.bounds;
-    out["tests"] = total_.tests;
-    out["skipped"] = total_.skipped;
-    queries["rounds"] = total_.pair.rounds;
-    queries["vertices"] = total_.pair.vertices;
-    queries["double_double"] = total_.pair.double_double;
-    queries["exact"] = total_.pair.exact;
+    out["states"] = total.states;
+    out["pairs"] = total.pairs;
+    out["bounds"] = total.bounds;
+    out["tests"] = total.tests;
+    out["skipped"] = total.skipped;
+    queries["rounds"] = total.pair.rounds;
+    queries["vertices"] = total.pair.vertices;
+    queries["double_double"] = total.pair.double_double;
+    queries["exact"] = total.pair.exact;
     out["queries"] = queries;
     return out;
   }
@@ -63,6 +63,12 @@ class BoundPlanarChecker {
   PlanarChecker core_;
   std::mutex mutex_;
   PlanarCheckerCounters total_;
+
+  // Python's objects are not made under the lock: its garbage collector may run anything meanwhile.
+  PlanarCheckerCounters counted() {
+    const std::lock_guard lock(mutex_);
+    return total_;
+  }
 };
 
 // work(first, last, counters) over parts of n rows, one a thread.

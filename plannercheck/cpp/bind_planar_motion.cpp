@@ -41,14 +41,15 @@ class BoundPlanarCertifier {
 
   const PlanarCertifier& certifier() const { return certifier_; }
 
-  nb::dict statistics() const {
+  nb::dict statistics() {
+    const PlanarMotionCounters total = pool_.alone([&] { return total_; });
     nb::dict out;
-    out["motions"] = total_.motions;
-    out["grids"] = total_.grids;
-    out["states"] = total_.states;
-    out["intervals"] = total_.intervals;
-    out["lines"] = total_.lines;
-    out["swept"] = total_.swept;
+    out["motions"] = total.motions;
+    out["grids"] = total.grids;
+    out["states"] = total.states;
+    out["intervals"] = total.intervals;
+    out["lines"] = total.lines;
+    out["swept"] = total.swept;
     return out;
   }
 
@@ -64,8 +65,8 @@ class BoundPlanarCertifier {
   }
 };
 
-// MotionAnswer of each of n straight motions.
-auto check_straight(BoundPlanarCertifier& bound, Rows q0, Rows q1, double tolerance, int threads) {
+// MotionAnswer of each of n straight motions; `given`: ends before whole turns were taken off.
+auto check_straight(BoundPlanarCertifier& bound, Rows q0, Rows q1, Rows given, double tolerance, int threads) {
   std::vector<std::uint8_t> answers(q0.shape(0));
   {
     nb::gil_scoped_release release;
@@ -75,7 +76,8 @@ auto check_straight(BoundPlanarCertifier& bound, Rows q0, Rows q1, double tolera
         for (std::size_t i = from; i < to; ++i) {
           const double *start = q0.data() + i * width, *end = q1.data() + i * width;
           const PlanarPiece piece = bound.certifier().straight(start, end);
-          answers[i] = static_cast<std::uint8_t>(bound.certifier().check({start, end, &piece, 1}, tolerance, w).answer);
+          const PlanarMotion motion{start, end, given.data() + i * width, &piece, 1};
+          answers[i] = static_cast<std::uint8_t>(bound.certifier().check(motion, tolerance, w).answer);
         }
       });
     });
@@ -92,13 +94,14 @@ std::vector<PlanarPiece> pieces_from(const PlanarCertifier& certifier, const dou
   return out;
 }
 
-int check_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, double tolerance) {
+int check_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Row given, Pieces rows, double tolerance) {
   MotionReport report;
   {
     nb::gil_scoped_release release;
     const std::vector<PlanarPiece> pieces = pieces_from(bound.certifier(), q0.data(), q1.data(), rows);
     bound.with_workspace([&](PlanarCertifier::Workspace& w) {
-      report = bound.certifier().check({q0.data(), q1.data(), pieces.data(), pieces.size()}, tolerance, w);
+      const PlanarMotion motion{q0.data(), q1.data(), given.data(), pieces.data(), pieces.size()};
+      report = bound.certifier().check(motion, tolerance, w);
     });
   }
   return static_cast<int>(report.answer);
@@ -106,15 +109,16 @@ int check_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, doubl
 
 // (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
 // directions (k, 2), gaps and bulges (k, 2).
-nb::tuple explain_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, double tolerance, bool proved) {
+nb::tuple explain_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Row given, Pieces rows, double tolerance,
+                         bool proved) {
   MotionReport report;
   std::vector<PlanarProof> proofs;
   {
     nb::gil_scoped_release release;
     const std::vector<PlanarPiece> pieces = pieces_from(bound.certifier(), q0.data(), q1.data(), rows);
     bound.with_workspace([&](PlanarCertifier::Workspace& w) {
-      report = bound.certifier().explain({q0.data(), q1.data(), pieces.data(), pieces.size()}, tolerance,
-                                         proved ? &proofs : nullptr, w);
+      const PlanarMotion motion{q0.data(), q1.data(), given.data(), pieces.data(), pieces.size()};
+      report = bound.certifier().explain(motion, tolerance, proved ? &proofs : nullptr, w);
     });
   }
   std::vector<std::int32_t> pairs;
@@ -122,7 +126,8 @@ nb::tuple explain_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces row
   for (const PlanarProof& p : proofs) {
     pairs.push_back(p.pair);
     intervals.insert(intervals.end(), {p.from, p.to});
-    directions.insert(directions.end(), {p.direction.x, p.direction.y});
+    const PlanarVector direction = p.direction.vector();
+    directions.insert(directions.end(), {direction.x, direction.y});
     gaps.insert(gaps.end(), {p.gap, p.bulge});
   }
   const std::size_t n = proofs.size();
@@ -137,7 +142,8 @@ auto piece_states(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, Row 
   const std::size_t n = parameters.shape(0), width = q0.shape(0);
   std::vector<double> q(n * width);
   bound.with_workspace([&](PlanarCertifier::Workspace& w) {
-    bound.certifier().states({q0.data(), q1.data(), pieces.data(), pieces.size()}, parameters.data(), n, q.data(), w);
+    const PlanarMotion motion{q0.data(), q1.data(), q1.data(), pieces.data(), pieces.size()};
+    bound.certifier().states(motion, parameters.data(), n, q.data(), w);
   });
   return output_array(q, {n, width});
 }

@@ -14,8 +14,10 @@ namespace {
 constexpr double kShadow = 0x1p-19, kCentre = 0x1p-19;
 // Of two bodies with less room both centres' |.|_1 are below 2^125, and nothing overflows.
 constexpr float kLargestRoom = 0x1p106F;
-// Poses are off rigid by 1e-6 at most, on a link by twice that: an edge's shadow on its own axis, and that of the two
-// others, which should be nothing.
+// Bodies are off rigid by δ <= 3.6e-6 (plannercheck/unit_lengths.py). Along the posed axis u of an edge, |u|² <= 1 + δ,
+// the body's own half edges h have the shadow h (1 + δ), the others, whose axes v have |u v| <= δ, δ h each, the swell
+// at most half δ of itself besides; the other body's swell, as a part of its half edges, loses as much. In all below
+// 2 δ of the half edges' sums.
 constexpr double kSkew = 2e-5;
 
 float up(double value) { return std::nextafterf(static_cast<float>(value), __builtin_inff()); }

@@ -11,8 +11,6 @@
 namespace plannercheck {
 namespace {
 
-constexpr double kRoundUp = 1 + 0x1p-48;  // covers the rounding of a norm
-
 // n / (n · (a − centre)) for the plane through a, b, c: double-double where its error stays below 2^-60, else exact.
 Vec3 polar_point(Vec3 centre, Vec3 a, Vec3 b, Vec3 c) {
   const Double2Vec3 n = cross(difference(b, a), difference(c, a));
@@ -58,8 +56,8 @@ std::vector<Vec3> polar_points(const ConvexMesh& mesh, Vec3 centre) {
 
 double largest_norm(const std::vector<Vec3>& points, Vec3 from) {
   double largest = 0;
-  for (const Vec3& p : points) largest = larger(largest, norm(p - from));
-  return largest * kRoundUp;
+  for (const Vec3& p : points) largest = larger(largest, norm_above(p - from));
+  return largest;
 }
 
 // `points`: the vertices, which differ.
@@ -83,7 +81,7 @@ bool add_polar(const ConvexMesh& mesh, Body& body) try {
   if (!inside) return false;
   const std::vector<Vec3> points = polar_points(mesh, *inside);
   const double radius = largest_norm(points, {});
-  if (!std::isfinite(radius)) return false;
+  if (!(radius < 1 / kTrustedLength)) return false;
   const ConvexMesh polar = convex_hull(points);
   body.centre = *inside;
   body.polar_radius = radius;

@@ -23,7 +23,7 @@ namespace plannercheck {
 inline constexpr double kPolarError = 4 * 0x1p-53;
 
 // Raise it whenever the fields of Body or Hierarchy, their order or their meaning change: old files are then refused.
-inline constexpr int kBodyFormat = 10;
+inline constexpr int kBodyFormat = 11;
 
 struct Body {
   std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3
@@ -31,7 +31,7 @@ struct Body {
   std::vector<Triangle> triangles;   // of the hull, outward; indices into inner.points
   std::vector<std::int32_t> source;  // per vertex: index into the points that were given
   Vec3 centre;                       // strictly inside; without a polar the mean of the vertices, rounded
-  double reach = 0;                  // largest |v| over the vertices: distance from the frame's origin
+  double reach = 0;                  // largest |v|, distance from the frame's origin, over the vertices, rounded up
   double radius = 0;                 // largest |v − centre|, rounded up
   Vec3 low, high;                    // the box around the vertices, in the body's frame
   std::int32_t is_box = 0;           // 1 if the body is that box

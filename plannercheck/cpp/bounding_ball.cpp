@@ -8,7 +8,7 @@
 namespace plannercheck {
 namespace {
 
-// Poses stretch by 1e-6 at most; this covers that of a link times that of a placement on it.
+// Bodies are off rigid by 3.6e-6 at most (plannercheck/unit_lengths.py), so they stretch by half of that.
 constexpr double kPosedStretch = 1 + 4e-6;
 
 struct Ball {

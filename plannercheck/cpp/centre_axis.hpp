@@ -2,6 +2,8 @@
 // that are within each other's swell. Of long and flat bodies another one separates more: the axis may be turned to it.
 #pragma once
 
+#include <limits>
+
 #include "pair.hpp"
 
 namespace plannercheck {
@@ -15,7 +17,8 @@ class CentreAxis {
         between_centres_(guest.pose.apply(guest.body->centre) - host_centre_),
         axis_(between_centres_),
         rounding_(kRounding * (guest.body->reach + host.body->reach + norm_1(guest.pose.translation()) +
-                               norm_1(host.pose.translation()))),
+                               norm_1(host.pose.translation())) +
+                  kTrustedLength),
         radii_(guest.body->radius + host.body->radius),
         swell_(guest.body->swell + host.body->swell) {}
 
@@ -43,7 +46,7 @@ class CentreAxis {
   // Whether the balls around the centres are apart.
   bool separates_balls() const {
     const double room = (radii_ + swell_) * (1 + kSlack) + rounding_;
-    return dot(between_centres_, between_centres_) > room * room + kTrustedLength * kTrustedLength;
+    return dot(between_centres_, between_centres_) > room * room;
   }
 
   // A plane at right angles to a direction from the host, in the host's frame, that touches the host's ball: q·x <= 1
@@ -79,11 +82,13 @@ class CentreAxis {
  private:
   static constexpr std::size_t kFewVertices = 32;  // of both (measured)
 
-  // Poses are off rigid by 1e-6 at most: radii and swells grow by as much, and the normal that is handed on, M_R M_Rᵀ
+  // Bodies are off rigid by 3.6e-6 at most: radii and swells grow by half of that, and the normal handed on, M_R M_Rᵀ
   // times the axis, is off by as much of its length, which moves differences of points by that much of theirs.
   static constexpr double kSlack = 1e-5;
   // Posing a centre or vertex errs by 7u of |coordinates| + |translation|, a direction turned into a body's frame and
   // the scan along it by 20u of the reach, a difference and its product with the axis by 6u: below 40u in all.
+  // Balls, planes and swells are trusted to tell lengths above kTrustedLength only, so that it is a part of what
+  // rounding may be.
   static constexpr double kRounding = 64 * 0x1p-53;
 
   const PosedBody &guest_, &host_;
@@ -91,11 +96,12 @@ class CentreAxis {
   double rounding_, radii_, swell_;
 
   // Along the axis, or a direction that turns by no more than `slack` on its way through the host's frame, times its
-  // length.
+  // length; a direction so short that its length is not trusted separates nothing.
   double room() const { return room(axis_, kSlack); }
   double room(Vec3 direction, double slack) const {
-    return norm(direction) * (swell_ * (1 + slack) + slack * (norm(between_centres_) + radii_) + rounding_) +
-           kTrustedLength * kTrustedLength;
+    const double length = norm(direction);
+    if (!(length > kTrustedLength)) return std::numeric_limits<double>::infinity();
+    return length * (swell_ * (1 + slack) + slack * (norm(between_centres_) + radii_) + rounding_);
   }
 
   bool is_within_swell(Vec3 between) const {

@@ -8,7 +8,8 @@ namespace {
 // Distances are promised up to 1e-9 of max(distance, 1e-3 of the size).
 constexpr double kRelative = 2.5e-10, kLeastPart = 1e-3;
 
-// Poses stretch by 1e-6 at most; the rounding of a ball's centre and of distances, as a part of what goes into it.
+// Bodies are off rigid by 3.6e-6 at most, so they stretch by half of that; the rounding of a ball's centre and of
+// distances, as a part of what goes into it. A norm whose squares underflow errs by less than kTrustedLength.
 constexpr double kDistanceStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
 
 double total_swell(const PosedBody& a, const PosedBody& b) { return a.body->swell + b.body->swell; }
@@ -46,10 +47,10 @@ class WayOut {
   }
 
   void try_direction(Vec3 d) {
-    const double length = norm(d);
-    if (!(length > 0) || !std::isfinite(length)) return;
+    if (!(norm_max(d) > 0) || !std::isfinite(norm_max(d))) return;
+    d = unit(d);
     const LowestDifference found = lowest_difference(guest_, host_, d, counters_);
-    if (-found.height < depth) depth = -found.height, direction = (1 / length) * d, deepest = found.guest_vertex;
+    if (-found.height < depth) depth = -found.height, direction = d, deepest = found.guest_vertex;
   }
 };
 
@@ -72,7 +73,7 @@ PairDistance between_hulls(const PosedBody& guest, const PosedBody& host, const 
     out.lower = larger(out.lower, 0);
   }
   const Vec3 apart = found.on_guest - found.on_host;
-  const Vec3 d = norm(apart) > 0 ? (1 / norm(apart)) * apart : found.direction;
+  const Vec3 d = norm_max(apart) > 0 ? unit(apart) : found.direction;
   out.on_guest = out.on_guest - guest.body->swell * d;
   out.on_host = out.on_host + host.body->swell * d;
   return out;
@@ -90,7 +91,7 @@ double ball_gap(const PosedBody& guest, const PosedBody& host) {
   const Vec3 a = posed_centre(guest), b = posed_centre(host);
   const double radii = (guest.body->radius + host.body->radius) * kDistanceStretch + total_swell(guest, host);
   const double reach = guest.body->reach + host.body->reach + norm_1(a) + norm_1(b) + radii;
-  return norm(a - b) - radii - kBallRounding * reach;
+  return norm(a - b) - radii - (kBallRounding * reach + kTrustedLength);
 }
 
 double distance_bound(const PosedBody& guest, const PosedBody& host, int rounds, PairCounters& counters) {

@@ -1,11 +1,14 @@
-// Double-double arithmetic: unevaluated sums of two doubles, with a relative error below 2^-102 an operation.
+// Double-double arithmetic: unevaluated sums of two doubles.
 #pragma once
 
 #include "vec.hpp"
 
 namespace plannercheck {
 
-// An unevaluated sum high + low, |low| <= u |high|. Sums and products of these have a relative error below 2^-102.
+// A product errs by less than this part of it, a sum of a and b by less than this part of |a| + |b|.
+inline constexpr double kDouble2Error = 0x1p-102;
+
+// An unevaluated sum high + low, |low| <= u |high|.
 struct Double2 {
   double high, low;
 };

@@ -8,13 +8,13 @@
 namespace plannercheck {
 namespace {
 
-// The rounded direction errs by u an entry (entries at most 1; by 2^-1074 where they are tiny), the difference,
-// products and sums by 4u: below 8u |e|_1. Products that underflow are below kUnderflow.
-constexpr double kRoundedError = 8 * kRoundoff, kUnderflow = 1e-290;
+// The direction's entries are below kLargestEntry. Rounding them errs by u of that (by 2^-1074 where they are tiny),
+// the difference, products and sums by 4u: below 5u kLargestEntry |e|_1. Products that underflow are below kUnderflow.
+constexpr double kLargestEntry = 2, kRoundedError = 8 * kLargestEntry * kRoundoff, kUnderflow = 1e-290;
 
-// In double-double the difference is exact, a direction that stands for a dyadic one errs by 2^-105 an entry, products
-// and sums by 2^-102 each: 2^-99.
-constexpr double kFineError = 0x1p-98;
+// In double-double the difference is exact, a direction that stands for a dyadic one errs by 2^-105 kLargestEntry an
+// entry, products by 2^-102 kLargestEntry |e|_1, each of two sums by as much: below 2^-100 kLargestEntry |e|_1.
+constexpr double kFineError = 0x1p-99 * kLargestEntry;
 
 // Where neither Dekker's split overflows nor the lower parts underflow within kFineError.
 constexpr double kSmallestFine = 1e-150, kLargestFine = 1e150;

@@ -8,11 +8,22 @@ namespace {
 
 constexpr int kGjkRounds = 64;
 
-// A difference fl(M_P p) − fl(M_R r) + fl(t_P − t_R) errs by 5.2u (r_P + r_R) for the products, u |w| for the
-// translations and 2u of everything for the sums: below 9u times the sum of the sizes. A direction d in the world,
-// turned into a body's frame errs by 5.2u |d|, which moves a product by 5.2u |d| r; a scan misses by at most 14u |d| r;
-// evaluating d·w by 5.2u |d| |w|. The length of d is 1 up to 4u. All of it: below 30u times the sum of the sizes.
+// All are times the sum of the sizes r_P + r_R + |w|, w = t_P − t_R, and checked by tests/proofs/gjk.
+//
+// kDifference: fl(M_P p) − fl(M_R r) + fl(t_P − t_R) errs by 5.2u (r_P + r_R) for the products, u |w| for the
+// translations and 2u of everything for the sums: below 7.2u.
+// kSupport: a direction d in the world, turned into a body's frame, errs by 5.2u |d|. The vertex found and the one that
+// is lowest along d itself both move by as much: 10.4u |d| r. A scan in doubles compares two rounded products, 3u |d| r
+// each by Cauchy-Schwarz (kScanError, by |d|_1, would be 7u). The difference errs as above, evaluating d·w by 3u |d|
+// |w|: 26.6u. The length of d is 1 up to 4.5u; heights are at most the sum of the sizes, so distances take that much
+// more: 31.1u. Swells, given 4u by kSwellAlong, lose 3u to rounding: no more.
+// kVolume: determinants of three corners, times the product of their |.|_1: cross product, product and two sums, 5u.
+//
+// Where lengths are so small that products underflow, all of this errs by kDenormalError at most besides: nine products
+// a body and three of the height, by 2^-1075 each, times entries of the direction.
 constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
+constexpr double kVolume = 16 * 0x1p-53;
+constexpr double kSwellAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
 
 struct Corner {
   Vec3 difference, guest;  // guest vertex − host vertex relative to both translations; the guest vertex in the world
@@ -115,7 +126,9 @@ bool reduce_to_nearest_face(Simplex& simplex, double& square) {
 }
 
 // Whether four differences, each known up to `error`, surely hold the origin strictly inside: all four determinants
-// that weigh the corners have a sure sign, the same after the alternation.
+// that weigh the corners have a sure sign, the same after the alternation. With L the largest |.|_1 a determinant is
+// off by (L + e)³ − L³, if each corner errs by e, which is 0.6 of `error`: below 3 error L² up to e = L / 5, and beyond
+// that 3 error L² is more than the determinant can be, L³.
 bool surely_inside(const Simplex& s, double error) {
   std::array<Vec3, 4> w;
   double largest = 0;
@@ -123,7 +136,7 @@ bool surely_inside(const Simplex& s, double error) {
     w[i] = s.corner[i].difference;
     largest = larger(largest, norm_1(w[i]));
   }
-  const double bound = 3 * error * largest * largest * (1 + 1e-6) + 16 * 0x1p-53 * largest * largest * largest + 1e-300;
+  const double bound = 3 * error * largest * largest * (1 + 1e-6) + kVolume * largest * largest * largest + 1e-300;
   const std::array<double, 4> weights{dot(w[1], cross(w[2], w[3])), -dot(w[0], cross(w[2], w[3])),
                                       dot(w[0], cross(w[1], w[3])), -dot(w[0], cross(w[1], w[2]))};
   const bool positive = std::all_of(weights.begin(), weights.end(), [&](double x) { return x > bound; });
@@ -136,7 +149,9 @@ class NearestPoints {
   NearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
       : guest_(guest), host_(host), counters_(counters), shift_(guest.pose.translation() - host.pose.translation()) {
     swell_ = guest.body->swell + host.body->swell;
-    size_ = guest.body->reach + host.body->reach + norm_1(shift_);
+    const double size = guest.body->reach + host.body->reach + norm_1(shift_);
+    difference_error_ = kDifference * size + kDenormalError;
+    support_error_ = kSupport * size + kDenormalError;
   }
 
   Proximity run(Vec3 direction) {
@@ -153,16 +168,16 @@ class NearestPoints {
   }
 
   LowestDifference lowest(Vec3 direction) {
-    const Vec3 d = (1 / norm(direction)) * direction;
-    const Corner corner = furthest_against(d);
-    return {dot(d, corner.difference) - kSupport * size_, corner.guest};
+    const Corner corner = furthest_against(direction);
+    return {dot(direction, corner.difference) - support_error_, corner.guest};
   }
 
  private:
   const PosedBody &guest_, &host_;
   PairCounters& counters_;
   Vec3 shift_;
-  double swell_, size_;
+  double swell_;
+  double difference_error_, support_error_;  // of a difference as a vector; of a height along a direction of length 1
 
   static Proximity with_corners(Proximity out, const Simplex& simplex) {
     out.count = simplex.count;
@@ -184,7 +199,7 @@ class NearestPoints {
       if (!(length > kTrustedLength) || !std::isfinite(length)) return out;
       direction = (1 / length) * direction;
       const Corner corner = furthest_against(direction);
-      const double height = dot(direction, corner.difference) - kSupport * size_;
+      const double height = dot(direction, corner.difference) - support_error_;
       if (round == 0 || height > out.lower) out.direction = direction;
       out.lower = larger(out.lower, height);
       if (goal.met(out)) return out;
@@ -195,7 +210,7 @@ class NearestPoints {
       if (!reduce_to_nearest_face(simplex, square)) return --simplex.count, out;
       if (simplex.count == 4) return out;  // the origin is inside, as far as doubles tell
       direction = simplex.nearest();
-      out.upper = norm(direction) + 2 * kDifference * size_;
+      out.upper = norm_at_any_scale(direction) + 2 * difference_error_;
       out.on_guest = simplex.on_guest();
       out.on_host = out.on_guest - direction;
       if (goal.met(out)) return out;
@@ -214,7 +229,7 @@ class NearestPoints {
       out.direction = direction;
       const Corner corner = furthest_against(direction);
       const double height = dot(direction, corner.difference);
-      if (height > swell_ * (1 + 4 * 0x1p-53) + kSupport * size_) {
+      if (height > swell_ * kSwellAlong + support_error_) {
         out.answer = Answer::kSeparated;
         return out;
       }
@@ -244,11 +259,10 @@ class NearestPoints {
             static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
   }
 
-  // Mixing four corners errs by 6u of their size besides.
+  // Mixing four corners errs by 4u of their size besides, and their weights' sum by 4u, which twice kDifference covers.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
-    const double error = kDifference * size_;
-    const bool within = swell_ > kTrustedLength && norm(v) * (1 + 8 * 0x1p-53) + 2 * error < swell_;
-    if (!within && !(simplex.count == 4 && surely_inside(simplex, error))) return false;
+    const bool within = swell_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ < swell_;
+    if (!within && !(simplex.count == 4 && surely_inside(simplex, difference_error_))) return false;
     out.answer = Answer::kShared;
     const double part = swell_ > 0 ? guest_.body->swell / swell_ : 0;
     out.point = simplex.on_guest() - part * v;

@@ -44,9 +44,10 @@ struct DistanceGoal {
 HullDistance hull_distance(const PosedBody& guest, const PosedBody& host, Vec3 hint, const DistanceGoal& goal,
                            PairCounters& counters);
 
-// The difference of vertices that is lowest along a direction of the world, from host to guest.
+// The difference of vertices that is lowest along a direction of the world of length 1 up to rounding, from host to
+// guest.
 struct LowestDifference {
-  double height;      // along the direction, relative to its length 1, less what rounding may be
+  double height;      // along the direction, less what rounding may be
   Vec3 guest_vertex;  // in the world
 };
 LowestDifference lowest_difference(const PosedBody& guest, const PosedBody& host, Vec3 direction,

@@ -1,5 +1,6 @@
 #include "gjk_double2.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "fine_support.hpp"
@@ -10,23 +11,30 @@ namespace {
 constexpr int kDistanceRounds = 256;  // of distances, which have nothing to fall back on
 constexpr int kDouble2Rounds = 32;    // it begins near the end; what is left is decided exactly
 
-// An operation errs by 2^-102 of its result, e = 2^-102 below; all lengths are in the unit of the pair, see below.
+// e = kDouble2Error; all lengths are in the unit of the pair, see below. Checked by tests/proofs/gjk_double2.
 //
 // (a) A difference: per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
-//     1 + 1e-6 long), t_P − t_R is exact up to e, two more sums: below 5e times the size, so 9e as a vector.
+//     1 + 2e-6 long), so 3.5e as a vector; t_P − t_R is exact, two more sums: below 5.5e times the size.
 // (b) Support: d turned into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
 //     10.4e |d| r. The vertex is extreme along what was computed, exactly. Evaluating d·w errs by 3e |d| |w|, and w by
-//     (a). All of it: below 32e |d| times the size.
-// (c) Mixing four corners with weights of sum W errs by e for the products, 3e for the sums, besides (a), and so does
-//     W: below 32e W times the size.
-// (d) Determinants of three corners: (a) three times, and twelve operations of the products of their 1-norms.
+//     (a). All of it: below 19e |d| times the size.
+// (c) Mixing four corners with weights of sum W errs by e for the products, 3e for the sums, besides (a), and W by 3e:
+//     below 13e W times the size.
+// (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations of the products of their
+//     1-norms.
 // Each with room for rounding the bound itself.
-constexpr double kDifference = 0x1p-98, kSupport = 0x1p-96, kMixing = 0x1p-96, kDeterminant = 0x1p-97;
-constexpr double kSquares = 0x1p-97;  // of squares, products of these and their difference: ten operations
+constexpr double kDifference = 16 * kDouble2Error, kSupport = 64 * kDouble2Error, kMixing = 64 * kDouble2Error,
+                 kDeterminant = 32 * kDouble2Error;
+constexpr double kSquares = 32 * kDouble2Error;  // of squares, products of these and their difference: ten operations
+// Of heights and lengths rounded to doubles, with the norms, quotients and sums of weights in doubles: below 8u.
+constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
 
-// The unit is a power of two near the pair's size, so that scaling is exact and nothing of relevance underflows: the
-// lower part of a product of numbers above 2^-400 lies above 2^-950, far below the bounds above.
-constexpr double kSmallestFineSize = 0x1p-400, kLargestFineSize = 0x1p400;
+// The unit is a power of two near the pair's size, into which vertices, translations and swells are scaled before
+// anything else, so that nothing of relevance underflows: what is lost lies below 2^-1022 units. A power beyond
+// kMostScaled is no double; where all lengths are denormal, the size is a small number of units, but one above 2^-75,
+// whose sixth power is far above what underflows, too.
+constexpr int kMostScaled = 1000;
+constexpr double kLargestFineSize = 0x1p1000;
 
 struct FineCorner {
   std::int32_t guest, host;
@@ -134,14 +142,13 @@ class FineNearestPoints {
   FineNearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
       : guest_(guest), host_(host), counters_(counters) {
     const Vec3 a = guest.pose.translation(), b = host.pose.translation();
-    shift_ = difference(a, b);
     const double swell = guest.body->swell + host.body->swell;
-    const double size = (guest.body->reach + host.body->reach) + (norm_1(rounded(shift_)) + swell);
-    in_range_ = size > kSmallestFineSize && size < kLargestFineSize;
+    const double size = (guest.body->reach + host.body->reach) + (norm_1(a - b) + swell);
+    in_range_ = size > 0 && size < kLargestFineSize;
     if (!in_range_) return;
-    to_units_ = 1 / power_of_two_below(size);
+    to_units_ = std::ldexp(1.0, std::min(-std::ilogb(size), kMostScaled));
     size_ = size * to_units_;
-    shift_ = scaled(shift_, to_units_);
+    shift_ = difference(to_units_ * a, to_units_ * b);
     swell_ = two_sum(guest.body->swell * to_units_, host.body->swell * to_units_);
   }
 
@@ -192,7 +199,8 @@ class FineNearestPoints {
   void raise_lower_bound(HullDistance& found, const Double2Vec3& towards, const FineCorner& corner) const {
     const Vec3 d = rounded(towards);
     const double height = dot(towards, corner.difference).high / norm(d);
-    const double lower = (height - 0x1p-49 * std::fabs(height) - 2 * kSupport * size_) / to_units_;
+    const double lower =
+        (height - kHeightRounding * std::fabs(height) - 2 * kSupport * size_) / to_units_ - kDenormalError;
     if (lower > found.lower) found.lower = lower, found.direction = (1 / norm(d)) * d;
   }
 
@@ -210,7 +218,8 @@ class FineNearestPoints {
       on_guest = on_guest + w.high * guest_.pose.apply(guest_.body->inner.points[at(corner.guest)]);
       on_host = on_host + w.high * host_.pose.apply(host_.body->inner.points[at(corner.host)]);
     }
-    const double upper = (norm(rounded(mixture)) / whole * (1 + 0x1p-48) + kMixing * size_) / to_units_;
+    const double length = norm_at_any_scale(rounded(mixture)) / whole;
+    const double upper = (length * (1 + kLengthRounding) + kMixing * size_) / to_units_ + kDenormalError;
     if (!(upper < found.upper)) return;
     found.upper = upper;
     found.on_guest = (1 / whole) * on_guest, found.on_host = (1 / whole) * on_host;
@@ -263,13 +272,12 @@ class FineNearestPoints {
   }
 
   FineCorner corner_at(std::int32_t p, std::int32_t r) const {
-    const Double2Vec3 turned = turn(guest_, p) - turn(host_, r);
-    return {p, r, scaled(turned, to_units_) + shift_};
+    return {p, r, (turn(guest_, p) - turn(host_, r)) + shift_};
   }
 
-  // M v of a body's vertex.
-  static Double2Vec3 turn(const PosedBody& posed, std::int32_t vertex) {
-    const Vec3 v = posed.body->inner.points[static_cast<std::size_t>(vertex)];
+  // M v of a body's vertex, in units.
+  Double2Vec3 turn(const PosedBody& posed, std::int32_t vertex) const {
+    const Vec3 v = to_units_ * posed.body->inner.points[static_cast<std::size_t>(vertex)];
     const auto& m = posed.pose.m;
     const auto row = [&](std::size_t i) {
       return (two_product(m[i], v.x) + two_product(m[i + 1], v.y)) + two_product(m[i + 2], v.z);

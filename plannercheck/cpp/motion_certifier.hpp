@@ -38,8 +38,9 @@ struct MotionModel {
   MotionChains chains;
   std::vector<PathPart> parts;
   std::int32_t width = 0, links = 0;
-  double defect = 0;    // sum over all placements and axes of how far they are off rigid
+  double defect = 0;    // sum over all placements, axes and held joints of how far they are off rigid
   double leverage = 1;  // sum of the multipliers' sizes: how much all joints turn for one unit of all columns
+  double depth = 0;     // most parts (circles, quaternions) on one chain from the world
 };
 
 // What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction`, in the pair's

@@ -177,8 +177,10 @@ Vec3 MotionFilters::between(const CertifiedPair& pair, std::size_t state) {
   const auto beyond = [](double x, double low, double high) { return x < low ? x - low : x > high ? x - high : 0; };
   Vec3 d{beyond(c.x, b.low.x, b.high.x), beyond(c.y, b.low.y, b.high.y), beyond(c.z, b.low.z, b.high.z)};
   if (norm_1(d) == 0) d = c - b.centre;
-  const double length = norm(d);
-  return length > 0 ? p.frame.from_world(p.b.rotate((1 / length) * d)) : Vec3{1, 0, 0};
+  // Poses may stretch, so its length is taken in the frame, where gaps are compared with metres.
+  const Vec3 seen = p.frame.from_world(p.b.rotate(d));
+  const double length = norm(seen);
+  return length > 0 && std::isfinite(length) ? (1 / length) * seen : Vec3{1, 0, 0};
 }
 
 }  // namespace plannercheck

@@ -139,9 +139,15 @@ class MotionRun {
     w_.grid.place(kinematics_, w_.path, from, to, intervals);
   }
 
-  // The bound of all rounding but that of kinematics: by the sizes of what is computed with; for frames off rigid; for
-  // ends off unit length; and for the configurations between them, whose numbers err by at most 8u of the ends', which
-  // each joint turns into as much of its arm.
+  // How far a gap of two bodies may be off, by the sizes of what is computed with:
+  // - kinematics: each body's computed pose is off by an error at the states of the grid, from which follows what is
+  //   proved of exact poses; and the computed poses of any state between are off these by as much again: four errors;
+  // - rounding here, and placements off rigid, as which directions and chords in links' frames are;
+  // - states go along unit quaternions, cosines and sines, while the ends are posed as they are given. A quaternion of
+  //   length 1 + ε and that of length 1 differ as matrices by 4ε at most, a circle by ε; each such part on a body's
+  //   chain moves it by as much of its arm, and both bodies have up to `depth` of them;
+  // - the configurations between the ends, whose numbers err by at most 8u of the ends', which each joint turns into as
+  //   much of its arm.
   void set_rounding(double largest, double arm) {
     double size = certifier_.still_size_;
     for (const std::int32_t mover : certifier_.movers_) {
@@ -153,9 +159,9 @@ class MotionRun {
       }
     }
     size += 1 + largest / 8 + arm;
-    const double part = kRunRounding + 4 * model_.defect + 8 * w_.path.off_unit() +
+    const double part = kRunRounding + 4 * model_.defect + 8 * model_.depth * w_.path.off_unit() +
                         16 * kUnit * model_.leverage * (1 + w_.path.largest());
-    filters_.set_rounding(kinematic_error_ + part * size, size);
+    filters_.set_rounding(4 * kinematic_error_ + part * size, size);
   }
 
   // Pairs of which the boxes around both bodies' whole paths meet, and pairs of two bodies that move.

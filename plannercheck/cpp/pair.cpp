@@ -3,7 +3,7 @@
 namespace plannercheck {
 namespace {
 
-// Bounds, u = 2^-53, |.| Euclidean, columns of M at most 1 + 1e-6 long, r_P = reach of the guest, w = t_P − t_R,
+// Bounds, u = 2^-53, |.| Euclidean, columns of M at most 1 + 2e-6 long, r_P = reach of the guest, w = t_P − t_R,
 // c = the host's centre, δ = ‖M_RᵀM_R − 1‖. Terms of second order are covered by rounding each sum up generously.
 //
 // (a) Relative pose. fl(M_Rᵀ M_P) errs by 3u an entry at most (Cauchy-Schwarz on unit columns), 9u in the Frobenius
@@ -17,12 +17,13 @@ namespace {
 //     products and sums. In all r_Q times (30u (r_P + |shift|) + 20u r_R) besides (a).
 // (c) Containment of x: mixing 8 vertices errs by 16u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by
 //     5.2u r_Q |x|, polar points by 4u r_Q |x|, with |x| <= r_P + |shift|: r_Q times 40u (r_P + |shift|) besides (a).
+//     Counted more sharply, as tests/proofs/pair does, (b) is 33.6u and (c) 37.2u, (a) included.
 // |shift| <= |w| + |c| up to the rounding above, so one bound serves both. The walk mixes 16 points at a time (32u),
 // moves what it got towards another mixture (3u), and may mix that again: kMixtureError for each of its games.
-constexpr double kPairError = 64 * 0x1p-53;       // (a) without δ, plus the larger of (b) and (c): at most 60u
-constexpr double kMixtureError = 40 * 0x1p-53;    // of one more mixture of mixtures
-constexpr double kAxisLength = 1 + 4e-6;          // of a column of M_Rᵀ M_P: both poses are off rigid by 1e-6 at most
-constexpr double kAxisDefect = 8e-6;              // of the products of two of them, twice
+constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
+constexpr double kMixtureError = 40 * 0x1p-53;  // of one more mixture of mixtures
+constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by 3.6e-6 at most
+constexpr double kAxisDefect = 8e-6;            // of the products of two of them: M_P and M_R count
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 
 }  // namespace
@@ -63,7 +64,7 @@ bool PairFrame::boxes_apart() const {
   const Body &g = guest(), &h = host();
   const Vec3 host_half = 0.5 * (h.high - h.low), guest_half = 0.5 * (g.high - g.low);
   const Vec3 d = map(0.5 * (g.low + g.high)) - (0.5 * (h.low + h.high) - h.centre);
-  const double room = (swell_ + 4 * pose_error_) * kAxisLength;
+  const double room = (swell_ + 4 * pose_error_) * kAxisLength + kDenormalError;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t row = 3 * i;
     const double half = std::fabs(m_[row]) * guest_half.x + std::fabs(m_[row + 1]) * guest_half.y +

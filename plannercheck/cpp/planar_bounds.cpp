@@ -37,7 +37,7 @@ PlanarBound planar_bound(const PlanarChain& chain, const PlanarPiece& piece, con
   for (const PlanarArm& arm : chain.arms) {
     rate += rates[at(arm.column)];
     const double x = arm.x + (arm.is_root ? piece.arm_x : 0), y = arm.y + (arm.is_root ? piece.arm_y : 0);
-    const double length = (std::sqrt(x * x + y * y) + arm.radius) * (1 + 0x1p-40);
+    const double length = (norm_above({x, y, 0}) + arm.radius) * (1 + 0x1p-40);
     bound.speed += std::fabs(rate) * length;
     bound.curvature += rate * rate * length;
   }

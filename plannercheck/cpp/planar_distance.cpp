@@ -37,8 +37,8 @@ struct PlanarDifference {
 };
 
 PlanarDifference planar_difference(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& places,
-                                   PlanarVector direction) {
-  const PlanarVector d = places.frame.turned(direction);
+                                   PlanarDirection direction) {
+  const PlanarVector d = places.frame.turned(direction.vector());
   const PlanarVector w = planar_minus(lowest_posed(a, places.a, d), lowest_posed(b, places.b, {-d.x, -d.y}));
   return {places.frame.turned_back(w), planar_dot(d, w)};
 }
@@ -80,20 +80,17 @@ PlanarVector nearest_of(PlanarSimplex& s) {
 
 }  // namespace
 
-double planar_gap(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& places, PlanarVector direction) {
+double planar_gap(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& places, PlanarDirection direction) {
   return planar_difference(a, b, places, direction).along;
 }
 
 PlanarApart planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces* places, int count, double limit,
-                         PlanarVector hint) {
+                         PlanarDirection hint) {
   PlanarApart answer;
   PlanarSimplex simplex;
-  PlanarVector v = planar_dot(hint, hint) > 0 ? hint : PlanarVector{1, 0};
-  double square = 0;  // |v|² once v is a point of the simplex
+  PlanarDirection d = hint;
+  double length = 0, square = 0;  // |v| and |v|² once v is a point of the simplex
   for (int round = 0; round < kPlanarRounds; ++round) {
-    const double length = std::sqrt(planar_dot(v, v));
-    if (!(length > 0)) return answer;
-    const PlanarVector d{v.x / length, v.y / length};
     PlanarDifference lowest = planar_difference(a, b, places[0], d);
     if (count > 1) {
       const PlanarDifference other = planar_difference(a, b, places[1], d);
@@ -105,10 +102,10 @@ PlanarApart planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarP
     // The vertex is no nearer to the origin than the simplex: as near as doubles tell.
     if (simplex.count > 0 && length - lowest.along <= kPlanarProgress * length) return answer;
     simplex.point[static_cast<std::size_t>(simplex.count++)] = lowest.point;
-    v = nearest_of(simplex);
+    const PlanarVector v = nearest_of(simplex);
     const double now = planar_dot(v, v);
     if (now <= limit * limit || simplex.count == 3 || (round > 0 && now >= square)) return answer;
-    square = now;
+    square = now, length = std::sqrt(now), d = PlanarDirection::along(v);
   }
   return answer;
 }

@@ -5,12 +5,40 @@
 // direction with a difference, over all vertices.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 namespace plannercheck {
 
 struct PlanarVector {
   double x = 0, y = 0;
+};
+
+// A direction: of length 1 whatever it was made from, so that a product with it is in metres.
+//
+// Rounding of the square, the root and the quotients leaves the length within 8u of 1, u = 2^-53; turning it by a
+// link's computed sine and cosine adds as much. A gap of length g along it errs by 16u g, which kPlanarRounding has
+// room for.
+class PlanarDirection {
+ public:
+  // Along x where doubles hold no length of the vector: it is 0, not finite, or beyond any scene.
+  static PlanarDirection along(PlanarVector v) {
+    const double square = v.x * v.x + v.y * v.y;
+    PlanarDirection made;
+    if (square >= kLeastSquare && square <= kLargestSquare) {
+      const double length = std::sqrt(square);
+      made.unit_ = {v.x / length, v.y / length};
+    }
+    return made;
+  }
+
+  PlanarVector vector() const { return unit_; }
+
+ private:
+  // Between these neither the squares overflow, nor does what they lose below the least double matter.
+  static constexpr double kLeastSquare = 1e-250, kLargestSquare = 1e250;
+
+  PlanarVector unit_{1, 0};
 };
 
 struct PlanarHull {
@@ -30,16 +58,16 @@ struct PlanarPlaces {
 };
 
 struct PlanarApart {
-  bool apart = false;      // the polygons are more than the limit apart along `direction` at every pose that was given
-  PlanarVector direction;  // in the frame, from b to a, of length 1 up to rounding
-  double gap = 0;          // along it: a lower bound but for the rounding that the limit has to cover
+  bool apart = false;  // the polygons are more than the limit apart along `direction` at every pose that was given
+  PlanarDirection direction;  // in the frame, from b to a
+  double gap = 0;             // along it: a lower bound but for the rounding that the limit has to cover
 };
 
 // At `count` poses, 1 or 2, from a direction to begin with.
 PlanarApart planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces* places, int count, double limit,
-                         PlanarVector hint);
+                         PlanarDirection hint);
 
 // The gap along a direction of the frame at one pose.
-double planar_gap(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& places, PlanarVector direction);
+double planar_gap(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& places, PlanarDirection direction);
 
 }  // namespace plannercheck

@@ -8,8 +8,9 @@
 namespace plannercheck {
 namespace {
 
-// All rounding (of configurations, poses, directions, products, boxes) is some hundred u = 2^-53 of the coordinates
-// that enter, and of the angles as much of the reach: for each link of the chain.
+// All rounding (of configurations, poses, the lengths of directions, products, boxes) is some hundred u = 2^-53 of the
+// coordinates that enter, and of the angles as much of the reach: for each link of the chain. Whole turns that are
+// taken off an angle round it by 3u of what it was.
 constexpr double kPlanarRounding = 0x1p-43;
 
 double with_room(double length) { return length * (1 + 0x1p-40); }
@@ -83,8 +84,10 @@ double PlanarCertifier::rounding(const PlanarMotion& motion) const {
                               std::fabs(p.arm_x) + std::fabs(p.arm_y));
     turns = larger(turns, 1 + anchor_turns_ + std::fabs(p.heading) + std::fabs(p.turn));
   }
-  const std::size_t first = links_[0].joint == PlanarJoint::kFree ? 3 : 0;
-  for (std::size_t c = first; c < width_; ++c) turns += std::fabs(motion.q0[c]) + std::fabs(motion.q1[c]);
+  // A root's heading, too: pieces of a curve begin at it less its whole turns.
+  const std::size_t first = links_[0].joint == PlanarJoint::kFree ? 2 : 0;
+  for (std::size_t c = first; c < width_; ++c)
+    turns += std::fabs(motion.q0[c]) + larger(std::fabs(motion.q1[c]), std::fabs(motion.given[c]));
   const double size = 1 + reach_ + place + still_size_;
   return kPlanarRounding * static_cast<double>(links_.size() + 1) * size * turns;
 }

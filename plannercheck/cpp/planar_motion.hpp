@@ -6,11 +6,12 @@
 // The idea is that of motion_certifier.hpp: a piece is cut into intervals; along a direction fixed in a pair's frame
 // the gap of the bodies is at least that at both ends less ε = h²/8 (the sum of both bodies' bounds of |p''|). A
 // direction with a larger gap at both ends is sought cheapest first: boxes around paths, circles on chords against
-// boxes, the direction of last time, a descent on what both bodies sweep. Where there is none, the interval is cut
+// boxes, the direction found last, a descent on what both bodies sweep. Where there is none, the interval is cut
 // further. Without turning, ε is 0, and a whole piece is settled at once. A motion is refused only where a pair is
 // proved to be within `tolerance` at a state on it.
 //
-// Immutable: each thread brings a workspace, which holds what is learnt.
+// Immutable: each thread brings a workspace. Nothing in it outlives a motion, so verdicts do not depend on what was
+// asked before.
 #pragma once
 
 #include <memory>
@@ -21,9 +22,10 @@
 
 namespace plannercheck {
 
-// Pieces in order; joints go from q0 to q1 (rows of configurations).
+// Pieces in order; joints go from q0 to q1 (rows of configurations). `given`: the end before whole turns were taken off
+// its angles, which rounds it by a part of what was given.
 struct PlanarMotion {
-  const double *q0, *q1;
+  const double *q0, *q1, *given;
   const PlanarPiece* pieces;
   std::size_t count;
 };
@@ -32,7 +34,7 @@ struct PlanarMotion {
 struct PlanarProof {
   std::int32_t pair;
   double from, to;
-  PlanarVector direction;
+  PlanarDirection direction;
   double gap, bulge;
 };
 

@@ -29,8 +29,8 @@ constexpr double kPlanarRoundingPart = 1.0 / 4;
 }  // namespace
 
 struct PlanarLine {
-  bool valid = false;
-  PlanarVector direction;  // in the pair's frame
+  std::uint64_t motion = 0;   // by which it was found; of another motion it counts for nothing
+  PlanarDirection direction;  // in the pair's frame
 };
 
 // A pair that is not settled on an interval; `refused`: the parameter of an end at which it is within the tolerance, -1
@@ -57,6 +57,12 @@ class PlanarCertifier::Workspace {
     std::iota(all.begin(), all.end(), 0);
   }
 
+  // The lines of earlier motions end with that: they could settle an interval that by itself rounds to the other side.
+  void begin_motion() {
+    ++motion;
+    failures.clear();
+  }
+
   PlanarGrid grid;
   std::vector<double> rates;
   std::vector<PlanarBound> bounds;  // per pair, of both bodies together
@@ -64,6 +70,7 @@ class PlanarCertifier::Workspace {
   std::vector<PlanarFailure> failures;  // a stack: grids inside grids
   std::vector<PlanarLine> lines;        // per pair
   std::vector<std::int32_t> all;
+  std::uint64_t motion = 0;  // how many were begun
   PlanarMotionCounters counters;
 };
 
@@ -78,7 +85,7 @@ class PlanarRun {
 
   MotionReport run() {
     ++w_.counters.motions;
-    w_.failures.clear();
+    w_.begin_motion();
     const double rounding = certifier_.rounding(motion_);
     if (!(rounding <= kPlanarRoundingPart * given_tolerance_)) return {MotionAnswer::kImprecise, 0, 0, -1};
     for (std::size_t k = 0; k < motion_.count; ++k) {
@@ -110,7 +117,7 @@ class PlanarRun {
 
   void begin(const PlanarPiece& piece) {
     piece_ = &piece;
-    way_ = std::sqrt(piece.way_x * piece.way_x + piece.way_y * piece.way_y) * (1 + 0x1p-40);
+    way_ = norm_above({piece.way_x, piece.way_y, 0}) * (1 + 0x1p-40);
     for (std::size_t c = 0; c < w_.rates.size(); ++c)
       w_.rates[c] = (piece.to - piece.from) * (motion_.q1[c] - motion_.q0[c]);
     if (certifier_.links_[0].joint == PlanarJoint::kFree) w_.rates[2] = piece.turn;
@@ -181,7 +188,10 @@ class PlanarRun {
       if (depth < found.depth) found.depth = depth, found.state = i;
     }
     PlanarLine& line = w_.lines[at(index)];
-    if (!line.valid) line = {true, w_.grid.place_of(pair.frame, found.state).turned_back(between(pair, found.state))};
+    if (line.motion != w_.motion) {
+      const PlanarVector v = w_.grid.place_of(pair.frame, found.state).turned_back(between(pair, found.state));
+      line = {w_.motion, PlanarDirection::along(v)};
+    }
     return found;
   }
 
@@ -247,7 +257,7 @@ class PlanarRun {
   bool sweep(PairState& s, const PlanarPlaces* at_ends, int count, double limit) {
     ++w_.counters.swept;
     const PlanarApart answer = planar_apart(hull(s.pair.a), hull(s.pair.b), at_ends, count, limit, s.line.direction);
-    s.line = {true, answer.direction};
+    s.line = {w_.motion, answer.direction};
     s.measured = 0;
     return answer.apart;
   }

@@ -5,15 +5,16 @@
 
 namespace plannercheck {
 using planar_detail::is_usable;
+using planar_detail::kCrossError;
 using planar_detail::kInfinite;
 using planar_detail::kLargestSize;
 using planar_detail::kSmallestSize;
 
 namespace {
 
-// The same polynomials take at most 14 operations of relative error 2^-102 a term, 2^-98.1 of the permanent (a side);
-// squares of sides twice that.
-constexpr double kSideDouble2Bound = 0x1p-96;
+// The same polynomials in Double2, whose differences of coordinates are exact, take eight operations a term; a
+// difference of products of two sides is allowed twice as much.
+constexpr double kSideDouble2Bound = 64 * kDouble2Error;
 
 int sign_of_side(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
@@ -143,10 +144,9 @@ int PlanarSigns::finer_mixed(const HostLine& i, const HostLine& j, const GuestPo
 Side PlanarSigns::value(const LineWeights& weights, const Side& i, const Side& j) const {
   const double first = weights.first * i.value, second = weights.second * j.value;
   if (weights.exact) return {0, kInfinite};
-  // Two products and a sum: 2u of the terms.
   const double size = std::fabs(first) + std::fabs(second);
-  return {first + second,
-          planar_detail::kSlack * (weights.first * i.error + weights.second * j.error + 3 * kRoundoff * size)};
+  return {first + second, planar_detail::kSlack *
+                              (weights.first * i.error + weights.second * j.error + planar_detail::kMixedError * size)};
 }
 
 double PlanarSigns::meeting(std::size_t from, std::size_t ahead, std::size_t other, std::size_t behind) const {
@@ -155,10 +155,9 @@ double PlanarSigns::meeting(std::size_t from, std::size_t ahead, std::size_t oth
   const double bx = p.x(behind) - p.x(other), by = p.y(behind) - p.y(other);
   const double cx = p.x(other) - p.x(from), cy = p.y(other) - p.y(from);
   const double sine = ax * by - ay * bx, reach = cx * by - cy * bx, back = cx * ay - cy * ax;
-  // Differences, products, difference: 4u of the terms.
-  const double sine_error = 6 * kRoundoff * (std::fabs(ax * by) + std::fabs(ay * bx));
-  const double reach_error = 6 * kRoundoff * (std::fabs(cx * by) + std::fabs(cy * bx));
-  const double back_error = 6 * kRoundoff * (std::fabs(cx * ay) + std::fabs(cy * ax));
+  const double sine_error = kCrossError * (std::fabs(ax * by) + std::fabs(ay * bx));
+  const double reach_error = kCrossError * (std::fabs(cx * by) + std::fabs(cy * bx));
+  const double back_error = kCrossError * (std::fabs(cx * ay) + std::fabs(cy * ax));
   const bool usable = first_ == Precision::kDoubles && sine_error > kSmallestSize && reach_error > kSmallestSize &&
                       back_error > kSmallestSize && std::fabs(reach) < kLargestSize && std::fabs(back) < kLargestSize;
   const double sign = sine > 0 ? 1 : -1;
@@ -211,8 +210,7 @@ int planar_turn(const PlanarPolygon& polygon, PlanarCounters& counters) {
   const double ax = polygon.x(probes[1]) - polygon.x(probes[0]), ay = polygon.y(probes[1]) - polygon.y(probes[0]);
   const double bx = polygon.x(probes[2]) - polygon.x(probes[0]), by = polygon.y(probes[2]) - polygon.y(probes[0]);
   const double value = ax * by - ay * bx, size = std::fabs(ax * by) + std::fabs(ay * bx);
-  // Differences, products and their difference: 4u.
-  if (size > kSmallestSize && size < kLargestSize && std::fabs(value) > 6 * kRoundoff * size) {
+  if (size > kSmallestSize && size < kLargestSize && std::fabs(value) > kCrossError * size) {
     return sign_of_side(value);
   }
   for (const std::size_t k : probes) check_finite(polygon, k);

@@ -99,6 +99,13 @@ inline constexpr double kSideBound = 12 * kRoundoff;
 // A climb is the product of g = M^T (w_i n_i + w_j n_j), n the lines' normals, and a difference of vertices. n: 3u of
 // its size as above; weight and sum: 2u; M^T: 2u; difference, product, sum: 3u. Together 10u + O(u^2) of the permanent.
 inline constexpr double kCompareBound = 12 * kRoundoff;
+// Two products of sides and their sum, times the sum of their absolute values: product and sum, 2u.
+inline constexpr double kMixedError = 3 * kRoundoff;
+
+// A cross product of two differences of vertices, times the sum of its terms' absolute values: two differences, product
+// and difference, 4u.
+inline constexpr double kCrossError = 6 * kRoundoff;
+
 inline constexpr double kSmallestError = kCompareBound * kSmallestSize, kLargestError = kCompareBound * kLargestSize;
 
 // A sum of positive terms that are bounds is itself computed with at most 16 roundings.
@@ -177,9 +184,9 @@ class PlanarSigns {
             const Side& ib, const Side& ja, const Side& jb) const {
     const double plus = ia.value * jb.value, minus = ib.value * ja.value;
     const double error =
-        planar_detail::kSlack *
-        (std::fabs(ia.value) * jb.error + ia.error * (std::fabs(jb.value) + jb.error) + std::fabs(ib.value) * ja.error +
-         ib.error * (std::fabs(ja.value) + ja.error) + 3 * kRoundoff * (std::fabs(plus) + std::fabs(minus)));
+        planar_detail::kSlack * (std::fabs(ia.value) * jb.error + ia.error * (std::fabs(jb.value) + jb.error) +
+                                 std::fabs(ib.value) * ja.error + ib.error * (std::fabs(ja.value) + ja.error) +
+                                 planar_detail::kMixedError * (std::fabs(plus) + std::fabs(minus)));
     if (plus - minus > error) return 1;
     if (plus - minus < -error) return -1;
     return finer_mixed(i, j, a, b);

@@ -10,9 +10,17 @@ namespace {
 
 int sign_of(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
-// Each of the at most 12 operations of a 3×3 determinant or a triple product of Double2 errs by at most 2^-102 of the
-// sum of the absolute values of its terms (the permanent); 2^-97 leaves room.
-constexpr double kDouble2Bound = 0x1p-97;
+// Bounds of a sign's polynomial, times the sum of its terms' absolute values (the permanent). The last sum's rounding
+// changes no sign and is not counted.
+//
+// Determinants: three differences, product, difference, product and sum, 7u; from another corner one less.
+constexpr double kDeterminantError = 8 * kRoundoff;
+// Degree 4: two differences, product and difference, product and difference, product and sum, 8u.
+constexpr double kWedgeError = 16 * kRoundoff;
+// Entries of a cross product: two differences and a product, 3u.
+constexpr double kTurnError = 6 * kRoundoff;
+// The same in Double2, whose differences are exact: at most seven operations.
+constexpr double kDouble2Bound = 32 * kDouble2Error;
 
 Vec3 absolute_cross(Vec3 a, Vec3 b) {
   return {std::fabs(a.y * b.z) + std::fabs(a.z * b.y), std::fabs(a.z * b.x) + std::fabs(a.x * b.z),
@@ -21,14 +29,13 @@ Vec3 absolute_cross(Vec3 a, Vec3 b) {
 
 }  // namespace
 
-// Shewchuk's bound for this determinant is (7 + 56u)u times the permanent; 8u covers it and the rounding of the bound.
 int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   const Vec3 ab = b - a, ac = c - a, ad = d - a;
   const double determinant = dot(cross(ab, ac), ad);
   const double permanent = absolute_dot(absolute_cross(ab, ac), ad);
   const double largest = larger(norm_max(ab), larger(norm_max(ac), norm_max(ad)));
   const bool in_range = trusted(permanent, largest);
-  if (in_range && std::fabs(determinant) > 8 * kRoundoff * permanent) return sign_of(determinant);
+  if (in_range && std::fabs(determinant) > kDeterminantError * permanent) return sign_of(determinant);
   // Differences of doubles are 0 only when the doubles are equal: planes parallel to the axes end here.
   const bool axis_aligned = (ab.x == 0 && ac.x == 0 && ad.x == 0) || (ab.y == 0 && ac.y == 0 && ad.y == 0) ||
                             (ab.z == 0 && ac.z == 0 && ad.z == 0);
@@ -52,7 +59,6 @@ int compare_along_finer(Vec3 u, Vec3 a, Vec3 b) {
   return dot(DyadicVec3(u), DyadicVec3(a) - DyadicVec3(b)).sign();
 }
 
-// As `orientation`, of degree 4: differences (u), cross product (2u more each), cross product, dot: at most 11u.
 int wedge_side(Vec3 z, Vec3 v, Vec3 a, Vec3 b, Vec3 u) {
   const Vec3 va = a - v, vb = b - v;
   const double value = dot(cross(z, cross(va, vb)), u);
@@ -60,7 +66,7 @@ int wedge_side(Vec3 z, Vec3 v, Vec3 a, Vec3 b, Vec3 u) {
   const double size = absolute_dot(absolute_cross(absolute_z, absolute_cross(va, vb)), u);
   const double largest = larger(larger(norm_max(z), norm_max(u)), larger(norm_max(va), norm_max(vb)));
   const bool in_range = trusted(size, largest) && largest < 1e40;
-  if (in_range && std::fabs(value) > 16 * kRoundoff * size) return sign_of(value);
+  if (in_range && std::fabs(value) > kWedgeError * size) return sign_of(value);
   if (in_range) {
     const Double2 finer = dot(cross(widen(z), cross(difference(a, v), difference(b, v))), widen(u));
     if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
@@ -73,14 +79,14 @@ int cone_side(Vec3 u, Vec3 o, Vec3 a, Vec3 b) {
   const Vec3 oa = a - o, ob = b - o;
   const double value = dot(cross(oa, ob), u), size = absolute_dot(absolute_cross(oa, ob), u);
   const double largest = larger(norm_max(u), larger(norm_max(oa), norm_max(ob)));
-  if (trusted(size, largest) && std::fabs(value) > 8 * kRoundoff * size) return sign_of(value);
+  if (trusted(size, largest) && std::fabs(value) > kDeterminantError * size) return sign_of(value);
   const DyadicVec3 origin(o);
   return dot(cross(DyadicVec3(a) - origin, DyadicVec3(b) - origin), DyadicVec3(u)).sign();
 }
 
 int turn(Vec3 a, Vec3 b, Vec3 c, int axis) {
   const double value = cross(b - a, c - a)[axis], size = absolute_cross(b - a, c - a)[axis];
-  if (trusted(size, larger(norm_max(b - a), norm_max(c - a))) && std::fabs(value) > 6 * kRoundoff * size) {
+  if (trusted(size, larger(norm_max(b - a), norm_max(c - a))) && std::fabs(value) > kTurnError * size) {
     return sign_of(value);
   }
   const DyadicVec3 origin(a);
@@ -92,7 +98,7 @@ bool collinear(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 n = cross(b - a, c - a), size = absolute_cross(b - a, c - a);
   for (int axis = 0; axis < 3; ++axis) {
     if (size[axis] > predicates_detail::kSmallestTrusted && size[axis] < predicates_detail::kLargestTrusted &&
-        std::fabs(n[axis]) > 6 * kRoundoff * size[axis])
+        std::fabs(n[axis]) > kTurnError * size[axis])
       return false;
   }
   const DyadicVec3 origin(a);

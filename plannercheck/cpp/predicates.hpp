@@ -14,6 +14,9 @@ namespace predicates_detail {
 // bits to underflow that its error bound does not count (2^-1074 times the largest factors is far below the bound).
 inline constexpr double kSmallestTrusted = 1e-150, kLargestTrusted = 1e60;
 
+// Of u · (a − b), times the sum of its terms' absolute values: a rounded difference, product and two sums, 4u.
+inline constexpr double kAlongError = 6 * kRoundoff;
+
 inline bool trusted(double permanent, double largest) {
   return permanent > kSmallestTrusted && largest < kLargestTrusted;
 }
@@ -30,13 +33,12 @@ int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
 // Sign of u · (a − b): which of two points is further along u.
 int compare_along_finer(Vec3 u, Vec3 a, Vec3 b);
 
-// The same. The filter is inlined where queries compare: three products of a double and a rounded difference (1 + u
-// each), two sums, at most 4u(1 + ...) of Σ|terms|.
+// The same. The filter is inlined where queries compare.
 inline int compare_along(Vec3 u, Vec3 a, Vec3 b) {
   const Vec3 e = a - b;
   const double value = dot(u, e), size = predicates_detail::absolute_dot(u, e);
   const bool in_range = predicates_detail::trusted(size, larger(norm_max(u), norm_max(e)));
-  if (in_range && std::fabs(value) > 6 * kRoundoff * size) return value > 0 ? 1 : -1;
+  if (in_range && std::fabs(value) > predicates_detail::kAlongError * size) return value > 0 ? 1 : -1;
   return compare_along_finer(u, a, b);
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 // Rounding direction and coordinates to floats, |entries| <= 1, errs by 2^-24 each, so do products; two sums of at most
 // 3 add 5 · 2^-24: a product errs by 14 · 2^-24 at most, underflow included, times the direction's largest entry.
-// Vertices further below the highest than twice that are not extreme.
+// Vertices further below the highest than twice that are not extreme, and the difference of both errs by 3 · 2^-24.
 constexpr float kFloatTie = 32 * 0x1p-24F;
 constexpr double kSmallestFloat = 1e-20, kLargestFloat = 1e20;  // of that entry: else the direction is scaled
 constexpr double kSmallestDirection = 1e-290, kLargestDirection = 1e290;

@@ -104,7 +104,7 @@ SweptAnswer swept_distance(const Body& a, const Body& b, const PosedPair* poses,
   for (int round = 0; round < kDescentRounds; ++round) {
     ++counters.rounds;
     const double length = norm(v);
-    if (!(length > 0) || !std::isfinite(length)) return answer;
+    if (!(length > kTrustedLength) || !std::isfinite(length)) return answer;
     const Vec3 d = (1 / length) * v;
     Difference lowest = difference_at(a, b, poses[0], d, counters);
     if (count > 1) {

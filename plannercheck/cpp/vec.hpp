@@ -34,6 +34,34 @@ inline double norm_1(Vec3 a) { return std::fabs(a.x) + std::fabs(a.y) + std::fab
 // Lengths are trusted above it, squares of them above its square: smaller ones lose bits to underflow.
 inline constexpr double kTrustedLength = 1e-150;
 
+// What products and sums of a few denormal terms err by at most, whatever their size: each by half of 2^-1074.
+inline constexpr double kDenormalError = 0x1p-1060;
+
+// A vector, not 0, in units of its largest entry: its squares neither overflow nor underflow.
+inline Vec3 in_units_of_largest(Vec3 v) {
+  const double largest = norm_max(v);
+  return {v.x / largest, v.y / largest, v.z / largest};
+}
+
+inline Vec3 unit(Vec3 v) {
+  const Vec3 scaled = in_units_of_largest(v);
+  return (1 / norm(scaled)) * scaled;
+}
+
+// |v| up to 4u and a denormal, also where squares overflow or underflow.
+inline double norm_at_any_scale(Vec3 v) {
+  const double largest = norm_max(v);
+  if ((largest > kTrustedLength && largest < 1 / kTrustedLength) || largest == 0) return norm(v);
+  return largest * norm(in_units_of_largest(v));
+}
+
+// At least |v|, above it by no more than a part of 2^-47 and a denormal.
+inline double norm_above(Vec3 v) {
+  constexpr double kRoundUp = 1 + 0x1p-48;  // covers the rounding of a norm
+  const double length = norm_at_any_scale(v) * kRoundUp;
+  return length > 0 && length < kTrustedLength ? length + kDenormalError : length;
+}
+
 // An affine map x -> M x + t; `m` holds the rows of the 3x4 matrix [M | t].
 struct Pose {
   std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};

@@ -33,6 +33,14 @@ class WorkspacePool {
     spare_.push_back(std::move(workspace));
   }
 
+  // What `look` returns, while no caller is in `returned`. It must not run Python, whose garbage collector may ask
+  // again from within.
+  template <class Look>
+  auto alone(Look look) {
+    const std::lock_guard lock(mutex_);
+    return look();
+  }
+
  private:
   std::mutex mutex_;
   std::vector<Pointer> spare_;

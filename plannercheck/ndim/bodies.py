@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import read_only
 from plannercheck.errors import PlannercheckError
 from plannercheck.ndim import halfspaces
 from plannercheck.ndim.poses import LARGEST
@@ -58,10 +59,10 @@ class Polytope:
         """
         points = _checked(vertices, name, "vertices (n, d)")
         self._set(points.shape[1], memory, name)
-        self.vertices: Floats | None = _read_only(points)
+        self.vertices: Floats | None = read_only(points)
         self.normals: Floats | None = None
         self.offsets: Floats | None = None
-        self.box = np.array([points.min(axis=0), points.max(axis=0)])
+        self.box = read_only(np.array([points.min(axis=0), points.max(axis=0)]))
         self.has_inside = True
 
     @classmethod
@@ -88,7 +89,7 @@ class Polytope:
         self._set(normals.shape[1], memory, name)
         found = halfspaces.examine(normals, offsets, name)
         self.vertices = None
-        self.normals, self.offsets = _read_only(normals), _read_only(offsets)
+        self.normals, self.offsets = read_only(normals), read_only(offsets)
         self.box = found.box
         self.__dict__["centre"] = found.centre
         self.has_inside = found.has_inside
@@ -102,13 +103,13 @@ class Polytope:
         """The mean of the extreme points, or of all if the body is flat."""
         assert self.vertices is not None, "a body of halfspaces has its centre from its making"
         if self.hull is None:
-            return np.asarray(self.vertices.mean(axis=0))
-        return np.asarray(self.vertices[self.hull.vertices].mean(axis=0))
+            return read_only(self.vertices.mean(axis=0))
+        return read_only(self.vertices[self.hull.vertices].mean(axis=0))
 
     @cached_property
     def reach(self) -> Floats:
         """The largest absolute coordinates (d,), at least."""
-        return np.asarray(np.abs(self.box).max(axis=0))
+        return read_only(np.abs(self.box).max(axis=0))
 
     @cached_property
     def points(self) -> Floats | None:
@@ -120,7 +121,7 @@ class Polytope:
         if not self.has_inside or self._too_large(self.normals / halfspaces.lengths(self.normals)[:, None]):
             return None
         try:
-            return halfspace_vertices(self.normals, self.offsets, self.centre)
+            return read_only(halfspace_vertices(self.normals, self.offsets, self.centre))
         except PlannercheckError:
             return None
 
@@ -223,11 +224,6 @@ def _expected_facets(points: Floats) -> float:
 def _renumbered(hull: Hull) -> Ints:
     """The simplices as positions among the hull's vertices."""
     return np.searchsorted(hull.vertices, hull.simplices).astype(np.int32)
-
-
-def _read_only(array: Floats) -> Floats:
-    array.flags.writeable = False
-    return array
 
 
 def _checked(values: ArrayLike, name: str, what: str) -> Floats:

@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.ndim.exact import ExactCertificate, ExactSeparation, ExactSharedPoint, combined
 from plannercheck.ndim.integers import dot
 from plannercheck.ndim.posed import Exact, ExactRows, ExactVertices
@@ -26,6 +27,10 @@ Weights: TypeAlias = dict[int, Fraction]
 
 _ROOT_BITS = 128
 _LARGEST_DOUBLE = Fraction(float(np.finfo(np.float64).max))
+
+
+# A unit normal in doubles: two roundings an entry, and some to spare.
+_NORMAL_ROUNDING = Fraction(1, 2**50)
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,7 @@ class Effort:
 
 
 @dataclass(frozen=True, eq=False)
-class PosedShape:
+class PosedShape(OwnsArrays):
     """A body that a certificate is about: points (n, d), or halfspaces normals · x ≤ offsets, and its pose."""
 
     pose: Affine
@@ -75,7 +80,7 @@ Shapes: TypeAlias = tuple[PosedShape, PosedShape]
 
 
 @dataclass(frozen=True, eq=False)
-class Separation:
+class Separation(OwnsArrays):
     """A hyperplane between two bodies: normal · x > offset for all x of the first, < offset for all of the second.
 
     The doubles are rounded; the `exact_` attributes give the hyperplane that separates strictly.
@@ -114,8 +119,11 @@ class Separation:
         """Whether the hyperplane separates the two bodies strictly, proved in fractions.
 
         Returns:
-            True if every vertex, or a combination of halfspaces, is on its side, and the gap is a lower bound.
+            True if every vertex, or a combination of halfspaces, is on its side, the gap is a lower bound, and the
+            doubles are the exact values, rounded.
         """
+        if not self._doubles_agree():
+            return False
         normal, offset = np.array(self.exact_normal, dtype=object), self.exact_offset
         first = _extent(self.shapes[0], self.multipliers[0], -normal)
         second = _extent(self.shapes[1], self.multipliers[1], normal)
@@ -124,9 +132,23 @@ class Separation:
         square = Fraction(self.gap) ** 2 * sum(x * x for x in self.exact_normal)
         return self.gap >= 0 and square <= (-first - second) ** 2
 
+    def _doubles_agree(self) -> bool:
+        """Whether normal and offset are the exact ones, rounded, and all are numbers of this dimension."""
+        exact, d = self.exact_normal, len(self.shapes[0].pose.shift)
+        if self.normal.shape != (d,) or len(exact) != d or not any(exact):
+            return False
+        if not np.isfinite([*self.normal, self.offset, self.gap]).all():
+            return False
+        length = _root_above(Fraction(sum(x * x for x in exact)))
+        is_normal = all(
+            abs(Fraction(rounded) * length - x) <= _NORMAL_ROUNDING * length
+            for rounded, x in zip(self.normal.tolist(), exact, strict=True)
+        )
+        return is_normal and self.offset == _rounded(self.exact_offset / length)
+
 
 @dataclass(frozen=True, eq=False)
-class SharedPoint:
+class SharedPoint(OwnsArrays):
     """A point of both bodies.
 
     Attributes:
@@ -154,8 +176,11 @@ class SharedPoint:
         return True
 
     def verify(self) -> bool:
-        """Whether the point is in both bodies, proved in fractions."""
-        return all(
+        """Whether the point is in both bodies, proved in fractions, and the doubles are the exact point, rounded."""
+        d = len(self.shapes[0].pose.shift)
+        if self.point.shape != (d,) or len(self.exact_point) != d:
+            return False
+        return self.point.tolist() == [_rounded(x) for x in self.exact_point] and all(
             _holds(shape, weights, self.exact_point) for shape, weights in zip(self.shapes, self.weights, strict=True)
         )
 

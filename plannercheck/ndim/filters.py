@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.ndim.poses import Affine
+from plannercheck.ndim.poses import Affine, rounded_inverse
 from plannercheck.ndim.rounding import UNDERFLOW, UNIT
 
 Floats = NDArray[np.float64]
@@ -111,6 +111,8 @@ def proves_inside(normals: Floats, offsets: Floats, pose: Affine, point: Floats,
         True if it is proved.
     """
     inverse, inside_error = inverse_of(pose, np.abs(point) + np.abs(pose.shift) + error, error)
+    if not np.isfinite(inside_error):
+        return False
     inside = point if pose.is_identity else inverse @ (point - pose.shift)
     sizes = np.abs(normals) @ (np.abs(inside) + inside_error) + np.abs(offsets)
     bound = _terms(len(point)) * UNIT * sizes + np.abs(normals).sum(axis=1) * inside_error + UNDERFLOW
@@ -134,7 +136,7 @@ def inverse_of(pose: Affine, span: Floats, error: Floats) -> tuple[Floats, float
     d = len(span)
     if pose.is_identity:
         return pose.matrix, float(error.max())
-    inverse = np.asarray(np.linalg.inv(pose.matrix), dtype=np.float64)
+    inverse = rounded_inverse(pose.matrix)
     size = np.abs(inverse)
     defect = np.abs(np.eye(d) - inverse @ pose.matrix) + _terms(d) * UNIT * (size @ np.abs(pose.matrix) + 1.0)
     beta = 1.01 * float(defect.sum(axis=1).max())

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.game import play
 from plannercheck.ndim.halfspaces import lengths, optimisation
-from plannercheck.ndim.poses import Affine
+from plannercheck.ndim.poses import Affine, rounded_inverse
 
 Floats = NDArray[np.float64]
 
@@ -91,7 +91,9 @@ def game_hint(p: Polytope, r: Polytope, pose_p: Affine, pose_r: Affine) -> Hint:
 
 def in_frame(points: Floats, pose: Affine) -> Floats:
     """World points (n, d) in a body's frame, rounded."""
-    return points if pose.is_identity else np.asarray(np.linalg.solve(pose.matrix, (points - pose.shift).T).T)
+    if pose.is_identity:
+        return points
+    return np.asarray((points - pose.shift) @ rounded_inverse(pose.matrix).T)
 
 
 def program_hint(p: Polytope, r: Polytope, pose_p: Affine, pose_r: Affine) -> Hint:
@@ -129,7 +131,7 @@ class _Program:
             return
         assert body.normals is not None, "a body has vertices or halfspaces"
         assert body.offsets is not None, "halfspaces have offsets"
-        normals = body.normals @ np.linalg.inv(pose.matrix)
+        normals = body.normals @ rounded_inverse(pose.matrix)
         sizes = lengths(normals)
         offsets = body.offsets + normals @ pose.shift
         self.sizes.append(sizes)

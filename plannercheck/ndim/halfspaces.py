@@ -17,11 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError
 from plannercheck.ndim.exact import ExactSeparation, Guess, decide
 from plannercheck.ndim.integers import Farkas, matrix_of, solve
 from plannercheck.ndim.posed import ExactRows
-from plannercheck.ndim.poses import identity
+from plannercheck.ndim.poses import LARGEST, identity
 from plannercheck.ndim.rounding import UNDERFLOW, UNIT
 
 Floats = NDArray[np.float64]
@@ -31,7 +32,7 @@ _INSIDE = 1e-9
 
 
 @dataclass(frozen=True)
-class Examined:
+class Examined(OwnsArrays):
     """A bounded, nonempty intersection of halfspaces.
 
     Attributes:
@@ -143,6 +144,8 @@ def _exact_heights(normals: Floats, offsets: Floats, name: str) -> Floats:
             raise PlannercheckError(_unbounded(answer, name))
         scale = answer.denominator * Fraction(2) ** unit
         exact = sum((w * Fraction(float(offsets[j])) for j, w in answer.weights.items()), Fraction(0)) / scale
+        if abs(exact) > LARGEST:
+            raise PlannercheckError(f"{name} reaches further than {LARGEST:g}: scale it to be smaller")
         heights[k] = float(exact)
     return heights
 

@@ -24,7 +24,7 @@ from plannercheck.ndim.filters import Posed
 from plannercheck.ndim.guides import Hint, game_hint, in_frame, program_hint
 from plannercheck.ndim.nearest import nearest
 from plannercheck.ndim.posed import Exact
-from plannercheck.ndim.poses import Pose, affine_of
+from plannercheck.ndim.poses import Pose, affine_of, rounded_inverse, solved
 from plannercheck.ndim.proofs import proves_apart, proves_shared
 from plannercheck.ndim.walk import Side, Walked, walk
 
@@ -136,7 +136,7 @@ class _Pair:
         if shares:
             points = self.pose_r.of(self.walked.points + self.R.centre)
             return np.column_stack([points, np.ones(len(points))])
-        normals = np.linalg.solve(self.pose_r.matrix.T, self.walked.hyperplanes.T).T
+        normals = solved(self.pose_r.matrix.T, self.walked.hyperplanes.T).T
         centre = self.pose_r.of(self.R.centre[None])[0]
         return np.column_stack([normals, 1.0 + normals @ centre])
 
@@ -148,7 +148,7 @@ class _Pair:
         tree, inner, polar = self.P.tree, self.P.polar_tree, self.R.polar_tree
         if tree is None or inner is None or polar is None:
             return "; ".join(f"{body.name}: {body.tree_note}" for body in (self.P, self.R) if body.tree_note)
-        linear = np.asarray(np.linalg.solve(self.pose_r.matrix, self.pose_p.matrix), dtype=np.float64)
+        linear = rounded_inverse(self.pose_r.matrix) @ self.pose_p.matrix
         shift = in_frame(self.pose_p.shift[None], self.pose_r)[0] - self.R.centre
         self.walked = walk(Side(tree, inner, self.P.centre, linear, shift), polar)
         return ""
@@ -171,7 +171,7 @@ class _Pair:
     def _directions(self) -> list[Floats]:
         """Directions from the second body to the first to try: of the walk, the last first, or between the centres."""
         if self.walked is not None and not self.walked.shares:
-            normals = np.linalg.solve(self.pose_r.matrix.T, self.walked.hyperplanes[::-1].T).T
+            normals = solved(self.pose_r.matrix.T, self.walked.hyperplanes[::-1].T).T
             if len(normals):
                 return list(normals)
         return [self.pose_p.of(self.P.centre[None])[0] - self.pose_r.of(self.R.centre[None])[0]]

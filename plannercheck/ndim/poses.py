@@ -6,12 +6,14 @@ In: None, a (d + 1, d + 1) matrix, or a pair (M, t). Out: `Affine`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import read_only, read_only_copy
 from plannercheck.errors import PlannercheckError
 from plannercheck.ndim.integers import inverse, matrix_of
 
@@ -50,7 +52,7 @@ class Affine:
 @lru_cache(maxsize=16)
 def identity(dimension: int) -> Affine:
     """The map that moves nothing."""
-    return Affine(np.eye(dimension), np.zeros(dimension), True)
+    return Affine(read_only(np.eye(dimension)), read_only(np.zeros(dimension)), True)
 
 
 def affine_of(pose: Pose, dimension: int, name: str) -> Affine:
@@ -72,7 +74,30 @@ def affine_of(pose: Pose, dimension: int, name: str) -> Affine:
     if max(np.abs(matrix).max(), np.abs(shift).max()) > LARGEST:
         raise PlannercheckError(f"{name} holds numbers beyond {LARGEST:g} in size")
     _check_invertible(matrix, name)
-    return Affine(np.ascontiguousarray(matrix), np.ascontiguousarray(shift), False)
+    return Affine(read_only_copy(matrix), read_only_copy(shift), False)
+
+
+def rounded_inverse(matrix: Floats) -> Floats:
+    """The inverse of an invertible matrix (d, d), in doubles; where those can't find it, the exact one, rounded."""
+    try:
+        return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        pass
+    rows, unit = matrix_of(matrix)
+    found = inverse(rows)
+    assert found is not None, "poses are invertible"
+    scaled, denominator = found
+    scale = denominator * Fraction(2) ** unit
+    largest = Fraction(float(np.finfo(np.float64).max))
+    return np.array([[float(max(-largest, min(x / scale, largest))) for x in row] for row in scaled])
+
+
+def solved(matrix: Floats, right: Floats) -> Floats:
+    """About the x with matrix x = right, for guides: of a matrix that is singular in doubles, a least one."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right))
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
 
 
 def _split(pose: Any, d: int, name: str) -> tuple[Floats, Floats]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.filters import inverse_of, proves_inside
 from plannercheck.ndim.guides import Hint
-from plannercheck.ndim.poses import Affine
+from plannercheck.ndim.poses import Affine, solved
 from plannercheck.ndim.rounding import UNDERFLOW, UNIT
 
 Floats = NDArray[np.float64]
@@ -74,6 +74,8 @@ def proves_apart(hint: Hint, mixed: PosedPolytope, host: PosedPolytope) -> bool:
     bound = float(weights @ other.offsets[chosen])
     bound_error = rounding * float(weights @ np.abs(other.offsets[chosen]))
     points, error = _in_host_frame(body.vertices, body.reach, pose, other_pose)
+    if not np.isfinite(error).all():
+        return False
     size = np.abs(points).max(axis=0)
     error_of_heights = float(np.abs(normal) @ (rounding * size + error) + normal_error @ (size + error))
     return bool((points @ normal).min() - bound > 2 * (error_of_heights + bound_error) + UNDERFLOW)
@@ -88,7 +90,7 @@ def _multipliers_prove_apart(hint: Hint, first: PosedPolytope, second: PosedPoly
     g_p, c_p, rounding_p = _summed(first[0], hint.multipliers_p)
     g_r, c_r, rounding_r = _summed(second[0], hint.weights_r)
     pose_p, pose_r = first[1], second[1]
-    w = np.linalg.solve(pose_p.matrix.T, g_p)
+    w = solved(pose_p.matrix.T, g_p)
     terms = (2 * len(w) + 12) * UNIT
     slack = rounding_p + rounding_r
     for body, matrix, g in ((first[0], pose_p.matrix, g_p), (second[0], pose_r.matrix, -g_r)):

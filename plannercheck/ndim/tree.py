@@ -32,6 +32,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import OwnsArrays, read_only_copy
 from plannercheck.ndim.rounding import FLAT
 from plannercheck.qhull import FlatError, Hull, convex_hull
 
@@ -55,7 +56,7 @@ _NODE_BYTES = 400
 
 
 @dataclass(frozen=True)
-class Cones:
+class Cones(OwnsArrays):
     """The normal cone of a net's vertex, cut into simplicial cones.
 
     Attributes:
@@ -68,7 +69,7 @@ class Cones:
 
 
 @dataclass
-class Node:
+class Node(OwnsArrays):
     """A set of faces.
 
     Attributes:
@@ -108,7 +109,7 @@ class Tree:
             sizes: Vertices of a net and, at most, of a leaf; by dimension if None.
             seed: Of the samples.
         """
-        self.points = points
+        self.points = read_only_copy(points)
         if simplices is None:
             simplices = np.arange(len(points), dtype=np.int32)[:, None]
         builder = _Builder(points, simplices, memory, sizes or default_sizes(points.shape[1]), seed)

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.ndim.game import play
+from plannercheck.ndim.poses import solved
 from plannercheck.ndim.tree import Tree
 
 Floats = NDArray[np.float64]
@@ -72,7 +73,7 @@ def walk(p: Side, r_polar: Tree) -> Walked:
     Returns:
         The verdict and what it took.
     """
-    origin = np.linalg.solve(p.linear, -p.shift) - p.centre
+    origin = solved(p.linear, -p.shift) - p.centre
     best, nodes, visited = p.polar_tree.extreme(origin)
     if p.polar_tree.points[best] @ origin <= 1.0:
         none = np.zeros((0, len(origin)))

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck import certificates as space
+from plannercheck.arrays import OwnsArrays
 from plannercheck.integers import IntegerHull, Integers, cross, dot, in_common_unit, minus, negated
 from plannercheck.planar.polygons import checked_polygon, checked_poses, intersects
 
@@ -27,7 +28,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Separation:
+class Separation(OwnsArrays):
     """A line between two polygons: normal · x > offset for all x of the first, < offset for all of the second.
 
     Attributes:
@@ -49,7 +50,7 @@ class Separation:
 
 
 @dataclass(frozen=True, eq=False)
-class SharedPoint:
+class SharedPoint(OwnsArrays):
     """A point of both polygons.
 
     Attributes:

@@ -34,7 +34,7 @@ class MotionCertifier:
         self._core = core.PlanarCertifier(*arguments)
         self._frames = self._core.frames().tolist()
 
-    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int) -> Bools:
+    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int, given: Floats | None = None) -> Bools:
         """Whether each straight motion (n, nq) to (n, nq) is free.
 
         Args:
@@ -42,17 +42,25 @@ class MotionCertifier:
             q1: Ends; angles go from one number to the other.
             tolerance: m.
             threads: How many to use.
+            given: Ends before whole turns were taken off their angles, which rounds these; None if none were.
 
         Returns:
             (n,) True means proved free, False that some pair comes within the tolerance.
         """
         check_tolerance(tolerance)
-        answers = np.asarray(self._core.check(q0, q1, tolerance, threads))
+        answers = np.asarray(self._core.check(q0, q1, q1 if given is None else given, tolerance, threads))
         if (answers == _IMPRECISE).any():
             raise imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
         return np.asarray(answers == _FREE)
 
-    def is_free(self, q0: ArrayLike, q1: ArrayLike, tolerance: float, pieces: Floats = STRAIGHT) -> bool:
+    def is_free(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        tolerance: float,
+        pieces: Floats = STRAIGHT,
+        given: Floats | None = None,
+    ) -> bool:
         """Whether one motion is free.
 
         Args:
@@ -60,19 +68,26 @@ class MotionCertifier:
             q1: (nq,) end.
             tolerance: m.
             pieces: (k, 11) of a curve, as `Curves.pieces` gives them; none for a straight motion.
+            given: As for `check`.
 
         Returns:
             True means proved free.
         """
         check_tolerance(tolerance)
         start, end = (np.asarray(q, dtype=np.float64) for q in (q0, q1))
-        answer = self._core.check_pieces(start, end, pieces, tolerance)
+        answer = self._core.check_pieces(start, end, end if given is None else given, pieces, tolerance)
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
         return bool(answer == _FREE)
 
     def passage(
-        self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False, pieces: Floats = STRAIGHT
+        self,
+        q0: Floats,
+        q1: Floats,
+        tolerance: float,
+        proofs: bool = False,
+        pieces: Floats = STRAIGHT,
+        given: Floats | None = None,
     ) -> Passage:
         """How far one motion is free, looked at from its start.
 
@@ -82,16 +97,20 @@ class MotionCertifier:
             tolerance: m.
             proofs: Whether to give those of all pairs.
             pieces: As for `is_free`.
+            given: As for `check`.
 
         Returns:
             The passage.
         """
         check_tolerance(tolerance)
-        answer, until, near, pair, *found = self._core.explain(q0, q1, pieces, tolerance, proofs)
+        unreduced = q1 if given is None else given
+        answer, until, near, pair, *found = self._core.explain(q0, q1, unreduced, pieces, tolerance, proofs)
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
-        listed = tuple(proof for proof in self._proofs(*found) if proof.start < until)
-        return Passage(True, 1.0, -1.0, -1, listed) if answer == _FREE else Passage(False, until, near, pair, listed)
+        listed = tuple(self._proofs(*found))
+        if answer == _FREE:
+            return Passage(True, 1.0, -1.0, -1, listed)
+        return Passage(False, until, near, pair, tuple(proof for proof in listed if proof.start < until))
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats, pieces: Floats = STRAIGHT) -> Floats:
         """(k, nq) of one motion at parameters (k,) in [0, 1]."""

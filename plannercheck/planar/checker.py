@@ -7,16 +7,18 @@ core (cpp/planar_checker).
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import read_only
 from plannercheck.certified_motions import DEFAULT_TOLERANCE
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.motion_verdicts import explained_motion
+from plannercheck.planar.body_tables import core_arguments, pair_table
 from plannercheck.planar.certificates import certify
 from plannercheck.planar.certified_motions import STRAIGHT, MotionCertifier
 from plannercheck.planar.curves import Curve, Curves, check_curve
@@ -25,13 +27,15 @@ from plannercheck.planar.polygons import METHODS, Method
 from plannercheck.planar.robot import Body, Robot
 from plannercheck.planar.scene import Scene
 from plannercheck.report import MotionVerdict, PairVerdict, Verdict
+from plannercheck.threads import checked_threads
+
+if TYPE_CHECKING:
+    from plannercheck.proofs.planar_build import PlanarBuilder
+    from plannercheck.proofs.proof import Proof
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
-
-# Room for rounding in circles and boxes, as a part of the coordinates' size: they round by less than 1e-14 of it.
-_ROOM = 1e-12
 
 # With L links and A = 1 + the sum of all angles' sizes, an angle is a sum that errs by L A u at most, sine and cosine
 # by 4u more, which moves what they turn by as much of the reach; the at most L + 1 sums of a position add 3u each of
@@ -75,22 +79,14 @@ class Checker:
             )
         if method not in METHODS:
             raise unknown_name("method", method, METHODS)
-        self.scene = scene if scene is not None else Scene("empty")
+        self.scene = scene.copy() if scene is not None else Scene("empty")
         self._recipe = robot, self.scene, self_collision, method, bounds
         self.robot = robot if self.scene.bounds is None else robot.within(*self.scene.bounds)
         self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
-        self.pairs = _pair_table(robot, len(self.bodies), self_collision)
+        self.pairs = read_only(pair_table(robot, len(self.bodies), self_collision))
         self.motion_sampler = MotionSampler(self.robot)
-        self._arguments = (
-            *robot.core_links(),
-            [body.vertices for body in self.bodies],
-            np.array([body.link for body in self.bodies], dtype=np.int32),
-            np.array([body.pose for body in self.bodies]).reshape(-1, 3, 3),
-            np.array([_circle(body.vertices) for body in self.bodies]).reshape(-1, 3),
-            np.array([_box(body) for body in self.bodies]).reshape(-1, 4),
-            self.pairs,
-        )
+        self._arguments = core_arguments(robot, self.bodies, self.pairs)
         self._core = core.PlanarChecker(*self._arguments, bounds, getattr(core.Precision, method))
         self._curves: dict[tuple[Curve, float], Curves] = {}
 
@@ -116,7 +112,7 @@ class Checker:
     def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
         """The first colliding pair of each configuration (n, nq): (n,) rows of `pairs`, -1 where it is valid."""
         rows = self.robot.check_configurations(q)
-        return np.asarray(self._core.first_of_states(rows, min(_checked_threads(threads), max(len(rows), 1))))
+        return np.asarray(self._core.first_of_states(rows, checked_threads(threads, len(rows))))
 
     def colliding_pairs(self, q: ArrayLike) -> Bools:
         """Which pairs collide: (n, k) for configurations (n, nq) and the k rows of `pairs`."""
@@ -189,13 +185,13 @@ class Checker:
             (n,), True means free.
         """
         check_curve(self.robot, curve, turning_radius)
-        starts, ends = self._motion_ends(q0, q1, curve)
+        starts, ends, given = self._motion_ends(q0, q1, curve)
         if curve != "straight":
-            rows = zip(starts, ends, strict=True)
-            judged = [self._curve_is_free(a, b, resolution, tolerance, curve, turning_radius) for a, b in rows]
+            rows = zip(starts, ends, given, strict=True)
+            judged = [self._curve_is_free(row, resolution, tolerance, curve, turning_radius) for row in rows]
             return np.array(judged, dtype=bool)
         if resolution is None:
-            return self.motion_certifier.check(starts, ends, tolerance, _checked_threads(threads))
+            return self.motion_certifier.check(starts, ends, tolerance, checked_threads(threads, len(starts)), given)
         steps = self.motion_sampler.steps(starts, ends, resolution)
         return np.asarray(self._core.motions_are_free(starts, ends, steps)).astype(bool)
 
@@ -223,38 +219,89 @@ class Checker:
             The verdict.
         """
         check_curve(self.robot, curve, turning_radius)
-        (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1), curve)
+        (start,), (end,), (given,) = self._motion_ends(self._single(q0), self._single(q1), curve)
         pieces, certifier = self._pieces(start, end, curve, turning_radius), self.motion_certifier
-        passage = certifier.passage(start, end, tolerance, proofs, pieces)
-        return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance)
+        passage = certifier.passage(start, end, tolerance, proofs, pieces, given)
+        prover = partial(self._proof, (start, end, given), tolerance, curve, turning_radius)
+        return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance, prover)
+
+    def certify_motions(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        tolerance: float = DEFAULT_TOLERANCE,
+        threads: int = 1,
+        *,
+        curve: Curve = "straight",
+        turning_radius: float | None = None,
+    ) -> tuple[Proof | None, ...]:
+        """Proofs of motions that anyone can check, without this checker (`Proof.verify`, `Proof.save`).
+
+        Args:
+            q0: (n, nq) starts, m and rad.
+            q1: (n, nq) ends.
+            tolerance: As for `check_motion`.
+            threads: As for `check_motions`.
+            curve: As for `check_motion`.
+            turning_radius: As for `check_motion`.
+
+        Returns:
+            One a motion, None where it is not free.
+
+        Raises:
+            PlannercheckError: If python-flint is not installed.
+        """
+        free = self.check_motions(q0, q1, None, tolerance, threads, curve=curve, turning_radius=turning_radius)
+        rows = zip(*self._motion_ends(q0, q1, curve), free.tolist(), strict=True)
+        return tuple(
+            self._proof((start, end, given), tolerance, curve, turning_radius) if passed else None
+            for start, end, given, passed in rows
+        )
+
+    def _proof(
+        self, ends: tuple[Floats, Floats, Floats], tolerance: float, curve: Curve, turning_radius: float | None
+    ) -> Proof | None:
+        start, end, given = ends
+        pieces = self._pieces(start, end, curve, turning_radius)
+        return self._prover.proof(start, end, given, tolerance, pieces, curve, turning_radius)
+
+    @cached_property
+    def _prover(self) -> PlanarBuilder:
+        """Builds proofs of motions; made when it is first needed."""
+        from plannercheck.proofs.planar_build import PlanarBuilder  # needs python-flint
+
+        return PlanarBuilder(self)
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:
         """Proves motions free; built when it is first needed."""
         return MotionCertifier(*self._arguments)
 
-    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats]:
-        """Starts and ends (n, nq); angles without limits take the short way, but for the heading on curves."""
+    def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats, Floats]:
+        """Starts and ends (n, nq), and the ends as given: angles without limits take the short way.
+
+        The heading on curves stays as given, too.
+        """
         starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
         if starts.shape != ends.shape:
             raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
         near = self.motion_sampler.short_way(starts, ends)
         if curve != "straight":
             near[:, 2] = ends[:, 2]  # to the bit: of two curves of one length rounding may choose
-        return starts, near
+        return starts, near, ends
 
     def _curve_is_free(
         self,
-        start: Floats,
-        end: Floats,
+        ends: tuple[Floats, Floats, Floats],
         resolution: float | None,
         tolerance: float,
         curve: Curve,
         turning_radius: float | None,
     ) -> bool:
+        start, end, given = ends
         pieces = self._pieces(start, end, curve, turning_radius)
         if resolution is None:
-            return self.motion_certifier.is_free(start, end, tolerance, pieces)
+            return self.motion_certifier.is_free(start, end, tolerance, pieces, given)
         way = self._curves_of(curve, turning_radius).way(start, end, self.motion_sampler)
         steps = int(self.motion_sampler.steps_of_way(np.array([way]), resolution)[0])
         states = self.motion_certifier.states(start, end, np.arange(steps + 1) / steps, pieces)
@@ -331,44 +378,6 @@ class Checker:
         return f"planar.Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"
 
 
-def _checked_threads(threads: int) -> int:
-    if not isinstance(threads, int) or threads < 1:
-        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
-    return threads
-
-
-def _pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:
-    own = robot.self_pairs() if self_collision else []
-    fixed = _fixed_links(robot)
-    others = range(len(robot.bodies), bodies)
-    moving = [k for k, body in enumerate(robot.bodies) if body.link not in fixed]
-    return np.array([*own, *((a, b) for a in moving for b in others)], dtype=np.int32).reshape(-1, 2)
-
-
-def _fixed_links(robot: Robot) -> set[int]:
-    """Links that no joint moves: as in space, they are not tested against the scene."""
-    fixed: set[int] = set()
-    for k, link in enumerate(robot.links):
-        if link.joint == "fixed" and (k == 0 or robot.parent_index(k) in fixed):
-            fixed.add(k)
-    return fixed
-
-
 def _rebuilt(robot: Robot, scene: Scene, self_collision: bool, method: Method, bounds: bool) -> Checker:
     """A checker from a pickle; there is nothing in it that takes long to prepare."""
     return Checker(robot, scene, self_collision, method=method, bounds=bounds)
-
-
-def _circle(vertices: Floats) -> tuple[float, float, float]:
-    """A circle around vertices: centre and radius, with room for its rounding and that of its pose."""
-    x, y = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    radius = float(np.hypot(vertices[:, 0] - x, vertices[:, 1] - y).max())
-    return float(x), float(y), radius + _ROOM * (radius + abs(float(x)) + abs(float(y)))
-
-
-def _box(body: Body) -> tuple[float, float, float, float]:
-    """A box in the world around a posed polygon, with room for rounding."""
-    posed = body.vertices @ body.pose[:2, :2].T + body.pose[:2, 2]
-    room = _ROOM * (float(np.abs(body.vertices).sum(axis=1).max()) + float(np.abs(body.pose[:2, 2]).sum()))
-    (x0, y0), (x1, y1) = posed.min(axis=0) - room, posed.max(axis=0) + room
-    return float(x0), float(y0), float(x1), float(y1)

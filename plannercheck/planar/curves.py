@@ -15,16 +15,19 @@ known kinds, a cell between them is cut where these would meet.
 from __future__ import annotations
 
 import math
-import threading
+from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.angles import nearest_turn
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.motion import MotionSampler
 from plannercheck.planar.robot import Robot
+from plannercheck.planar.spare_states import SpareStates
 
 Floats = NDArray[np.float64]
 Curve: TypeAlias = Literal["straight", "dubins", "reeds_shepp"]
@@ -100,19 +103,19 @@ class Curves:
         made = {"dubins": base.DubinsStateSpace, "reeds_shepp": base.ReedsSheppStateSpace}
         self._radius = float(turning_radius)
         self._space = made[curve](self._radius)
-        self._own = threading.local()
+        self._spare = SpareStates(self._space, 3)  # start, end, and one between
 
     def way(self, start: Floats, end: Floats, sampler: MotionSampler) -> float:
         """No point of the robot travels further on the curve between two configurations (nq,), m.
 
         A curve of length s turns the root by s / radius at most.
         """
-        states = self._states()
-        for state, q in zip(states[:2], (start, end), strict=True):
-            _write(state, q)
+        with self._spare.taken() as (first, last, _):
+            _write(first, start)
+            _write(last, end)
+            length = float(self._space.distance(first, last))
         joints = end - start
         joints[:3] = 0
-        length = float(self._space.distance(*states[:2]))
         return length * (1 + float(sampler.levers[2]) / self._radius) + float(sampler.way(joints[None])[0])
 
     def pieces(self, start: Floats, end: Floats, lever: float) -> Floats:
@@ -128,57 +131,52 @@ class Curves:
             last column says how far off a piece may be, m: mostly below 1e-9, and where a curve has arcs shorter than
             1e-6 of the radius up to about 1e-5. A tolerance is raised to four times as much for such a piece.
         """
-        states = self._states()
-        first = _write(states[0], start)
-        _write(states[1], end)
-        length = float(self._space.distance(*states[:2])) / self._radius
-        size = (abs(first.x) + abs(first.y) + abs(float(end[0])) + abs(float(end[1]))) / self._radius
-        cells = _Cells(self._radius, lever, length, _ROUNDING * (1 + size + length))
-        rows = [cells.row(cell) for cell in self._cells(cells, first, length)]
+        with self._spare.taken() as states:
+            first = _write(states[0], start)
+            _write(states[1], end)
+            length = float(self._space.distance(*states[:2])) / self._radius
+            size = (abs(first.x) + abs(first.y) + abs(float(end[0])) + abs(float(end[1]))) / self._radius
+            cells = _Cells(self._radius, lever, length, _ROUNDING * (1 + size + length))
+            rows = [cells.row(cell) for cell in _cells(cells, partial(self._at, states), first, length)]
         rows.append((1.0, 1.0, float(end[0]), float(end[1]), 0.0, 0.0, float(end[2]), 0.0, 0.0, 0.0, 0.0))
         return np.array(rows)
 
-    def _states(self) -> tuple[Any, Any, Any]:
-        """This thread's states: start, end and one between. They are kept, since freeing them is not safe."""
-        if not hasattr(self._own, "states"):
-            self._own.states = tuple(self._space.allocState() for _ in range(3))
-        states: tuple[Any, Any, Any] = self._own.states
-        return states
-
-    def _at(self, t: float) -> _Place:
-        start, end, between = self._states()
+    def _at(self, states: tuple[Any, ...], t: float) -> _Place:
+        """The place at a parameter of the curve from states[0] to states[1]."""
+        start, end, between = states
         self._space.interpolate(start, end, t, between)
         return _Place(t, between.getX(), between.getY(), between.getYaw())
 
-    def _cells(self, cells: _Cells, first: _Place, length: float) -> list[_Cell]:
-        """Cells of one kind each, but for those too short to matter."""
-        if length == 0:
-            return []
-        places = [first, *(self._at(k / _FIRST_CELLS) for k in range(1, _FIRST_CELLS)), self._at(_LAST)]
-        found = [cells.cell(a, b) for a, b in pairwise(places)]
-        k = 0
-        while k < len(found):
-            cell = found[k]
-            if cell.kind is not None or cells.length(cell.start, cell.end) <= _SHORTEST:
-                k += 1
-                continue
-            before = found[k - 1].kind if k > 0 else None
-            after = found[k + 1].kind if k + 1 < len(found) else None
-            guess = cells.meeting(cell, before, after)
-            halves = [] if guess is None else self._cut(cells, cell, guess)
-            if not halves or any(half.kind is None for half in halves):
-                halves = self._cut(cells, cell, (cell.start.t + cell.end.t) / 2)  # so that it ends
-            found[k : k + 1] = halves
-        return _joined(cells, found)
 
-    def _cut(self, cells: _Cells, cell: _Cell, t: float) -> list[_Cell]:
-        middle = self._at(t)
-        return [cells.cell(cell.start, middle), cells.cell(middle, cell.end)]
+def _cells(cells: _Cells, at: Callable[[float], _Place], first: _Place, length: float) -> list[_Cell]:
+    """Cells of one kind each, but for those too short to matter."""
+    if length == 0:  # the root stands still, but joints may move
+        return [cells.cell(first, first._replace(t=_LAST))]
+    places = [first, *(at(k / _FIRST_CELLS) for k in range(1, _FIRST_CELLS)), at(_LAST)]
+    found = [cells.cell(a, b) for a, b in pairwise(places)]
+    k = 0
+    while k < len(found):
+        cell = found[k]
+        if cell.kind is not None or cells.length(cell.start, cell.end) <= _SHORTEST:
+            k += 1
+            continue
+        before = found[k - 1].kind if k > 0 else None
+        after = found[k + 1].kind if k + 1 < len(found) else None
+        guess = cells.meeting(cell, before, after)
+        halves = [] if guess is None else _cut(cells, cell, at(guess))
+        if not halves or any(half.kind is None for half in halves):
+            halves = _cut(cells, cell, at((cell.start.t + cell.end.t) / 2))  # so that it ends
+        found[k : k + 1] = halves
+    return _joined(cells, found)
+
+
+def _cut(cells: _Cells, cell: _Cell, middle: _Place) -> list[_Cell]:
+    return [cells.cell(cell.start, middle), cells.cell(middle, cell.end)]
 
 
 def _write(state: Any, pose: Floats) -> _Place:
     x, y, heading = (float(value) for value in pose[:3])
-    heading = math.remainder(heading, 2 * math.pi)
+    heading = nearest_turn(0.0, heading)
     state.setX(x)
     state.setY(y)
     state.setYaw(heading)

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.angles import whole_turns
+from plannercheck.angles import nearest_turns
+from plannercheck.arrays import read_only
 from plannercheck.errors import PlannercheckError
 from plannercheck.planar.robot import Robot
 
@@ -31,7 +32,7 @@ class MotionSampler:
 
     def __init__(self, robot: Robot) -> None:
         """Computes the lever arms of the robot's angles, and how far it reaches from its root, m."""
-        self._robot = robot
+        self._robot, self._angles = robot, robot.angles
         self.levers, self.reach = _lever_arms(robot)
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
@@ -39,8 +40,14 @@ class MotionSampler:
         return self.steps_of_way(self.way(q1 - q0), resolution)
 
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
-        """Ends (…, nq) with angles without limits within half a turn of the starts'; these stay as they are."""
-        return np.asarray(np.where(self._robot.angles, q1 - whole_turns(q1 - q0), q1))
+        """Ends (…, nq) with angles without limits within half a turn of the starts'; the same array if they are."""
+        given = q1[..., self._angles]
+        near = nearest_turns(q0[..., self._angles], given)
+        if near is given:
+            return q1
+        ends = q1.copy()
+        ends[..., self._angles] = near
+        return ends
 
     def way(self, differences: Floats) -> Floats:
         """(n,) m: no point travels further on straight motions with these differences (n, nq)."""
@@ -84,4 +91,4 @@ def _lever_arms(robot: Robot) -> tuple[Floats, float]:
     for k, link in enumerate(robot.links):
         if link.joint != "fixed":
             levers[robot.column(k) + (2 if link.joint == "free" else 0)] = reach[k]
-    return levers, float(reach[0])
+    return read_only(levers), float(reach[0])

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 from ompl import base
 
-from plannercheck.angles import short_way, wrapped
+from plannercheck.angles import nearest_turns, wrapped
 from plannercheck.errors import PlannercheckError
 from plannercheck.joint_space import bounded_space
 from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion import MotionSampler
 from plannercheck.planar.robot import Robot
+from plannercheck.planar.spare_states import SpareStates
 
 Floats = NDArray[np.float64]
 
@@ -52,12 +53,12 @@ class PlanarSpace:
         self._is_root_alone = robot.is_free and robot.nq == 3
         self.continuous = robot.angles
         self._space: Any = None
-        self._between: Any = None
+        self._spare: SpareStates | None = None
 
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
         self._space = self._root() if self._is_root_alone else self._compound()
-        self._between = self._space.allocState()  # kept: freeing one while Python holds it crashes
+        self._spare = SpareStates(self._space, 1)
         return self._space
 
     def _root(self) -> Any:
@@ -109,8 +110,7 @@ class PlanarSpace:
 
     def differences(self, q0: Floats, q1: Floats) -> Floats:
         """From configurations (…, nq) to others, number by number; free angles take the short way."""
-        differences = q1 - q0
-        return np.where(self.continuous, short_way(differences), differences)
+        return np.where(self.continuous, nearest_turns(q0, q1), q1) - q0
 
     def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
         """A new OMPL state of a configuration (nq,)."""
@@ -127,10 +127,12 @@ class PlanarSpace:
 
     def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
         """The states (k, nq) of a motion at parameters (k,) in [0, 1], as OMPL interpolates."""
-        rows, between = [], self._between
-        for t in parameters.tolist():
-            self._space.interpolate(s1, s2, t, between)
-            rows.append(self.read(between))
+        assert self._spare is not None  # states come from `ompl_space`
+        rows = []
+        with self._spare.taken() as (between,):
+            for t in parameters.tolist():
+                self._space.interpolate(s1, s2, t, between)
+                rows.append(self.read(between))
         return np.array(rows)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import read_only_copy
 from plannercheck.errors import PlannercheckError
 from plannercheck.planar.convexity import convexity_fault
 from plannercheck.planar.polygons import checked_polygon
@@ -33,7 +34,7 @@ def convex_pieces(outline: ArrayLike, name: str = "polygon") -> tuple[Floats, ..
     if not np.isfinite(vertices).all():
         raise PlannercheckError(f"{name} has vertices that are not finite")
     pieces = [vertices] if convexity_fault(vertices) is None else _triangles(vertices, name)
-    return tuple(_frozen(piece) for piece in pieces)
+    return tuple(read_only_copy(piece) for piece in pieces)
 
 
 def _triangles(vertices: Floats, name: str) -> list[Floats]:
@@ -48,9 +49,3 @@ def _triangles(vertices: Floats, name: str) -> list[Floats]:
         raise PlannercheckError(f"{name} is no simple polygon: {shapely.is_valid_reason(polygon)}")
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
     return [shapely.get_coordinates(triangle)[:3] for triangle in triangles]
-
-
-def _frozen(array: Floats) -> Floats:
-    copy = np.array(array, dtype=np.float64, order="C")
-    copy.setflags(write=False)
-    return copy

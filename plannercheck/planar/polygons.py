@@ -4,8 +4,10 @@ In: polygons as arrays of vertices (n, 2) in the order of the boundary, either w
 (3, 3). Out: exact verdicts, touching included, in O(log n + log m) and with no preparation. The algorithm is in
 cpp/planar; every call is a batch call of the core.
 
-Points (n = 1), segments (n = 2) and runs of vertices on a line are allowed. Convexity and that no vertex is repeated
-are the caller's promise, except that a last vertex equal to the first is dropped.
+Points (n = 1), segments (n = 2) and runs of vertices on a line are allowed. Convexity is the caller's promise. The test
+reads a logarithmic part of the vertices; so that what it does not read can't mislead it, all are looked at once before:
+vertices that repeat the one before are dropped, numbers that are not finite refused. `scan=False` leaves that out, for
+callers who know; `Polygons` are looked at once for many calls.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import contiguous
+from plannercheck.arrays import contiguous, read_only, read_only_copy
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.convexity import convexity_fault
@@ -33,14 +35,17 @@ METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
 # How far a pose may be from rigid, as ||M^T M - 1||; beyond it the numbers are a mistake.
 LARGEST_DEFECT = 1e-6
 
-_IDENTITY = np.eye(3)[None]
+# VertexFault in cpp/bind_planar.cpp.
+_SOUND, _REPEATED, _NOT_FINITE = 0, 1, 2
+
+_IDENTITY = read_only(np.eye(3)[None])
 
 
 class Polygons:
-    """Polygons checked once, for many calls of the batch functions. The arrays are not copied.
+    """Polygons checked once, for many calls of the batch functions.
 
     Attributes:
-        vertices: The arrays (n, 2), in the order given.
+        vertices: Read-only copies (n, 2), in the order given.
     """
 
     def __init__(self, polygons: Sequence[ArrayLike], *, validate: bool = False) -> None:
@@ -50,7 +55,8 @@ class Polygons:
             polygons: Vertices (n, 2) each, m.
             validate: Whether to check, exactly and in linear time, that all are convex.
         """
-        self.vertices = tuple(checked_polygon(given, f"polygon {k}", validate) for k, given in enumerate(polygons))
+        given = (checked_polygon(polygon, f"polygon {k}", validate) for k, polygon in enumerate(polygons))
+        self.vertices = tuple(read_only_copy(polygon) for polygon in given)
         self.core = core.PolygonList(list(self.vertices))
 
     def __len__(self) -> int:
@@ -86,6 +92,7 @@ def intersects(
     pose_b: ArrayLike | None = None,
     *,
     validate: bool = False,
+    scan: bool = True,
     method: Method = "filtered",
 ) -> bool:
     """Whether two posed convex polygons share a point; touching counts.
@@ -96,6 +103,8 @@ def intersects(
         pose_a: Pose (3, 3) of A in the world, m; None is the identity. Used as the affine map that its doubles give.
         pose_b: Pose (3, 3) of B in the world, m.
         validate: Whether to check first, exactly and in linear time, that both are convex.
+        scan: Whether to look at all vertices first; False if none is repeated and all are finite, else the verdict
+            means nothing.
         method: What signs are computed in first: "filtered" (doubles), "double_double" or "exact". Verdicts are the
             same.
 
@@ -105,7 +114,7 @@ def intersects(
     Raises:
         PlannercheckError: If an array is no polygon, a pose is not rigid, or `validate` finds a fault.
     """
-    a, b = (core.PolygonList([checked_polygon(P, name, validate)]) for P, name in ((A, "A"), (B, "B")))
+    a, b = (core.PolygonList([checked_polygon(P, name, validate, scan)]) for P, name in ((A, "A"), (B, "B")))
     poses = checked_poses(pose_a, "pose_a"), checked_poses(pose_b, "pose_b")
     return bool(_run(a, poses[0], b, poses[1], 1, method, False)[0][0])
 
@@ -116,6 +125,7 @@ def intersects_batch(
     poses_a: ArrayLike | None = None,
     poses_b: ArrayLike | None = None,
     *,
+    scan: bool = True,
     method: Method = "filtered",
 ) -> Bools:
     """Whether polygons share a point, for n pairs in one call of the core.
@@ -126,12 +136,13 @@ def intersects_batch(
         B: The same of the other side.
         poses_a: One pose (3, 3), or n of them (n, 3, 3); None is the identity.
         poses_b: The same of the other side.
+        scan: As for `intersects`; `Polygons` have been looked at.
         method: As for `intersects`.
 
     Returns:
         (n,) exact verdicts; n is the length of whatever is not single.
     """
-    return np.asarray(_run(*_batch(A, B, poses_a, poses_b), method, False)[0]).astype(bool)
+    return np.asarray(_run(*_batch(A, B, poses_a, poses_b, scan), method, False)[0]).astype(bool)
 
 
 def count_batch(
@@ -140,20 +151,22 @@ def count_batch(
     poses_a: ArrayLike | None = None,
     poses_b: ArrayLike | None = None,
     *,
+    scan: bool = True,
     method: Method = "filtered",
 ) -> Counts:
     """The same as `intersects_batch`, with the counters of each pair."""
-    shared, counted = _run(*_batch(A, B, poses_a, poses_b), method, True)
+    shared, counted = _run(*_batch(A, B, poses_a, poses_b, scan), method, True)
     return Counts(np.asarray(shared).astype(bool), *np.ascontiguousarray(counted.T))
 
 
-def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool = False) -> Floats:
+def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool = False, scan: bool = True) -> Floats:
     """A polygon as the core takes it.
 
     Args:
         vertices: (n, 2), m.
         name: For errors.
         validate: Whether to check finiteness and convexity, exactly.
+        scan: Whether to check finiteness, and to drop vertices that repeat the one before; `validate` refuses them.
 
     Returns:
         The same array if it is one of float64 in C order; without a last vertex that repeats the first.
@@ -161,11 +174,17 @@ def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool =
     array = contiguous(vertices)
     if array.ndim != 2 or array.shape[1] != 2 or not len(array):
         raise PlannercheckError(f"{name} must be vertices (n, 2) with n > 0, not of shape {array.shape}")
+    fault = core.vertex_fault(array) if scan and not validate else _SOUND
+    if fault == _NOT_FINITE:
+        row = int(np.argmin(np.isfinite(array).all(axis=1)))
+        raise PlannercheckError(f"{name}: vertex {row} is {array[row].tolist()}, it must be finite")
+    if fault == _REPEATED:
+        array = array[np.concatenate([[True], (array[1:] != array[:-1]).any(axis=1)])]
     if len(array) > 1 and array[0, 0] == array[-1, 0] and array[0, 1] == array[-1, 1]:
         array = array[:-1]
-    fault = convexity_fault(array) if validate else None
-    if fault is not None:
-        raise PlannercheckError(f"{name} is no convex polygon: {fault}")
+    bent = convexity_fault(array) if validate else None
+    if bent is not None:
+        raise PlannercheckError(f"{name} is no convex polygon: {bent}")
     return array
 
 
@@ -177,7 +196,7 @@ def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
         name: For errors.
 
     Returns:
-        (n, 3, 3), n = 1 for one.
+        (n, 3, 3), n = 1 for one; the given array itself where it can be, so whoever keeps it has to copy it.
     """
     if poses is None:
         return _IDENTITY
@@ -199,23 +218,26 @@ def _batch(
     B: Several,
     poses_a: ArrayLike | None,
     poses_b: ArrayLike | None,
+    scan: bool,
 ) -> tuple[Any, Floats, Any, Floats, int]:
-    a, b = _polygons(A, "A"), _polygons(B, "B")
+    (a, count_a), (b, count_b) = _polygons(A, "A", scan), _polygons(B, "B", scan)
     matrices_a, matrices_b = checked_poses(poses_a, "poses_a"), checked_poses(poses_b, "poses_b")
-    n = _pairs(A=len(a), B=len(b), poses_a=len(matrices_a), poses_b=len(matrices_b))
-    return a.core, matrices_a, b.core, matrices_b, n
+    n = _pairs(A=count_a, B=count_b, poses_a=len(matrices_a), poses_b=len(matrices_b))
+    return a, matrices_a, b, matrices_b, n
 
 
-def _polygons(given: Several, name: str) -> Polygons:
+def _polygons(given: Several, name: str, scan: bool) -> tuple[Any, int]:
+    """The core's list of them, for one call: arrays are not copied; and how many they are."""
     if isinstance(given, Polygons):
-        return given
+        return given.core, len(given)
     if isinstance(given, list | tuple) and (not given or np.ndim(given[0]) == 2):
         several: Sequence[ArrayLike] = given
     else:
         array = np.asarray(given, dtype=np.float64)
         several = list(array) if array.ndim == 3 else [array]
     with within(name):
-        return Polygons(several)
+        arrays = [checked_polygon(polygon, f"polygon {k}", scan=scan) for k, polygon in enumerate(several)]
+    return core.PolygonList(arrays), len(arrays)
 
 
 def _pairs(**lengths: int) -> int:

@@ -19,7 +19,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import contiguous
+from plannercheck.arrays import OwnsArrays, contiguous, read_only
 from plannercheck.core import core
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.pieces import convex_pieces
@@ -60,7 +60,7 @@ class Link:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class Body(OwnsArrays):
     """A convex polygon on a link, or in the world.
 
     Attributes:
@@ -115,7 +115,7 @@ class Robot:
         self._columns = np.cumsum([0, *(_WIDTHS[link.joint] for link in self.links)])
         self.joint_names = tuple(name for link in self.links for name in _column_names(link))
         self.bodies = tuple(body for k, link in enumerate(self.links) for body in _bodies(link, k))
-        self.lower, self.upper = (_frozen(np.array(side)) for side in self._limits(_bounds))
+        self.lower, self.upper = (read_only(np.array(side)) for side in self._limits(_bounds))
         self._kinematics = core.PlanarChecker(*self.core_links(), *_no_bodies(), True, core.Precision.filtered)
 
     @classmethod
@@ -274,7 +274,14 @@ def _checked_links(given: ArrayLike | Sequence[ArrayLike] | Sequence[Link]) -> t
     for k, link in enumerate(links):
         _check_link(link, k, known)
         known.add(link.name)
-    return tuple(replace(link, footprint=_outlines(link)) for link in links)
+    return tuple(_own(link) for link in links)
+
+
+def _own(link: Link) -> Link:
+    """The link with nothing that its giver could change."""
+    x, y, angle = (float(value) for value in link.anchor)
+    limits = float(link.limits[0]), float(link.limits[1])
+    return replace(link, footprint=_outlines(link), anchor=(x, y, angle), limits=limits)
 
 
 def _check_link(link: Link, index: int, known: set[str]) -> None:
@@ -289,7 +296,7 @@ def _check_link(link: Link, index: int, known: set[str]) -> None:
         )
     if link.joint == "free" and index > 0:
         raise PlannercheckError(f"link {link.name!r}: only the first link can be free")
-    if len(link.anchor) != 3 or not np.isfinite(link.anchor).all():
+    if np.shape(link.anchor) != (3,) or not np.isfinite(link.anchor).all():
         raise PlannercheckError(f"link {link.name!r}: anchor must be x, y and angle, not {link.anchor}")
     if not link.limits[0] < link.limits[1]:
         raise PlannercheckError(f"link {link.name!r}: limits must be least and largest angle, not {link.limits}")
@@ -310,7 +317,7 @@ def _outlines(link: Link) -> tuple[Floats, ...]:
 def _bodies(link: Link, index: int) -> list[Body]:
     pieces: Sequence[Floats] = link.footprint  # type: ignore[assignment]  # split by now
     names = [link.name] if len(pieces) == 1 else [f"{link.name}/{k}" for k in range(len(pieces))]
-    return [Body(name, index, piece, np.eye(3)) for name, piece in zip(names, pieces, strict=True)]
+    return [Body(name, index, piece, read_only(np.eye(3))) for name, piece in zip(names, pieces, strict=True)]
 
 
 def _column_names(link: Link) -> tuple[str, ...]:
@@ -327,8 +334,3 @@ def _no_bodies() -> tuple[object, ...]:
         np.zeros((0, 4)),
         np.zeros((0, 2), dtype=np.int32),
     )
-
-
-def _frozen(array: Floats) -> Floats:
-    array.setflags(write=False)
-    return array

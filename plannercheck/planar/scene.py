@@ -29,6 +29,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.arrays import OwnsArrays, read_only, read_only_copy
 from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.planar.pieces import convex_pieces
@@ -39,7 +40,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Obstacle:
+class Obstacle(OwnsArrays):
     """A named obstacle.
 
     Attributes:
@@ -68,6 +69,12 @@ class Scene(DeclaredStates):
         self.bounds = None if bounds is None else _checked_bounds(bounds)
         self._obstacles: dict[str, Obstacle] = {}
 
+    def copy(self) -> Scene:
+        """A scene that can be changed on its own; both share the obstacles, which never change."""
+        other = Scene(self.name, self.bounds)
+        other.states, other._obstacles = dict(self.states), dict(self._obstacles)
+        return other
+
     @staticmethod
     def load(path: str | Path) -> Scene:
         """Loads a scene file, or a shipped scene by its bare name, e.g. "warehouse"."""
@@ -93,11 +100,11 @@ class Scene(DeclaredStates):
             raise PlannercheckError(f"object {name!r} needs a name that no other object has")
         if not len(outlines):
             raise PlannercheckError(f"object {name!r} needs at least one polygon")
-        matrix = checked_poses(pose, f"pose of object {name!r}")[0]
+        matrix = read_only_copy(checked_poses(pose, f"pose of object {name!r}")[0])
         pieces = [piece for outline in outlines for piece in convex_pieces(outline, f"object {name!r}")]
         names = [name] if len(pieces) == 1 else [f"{name}/{k}" for k in range(len(pieces))]
         bodies = tuple(Body(n, -1, piece, matrix) for n, piece in zip(names, pieces, strict=True))
-        arrays = tuple(np.array(outline, dtype=np.float64) for outline in outlines)
+        arrays = tuple(read_only_copy(outline) for outline in outlines)
         self._obstacles[name] = Obstacle(arrays, matrix, bodies)
 
     def add_polygon(self, name: str, outline: ArrayLike, pose: ArrayLike | None = None) -> None:
@@ -151,4 +158,4 @@ def _checked_bounds(bounds: ArrayLike) -> Floats:
     array = np.array(bounds, dtype=np.float64)
     if array.shape != (2, 2) or not np.isfinite(array).all() or not (array[0] < array[1]).all():
         raise PlannercheckError(f"bounds must be the least and the largest x and y, not {array.tolist()}")
-    return array
+    return read_only(array)

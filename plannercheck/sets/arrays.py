@@ -1,4 +1,4 @@
-"""npy and npz: arrays of numpy, mapped window by window or read as a stream, so that no more than a block is held.
+"""npy and npz: arrays of numpy, read window by window or as a stream, so that no more than a block is held.
 
 In: a path or a binary stream. Out: `Block`s. Only arrays in Fortran's order inside an npz or on a stream are read
 whole, since their rows lie scattered.
@@ -6,6 +6,7 @@ whole, since their rows lie scattered.
 
 from __future__ import annotations
 
+import os
 import tokenize
 import zipfile
 import zlib
@@ -58,26 +59,30 @@ def _whole(kind: str) -> Iterator[None]:
 
 
 def npy_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:
-    """Rows of an npy file; a window of it is mapped at a time, so that what was read leaves the memory."""
-    with _whole("npy file"):
-        if path.stat().st_size == 0:
+    """Rows of an npy file, read from one descriptor: a file that takes its place meanwhile is never mixed in.
+
+    It is read, not mapped: a mapping of a file that somebody cuts short kills the process.
+    """
+    with _whole("npy file"), path.open("rb") as file:
+        if os.fstat(file.fileno()).st_size == 0:
             raise PlannercheckError("is empty")
         whole = np.lib.format.open_memmap(path, mode="r")  # maps only; says whether the file is complete
-        layout = _Layout.of(whole.shape, whole.dtype, whole.flags.fnc, columns)
-        offset = whole.offset
-    for first in range(0, layout.total, size):
-        n = min(size, layout.total - first)
-        if layout.by_column:
-            rows = np.empty((n, columns.width))
-            for k in range(columns.width):
-                rows[:, k] = _window(path, layout.dtype, offset, k * layout.total + first, n)
-        else:
-            rows = layout.rows(_window(path, layout.dtype, offset, first * layout.numbers, n * layout.numbers))
-        yield Block(rows, (first + n) / layout.total)
+        layout, offset = _Layout.of(whole.shape, whole.dtype, whole.flags.fnc, columns), whole.offset
+        del whole
+        for first in range(0, layout.total, size):
+            n = min(size, layout.total - first)
+            if layout.by_column:
+                rows = np.empty((n, columns.width))
+                for k in range(columns.width):
+                    rows[:, k] = _window(file, layout.dtype, offset, k * layout.total + first, n)
+            else:
+                rows = layout.rows(_window(file, layout.dtype, offset, first * layout.numbers, n * layout.numbers))
+            yield Block(rows, (first + n) / layout.total)
 
 
-def _window(path: Path, dtype: np.dtype[Any], offset: int, first: int, count: int) -> NDArray[Any]:
-    return np.memmap(path, dtype=dtype, mode="r", offset=offset + first * dtype.itemsize, shape=(count,))
+def _window(file: BinaryIO, dtype: np.dtype[Any], offset: int, first: int, count: int) -> NDArray[Any]:
+    file.seek(offset + first * dtype.itemsize)
+    return _values(file, dtype, count)
 
 
 class _Layout(NamedTuple):
@@ -121,6 +126,8 @@ def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str =
     """Rows of an npy file that can only be read from its beginning to its end."""
     with _whole(kind):
         layout = _layout_of_header(stream, columns)
+    if layout.total < 0:
+        raise PlannercheckError(f"is no whole {kind} of numbers: its header tells of {layout.total} rows")
     if layout.by_column:
         with _whole(kind):
             values = _values(stream, layout.dtype, layout.total * layout.width)
@@ -156,7 +163,7 @@ def _values(stream: BinaryIO, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
             raise PlannercheckError(f"is cut short: {wanted} bytes are missing")
         parts.append(part)
         wanted -= len(part)
-    return np.frombuffer(b"".join(parts), dtype=dtype)
+    return np.frombuffer(parts[0] if len(parts) == 1 else b"".join(parts), dtype=dtype)
 
 
 def npz_blocks(path: Path, columns: Columns, size: int, key: str | None = None) -> Iterator[Block]:

@@ -63,7 +63,7 @@ def table_shape(shape: tuple[int, ...], columns: Columns, width: int | None = No
     """The shape as (n, nq), or (n, width); a single configuration (nq,) is one row."""
     wanted = columns.width if width is None else width
     rows = (1, *shape) if len(shape) == 1 else shape
-    if len(rows) != 2 or rows[1] != wanted:
+    if len(rows) != 2 or rows[1] != wanted or rows[0] < 0:
         is_turned = len(rows) == 2 and rows[0] == wanted
         hint = "it looks transposed: a configuration is a row, numpy's .T makes it one; " if is_turned else ""
         raise PlannercheckError(

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import Any, BinaryIO, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +94,8 @@ def read_sets(
     for path in paths:  # not after hours of work on those before it
         with within(_called(path)):
             _check_file(path)
-    sizes = [_size(path) for path in paths]
+    states = [_state(path) for path in paths]
+    sizes = [None if state is None else state.size for state in states]
     total = None if None in sizes else max(1, sum(size or 0 for size in sizes))
     for number, path in enumerate(paths):
         before, own = sum(size or 0 for size in sizes[:number]), sizes[number] or 0
@@ -103,6 +104,10 @@ def read_sets(
                 known = total is not None and chunk.part is not None
                 part = (before + own * (chunk.part or 0.0)) / total if known and total else None
                 yield Chunk(chunk.first_row, chunk.rows, number, part)
+            if _state(path) != states[number]:
+                raise PlannercheckError(
+                    "has changed while it was read, so what was judged may be a mixture: judge it once more"
+                )
 
 
 def read_chunks(path: str | Path, joint_names: Sequence[str], width: int) -> Iterator[Chunk]:
@@ -114,9 +119,24 @@ def _called(path: Path) -> str:
     return "standard input" if path == STANDARD_INPUT else f"file {str(path)!r}"
 
 
-def _size(path: Path) -> int | None:
-    """Bytes of a file; None of standard input."""
-    return None if path == STANDARD_INPUT else path.stat().st_size
+class _State(NamedTuple):
+    """By what a file is known to be the same as before."""
+
+    device: int
+    number: int
+    size: int
+    changed: int
+
+
+def _state(path: Path) -> _State | None:
+    """Of a file; None of standard input, and of a file that is gone."""
+    if path == STANDARD_INPUT:
+        return None
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return _State(found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns)
 
 
 def _check_file(path: Path) -> None:

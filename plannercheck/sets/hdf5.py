@@ -31,8 +31,8 @@ def hdf5_blocks(path: Path, columns: Columns, size: int, key: str | None = None)
     h5py = extra_module("h5py", "hdf5", "hdf5 files")
     try:
         with h5py.File(path, "r") as file:
-            group = file if key is None or not isinstance(file.get(key), h5py.Group) else file[key]
-            joints = [group.get(name) for name in columns.names]
+            group = file if key is None or not isinstance(_item(h5py, file, key), h5py.Group) else file[key]
+            joints = [_item(h5py, group, name) for name in columns.names]
             if all(isinstance(joint, h5py.Dataset) for joint in joints):
                 yield from _of_joints(joints, columns, size)
             else:
@@ -46,7 +46,19 @@ def hdf5_blocks(path: Path, columns: Columns, size: int, key: str | None = None)
 def _dataset(h5py: Any, file: Any, key: str | None) -> Any:
     found: list[str] = []
     file.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None)
-    return file[chosen_key(found, None if key is None else key.strip("/"), "dataset")]
+    return _item(h5py, file, chosen_key(found, None if key is None else key.strip("/"), "dataset"))
+
+
+def _item(h5py: Any, group: Any, name: str) -> Any:
+    """A dataset or group of this file, None if there is none; numbers that lie in another file are never read."""
+    parts = [part for part in name.split("/") if part]
+    for k in range(len(parts)):
+        if isinstance(group.get("/".join(parts[: k + 1]), getlink=True), h5py.ExternalLink):
+            raise PlannercheckError(f"{name!r} leads to another file, which is not read: copy it into this one")
+    item = group.get(name)
+    if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
+        raise PlannercheckError(f"dataset {name!r} lies in another file, which is not read: copy it into this one")
+    return item
 
 
 def _of_joints(joints: list[Any], columns: Columns, size: int) -> Iterator[Block]:

@@ -84,6 +84,7 @@ class Journal:
         with self._writing():
             self._file = _opened(path)
             try:
+                _check_is_journal(path, self._file)
                 if resume and path.stat().st_size:
                     self._take_up(dict(fingerprint))
                 else:
@@ -194,8 +195,10 @@ class Journal:
 
 
 def _opened(path: Path) -> BinaryIO:
-    """The file, for this process alone."""
-    file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b")
+    """The file, for this process alone; links are not followed, and nothing but a file is opened."""
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        raise PlannercheckError(f"{str(path)!r} is in the way: the journal of a run is written there; remove it")
+    file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666), "r+b")
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -204,6 +207,16 @@ def _opened(path: Path) -> BinaryIO:
             f"another run is writing {str(path)!r}: wait for its end, or choose another --output"
         ) from None
     return file
+
+
+def _check_is_journal(path: Path, file: BinaryIO) -> None:
+    """Raises for a file that holds anything but a journal, or the beginning of one: it is somebody's."""
+    start = file.read(len(_MAGIC))
+    file.seek(0)
+    if not _MAGIC.startswith(start):
+        raise PlannercheckError(
+            f"{str(path)!r} is no journal of a run, and would be overwritten: remove it, or choose another --output"
+        )
 
 
 def row_checksum(chunk: Chunk) -> int:

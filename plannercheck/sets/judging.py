@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from plannercheck.certificates import Certificate, SharedPoint
 from plannercheck.checker import Checker
-from plannercheck.pair import certify
+from plannercheck.pair import certify_posed
 from plannercheck.planar.certificates import Certificate as PlanarCertificate
 from plannercheck.planar.certificates import SharedPoint as PlanarSharedPoint
 from plannercheck.planar.checker import Checker as PlanarChecker
@@ -130,5 +130,5 @@ def _certified(
         first, second = polytopes[a], polytopes[b]
         assert first is not None  # every body of a pair is prepared
         assert second is not None
-        found.append(certify(first, second, poses[k, a], poses[k, b]))
+        found.append(certify_posed(first, second, poses[k, a], poses[k, b]))
     return found

@@ -10,8 +10,6 @@ npz: `valid` (n,), `first_pair` (n,) row of `pairs` or -1, `beyond_limits` (n,),
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
@@ -23,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.escaping import csv_cell
 from plannercheck.extras import extra_module
 from plannercheck.output_files import written_aside
 from plannercheck.protocols import AnyChecker
@@ -98,6 +97,8 @@ def check_output(path: Path) -> None:
     """Says before long work that an output has a suffix that nothing writes, or lacks a library."""
     if path.suffix not in SUFFIXES:
         raise PlannercheckError(f"--output must be one of {', '.join(SUFFIXES)}, not {str(path)!r}")
+    if path.is_dir():
+        raise PlannercheckError(f"--output {str(path)!r} is a folder: give the name of a file")
     if path.suffix == ".parquet":
         extra_module("pyarrow.parquet", "parquet", "parquet files")
 
@@ -186,9 +187,7 @@ def _dimension(results: Results) -> int:
 
 
 def _line(fields: Sequence[object]) -> str:
-    with io.StringIO() as text:
-        csv.writer(text, lineterminator="\n").writerow(fields)
-        return text.getvalue().rstrip("\n")
+    return ",".join(csv_cell(str(field)) for field in fields)
 
 
 def _codes(arrays: Arrays) -> list[int]:
@@ -252,9 +251,16 @@ def _table(arrow: Any, results: Results, arrays: Arrays) -> Any:
 
 
 def _texts(arrow: Any, places: NDArray[Any], names: Sequence[str]) -> Any:
-    """A column of names; nothing where the place is negative."""
-    indices = arrow.array(places.astype(np.int32), mask=places < 0)
-    return arrow.DictionaryArray.from_arrays(indices, arrow.array(list(names), arrow.string()))
+    """A column of names; nothing where the place is negative.
+
+    Each name stands once in the dictionary: of repeated ones pyarrow writes memory that nobody has set.
+    """
+    unique = list(dict.fromkeys(names))
+    position = {name: k for k, name in enumerate(unique)}
+    of_place = np.array([position[name] for name in names] or [0], dtype=np.int32)
+    missing = places < 0
+    indices = arrow.array(of_place[np.where(missing, 0, places)], mask=missing)
+    return arrow.DictionaryArray.from_arrays(indices, arrow.array(unique, arrow.string()))
 
 
 def _optional(arrow: Any, values: NDArray[Any]) -> Any:

@@ -11,22 +11,31 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from plannercheck.errors import PlannercheckError
-from plannercheck.stress.contacts import Points, identities, quarter_turns, random_directions, turned, turns_onto
+from plannercheck.shapes import RIGID_TOLERANCE
+from plannercheck.stress.contacts import Points, identities, quarter_turns, random_directions, turned, turns_onto, unit
 from plannercheck.stress.neighbours import NEIGHBOURS, neighbours
-from plannercheck.stress.specimens import HULLS, SWOLLEN, Specimen, prepared, specimen
+from plannercheck.stress.specimens import HULLS, SWOLLEN, Indices, Specimen, prepared, specimen
 
 # Sizes of the smaller body, m; the larger one over it, up to LARGEST; distances from the origin, m.
 SIZES = tuple(10.0**k for k in range(-6, 7))
 RATIOS = (1.0, 1.0, 1.0, 3.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6)
 LARGEST = 1e6
 DISTANCES = (0.0, 0.0, 1.0, 1e3, 1e6)
-ROTATIONS = ("none", "axis-aligned", "1e-9 rad", "random")
+ROTATIONS = ("none", "axis-aligned", "1e-9 rad", "random", "off rigid")
 TINY_ANGLE = 1e-9  # rad
+# Of poses off rigid: ‖MᵀM − 1‖ in the Frobenius norm, as far as poses are accepted, but for rounding.
+OFF_RIGID = RIGID_TOLERANCE * (1 - 1e-9)
+# Of the smaller of two bodies at the ends of the doubles' range, m, where squares of lengths or their products with
+# others underflow or overflow; the other one is as large, or of one of these sizes. Coordinates are taken up to 1e50.
+EXTREME_SIZES = tuple(10.0**k for k in (-310, -300, -250, -200, -165, -161, -158, -152, -121, -100, -50, 20, 40, 49))
+EXTREME_DISTANCES = (0.0, 0.0, 0.0, 1.0, 1e100, 1e300)
+# Powers of two of the sizes of flat bodies with coinciding centres.
+COINCIDING_EXPONENTS = (-1040, -700, -560, -540, -530, -400, -20, 0, 20)
 # Points a body, and how often: exact arithmetic in Python pays for every one.
 COUNTS = (8, 16, 40, 100, 300, 1000)
 COUNT_WEIGHTS = (0.35, 0.25, 0.2, 0.14, 0.05, 0.01)
@@ -82,14 +91,19 @@ def draws(seed: int, refused: Callable[[PlannercheckError], object] | None = Non
     """
     for number in itertools.count():
         try:
-            yield draw(np.random.default_rng([seed, number]))
+            yield numbered_draw(seed, number)
         except PlannercheckError as error:
             if refused is not None:
                 refused(error)
 
 
+def numbered_draw(seed: int, number: int) -> Draw:
+    """The `number`-th draw of a seed."""
+    return draw(np.random.default_rng([seed, number]))
+
+
 def draw(rng: np.random.Generator) -> Draw:
-    """A random draw: seven of ten times any two bodies in contact, else special pairs."""
+    """A random draw: mostly any two bodies in contact, else special pairs."""
     relation = str(rng.choice(list(RELATIONS), p=list(_RELATION_WEIGHTS)))
     placement = Placement(str(rng.choice(ROTATIONS)), float(rng.choice(DISTANCES)))
     return RELATIONS[relation](relation, placement, rng)
@@ -98,7 +112,42 @@ def draw(rng: np.random.Generator) -> Draw:
 def contact(relation: str, placement: Placement, rng: np.random.Generator) -> Draw:
     """Any two bodies, features of both facing each other."""
     size, ratio = float(rng.choice(SIZES)), float(rng.choice(RATIOS))
-    p, r = (_random_specimen(s, rng) for s in rng.permuted([size, min(size * ratio, max(size, LARGEST))]))
+    return _in_contact(relation, placement, [size, min(size * ratio, max(size, LARGEST))], rng)
+
+
+def extreme_scales(relation: str, placement: Placement, rng: np.random.Generator) -> Draw:
+    """The same at the ends of the doubles' range, alike in size or not, also far away, where gaps are lost."""
+    size = float(rng.choice(EXTREME_SIZES))
+    other = size if rng.integers(3) else float(rng.choice([1.0, *EXTREME_SIZES]))
+    placement = Placement(placement.rotation, float(rng.choice([*EXTREME_DISTANCES, min(size, other)])))
+    return replace(_in_contact(relation, placement, [size, other], rng), family=relation)
+
+
+def coinciding_centres(relation: str, placement: Placement, rng: np.random.Generator) -> Draw:
+    """Two flat bodies of one plane whose centres are the same point, exactly, the plane turned about across an axis.
+
+    Their vertices lie on a lattice in pairs about that point, so they share it at every pose that both have.
+    """
+    normal, middle = rng.integers(1, 10, 3), rng.integers(-2000, 2000, 3)
+    scale = 2.0 ** int(rng.choice(COINCIDING_EXPONENTS)) / 2**12
+    p, r = (prepared(relation, _about(middle, normal, rng) * scale) for _ in range(2))
+    axes, k = quarter_turns(len(_GAPS), rng)[:, 0], len(_GAPS)
+    poses = _posed(turns_onto(np.tile(unit(normal[None].astype(float)), (k, 1)), axes, rng))
+    moved = poses.copy()
+    moved[:, :3, 3] = (min(p.size, r.size) * _GAPS)[:, None] * axes
+    moved[:, :3, 3] = _stepped(moved[:, :3, 3], axes)
+    return Draw(relation, _label(relation, placement, p, r), p, r, moved, poses)
+
+
+def _about(middle: Indices, normal: Indices, rng: np.random.Generator) -> Points:
+    """Points (2 k, 3) of a lattice in pairs about a middle in the plane at right angles to a normal; all exact."""
+    arms = np.cross(normal, rng.integers(-8, 9, (2, 3)))
+    off = rng.integers(-4, 5, (rng.integers(1, 4), 2)) @ arms
+    return np.vstack([middle + off, middle - off]).astype(np.float64)
+
+
+def _in_contact(relation: str, placement: Placement, sizes: list[float], rng: np.random.Generator) -> Draw:
+    p, r = (_random_specimen(s, rng) for s in rng.permuted(sizes))
     turn_p, turn_r, point_p, point_r, directions = (_aligned if _may_align(placement, rng) else _as_they_lie)(
         p, r, placement, rng
     )
@@ -118,7 +167,7 @@ def same_frame(relation: str, placement: Placement, rng: np.random.Generator) ->
     poses_r = _posed(np.repeat(_turns(placement, 1, rng), len(_GAPS), axis=0))
     poses_r[:, :3, 3] = _far_away(placement, rng)
     poses_p = poses_r.copy()
-    directions = turned(poses_p, outward)
+    directions = _facing(poses_p[:, :3, :3], outward, placement)
     poses_p[:, :3, 3] += (min(p.size, r.size) * _GAPS)[:, None] * directions
     poses_p[:, :3, 3] = _stepped(poses_p[:, :3, 3], directions)
     return Draw(relation, _label(relation, placement, p, r), p, r, poses_p, poses_r)
@@ -149,10 +198,12 @@ _PARTNERS: dict[str, _Partners] = {
 }
 RELATIONS: dict[str, Callable[[str, Placement, np.random.Generator], Draw]] = {
     "contact": contact,
+    "extreme scales": extreme_scales,
+    "coinciding centres": coinciding_centres,
     **dict.fromkeys(_PARTNERS, same_frame),
 }
-_RELATION_WEIGHTS = [0.7, *[0.3 / len(_PARTNERS)] * len(_PARTNERS)]
-FAMILY_NAMES = (*HULLS, *SWOLLEN, *_PARTNERS)
+_RELATION_WEIGHTS = [0.62, 0.06, 0.02, *[0.3 / len(_PARTNERS)] * len(_PARTNERS)]
+FAMILY_NAMES = (*HULLS, *SWOLLEN, *_PARTNERS, "extreme scales", "coinciding centres")
 
 
 def _random_count(rng: np.random.Generator) -> int:
@@ -187,13 +238,23 @@ def _as_they_lie(p: Specimen, r: Specimen, placement: Placement, rng: np.random.
     point_p, normal_p = p.features(k, rng)
     point_r, normal_r = r.features(k, rng)
     source = rng.integers(0, 3, k)[:, None]
-    along_p = -np.einsum("kij,kj->ki", turn_p, normal_p)
-    along_r = np.einsum("kij,kj->ki", turn_r, normal_r)
+    along_p = -_facing(turn_p, normal_p, placement)
+    along_r = _facing(turn_r, normal_r, placement)
     axes = quarter_turns(k, rng)[:, 0]
     directions = np.where(source == 0, along_p, np.where(source == 1, along_r, axes))
     point_p = np.where(source == 0, point_p, p.support(-np.einsum("kji,kj->ki", turn_p, directions)))
     point_r = np.where(source == 1, point_r, r.support(np.einsum("kji,kj->ki", turn_r, directions)))
     return turn_p, turn_r, point_p, point_r, directions
+
+
+def _facing(turns: Points, normals: Points, placement: Placement) -> Points:
+    """Normals (k, 3) or (3,) as the maps (k, 3, 3) turn them: by the inverse's transpose where these are off rigid."""
+    outward = np.broadcast_to(normals, (len(turns), 3))
+    if placement.rotation == "off rigid":
+        return unit(
+            np.asarray(np.linalg.solve(np.swapaxes(turns, 1, 2), outward[:, :, None])[:, :, 0], dtype=np.float64)
+        )
+    return np.asarray(np.einsum("kij,kj->ki", turns, outward))
 
 
 def _turns(placement: Placement, k: int, rng: np.random.Generator) -> Points:
@@ -202,6 +263,13 @@ def _turns(placement: Placement, k: int, rng: np.random.Generator) -> Points:
         return np.tile(np.eye(3), (k, 1, 1))
     if placement.rotation == "axis-aligned":
         return quarter_turns(k, rng)
+    if placement.rotation == "off rigid":
+        stretch = rng.normal(size=(k, 3, 3))
+        stretch += np.swapaxes(stretch, 1, 2)
+        rotations = turns_onto(random_directions(k, rng), random_directions(k, rng), rng)
+        # (1 + s)² − 1 is 2 s but for the square of s, of norm 3e-13, which the room below the limit does not take.
+        stretch *= OFF_RIGID / 2 / (1 + OFF_RIGID) / np.linalg.norm(stretch, axis=(1, 2), keepdims=True)
+        return np.asarray(rotations @ (np.eye(3) + stretch))
     if placement.rotation == "random":
         return turns_onto(random_directions(k, rng), random_directions(k, rng), rng)
     x, y, z = TINY_ANGLE * random_directions(k, rng).T

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from plannercheck.certified_motions import Passage
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.robot import Robot as PlanarRobot
+from plannercheck.proofs import Proof
 from plannercheck.robot import Robot
 from plannercheck.stress.motion_recipes import PlaneRecipe, Recipe, SpaceRecipe, planar_checker, space_checker
 
@@ -55,7 +56,7 @@ class Subject(Protocol):
     def slack(self, q0: Floats, q1: Floats) -> float:
         """How far beyond the tolerance a motion may be refused, m: of curves, what their pieces may be off."""
 
-    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Any, ...]:
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
         """A proof, or None, for each motion."""
 
 
@@ -78,7 +79,7 @@ class SpaceSubject:
     def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
         """See `Subject`."""
         (start,), (end,) = self.checker._motion_ends(q0[None], q1[None])
-        return self.checker.motion_certifier.passage(start, end, tolerance, proofs)
+        return self.checker.motion_certifier.passage(start, end, tolerance, proofs, q1)
 
     def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
         """See `Subject`."""
@@ -101,10 +102,9 @@ class SpaceSubject:
         """See `Subject`."""
         return 0.0
 
-    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Any, ...]:
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
         """See `Subject`."""
-        certify: Any = getattr(self.checker, "certify_motions")  # noqa: B009
-        return tuple(certify(q0, q1, tolerance=tolerance))
+        return self.checker.certify_motions(q0, q1, tolerance)
 
 
 class PlaneSubject:
@@ -132,7 +132,7 @@ class PlaneSubject:
     def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
         """See `Subject`."""
         start, end, pieces = self._motion(q0, q1)
-        return self.checker.motion_certifier.passage(start, end, tolerance, proofs, pieces)
+        return self.checker.motion_certifier.passage(start, end, tolerance, proofs, pieces, q1)
 
     def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
         """See `Subject`."""
@@ -144,7 +144,7 @@ class PlaneSubject:
         return self.checker.motion_certifier.states(start, end, parameters, pieces)
 
     def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats, Floats]:
-        (start,), (end,) = self.checker._motion_ends(q0[None], q1[None], self._curve)
+        (start,), (end,), _ = self.checker._motion_ends(q0[None], q1[None], self._curve)
         return start, end, self.checker._pieces(start, end, self._curve, self._radius)
 
     def clearances(self, q: Floats) -> Floats:
@@ -169,10 +169,9 @@ class PlaneSubject:
         _, _, pieces = self._motion(q0, q1)
         return 4 * float(pieces[:, -1].max(initial=0.0))
 
-    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Any, ...]:
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
         """See `Subject`."""
-        certify: Any = getattr(self.checker, "certify_motions")  # noqa: B009
-        return tuple(certify(q0, q1, tolerance=tolerance, curve=self._curve, turning_radius=self._radius))
+        return self.checker.certify_motions(q0, q1, tolerance, curve=self._curve, turning_radius=self._radius)
 
 
 def _corner_distances(a: Floats, b: Floats) -> Floats:

@@ -1,15 +1,19 @@
-"""The stress run: every verdict on random draws held against exact arithmetic in Python integers.
+"""The stress run: every verdict on random draws held against proofs in exact arithmetic, in which the core has no part.
 
-In: how many pairs, a seed, peers. Out: a `StressTally`: wrong verdicts, exceptions and timeouts of every contestant by
-family and gap; and a shrunk case for each of the first failures of ours.
+In: how many pairs, a seed, peers, processes. Out: a `StressTally`: wrong verdicts, exceptions and timeouts of every
+contestant by family and gap; and a shrunk case for each of the first failures of ours. What is found depends on the
+seed and the number of pairs alone.
 """
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import threading
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,8 +26,8 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.hull import Polytope
 from plannercheck.pair import METHODS, Method, certify, pair_options
 from plannercheck.stress.cases import Case, shrunk
-from plannercheck.stress.contacts import Points
-from plannercheck.stress.draws import GAPS, Draw, draws
+from plannercheck.stress.draws import GAPS, Draw, numbered_draw
+from plannercheck.stress.oracle import Oracle
 from plannercheck.stress.peers import Peer
 from plannercheck.stress.specimens import Specimen
 from plannercheck.stress.supervised import Supervised
@@ -35,12 +39,16 @@ WRONG, EXCEPTION, TIMEOUT, UNFIT = "wrong", "exception", "timeout", "unfit"
 FAILURES = (WRONG, EXCEPTION, TIMEOUT)
 # Longest time for one query, s: a thousand times what any should take.
 QUERY_LIMIT = 1.0
-# Every so many draws the exact oracle's certificates are verified from their definition.
-VERIFIED_DRAWS = 20
-# Every so many draws the core's certificates are asked for and verified, apart from the core.
+# Every so many draws the oracle's proofs are held against all vertices, and against another oracle.
+THOROUGH_DRAWS = 8
+# Every so many draws the core's certificates are asked for and proved by the oracle; and, of one pair of these draws,
+# by the package's own `verify`.
 CERTIFIED_DRAWS = 4
+# Draws that a process judges at a time.
+CHUNK = 40
 CERTIFICATE = "certificate"
 OURS = (*METHODS, CERTIFICATE)
+ORACLE = "oracle of the run"  # in the list of times; a method is called oracle, too
 # Failures that are shrunk and kept; more of the same say nothing new.
 KEPT = 20
 
@@ -56,6 +64,7 @@ class StressTally:
         failures: By contestant, kind of failure, family, gap and truth.
         unfit: Pairs that a peer has no shape for, by contestant and family, gap and truth.
         refused: Bodies that could not be prepared, by message.
+        by_integers: Pairs that the compiled oracle found no proof for, so that Python's integers decided.
         cases: Failures of ours, shrunk.
         seconds: Spent by each contestant.
     """
@@ -64,8 +73,20 @@ class StressTally:
     failures: Counter[tuple[str, str, Key]] = field(default_factory=Counter)
     unfit: Counter[tuple[str, Key]] = field(default_factory=Counter)
     refused: Counter[str] = field(default_factory=Counter)
+    by_integers: int = 0
     cases: list[Case] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+    seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
+
+    def merge(self, other: StressTally) -> None:
+        """Adds what was found after this."""
+        self.pairs.update(other.pairs)
+        self.failures.update(other.failures)
+        self.unfit.update(other.unfit)
+        self.refused.update(other.refused)
+        self.by_integers += other.by_integers
+        self.cases += other.cases[: max(0, KEPT - len(self.cases))]
+        for who, spent in other.seconds.items():
+            self.seconds[who] += spent
 
     @property
     def passed(self) -> bool:
@@ -85,7 +106,11 @@ class StressTally:
 
 
 def run(
-    pairs: int, seed: int, peers: Sequence[Peer] = (), progress: Callable[[StressTally], object] | None = None
+    pairs: int,
+    seed: int,
+    peers: Sequence[Peer] = (),
+    progress: Callable[[StressTally], object] | None = None,
+    processes: int = 1,
 ) -> StressTally:
     """Runs the suite.
 
@@ -93,24 +118,57 @@ def run(
         pairs: How many to decide at least.
         seed: Of the random numbers; a run with more pairs starts with those of a shorter one.
         peers: Other libraries to be counted, too.
-        progress: Called after each draw.
+        progress: Called after each draw, or some of them.
+        processes: How many to use.
 
     Returns:
         The tally.
     """
     tally = StressTally()
-    for number, drawn in enumerate(draws(seed, lambda error: tally.refused.update([_reason(error)]))):
+    with contextlib.ExitStack() as stack:
+        pool = stack.enter_context(ProcessPoolExecutor(processes)) if processes > 1 else None
+        first = 0
+        while (left := pairs - tally.pairs.total()) > 0:  # more than once where bodies are refused
+            past = first + -(-left // len(GAPS))
+            for found in _judged(pool, seed, first, past, peers):
+                tally.merge(found)
+                if progress is not None:
+                    progress(tally)
+            first = past
+    return tally
+
+
+def _judged(
+    pool: ProcessPoolExecutor | None, seed: int, first: int, past: int, peers: Sequence[Peer]
+) -> Iterator[StressTally]:
+    """The tallies of draws with numbers from `first` on, in their order."""
+    size = 1 if pool is None else CHUNK
+    starts = range(first, past, size)
+    ends = [min(start + size, past) for start in starts]
+    chunks = itertools.repeat(seed), starts, ends, itertools.repeat(peers)
+    return map(judge_draws, *chunks) if pool is None else pool.map(judge_draws, *chunks)
+
+
+def judge_draws(seed: int, first: int, past: int, peers: Sequence[Peer]) -> StressTally:
+    """What is found on the draws of a seed with numbers from `first` to before `past`."""
+    tally = StressTally()
+    for number in range(first, past):
+        try:
+            drawn = numbered_draw(seed, number)
+        except PlannercheckError as error:
+            tally.refused.update([_reason(error)])
+            continue
         judge(drawn, tally, peers, number)
-        if progress is not None:
-            progress(tally)
-        if tally.pairs.total() >= pairs:
-            break
     return tally
 
 
 def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], number: int) -> None:
     """Counts all outcomes on one draw, the `number`-th."""
-    truth = _truth(drawn, verify=number % VERIFIED_DRAWS == 0)
+    started = time.perf_counter()
+    oracle = Oracle(drawn)
+    truth, by_integers = oracle.truth(thorough=number % THOROUGH_DRAWS == 0)
+    tally.seconds[ORACLE] += time.perf_counter() - started
+    tally.by_integers += by_integers
     keys = [(drawn.family, gap, shared) for gap, shared in zip(GAPS, truth, strict=True)]
     tally.pairs.update(keys)
     for method in METHODS:
@@ -122,7 +180,7 @@ def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], number: int) -
                 tally.cases.append(_kept(drawn, k, method))
     others: dict[str, Callable[[Draw], Iterable[Outcome]]] = {peer.name: Supervised(peer).outcomes for peer in peers}
     if number % CERTIFIED_DRAWS == 0:
-        others[CERTIFICATE] = _certified
+        others[CERTIFICATE] = lambda drawn: _certified(drawn, oracle, number)
     for name, ask in others.items():
         started = time.perf_counter()
         outcomes = list(ask(drawn))
@@ -136,26 +194,26 @@ def _reason(error: PlannercheckError) -> str:
     return str(error).partition(": ")[2] or str(error)
 
 
-def _truth(drawn: Draw, verify: bool) -> list[bool]:
-    swells = drawn.p.swell, drawn.r.swell
-    verdicts = []
-    for pose_p, pose_r in zip(drawn.poses_p, drawn.poses_r, strict=True):
-        question = (drawn.p.vertices, drawn.r.vertices, pose_p, pose_r, *swells)
-        certificate = exact.decide(*question)
-        if verify and not exact.holds(certificate, *question):
-            raise AssertionError(f"the exact verdict does not hold: {drawn.label}")
-        verdicts.append(isinstance(certificate, exact.ExactSharedPoint))
-    return verdicts
-
-
-def _certified(drawn: Draw) -> list[Outcome]:
+def _certified(drawn: Draw, oracle: Oracle, number: int) -> list[Outcome]:
     """What the core's certificates prove."""
-    return [_proved(drawn, a, b) for a, b in zip(drawn.poses_p, drawn.poses_r, strict=True)]
+    outcomes = [_proved(oracle, k) for k in range(len(GAPS))]
+    k = number // CERTIFIED_DRAWS % len(GAPS)
+    if outcomes[k] != _verified(drawn, k):
+        outcomes[k] = EXCEPTION
+    return outcomes
 
 
-def _proved(drawn: Draw, pose_p: Points, pose_r: Points) -> Outcome:
+def _proved(oracle: Oracle, k: int) -> Outcome:
     try:
-        certificate = certify(drawn.p.polytope, drawn.r.polytope, pose_p, pose_r)
+        shared = oracle.certified(k)
+    except Exception:
+        return EXCEPTION
+    return EXCEPTION if shared is None else shared
+
+
+def _verified(drawn: Draw, k: int) -> Outcome:
+    try:
+        certificate = certify(drawn.p.polytope, drawn.r.polytope, drawn.poses_p[k], drawn.poses_r[k])
         return isinstance(certificate, SharedPoint) if certificate.verify() else EXCEPTION
     except Exception:
         return EXCEPTION

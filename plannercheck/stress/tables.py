@@ -34,7 +34,7 @@ def lines(tally: StressTally, peers: Sequence[str]) -> list[str]:
     for peer in peers:
         out += ["", *_shares(tally, peer, families)]
     seconds = ", ".join(f"{who} {spent:.0f} s" for who, spent in tally.seconds.items())
-    out += ["", f"time: {seconds}"]
+    out += ["", f"time: {seconds}", f"decided by Python's integers: {tally.by_integers}"]
     out += [f"refused {count} bodies: {message}" for message, count in tally.refused.items()]
     return out
 

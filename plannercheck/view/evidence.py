@@ -15,7 +15,7 @@ from plannercheck.certificates import PosedBody, Separation, SharedPoint, direct
 from plannercheck.checker import Checker
 from plannercheck.distances import Distance, distance
 from plannercheck.hull import Polytope
-from plannercheck.pair import certify
+from plannercheck.pair import certify_posed
 from plannercheck.view.model import Plane, Witness
 
 Floats = NDArray[np.float64]
@@ -43,7 +43,7 @@ class Evidence:
             poses: (bodies, 4, 4) in the world, m.
             colliding: (pairs,) which pairs collide.
         """
-        found = ((int(k), certify(*self._posed(int(k), poses))) for k in np.flatnonzero(colliding))
+        found = ((int(k), certify_posed(*self._posed(int(k), poses))) for k in np.flatnonzero(colliding))
         return [
             Witness(frame, self._checker.pair_names(k), certificate.point)
             for k, certificate in found
@@ -103,7 +103,7 @@ class Evidence:
         bodies = PosedBody(first.vertices, pose_p, first.swell), PosedBody(second.vertices, pose_r, second.swell)
         way = near.point_p - near.point_r
         widest = separation(direction_of(way), bodies) if way.any() else None
-        certificate = certify(first, second, pose_p, pose_r) if widest is None else widest
+        certificate = certify_posed(first, second, pose_p, pose_r) if widest is None else widest
         return certificate if isinstance(certificate, Separation) else None
 
     def _posed(self, k: int, poses: Floats) -> tuple[Polytope, Polytope, Floats, Floats]:

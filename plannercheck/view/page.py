@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import base64
 import html
-import json
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.escaping import json_in_script
 from plannercheck.output_files import written_aside
 from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Mesh, Picture
 
@@ -30,10 +31,10 @@ def write_page(picture: Picture, path: str | Path) -> None:
 
 def page_of(picture: Picture) -> str:
     """The HTML of a picture."""
-    # In a script, "</" could end it.
-    data = json.dumps(data_of(picture), separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    parts = {_TITLE: html.escape(picture.title), _DATA: json_in_script(data_of(picture))}
     template = _TEMPLATE.read_text(encoding="utf-8")
-    return template.replace(_TITLE, html.escape(picture.title)).replace(_DATA, data)
+    # In one pass: what is put in is not looked through again.
+    return re.sub("|".join(map(re.escape, parts)), lambda match: parts[match[0]], template)
 
 
 def data_of(picture: Picture) -> dict[str, Any]:

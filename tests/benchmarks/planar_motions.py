@@ -121,7 +121,7 @@ def aimed_case(family: str, robot: P.Robot, curve: Curve, generator: np.random.G
         q1 = q0 + ways(1, robot.nq, 3.0, 2.5, generator)
         case = Case(family, alone, q0, q1, curve)
         part = float(generator.uniform(0.1, 0.9))
-        (start,), (end,) = alone._motion_ends(q0, q1)
+        (start,), (end,), _ = alone._motion_ends(q0, q1)
         before, here, after = posed(alone, case.states(start, end, part + np.array([-1e-4, 0, 1e-4])))
         k = int(generator.integers(len(here)))
         way, bend = after[k] - before[k], before[k] + after[k] - 2 * here[k]
@@ -203,7 +203,7 @@ def shapelys_distance(checker: P.Checker, pair: int, state: np.ndarray) -> float
 def judge(case: Case, counts: Counter[tuple[str, str]]) -> None:
     """Adds a case's verdicts to the counts."""
     checker, family = case.checker, case.family
-    starts, ends = checker._motion_ends(case.q0, case.q1)
+    starts, ends, _ = checker._motion_ends(case.q0, case.q1)
     free = checker.check_motions(starts, ends, **case.how)
     for q0, q1, accepted in zip(starts, ends, free.tolist(), strict=True):
         counts[family, "motions"] += 1

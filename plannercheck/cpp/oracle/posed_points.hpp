@@ -1,0 +1,65 @@
+// Posed vertices as whole numbers: what the doubles of vertices, pose and swell say, exactly, in a common unit.
+//
+// In: points (n, 3), m, a swell, m, a pose (4, 4). Out: posed points and swell in units of 2^unit m, and which point is
+// lowest along a direction. Doubles choose what may be lowest, within a bound of their rounding; whole numbers decide.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "integer.hpp"
+
+namespace plannercheck::oracle {
+
+// mantissa · 2^exponent, exactly; of 0 the exponent says nothing.
+struct Binary {
+  std::int64_t mantissa = 0;
+  int exponent = 0;
+
+  Binary() = default;
+  explicit Binary(double value);
+};
+
+// The unit of what is 0: larger than any double's.
+inline constexpr int kNoUnit = 4096;
+int common_unit(const Binary* numbers, std::size_t count);
+
+struct Points {
+  std::vector<std::array<Binary, 3>> vertices;
+  Binary swell;
+  int unit = kNoUnit;  // of all coordinates
+  // The coordinates scaled by a power of two to at most 1, column by column, and the largest of each column.
+  std::array<std::vector<double>, 3> scaled;
+  std::array<double, 3> largest{};
+
+  Points(const double* vertices, std::size_t count, double swell);
+};
+
+class PosedPoints {
+ public:
+  // `pose`: row-major 4x4.
+  PosedPoints(const Points& points, const double* pose);
+
+  int unit() const { return unit_; }
+  // `unit` is at most the own one.
+  void use_unit(int unit) { unit_ = unit; }
+
+  std::size_t count() const { return points_.vertices.size(); }
+  // In units of 2^unit m.
+  Vector point(std::size_t vertex) const;
+  Integer swell() const;
+
+  // The least product of a direction of the world with a point, its vertex; `every`: by whole numbers alone.
+  std::size_t lowest(const Vector& direction, bool every) const;
+
+ private:
+  const Points& points_;
+  std::array<Binary, 9> matrix_;
+  std::array<Binary, 3> shift_;
+  int matrix_unit_, unit_;
+
+  Vector pulled_back(const Vector& direction) const;
+};
+
+}  // namespace plannercheck::oracle

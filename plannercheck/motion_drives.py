@@ -1,0 +1,64 @@
+"""What drives the joints of a motion, and how far they are off rigid.
+
+In: the kernel's joint table. Out: for each joint the column of the configuration that moves it and how, the columns
+that belong together as a circle, a quaternion or a pose, and the defect of all that no motion changes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.kinematics import JointTable
+from plannercheck.unit_lengths import DEFECT_PARTS
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# The kernel's joint kinds (JointKind in cpp/kinematics.hpp).
+_LAST_TURN, _LAST_UNIT_TURN, _SLIDE = 3, 7, 8
+
+# DriveKind in cpp/motion_bounds.hpp and PartKind in cpp/configuration_path.hpp, by the kernel's kind.
+_TURN_DRIVE, _SLIDE_DRIVE, _PART_DRIVE = 0, 1, 2
+_CIRCLE = 0
+_PARTS = {9: 1 + 1, 10: 1, 11: 3}
+
+# Where the numbers of a joint are that are of length 1, by the kernel's kind: cosine and sine, or a quaternion.
+_UNIT_NUMBERS = {**dict.fromkeys(range(_LAST_TURN + 1, _LAST_UNIT_TURN + 1), (0, 2)), 9: (2, 4), 10: (0, 4), 11: (3, 7)}
+
+
+def drives(table: JointTable) -> tuple[Ints, Floats, Ints]:
+    """Kinds and columns (joints, 2), multipliers and offsets (joints, 2), and parts (parts, 2), see `MotionChains`."""
+    listed, parts = [], {}
+    for kind, columns in zip(table.kinds.tolist(), table.columns.tolist(), strict=True):
+        column = columns[0]
+        if kind <= _LAST_TURN or kind == _SLIDE or column < 0:
+            listed.append((_SLIDE_DRIVE if kind == _SLIDE else _TURN_DRIVE, column))
+            continue
+        listed.append((_PART_DRIVE, column))
+        parts[column] = _CIRCLE if kind <= _LAST_UNIT_TURN else _PARTS[kind]
+    factors = np.stack([table.multipliers[:, 0], table.offsets[:, 0]], axis=1)
+    by_column = sorted(parts.items())
+    return (
+        np.array(listed, dtype=np.int32).reshape(-1, 2),
+        np.ascontiguousarray(factors),
+        np.array([(part, column) for column, part in by_column], dtype=np.int32).reshape(-1, 2),
+    )
+
+
+def defect(table: JointTable) -> float:
+    """Of all placements, axes and held joints together, with room for rounding."""
+    turns = np.concatenate([table.placements[:, :, :3], table.link_placements[:, :, :3]])
+    off = np.linalg.norm(np.swapaxes(turns, 1, 2) @ turns - np.eye(3), axis=(1, 2)).sum()
+    axes = np.linalg.norm(table.axes, axis=1)
+    return float(off + np.abs(axes[axes > 0] - 1).sum() + _held_defect(table)) * 2
+
+
+def _held_defect(table: JointTable) -> float:
+    """Of joints that are held at a quaternion or the like off length 1."""
+    total = 0.0
+    for kind, columns, offsets in zip(table.kinds.tolist(), table.columns, table.offsets, strict=True):
+        start, stop = _UNIT_NUMBERS.get(kind, (0, 0))
+        if stop > start and columns[start] < 0:
+            total += DEFECT_PARTS[stop - start] * abs(float(np.linalg.norm(offsets[start:stop])) - 1)
+    return total

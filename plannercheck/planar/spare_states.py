@@ -1,0 +1,32 @@
+"""OMPL states to work in, for one call at a time.
+
+In: an OMPL space. Out: `SpareStates.taken`, as many states as a call needs. Another thread, or a finaliser that runs
+within the call, gets others: what one call writes no other one overwrites before it is read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+
+class SpareStates:
+    """States of one space, a few for each call that is under way; they are kept, since freeing them is not safe."""
+
+    def __init__(self, space: Any, count: int) -> None:
+        """Takes the space, and how many states a call needs."""
+        self._space, self._count = space, count
+        self._spare: list[tuple[Any, ...]] = []  # pop and append are single steps for other threads
+
+    @contextmanager
+    def taken(self) -> Iterator[tuple[Any, ...]]:
+        """The states, of any values, until the end of the block."""
+        try:
+            states = self._spare.pop()
+        except IndexError:
+            states = tuple(self._space.allocState() for _ in range(self._count))
+        try:
+            yield states
+        finally:
+            self._spare.append(states)

@@ -1,0 +1,22 @@
+"""Proofs of motions that anyone can check: plain data, and a verifier written apart from what makes them.
+
+`Proof` is what `explain_motion(...).proof` and `certify_motions` give; `Proof.verify` confirms it in ball arithmetic
+(python-flint) without the compiled core, `Proof.save` and `load_proofs` keep it in JSON or npz.
+"""
+
+from plannercheck.proofs.files import load_proofs, save_proofs
+from plannercheck.proofs.proof import Entry, Hashes, Joint, Link, Model, Motion, PosedBody, Proof, Verification
+
+__all__ = [
+    "Entry",
+    "Hashes",
+    "Joint",
+    "Link",
+    "Model",
+    "Motion",
+    "PosedBody",
+    "Proof",
+    "Verification",
+    "load_proofs",
+    "save_proofs",
+]

@@ -1,0 +1,167 @@
+"""Whether the model in a proof is that of a robot's and a scene's files.
+
+In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names the first difference.
+
+The joints, their placements, axes and who follows whom are compared with what `urdf_joints.py` reads from the URDF, to
+1e-12. Bodies and the pair table are compared bit for bit with what plannercheck itself loads (meshes have many formats,
+SRDFs many rules): for these its loader is trusted, its kinematics and its verdicts are not. Where joints are held is
+part of the claim: it is in the proof, not in the URDF.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.checker import Checker
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.proof import WORLD, Joint, Model, PosedBody
+from plannercheck.proofs.space_model import space_model
+from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
+from plannercheck.robot import Robot
+from plannercheck.robot_files import description_of
+from plannercheck.scene import Scene
+
+Floats = NDArray[np.float64]
+
+# By the URDF's type, what a joint may be in a proof.
+_KINDS = {
+    "revolute": ("turn",),
+    "continuous": ("turn", "circle"),
+    "prismatic": ("slide",),
+    "planar": ("planar",),
+    "floating": ("free",),
+}
+
+# Largest difference that is rounding: of placements' numbers, of axes, of multipliers.
+_AGREEMENT = 1e-12
+
+
+def confirm_model(model: Model, robot: str, scene: str | None) -> None:
+    """Compares a model with files.
+
+    Args:
+        model: Of a proof in space, well-formed.
+        robot: Name of a shipped robot, or a robot YAML or URDF file.
+        scene: Name of a shipped scene, or a scene file; None for the empty one.
+
+    Raises:
+        UnprovedError: If they differ.
+        PlannercheckError: If a file can't be read.
+    """
+    description = description_of(robot)
+    whole = description.joints is None and description.group is None
+    _TreeComparison(model, read_tree(description.urdf), description.floating, whole).run()
+    loaded = Robot.load(robot)
+    checker = Checker(loaded, Scene("empty") if scene is None else Scene.load(scene))
+    _compare_bodies(model, space_model(checker))
+
+
+class _TreeComparison:
+    """The joints and links of a model beside those of a URDF."""
+
+    def __init__(self, model: Model, tree: UrdfTree, floating: bool, whole: bool) -> None:
+        self._model, self._tree, self._floating, self._whole = model, tree, floating, whole
+        self._joints = {joint.name: k for k, joint in enumerate(model.joints)}
+
+    def run(self) -> None:
+        """Raises at the first difference."""
+        names = {link.name for link in self._model.links}
+        if names != set(self._tree.links):
+            raise UnprovedError(
+                f"links of the proof and of the URDF differ: {sorted(names ^ set(self._tree.links))[:3]}"
+            )
+        for link in self._model.links:
+            joint, placement = self._place(link.name)
+            self._compare(f"link {link.name}", link.joint, link.placement, joint, placement)
+        moving = {joint.name for joint in self._tree.above.values() if joint.kind != "fixed"}
+        known = moving | ({self._model.joints[0].name} if self._floating and self._model.joints else set())
+        if set(self._joints) != known:
+            raise UnprovedError(f"joints of the proof and of the URDF differ: {sorted(set(self._joints) ^ known)[:3]}")
+        for found in self._tree.above.values():
+            if found.kind != "fixed":
+                self._compare_joint(self._model.joints[self._joints[found.name]], found)
+
+    def _place(self, link: str) -> tuple[int, Floats]:
+        """The moving joint that a link is on, by index, and its placement there."""
+        placement = np.eye(4)
+        while link in self._tree.above:
+            above = self._tree.above[link]
+            if above.kind != "fixed":
+                return self._joints.get(above.name, WORLD), placement
+            link, placement = above.parent, above.placement @ placement
+        return (0 if self._floating else WORLD), placement
+
+    def _compare(self, what: str, joint: int, rows: tuple[float, ...], on: int, placement: Floats) -> None:
+        difference = np.abs(np.reshape(rows, (3, 4)) - placement[:3])
+        scale = max(1.0, float(np.abs(placement[:3, 3]).max()))
+        if joint != on or not difference.max() <= _AGREEMENT * scale:
+            raise UnprovedError(f"{what} is not where the URDF has it: off by {difference.max():.3g}")
+
+    def _compare_joint(self, joint: Joint, found: UrdfJoint) -> None:
+        on, placement = self._place(found.parent)
+        self._compare(f"joint {joint.name}", joint.parent, joint.placement, on, placement @ found.placement)
+        if joint.kind not in _KINDS.get(found.kind, ()):
+            raise UnprovedError(f"joint {joint.name} is of kind {joint.kind!r}, in the URDF {found.kind!r}")
+        if max(joint.columns) < 0:
+            return
+        sign = 1.0
+        if joint.kind in ("turn", "slide", "circle"):
+            sign = self._sign(joint, found)
+        self._compare_value(joint, found, sign)
+
+    def _sign(self, joint: Joint, found: UrdfJoint) -> float:
+        """-1 for a joint that is given about the opposite axis, so that its value's sign has to be opposite, too."""
+        for sign in (1.0, -1.0):
+            if np.abs(sign * np.array(joint.axis) - found.axis).max() <= _AGREEMENT:
+                return sign
+        raise UnprovedError(f"joint {joint.name} has the axis {list(joint.axis)}, in the URDF {found.axis.tolist()}")
+
+    def _compare_value(self, joint: Joint, found: UrdfJoint, sign: float) -> None:
+        """A joint is its column, or what it follows, times a number and plus another."""
+        expected: tuple[float, ...] = (1.0,) * len(joint.multipliers)
+        given = joint.multipliers
+        if joint.kind == "circle":
+            expected = (1.0, sign)
+        elif joint.kind in ("turn", "slide"):
+            factor, offset = (1.0, 0.0) if self._whole else self._followed(found)
+            expected, given = (sign * factor, sign * offset), (joint.multipliers[0], joint.offsets[0])
+        if max(abs(a - b) for a, b in zip(expected, given, strict=True)) > _AGREEMENT * max(1.0, *map(abs, expected)):
+            raise UnprovedError(f"joint {joint.name} takes its value by {given}, by the URDF it is {expected}")
+
+    def _followed(self, found: UrdfJoint) -> tuple[float, float]:
+        """Multiplier and offset by which a joint follows the one that its column is of; 1 and 0 for its own."""
+        factor, offset = 1.0, 0.0
+        column = self._model.joints[self._joints[found.name]].columns[0]
+        joints = {joint.name: joint for joint in self._tree.above.values()}
+        for _ in joints:
+            if found.mimic is None:
+                break
+            leader, multiplier, shift = found.mimic
+            if leader not in joints or self._model.joints[self._joints[leader]].columns[0] != column:
+                raise UnprovedError(f"joint {found.name} does not follow {leader}, as the URDF says")
+            factor, offset, found = factor * multiplier, factor * shift + offset, joints[leader]
+        return factor, offset
+
+
+def _compare_bodies(model: Model, loaded: Model) -> None:
+    known = {_key(loaded, body): body for body in loaded.bodies}
+    for body in model.bodies:
+        other = known.get(_key(model, body))
+        if other is None:
+            raise UnprovedError(f"body {body.name} ({body.label}) is not in the files, or stands elsewhere")
+        same = np.array_equal(body.vertices, other.vertices)
+        if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
+            raise UnprovedError(f"body {body.name} ({body.label}) has another shape than in the files")
+    missing = _named_pairs(loaded) - _named_pairs(model)
+    if missing:
+        raise UnprovedError(f"{len(missing)} pairs of the checker's table are not in the proof: {min(missing)}")
+
+
+def _key(model: Model, body: PosedBody) -> tuple[str, str, str, tuple[float, ...]]:
+    return body.name, body.label, "" if body.link == WORLD else model.links[body.link].name, body.pose
+
+
+def _named_pairs(model: Model) -> set[tuple[str, str]]:
+    names = [(model.bodies[a].name, model.bodies[b].name) for a, b in model.pairs]
+    return {(a, b) if a < b else (b, a) for a, b in names}

@@ -1,0 +1,305 @@
+"""Whether an entry of a proof in space holds: heights of bodies along a direction, over an interval of the motion.
+
+In: a well-formed proof, its entries one by one. Out: whether each holds.
+
+Let d be the entry's direction, fixed in a frame, and x -> T(t) x the map of a body into the frame. A vertex v has the
+height h_v(t) = d . T(t) v, which is w(t) . v + s(t) with a row (w, s) of which jets give the value at both ends of an
+interval and the second derivative all over it. On an interval of length l a height is at least the chord between its
+ends less l^2/8 times the largest h_v'' (and at most the chord plus l^2/8 times the largest -h_v''). So the first body's
+lowest vertex is above the second's highest one by at least what it is at the worse end, less both bodies' largest
+deviations. If that is more than both radii and the margin, times the direction's length, the bodies are apart all
+over. Else the interval is cut in halves, some times over.
+
+A body that is not below the frame in the tree is seen from the joint where their ways meet: with R the turn from the
+frame to there and p its shift, its height is (R d) . (X - p). That is d . T x up to |d| |R^T R - 1| |T x|, which is
+subtracted. Lengths in the frame differ from those of the world at most by a factor, `_stretch`.
+
+Balls: the same with centres in place of vertices and the reach added to the radii, in the frame of the joint where both
+ways meet, along a direction that is chosen here.
+
+Vertices are multiplied with w in doubles: a sum of four products errs by at most 4 u of the sum of their sizes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb, arb_mat
+from numpy.typing import NDArray
+
+from plannercheck.proofs.chains import Chains, off_rigid
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.jets import affine, times, total
+from plannercheck.proofs.proof import WORLD, Entry, Model, Motion, Proof
+from plannercheck.proofs.well_formed import unreached
+
+Floats = NDArray[np.float64]
+
+# An interval is cut in halves this often before its entry counts as false.
+DEEPEST = 7
+
+# A sum of four products in doubles errs by 4 u of their sizes to first order, what is rounded to doubles before by 1 u.
+_ROUNDING = 8 * 2.0**-53
+
+# What chains may be off rigid, norm of M^T M - 1: below this 1 / sqrt(1 - defect) < 1 + defect.
+_LARGEST_DEFECT = 1e-3
+
+# Covers some roundings of a bound that is computed in doubles.
+_UP = 1 + 2.0**-48
+
+# Covers products below the range of doubles; far below any length that is looked at, m.
+_UNDERFLOW = 1e-290
+
+# The 4 x 4 matrix that takes a map's shift alone.
+_SHIFT = arb_mat(4, 4, [0] * 15 + [1])
+
+
+class Seen(NamedTuple):
+    """A body as an entry sees it.
+
+    Attributes:
+        points: (n, 3) whose hull counts: vertices or a centre.
+        sizes: (3,) largest size of each coordinate.
+        joint: That it is on.
+        place: Of the points on the joint, 4 x 4.
+        centre: Of a ball, 4 x 1 on the joint; None for a hull.
+    """
+
+    points: Floats
+    sizes: Floats
+    joint: int
+    place: Any
+    centre: Any = None
+
+
+class Direction(NamedTuple):
+    """A direction, fixed on a joint.
+
+    Attributes:
+        joint: The joint, -1 for the world.
+        column: 4 x 1, the last 0.
+        row: 1 x 4.
+        length: At least its length.
+    """
+
+    joint: int
+    column: Any
+    row: Any
+    length: float
+
+
+class EntryChecker:
+    """Confirms entries of one well-formed proof."""
+
+    def __init__(self, proof: Proof) -> None:
+        """Reads the model.
+
+        Raises:
+            UnprovedError: If the motion has no definite short way.
+        """
+        assert isinstance(proof.model, Model)
+        self._model = model = proof.model
+        assert isinstance(proof.motion, Motion)
+        self._chains = Chains(model, proof.motion)
+        self._links = [affine(link.placement) for link in model.links]
+        poses = [affine(body.pose) for body in model.bodies]
+        off = max((float(off_rigid(pose)) for pose in poses), default=0.0)
+        if not self._chains.defect <= _LARGEST_DEFECT:
+            raise UnprovedError(f"placements and axes are off rigid by {self._chains.defect:.3g} along a chain")
+        self._stretch = (1 + self._chains.defect) * (1 + off) * _UP
+        self._seen = [
+            Seen(
+                body.vertices,
+                np.abs(body.vertices).max(axis=0),
+                WORLD if body.link == WORLD else model.links[body.link].joint,
+                pose if body.link == WORLD else self._links[body.link] * pose,
+            )
+            for body, pose in zip(model.bodies, poses, strict=True)
+        ]
+        self._balls: dict[int, Seen | None] = {}
+        self._margin = (proof.margin + self._end_shift(proof)) * _UP
+
+    def holds(self, entry: Entry, deepest: int = DEEPEST) -> bool:
+        """Whether an entry holds; a false one may be found out at less than `deepest` halvings."""
+        a, b = self._model.pairs[entry.pair]
+        radii = self._model.bodies[a].radius + self._model.bodies[b].radius
+        if entry.by == "plane":
+            direction = self._direction(entry.frame, entry.direction)
+            return self._apart(self._seen[a], self._seen[b], direction, radii, (entry.start, entry.end), deepest)
+        first, second = self._ball(a), self._ball(b)
+        if first is None or second is None:
+            return False
+        reach = self._model.bodies[a].reach + self._model.bodies[b].reach
+        return self._balls_apart(first, second, radii + reach, (entry.start, entry.end), deepest)
+
+    def described(self, entry: Entry) -> str:
+        """What an entry says, in words."""
+        a, b = (self._model.bodies[k] for k in self._model.pairs[entry.pair])
+        frame = "the world" if entry.frame == WORLD else self._model.links[entry.frame].name
+        by = "their balls" if entry.by == "balls" else f"a plane along {list(entry.direction)} in {frame}"
+        pair = f"{a.name} ({a.label}) and {b.name} ({b.label})"
+        return f"{pair} are not kept apart on [{entry.start!r}, {entry.end!r}] by {by}"
+
+    def _direction(self, frame: int, numbers: Sequence[float]) -> Direction:
+        joint = WORLD if frame == WORLD else self._model.links[frame].joint
+        column = arb_mat(4, 1, [*numbers, 0])
+        return _direction(joint, column if frame == WORLD else self._links[frame] * column)
+
+    def _ball(self, body: int) -> Seen | None:
+        """The centre of a body's ball; None if it does not hold all vertices."""
+        if body not in self._balls:
+            seen, centre = self._seen[body], np.array(self._model.bodies[body].centre)
+            furthest = float(np.linalg.norm(seen.points - centre, axis=1).max())
+            holds = furthest * _UP + _UNDERFLOW <= self._model.bodies[body].reach
+            on_joint = seen.place * arb_mat(4, 1, [*centre.tolist(), 1])
+            ball = Seen(centre[None], np.abs(centre), seen.joint, seen.place, on_joint)
+            self._balls[body] = ball if holds else None
+        return self._balls[body]
+
+    def _balls_apart(self, a: Seen, b: Seen, radii: float, span: tuple[float, float], deepest: int) -> bool:
+        """Whether two balls are, over a span, along a direction that is chosen for each part of it."""
+        joint = self._chains.meeting(a.joint, b.joint)
+        chosen = [0.0, 0.0, 0.0]
+        for t in span:
+            way = [x - y for x, y in zip(self._centre(a, joint, t), self._centre(b, joint, t), strict=True)]
+            length = math.hypot(*way)
+            if not length > radii:
+                return False
+            chosen = [x + y / length for x, y in zip(chosen, way, strict=True)]
+        direction = _direction(joint, arb_mat(4, 1, [*chosen, 0]))
+        if self._apart(a, b, direction, radii, span, 0):
+            return True
+        middle = (span[0] + span[1]) / 2
+        return deepest > 0 and all(
+            self._balls_apart(a, b, radii, part, deepest - 1) for part in ((span[0], middle), (middle, span[1]))
+        )
+
+    def _centre(self, seen: Seen, joint: int, t: float) -> list[float]:
+        """Where a ball's centre is in a joint's frame, in doubles: for choosing alone."""
+        column = self._chains.at(t, joint, seen.joint) * seen.centre
+        return [float(x) for x in column.entries()[:3]]
+
+    def _apart(
+        self, a: Seen, b: Seen, direction: Direction, radii: float, span: tuple[float, float], deepest: int
+    ) -> bool:
+        """Whether the first body is beyond the second along a direction, over a span."""
+        needed = (radii + self._margin) * self._stretch * direction.length * _UP + _UNDERFLOW
+        gaps = []
+        for t in span:
+            low, high = lowest(a, self._row(a, direction, t)), -lowest(b, -self._row(b, direction, t))
+            gaps.append(low - high - _ROUNDING * (abs(low) + abs(high)))
+        if not all(gap > needed for gap in gaps):  # also of no numbers
+            return False
+        bent = -lowest(a, -self._bending(a, direction, span)), -lowest(b, self._bending(b, direction, span))
+        length = span[1] - span[0]
+        deviation = length * length / 8 * (_positive(bent[0]) + _positive(bent[1])) * _UP
+        off = self._off(a, direction, span) + self._off(b, direction, span)
+        if min(gaps) * (1 - _ROUNDING) - deviation - off > needed:
+            return True
+        middle = (span[0] + span[1]) / 2
+        return deepest > 0 and all(
+            self._apart(a, b, direction, radii, part, deepest - 1) for part in ((span[0], middle), (middle, span[1]))
+        )
+
+    def _row(self, seen: Seen, direction: Direction, t: float) -> Any:
+        """The row (w, s) of heights at a parameter, 1 x 4."""
+        chains = self._chains
+        if chains.is_above(direction.joint, seen.joint):
+            return direction.row * chains.at(t, direction.joint, seen.joint) * seen.place
+        above = chains.meeting(direction.joint, seen.joint)
+        frame = chains.at(t, above, direction.joint)
+        turned = (frame * direction.column).transpose()
+        return turned * (chains.at(t, above, seen.joint) * seen.place - frame * _SHIFT)
+
+    def _bending(self, seen: Seen, direction: Direction, span: tuple[float, float]) -> Any:
+        """The second derivative of the row, all over a span."""
+        chains = self._chains
+        if chains.is_above(direction.joint, seen.joint):
+            second = chains.jet(span, direction.joint, seen.joint).second
+            return _NOTHING if second is None else direction.row * second * seen.place
+        above = chains.meeting(direction.joint, seen.joint)
+        frame, body = chains.jet(span, above, direction.joint), chains.jet(span, above, seen.joint)
+        turned = [None if part is None else (part * direction.column).transpose() for part in frame]
+        from_frame = [total(times(x, seen.place), times(y, -_SHIFT)) for x, y in zip(body, frame, strict=True)]
+        crossed = times(turned[1], from_frame[1])
+        second = total(
+            times(turned[2], from_frame[0]), None if crossed is None else crossed * 2, times(turned[0], from_frame[2])
+        )
+        return _NOTHING if second is None else second
+
+    def _off(self, seen: Seen, direction: Direction, span: tuple[float, float]) -> float:
+        """What the height of a body that is not below the frame may be off by, since turns are rigid up to rounding."""
+        chains = self._chains
+        if chains.is_above(direction.joint, seen.joint):
+            return 0.0
+        above = chains.meeting(direction.joint, seen.joint)
+        frame, body = chains.jet(span, above, direction.joint), chains.jet(span, above, seen.joint)
+        rows = (body.value * seen.place - frame.value * _SHIFT).entries()
+        sizes = [*seen.sizes.tolist(), 1.0]
+        far: float = sum(float(rows[4 * i + k].abs_upper()) * sizes[k] for i in range(3) for k in range(4))
+        return far * self._stretch * chains.defect * direction.length * _UP
+
+    def _end_shift(self, proof: Proof) -> float:
+        """How far the asked end's poses may be from those of the end that is gone to, by what are no whole turns.
+
+        A joint that is off by an angle moves the points beyond it by at most that times their distance from its axis,
+        which is at most the sum of all lengths between the joints and within the bodies.
+        """
+        motion: Any = proof.motion
+        angles = unreached(self._model, motion)
+        shift = sum(abs(j.multipliers[0]) * angles.get(j.columns[0], 0.0) for j in self._model.joints)
+        if not shift:
+            return 0.0
+        lengths = [_slide(joint, motion) + _length(joint.placement) for joint in self._model.joints]
+        furthest = max(_length(link.placement) for link in self._model.links) + max(
+            _length(body.pose) + float(np.linalg.norm(seen.sizes)) * 2 + body.radius
+            for body, seen in zip(self._model.bodies, self._seen, strict=True)
+        )
+        return shift * (sum(lengths) + furthest) * self._stretch * _UP
+
+
+# A row of a height that does not change.
+_NOTHING = arb_mat(1, 4, [0] * 4)
+
+
+def _direction(joint: int, column: Any) -> Direction:
+    numbers = [float(x.abs_upper()) for x in column.entries()]
+    return Direction(joint, column, column.transpose(), math.hypot(*numbers) * _UP)
+
+
+def lowest(seen: Seen, row: Any) -> float:
+    """At most the least value of a linear function (w, s) on a body's points; -infinity or NaN if it is not known."""
+    entries = row.entries()
+    if len(seen.points) == 1:
+        value = sum((x * arb(c) for x, c in zip(entries, seen.points[0].tolist(), strict=False)), entries[3]).lower()
+        return float(value) - abs(float(value)) * _ROUNDING - _UNDERFLOW
+    middles = np.array([float(x) for x in entries])
+    loose = np.array([float(x.rad()) for x in entries]) + np.abs(middles) * _ROUNDING
+    values = seen.points @ middles[:3] + middles[3]
+    error = float(loose[:3] @ seen.sizes + loose[3])
+    return float(values.min()) - error * _UP - _UNDERFLOW
+
+
+def _positive(x: float) -> float:
+    """The number, or 0 if it is below; what is no number stays none, so that nothing is proved by it."""
+    return 0.0 if x <= 0 else x
+
+
+def _length(rows: Sequence[float]) -> float:
+    return math.hypot(rows[3], rows[7], rows[11]) * _UP
+
+
+def _slide(joint: Any, motion: Any) -> float:
+    """How far a joint shifts its frame at most, m: along a screw at most pi / 2 of the way between its ends."""
+    count = {"slide": 1, "planar": 2, "free": 3}.get(joint.kind, 0)
+    ends = [
+        [
+            offset if column < 0 else factor * q[column] + offset
+            for column, factor, offset in zip(joint.columns, joint.multipliers, joint.offsets, strict=True)
+        ][:count]
+        for q in (motion.start, motion.end)
+    ]
+    return (math.hypot(*ends[0]) + math.pi / 2 * math.dist(*ends)) * _UP * 1.000002

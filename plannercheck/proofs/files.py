@@ -1,0 +1,177 @@
+"""Proofs in files: JSON to be read by anyone, npz to be small.
+
+In: proofs of motions of one robot in one scene, which share the model. Out: a file, and the same bits back.
+
+A document: {"format": "plannercheck motion proof", "version": 1, "kind", "robot", "scene", "hashes", "model",
+"motions": [{"motion", "margin", "entries"}, …]}, with the fields of the classes in `proof.py`. An npz has the document
+as the text `document`, in which {"array": k} stands for the array `array_k`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import zipfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.errors import PlannercheckError
+from plannercheck.output_files import written_aside
+from plannercheck.proofs.plain_data import from_plain, to_plain
+from plannercheck.proofs.proof import FORMAT, VERSION, Entry, Hashes, Proof
+from plannercheck.reading import read_bytes, within
+
+# By the kind of a proof, the module and the names of its classes of model and motion.
+_CLASSES = {
+    "space": ("plannercheck.proofs.proof", "Model", "Motion"),
+    "plane": ("plannercheck.proofs.planar_proof", "PlanarModel", "PlanarMotion"),
+}
+
+_KEYS = ("format", "version", "kind", "robot", "scene", "hashes", "model", "motions")
+
+
+def save_proofs(proofs: Sequence[Proof], path: str | Path) -> None:
+    """Writes proofs of one robot in one scene, whole or not at all.
+
+    Args:
+        proofs: At least one; all of the same model.
+        path: Ends in .json or .npz.
+
+    Raises:
+        PlannercheckError: If the proofs are of several models, or the file can't be written.
+    """
+    path = Path(path)
+    _check_suffix(path)
+    content = document(proofs)
+    if path.suffix == ".json":
+        text = json.dumps(content, default=lambda array: array.tolist(), separators=(",", ":"))
+        written_aside(path, lambda aside: aside.write_text(text + "\n", encoding="utf-8"))
+        return
+    arrays: dict[str, NDArray[np.float64]] = {}
+
+    def apart(array: NDArray[np.float64]) -> dict[str, int]:
+        arrays[f"array_{len(arrays)}"] = array
+        return {"array": len(arrays) - 1}
+
+    text = json.dumps(content, default=apart)
+
+    def write(aside: Path) -> None:
+        with aside.open("wb") as file:  # given a name, numpy would add its suffix
+            np.savez_compressed(file, document=np.array(text), **arrays)  # type: ignore[arg-type]
+
+    written_aside(path, write)
+
+
+def load_proofs(path: str | Path) -> tuple[Proof, ...]:
+    """Reads the proofs of a file, which are not verified by that.
+
+    Args:
+        path: Of a file that `save_proofs` or `Proof.save` wrote.
+
+    Returns:
+        One a motion, at least one.
+
+    Raises:
+        PlannercheckError: If the file is no proof, is cut off, or of another version.
+    """
+    path = Path(path)
+    with within(f"proof file {str(path)!r}"):
+        _check_suffix(path)
+        return from_document(_from_json(path) if path.suffix == ".json" else _from_npz(path))
+
+
+def load_one(path: str | Path) -> Proof:
+    """`load_proofs` of a file with one motion."""
+    proofs = load_proofs(path)
+    if len(proofs) > 1:
+        raise PlannercheckError(
+            f"proof file {str(path)!r} holds {len(proofs)} motions: plannercheck.proofs.load_proofs reads them all"
+        )
+    return proofs[0]
+
+
+def document(proofs: Sequence[Proof]) -> dict[str, Any]:
+    """The document of proofs of one model; arrays stay arrays."""
+    if not proofs:
+        raise PlannercheckError("a proof file needs at least one proof")
+    first = proofs[0]
+    if any((proof.kind, proof.hashes) != (first.kind, first.hashes) for proof in proofs):
+        raise PlannercheckError("a proof file holds motions of one robot in one scene: save others in another file")
+    shared = {name: to_plain(getattr(first, name)) for name in ("kind", "robot", "scene", "hashes", "model")}
+    motions = [{name: to_plain(getattr(proof, name)) for name in ("motion", "margin", "entries")} for proof in proofs]
+    return {"format": FORMAT, "version": VERSION, **shared, "motions": motions}
+
+
+def from_document(content: Any) -> tuple[Proof, ...]:
+    """The proofs of a document.
+
+    Raises:
+        PlannercheckError: If it is none, or of another version.
+    """
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise PlannercheckError(f"is no motion proof: 'format' must be {FORMAT!r}")
+    if content.get("version") != VERSION:
+        raise PlannercheckError(f"is of version {content.get('version')!r}; this plannercheck reads version {VERSION}")
+    missing = [key for key in _KEYS if key not in content]
+    if missing:
+        raise PlannercheckError(f"lacks {missing[0]!r}")
+    if content["kind"] not in _CLASSES:
+        raise PlannercheckError(f"'kind' must be one of {', '.join(_CLASSES)}, not {content['kind']!r:.60}")
+    module, *names = _CLASSES[content["kind"]]
+    model_class, motion_class = (getattr(importlib.import_module(module), name) for name in names)
+    model = from_plain(model_class, content["model"], "model")
+    hashes = from_plain(Hashes, content["hashes"], "hashes")
+    names = [content[key] for key in ("robot", "scene")]
+    if not all(isinstance(name, str) for name in names) or not isinstance(content["motions"], list):
+        raise PlannercheckError("'robot' and 'scene' must be names, 'motions' a list")
+    if not content["motions"]:
+        raise PlannercheckError("has no motions")
+    return tuple(
+        _motion(content["kind"], names, hashes, model, motion_class, item, f"motion {k}")
+        for k, item in enumerate(content["motions"])
+    )
+
+
+def _motion(
+    kind: Any, names: Sequence[str], hashes: Hashes, model: Any, motion_class: Any, item: Any, where: str
+) -> Proof:
+    if not isinstance(item, dict) or set(item) != {"motion", "margin", "entries"}:
+        raise PlannercheckError(f"{where} must have motion, margin, entries")
+    if not isinstance(item["entries"], list) or type(item["margin"]) not in (float, int):
+        raise PlannercheckError(f"{where}: 'entries' must be a list, 'margin' a number")
+    entries = tuple(from_plain(Entry, entry, f"{where}, entry {k}") for k, entry in enumerate(item["entries"]))
+    motion = from_plain(motion_class, item["motion"], where)
+    return Proof(kind, names[0], names[1], hashes, model, motion, float(item["margin"]), entries)
+
+
+def _check_suffix(path: Path) -> None:
+    if path.suffix not in (".json", ".npz"):
+        raise PlannercheckError(f"proof file {str(path)!r} must end in .json or .npz")
+
+
+def _from_json(path: Path) -> Any:
+    try:
+        return json.loads(read_bytes(path))
+    except (ValueError, RecursionError) as error:
+        raise PlannercheckError(f"is no JSON, or is cut off: {error}") from None
+
+
+def _from_npz(path: Path) -> Any:
+    read_bytes(path)  # says what is wrong with a file that can't be opened
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            text = str(file["document"])
+            return json.loads(text, object_hook=_array_reader(file))
+    except (ValueError, KeyError, OSError, EOFError, RecursionError, zipfile.BadZipFile) as error:
+        raise PlannercheckError(f"is no npz of a proof, or is cut off: {error}") from None
+
+
+def _array_reader(file: Any) -> Callable[[dict[str, Any]], Any]:
+    def read(node: dict[str, Any]) -> Any:
+        return file[f"array_{node['array']}"] if set(node) == {"array"} else node
+
+    return read

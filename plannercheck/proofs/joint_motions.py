@@ -1,0 +1,233 @@
+"""What each joint does on a motion, in ball arithmetic: the claim's interpolations, written from their definitions.
+
+In: a joint, both ends of a motion. Out: a function from the parameter (a point, or a ball of an interval) to the jet of
+the map from the joint's frame after its motion to its parent's.
+
+Turns are Rodrigues' formula, c I + (1 - c) a a^T + s [a], with the axis a as it is. Planar, floating and ball joints go
+along M exp(t X) with the constant twist X = log(M^-1 N), so that derivatives are products with X: of the matrix at the
+interval's middle and exp of the small rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from flint import arb, arb_mat
+
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.jets import Jet, affine, linear
+from plannercheck.proofs.proof import Joint
+
+Motion = Callable[[Any], Jet]
+
+# Below this angle, rad, logarithms are summed up as series, whose next terms bound what is left out.
+_SMALL = arb(1) / 4
+
+
+def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float]) -> Motion:
+    """The jet of a joint's map as a function of the parameter.
+
+    Args:
+        joint: The joint, well-formed.
+        start: (columns,) configuration.
+        end: (columns,).
+
+    Returns:
+        The function; for joints that are held, of a constant.
+
+    Raises:
+        UnprovedError: If the short way round is no definite one.
+    """
+    placement = affine(joint.placement)
+    if max(joint.columns) < 0:
+        held = Jet(placement * held_map(joint))
+        return lambda t: held
+    first = joint.columns[0]
+    here, there = start[first:], end[first:]
+    if joint.kind in ("turn", "slide"):
+        multiplier, offset = arb(joint.multipliers[0]), arb(joint.offsets[0])
+        value, rate = multiplier * arb(here[0]) + offset, multiplier * (arb(there[0]) - arb(here[0]))
+        return (_turning if joint.kind == "turn" else _sliding)(placement, joint.axis, value, rate)
+    if joint.kind == "circle":
+        angle, rate = arb.atan2(arb(here[1]), arb(here[0])), _way_round(here, there)
+        return _turning(placement, joint.axis, angle, rate, joint.multipliers)
+    before, after = _placed(joint.kind, here), _placed(joint.kind, there)
+    return _screw(placement * before, _twist(before, after, _turn_vector(joint.kind, here, there)))
+
+
+def held_map(joint: Joint) -> Any:
+    """The 4 x 4 map of a joint that is held at its offsets."""
+    values = [arb(value) for value in joint.offsets]
+    if joint.kind == "slide":
+        return shifted([values[0] * arb(part) for part in joint.axis])
+    if joint.kind == "turn":
+        return _turned(joint.axis, values[0].cos(), values[0].sin())
+    if joint.kind == "circle":
+        return _turned(joint.axis, values[0], values[1])
+    if joint.kind == "planar":
+        return shifted([values[0], values[1], arb(0)]) * _turned((0.0, 0.0, 1.0), values[2], values[3])
+    if joint.kind == "ball":
+        return _rotation(values)
+    return shifted(values[:3]) * _rotation(values[3:])
+
+
+def shifted(by: Sequence[Any]) -> Any:
+    """A translation, 4 x 4."""
+    return arb_mat(4, 4, [1, 0, 0, by[0], 0, 1, 0, by[1], 0, 0, 1, by[2], 0, 0, 0, 1])
+
+
+def _outer(a: Sequence[Any]) -> list[Any]:
+    return [x * y for x in a for y in a]
+
+
+def _cross(a: Sequence[Any]) -> list[Any]:
+    """The matrix [a] of a cross product with a."""
+    zero = arb(0)
+    return [zero, -a[2], a[1], a[2], zero, -a[0], -a[1], a[0], zero]
+
+
+def _parts(axis: Sequence[float]) -> tuple[Any, Any, Any]:
+    """Of c (I - a a^T) + s [a] + a a^T, as a map: the factors of c and s, and what is constant."""
+    a = [arb(part) for part in axis]
+    outer, one = linear(_outer(a)), linear([arb(int(k % 4 == 0)) for k in range(9)])
+    last = arb_mat(4, 4, [0] * 15 + [1])
+    return one - outer, linear(_cross(a)), outer + last
+
+
+def _turned(axis: Sequence[float], cosine: Any, sine: Any) -> Any:
+    of_cosine, of_sine, constant = _parts(axis)
+    return of_cosine * cosine + of_sine * sine + constant
+
+
+def _turning(
+    placement: Any, axis: Sequence[float], angle: Any, rate: Any, signs: Sequence[float] = (1.0, 1.0)
+) -> Motion:
+    """A turn by angle + t rate; the cosine and sine are multiplied by the signs."""
+    of_cosine, of_sine, constant = (placement * part for part in _parts(axis))
+    of_cosine, of_sine = of_cosine * arb(signs[0]), of_sine * arb(signs[-1] if len(signs) > 1 else 1.0)
+    square = rate * rate
+
+    def jet(t: Any) -> Jet:
+        sine, cosine = (angle + t * rate).sin_cos()
+        swing = of_cosine * cosine + of_sine * sine
+        return Jet(constant + swing, (of_sine * cosine - of_cosine * sine) * rate, swing * -square)
+
+    return jet
+
+
+def _sliding(placement: Any, axis: Sequence[float], value: Any, rate: Any) -> Motion:
+    along = placement * arb_mat(4, 4, [x for a in axis for x in (0, 0, 0, a)] + [0, 0, 0, 0])
+    first = along * rate
+    return lambda t: Jet(placement + along * (value + t * rate), first)
+
+
+def _screw(before: Any, twist: Any) -> Motion:
+    def jet(t: Any) -> Jet:
+        middle = t.mid()
+        value = before * (twist * middle).exp() * (twist * (t - middle)).exp()
+        first = value * twist
+        return Jet(value, first, first * twist)
+
+    return jet
+
+
+def _way_round(a: Sequence[float], b: Sequence[float]) -> Any:
+    """The angle from one (cosine, sine) to another, the short way."""
+    (c0, s0), (c1, s1) = ([arb(x) for x in pair[:2]] for pair in (a, b))
+    cross, dot = c0 * s1 - s0 * c1, c0 * c1 + s0 * s1
+    if not dot > 0 and not cross > 0 and not cross < 0:
+        raise UnprovedError("the motion turns a joint by half a turn, of which the short way round is not known")
+    return arb.atan2(cross, dot)
+
+
+def _unit(q: Sequence[float]) -> list[Any]:
+    """A quaternion, normalised."""
+    values = [arb(x) for x in q[:4]]
+    length = sum((x * x for x in values), arb(0)).sqrt()
+    return [x / length for x in values]
+
+
+def _rotation(q: Sequence[Any]) -> Any:
+    """The map of a quaternion x, y, z, w by the formula for those of length 1."""
+    x, y, z, w = q
+    return linear(
+        [
+            *(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+            *(2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+            *(2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+        ]
+    ) + arb_mat(4, 4, [0] * 15 + [1])
+
+
+def _placed(kind: str, q: Sequence[float]) -> Any:
+    """The map of a ball, planar or free joint at one end, its unit part normalised."""
+    if kind == "ball":
+        return _rotation(_unit(q))
+    if kind == "free":
+        return shifted([arb(x) for x in q[:3]]) * _rotation(_unit(q[3:]))
+    length = (arb(q[2]) ** 2 + arb(q[3]) ** 2).sqrt()
+    turn = _turned((0.0, 0.0, 1.0), arb(q[2]) / length, arb(q[3]) / length)
+    return shifted([arb(q[0]), arb(q[1]), arb(0)]) * turn
+
+
+def _turn_vector(kind: str, a: Sequence[float], b: Sequence[float]) -> list[Any]:
+    """The rotation vector from one end to the other, the short way, in the frame of the first."""
+    if kind == "planar":
+        return [arb(0), arb(0), _way_round(a[2:], b[2:])]
+    skipped = 3 if kind == "free" else 0
+    (x0, y0, z0, w0), (x1, y1, z1, w1) = _unit(a[skipped:]), _unit(b[skipped:])
+    w = w0 * w1 + x0 * x1 + y0 * y1 + z0 * z1
+    vector = [
+        w0 * x1 - x0 * w1 - y0 * z1 + z0 * y1,
+        w0 * y1 + x0 * z1 - y0 * w1 - z0 * x1,
+        w0 * z1 - x0 * y1 + y0 * x1 - z0 * w1,
+    ]
+    if not w > 0 and not w < 0:
+        raise UnprovedError("the motion turns a joint by half a turn, of which the short way round is not known")
+    if w < 0:
+        w, vector = -w, [-part for part in vector]
+    sine = sum((part * part for part in vector), arb(0)).nonnegative_part().sqrt()
+    ratio = 2 * arb.atan2(sine, w) / sine if sine > _SMALL else 2 / w * _arctangent(sine / w)
+    return [ratio * part for part in vector]
+
+
+def _arctangent(x: Any) -> Any:
+    """atan(x) / x for |x| below 0.3: an alternating series, so the next term bounds the rest."""
+    s, out, power = x * x, arb(0), arb(1)
+    for k in range(20):
+        out, power = out + power / (2 * k + 1), power * -s
+    return out + ball_of(power / 41)
+
+
+def _cotangent(s: Any) -> Any:
+    """(1 - a/2 cot(a/2)) / a^2 of a^2 = s below 1/16.
+
+    The series 1/12 + s/720 + … has the terms |B_2k| / (2k)! s^(k-1), each at most 1/39 s of the one before.
+    """
+    terms = (12, 720, 30240, 1209600, 47900160)
+    out, power = arb(0), arb(1)
+    for term in terms:
+        out, power = out + power / term, power * s
+    return out + ball_of(power / 10**9)  # the next is 691 / 1307674368000, below 0.53e-9, and the rest 1 % of it
+
+
+def ball_of(x: Any) -> Any:
+    """The ball around 0 that holds x and -x."""
+    return (-x).union(x)
+
+
+def _twist(before: Any, after: Any, turn: Sequence[Any]) -> Any:
+    """The 4 x 4 twist X with before exp(X) = after, whose rotation vector is known."""
+    w = arb_mat(3, 3, _cross(turn))
+    difference = arb_mat(3, 1, [after[k, 3] - before[k, 3] for k in range(3)])
+    shift = arb_mat(3, 3, [before[k, j] for j in range(3) for k in range(3)]) * difference
+    s = sum((part * part for part in turn), arb(0)).nonnegative_part()
+    if s > _SMALL * _SMALL:
+        half = s.sqrt() / 2
+        term = (1 - half * half.cos() / half.sin()) / s
+    else:
+        term = _cotangent(s)
+    slide = shift - (w * shift) * arb("0.5") + (w * (w * shift)) * term
+    rows = [[w[i, 0], w[i, 1], w[i, 2], slide[i, 0]] for i in range(3)]
+    return arb_mat(4, 4, [x for row in rows for x in row] + [0, 0, 0, 0])

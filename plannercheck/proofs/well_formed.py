@@ -1,0 +1,203 @@
+"""Whether a proof in space is well-formed: indices, finite numbers, rigid placements, hashes, the motion's ends.
+
+In: a proof of any content whose classes are those of `proof.py`. Out: nothing, or an `UnprovedError`. After this the
+verifier may index and compute.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.hashing import content_hash
+from plannercheck.proofs.proof import JOINT_VALUES, WORLD, Hashes, Joint, Model, Motion, Proof
+
+# What a placement may be off rigid, norm of M^T M - 1, and an axis or a unit part off length 1.
+LARGEST_DEFECT = 1e-6
+LARGEST_STRETCH = 1e-6
+
+# Numbers beyond this, rad and m, are no configuration or scene.
+LARGEST_NUMBER = 1e15
+
+# A short way round is at most half a turn, rad, up to the rounding of its end.
+_HALF_TURN = math.pi + 1e-6
+
+
+def check_well_formed(proof: Proof) -> None:
+    """Raises a `UnprovedError` for what no proof may have; entries are looked at by `check_tiling`."""
+    model, motion = proof.model, proof.motion
+    if proof.kind != "space" or not isinstance(model, Model) or not isinstance(motion, Motion):
+        raise UnprovedError("the proof is not of a motion in space")
+    _check_margin(proof.margin)
+    _check_tree(model)
+    _check_bodies(model)
+    _check_pairs(model)
+    _check_ends(model, motion)
+    if hashes_of(model) != proof.hashes:
+        raise UnprovedError("the model is not the one whose content hashes the proof has")
+
+
+def hashes_of(model: Model) -> Hashes:
+    """The content hashes of a model."""
+    mounted = [body for body in model.bodies if body.link != WORLD]
+    standing = [body for body in model.bodies if body.link == WORLD]
+    return Hashes(content_hash(model.joints, model.links, mounted), content_hash(standing), content_hash(model))
+
+
+def check_tiling(proof: Proof) -> None:
+    """Raises a `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is."""
+    assert isinstance(proof.model, Model)
+    reached: dict[int, float] = {}
+    for k, entry in enumerate(proof.entries):
+        if not 0 <= entry.pair < len(proof.model.pairs):
+            raise UnprovedError(f"entry {k} is of pair {entry.pair}, of {len(proof.model.pairs)}")
+        if not entry.start < entry.end or reached.get(entry.pair, 0.0) != entry.start:
+            raise UnprovedError(
+                f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so "
+                f"far, at {reached.get(entry.pair, 0.0)!r}"
+            )
+        reached[entry.pair] = entry.end
+        if entry.by not in ("plane", "balls"):
+            raise UnprovedError(f"entry {k} is by {entry.by!r:.40}, which is not known")
+        if entry.by == "plane" and not (len(entry.direction) == 3 and WORLD <= entry.frame < len(proof.model.links)):
+            raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
+        _check_numbers(entry.direction, f"direction of entry {k}")
+    for pair in range(len(proof.model.pairs)):
+        if reached.get(pair, 0.0) != 1.0:
+            raise UnprovedError(f"pair {pair} is proved up to {reached.get(pair, 0.0)!r} alone, not to 1")
+
+
+def _check_margin(margin: float) -> None:
+    _check_numbers([margin], "margin")
+    if margin < 0:
+        raise UnprovedError(f"the margin is {margin!r}, below 0")
+
+
+def _check_numbers(values: Iterable[Any], what: str) -> None:
+    for value in values:
+        if not isinstance(value, float) or not abs(value) <= LARGEST_NUMBER:
+            raise UnprovedError(
+                f"{what} has the number {value!r:.40}, which is not finite, or beyond {LARGEST_NUMBER:g}"
+            )
+
+
+def _check_length(values: Sequence[Any], length: int, what: str) -> None:
+    if len(values) != length:
+        raise UnprovedError(f"{what} has {len(values)} numbers, not {length}")
+
+
+def _check_tree(model: Model) -> None:
+    for index, joint in enumerate(model.joints):
+        what = f"joint {index} ({joint.name})"
+        if joint.kind not in JOINT_VALUES:
+            raise UnprovedError(f"{what} is of kind {joint.kind!r:.40}, which is not known")
+        if not WORLD <= joint.parent < index:
+            raise UnprovedError(f"{what} has the parent {joint.parent}, which is no joint before it")
+        _check_placement(joint.placement, what)
+        _check_axis(joint, what)
+        for values in (joint.columns, joint.multipliers, joint.offsets):
+            _check_length(values, JOINT_VALUES[joint.kind], what)
+        _check_numbers((*joint.multipliers, *joint.offsets), what)
+        _check_columns(joint, model.columns, what)
+    for index, link in enumerate(model.links):
+        if not WORLD <= link.joint < len(model.joints):
+            raise UnprovedError(f"link {index} ({link.name}) is on joint {link.joint}, which there is not")
+        _check_placement(link.placement, f"link {index} ({link.name})")
+
+
+def _check_axis(joint: Joint, what: str) -> None:
+    _check_length(joint.axis, 3, what)
+    _check_numbers(joint.axis, what)
+    if joint.kind in ("turn", "slide", "circle") and not abs(math.hypot(*joint.axis) - 1) <= LARGEST_STRETCH:
+        raise UnprovedError(f"{what} has an axis of length {math.hypot(*joint.axis)!r}, not 1")
+
+
+def _check_columns(joint: Joint, columns: int, what: str) -> None:
+    used = [column for column in joint.columns if column != WORLD]
+    if not all(0 <= column < columns for column in used):
+        raise UnprovedError(f"{what} takes a column that there is not")
+    if not used or joint.kind in ("turn", "slide"):
+        return
+    plain = (-1.0, 1.0) if joint.kind == "circle" else (1.0,)
+    consecutive = joint.columns == tuple(range(used[0], used[0] + len(joint.columns)))
+    if not consecutive or any(joint.offsets) or not all(factor in plain for factor in joint.multipliers):
+        raise UnprovedError(f"{what} takes several numbers, which have to be columns in a row as they are")
+
+
+def _check_placement(rows: Sequence[float], what: str) -> None:
+    _check_length(rows, 12, what)
+    _check_numbers(rows, what)
+    matrix = np.reshape(rows, (3, 4))[:, :3]
+    defect = float(np.linalg.norm(matrix.T @ matrix - np.eye(3)))
+    if not defect <= LARGEST_DEFECT or not np.linalg.det(matrix) > 0:
+        raise UnprovedError(
+            f"{what} has a placement that is not rigid: |M^T M - 1| is {defect:.3g}, or it is a reflection"
+        )
+
+
+def _check_bodies(model: Model) -> None:
+    for index, body in enumerate(model.bodies):
+        what = f"body {index} ({body.name})"
+        if not WORLD <= body.link < len(model.links):
+            raise UnprovedError(f"{what} is on link {body.link}, which there is not")
+        _check_placement(body.pose, what)
+        _check_numbers((body.radius, body.padding, body.reach, *body.centre), what)
+        _check_length(body.centre, 3, what)
+        if not 0 <= body.padding <= body.radius or body.reach < 0:
+            raise UnprovedError(f"{what} has a negative length, or a padding beyond its radius")
+        shape = body.vertices.shape
+        if len(shape) != 2 or shape[1] != 3 or not shape[0]:
+            raise UnprovedError(f"{what} has vertices of shape {shape}, not (n, 3)")
+        if not (np.abs(body.vertices) <= LARGEST_NUMBER).all():
+            raise UnprovedError(f"{what} has a vertex that is not finite, or beyond {LARGEST_NUMBER:g}")
+
+
+def _check_pairs(model: Model) -> None:
+    for index, (a, b) in enumerate(model.pairs):
+        if a == b or not (0 <= a < len(model.bodies) and 0 <= b < len(model.bodies)):
+            raise UnprovedError(f"pair {index} is of bodies {a} and {b}: they must be two of {len(model.bodies)}")
+
+
+def _check_ends(model: Model, motion: Motion) -> None:
+    for name, q in (("start", motion.start), ("end", motion.end), ("asked end", motion.asked_end)):
+        _check_length(q, model.columns, f"the motion's {name}")
+        _check_numbers(q, f"the motion's {name}")
+    for column in model.whole_turns:
+        if not 0 <= column < model.columns:
+            raise UnprovedError(f"column {column} of whole turns is not there")
+        users = [joint for joint in model.joints if column in joint.columns]
+        if any(joint.kind != "turn" or joint.multipliers[0] % 1 for joint in users):
+            raise UnprovedError(f"a whole turn of column {column} is none of every joint that follows it")
+        if not abs(motion.end[column] - motion.start[column]) <= _HALF_TURN:
+            raise UnprovedError(f"the motion turns column {column} by more than half a turn: not the short way")
+    for column, (end, asked) in enumerate(zip(motion.end, motion.asked_end, strict=True)):
+        if end != asked and column not in model.whole_turns:
+            raise UnprovedError(f"the motion ends at {end!r} in column {column}, where {asked!r} was asked for")
+    for joint in model.joints:
+        _check_unit(joint, motion)
+
+
+def _check_unit(joint: Joint, motion: Motion) -> None:
+    skipped = {"circle": 0, "planar": 2, "ball": 0, "free": 3}.get(joint.kind)
+    if skipped is None:
+        return
+    held = max(joint.columns) < 0
+    ends = [joint.offsets] if held else [[q[c] for c in joint.columns] for q in (motion.start, motion.end)]
+    for values in ends:
+        if not abs(math.hypot(*values[skipped:]) - 1) <= LARGEST_STRETCH:
+            raise UnprovedError(f"joint {joint.name} has a quaternion, or cosine and sine, that is not of length 1")
+
+
+def unreached(model: Model, motion: Motion) -> dict[int, float]:
+    """By column of whole turns, how far the end is from the asked one by more than whole turns, rad (upper bound)."""
+    out = {}
+    for column in model.whole_turns:
+        difference = arb(motion.end[column]) - arb(motion.asked_end[column])
+        turns = round(float(difference / (2 * arb.pi())))
+        out[column] = float((difference - 2 * arb.pi() * turns).abs_upper()) * (1 + 1e-12)
+    return out
