@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.checker import Checker
+from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
 from plannercheck.stress.motion_aims import Aim, Motions, joined, through
 from plannercheck.stress.motion_contacts import DEPTHS, Contact, extent_of, random_contact, random_shape
@@ -46,7 +47,7 @@ _OBSTACLES, _PROBES = (3, 9), (0, 5)
 _MOSTLY_TOUCHING = 0.2
 _PROBED_STATES, _NEAR_STATES = 60, 10
 # Off-unit lengths go to this part of what is accepted.
-_OFF_UNIT, _ONE_WAY = 1.99e-7, 0.8
+_OFF_UNIT, _ONE_WAY, _LESS, _HALVINGS = 1.99e-7, 0.8, 0.9, 60
 # Far ends of continuous joints: whole turns of up to this power of ten.
 # Depths of contacts in states that are off unit, m (powers of ten): below what filters may allow for.
 _SHALLOW = (-7.0, -4.5)
@@ -333,12 +334,28 @@ def _ending(motions: Motions, other: Floats, last: Bools) -> Motions:
 
 
 def _off_unit(stage: _Stage, q: Floats, rng: np.random.Generator) -> Floats:
-    """Configurations (n, nq) whose quaternions, cosines and sines are as far off length 1 as is accepted."""
-    out, sign = q.copy(), rng.choice([-1.0, 1.0], len(q))
-    for start, stop in stage.robot.configuration_map.units:
-        off = _OFF_UNIT * np.where(rng.random(len(q)) < _ONE_WAY, sign, rng.choice([-1.0, 1.0, 0.0], len(q)))
-        out[:, start:stop] *= ((1 + off) / np.linalg.norm(q[:, start:stop], axis=1))[:, None]
-    return out
+    """Configurations (n, nq) whose quaternions, cosines and sines are about as far off length 1 as is accepted."""
+    sign = rng.choice([-1.0, 1.0], len(q))
+    units = stage.robot.configuration_map.units
+    off = [
+        np.where(rng.random(len(q)) < _ONE_WAY, sign, rng.choice([-1.0, 1.0, 0.0], len(q))) * _OFF_UNIT for _ in units
+    ]
+    for _ in range(_HALVINGS):  # along chains less is accepted
+        out = q.copy()
+        for (start, stop), part in zip(units, off, strict=True):
+            out[:, start:stop] *= ((1 + part) / np.linalg.norm(q[:, start:stop], axis=1))[:, None]
+        if _is_accepted(stage.robot, out):
+            return out
+        off = [_LESS * part for part in off]
+    return q
+
+
+def _is_accepted(robot: Robot, q: Floats) -> bool:
+    try:
+        robot.check_configurations(q)
+    except PlannercheckError:
+        return False
+    return True
 
 
 _CHANGES: dict[str, Callable[[_Stage, Motions, np.random.Generator], Motions]] = {

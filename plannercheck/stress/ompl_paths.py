@@ -7,8 +7,8 @@ the checker judges, joint by joint and mimics included.
 from __future__ import annotations
 
 import numpy as np
-from ompl import base
 from numpy.typing import NDArray
+from ompl import base
 
 from plannercheck.errors import PlannercheckError
 from plannercheck.joint_space import JointSpace
