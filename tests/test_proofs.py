@@ -133,6 +133,22 @@ def test_continuous_joints_go_the_short_way_and_the_asked_end_is_kept(tmp_path):
     assert not replace(proof, motion=far).verify()
 
 
+@pytest.mark.parametrize("asked", [1e6, 1e12, 9e14])
+def test_an_asked_end_many_turns_away_does_not_count_among_what_is_interpolated(asked):
+    robot = pc.Robot.load("pr2")
+    checker = pc.Checker(robot)
+    (q0,), (q1,) = free_motions(checker, 1, 3)
+    q1 = q0.copy()
+    q1[int(checker.motion_sampler.whole_turns[0])] = asked
+    near = checker.motion_sampler.short_way(q0[None], q1[None])
+    (proof,) = checker.certify_motions(q0[None], q1[None])
+    (plain,) = checker.certify_motions(q0[None], near)
+    assert (proof is None) == (plain is None)
+    if proof is not None:
+        assert proof.margin <= 10 * plain.margin
+        assert proof.verify()
+
+
 def forged(checker, q0, q1, planes, monkeypatch):
     """The proof that the package builds if its certifier says that a motion is free."""
     builder = Builder(checker)

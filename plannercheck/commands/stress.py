@@ -21,8 +21,8 @@ pairs alone. Exit code 1 if a verdict is wrong, an
 exception is thrown, a body is refused or a query takes more than a second.
 
 With --motions instead: random trees of all kinds of joints, the shipped robots, planar chains and curves, among bodies
-that touch them by construction. Exit code 1 if a motion that collides is passed, one is refused without reason, a verdict
-depends on what else was asked, or a proof is not verified.
+that touch them by construction. Exit code 1 if a motion that collides is passed, one is refused without reason, a
+verdict depends on what else was asked, or a proof is not verified.
 """
 # Pairs between two lines of progress.
 _REPORT_EVERY = 20_000

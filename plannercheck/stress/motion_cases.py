@@ -1,4 +1,4 @@
-"""A motion that failed, with its robot and scene, as a file: to be asked again by name; and how to make it smaller first.
+"""A motion that failed, with its robot and scene, as a file to be asked again; and how to make it smaller first.
 
 In and out: JSON. The recipe of the checker, the motion, and those that were asked before it, where that matters.
 """
@@ -15,7 +15,8 @@ import numpy as np
 
 from plannercheck.stress.motion_aims import Motions
 from plannercheck.stress.motion_draws import Draw
-from plannercheck.stress.motion_judges import Fault, judge
+from plannercheck.stress.motion_judges import judge
+from plannercheck.stress.motion_outcomes import Fault
 from plannercheck.stress.motion_recipes import Recipe
 from plannercheck.stress.motion_subjects import subject_of
 
@@ -80,10 +81,18 @@ def case_of(name: str, draw: Draw | None, fault: Fault) -> MotionCase:
 
 
 def shrunk(case: MotionCase) -> MotionCase:
-    """A case that still fails with as few motions and obstacles as it can do with."""
+    """A case that still fails with as few motions and obstacles as it can do with.
+
+    Without an obstacle nothing is in contact with it by construction: so obstacles are dropped only where the case
+    fails by what is seen, not by what was built.
+    """
     if case.motions is None or not case.fails():
         return case
-    return _with_fewer_obstacles(_with_fewer_motions(case))
+    motions = case.motions
+    seen = replace(case, motions=motions._replace(touching=np.zeros_like(motions.touching)))
+    if not seen.fails():
+        return _with_fewer_motions(case)
+    return _with_fewer_obstacles(_with_fewer_motions(seen))
 
 
 def _with_fewer_motions(case: MotionCase) -> MotionCase:
@@ -101,7 +110,8 @@ def _with_fewer_obstacles(case: MotionCase) -> MotionCase:
     obstacles = recipe["obstacles"]
 
     def with_some(rows: list[int]) -> MotionCase:
-        return replace(case, recipe={**recipe, "obstacles": [obstacles[k] for k in rows]})
+        smaller: Any = {**recipe, "obstacles": [obstacles[k] for k in rows]}
+        return replace(case, recipe=smaller)
 
     # The first motion may need none at all.
     if with_some([]).fails():

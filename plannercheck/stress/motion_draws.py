@@ -1,13 +1,12 @@
-"""Random draws of the motion stress in space: a robot in a scene, with contacts by construction, and motions through them.
+"""Random draws of the motion stress in space: a robot in a scene, with contacts by construction; motions through them.
 
-In: a family's name, a random generator. Out: a `Draw`. The robot is drawn first, then states; at each state a body is put
-where it touches the robot: an obstacle, or a probe on another branch of the robot itself. Of many motions through these
-states those come first that are free at both ends, so that only what lies between can tell.
+In: a family's name, a random generator. Out: a `Draw`. The robot is drawn first, then states; at each state a body is
+put where it touches the robot: an obstacle, or a probe on another branch of the robot itself. Of many motions through
+these states those come first that are free at both ends, so that only what lies between can tell.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -15,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.checker import Checker
-from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
-from plannercheck.stress.motion_aims import Aim, Motions, joined, through
+from plannercheck.stress.motion_aims import Aim, Motions, joined
 from plannercheck.stress.motion_contacts import DEPTHS, Contact, extent_of, random_contact, random_shape
+from plannercheck.stress.motion_ends import Stage, moved, state_of
 from plannercheck.stress.motion_recipes import (
     BodyRecipe,
     Matrix,
@@ -29,7 +28,7 @@ from plannercheck.stress.motion_recipes import (
     space_checker,
     tree_recipe,
 )
-from plannercheck.stress.motion_tangents import Tangents, tangents_of
+from plannercheck.stress.motion_tangents import tangents_of
 from plannercheck.stress.motion_trees import CONTINUOUS, TURNS, Wishes, random_pose, random_states, random_tree
 
 Floats = NDArray[np.float64]
@@ -46,12 +45,8 @@ _OBSTACLES, _PROBES = (3, 9), (0, 5)
 # Pairs that collide in more than this part of random states are left out: they would hide all others.
 _MOSTLY_TOUCHING = 0.2
 _PROBED_STATES, _NEAR_STATES = 60, 10
-# Off-unit lengths go to this part of what is accepted.
-_OFF_UNIT, _ONE_WAY, _LESS, _HALVINGS = 1.99e-7, 0.8, 0.9, 60
-# Far ends of continuous joints: whole turns of up to this power of ten.
 # Depths of contacts in states that are off unit, m (powers of ten): below what filters may allow for.
 _SHALLOW = (-7.0, -4.5)
-_FARTHEST, _NEAR_ZERO, _LAST = 15.0, 0.7, 0.5
 _BASE_HAS_A_BODY, _LINK_HAS_A_BODY, _SECOND_BODY = 0.5, 0.8, 0.25
 _BODY_OFFSETS = ((0.8, 0.2), (1.0, 10.0))  # up to this probability, so far off its link's origin, m
 _PADDED, _SWAPPED = 0.1, 0.5
@@ -75,16 +70,6 @@ class Draw:
     recipe: Recipe
     motions: Motions
     tolerance: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Stage:
-    """A robot without contacts yet."""
-
-    recipe: SpaceRecipe
-    robot: Robot
-    tangents: Tangents
-    depths: tuple[float, float] = DEPTHS
 
 
 FAMILIES: dict[str, Wishes] = {
@@ -113,26 +98,26 @@ def tree_draw(family: str, rng: np.random.Generator) -> Draw:
             break
     _add_bodies(recipe, rng, family == "off unit")
     depths = _SHALLOW if family == "off unit" else DEPTHS
-    stage = _Stage(recipe, robot, tangents_of(robot), depths)
-    probes = [_probe(stage, _state(stage, family, rng), rng) for _ in range(int(rng.integers(*_PROBES)))]
-    obstacles = [_obstacle(stage, _state(stage, family, rng), rng) for _ in range(int(rng.integers(*_OBSTACLES)))]
+    stage = Stage(recipe, robot, tangents_of(robot), depths)
+    probes = [_probe(stage, state_of(stage, family, rng), rng) for _ in range(int(rng.integers(*_PROBES)))]
+    obstacles = [_obstacle(stage, state_of(stage, family, rng), rng) for _ in range(int(rng.integers(*_OBSTACLES)))]
     _choose_pairs(stage, [*probes, *obstacles], rng)
     probes = [aim for aim, pair in zip(probes, recipe["pairs"], strict=False) if pair]
     obstacles = [aim for aim, body in zip(obstacles, recipe["obstacles"], strict=True) if body["shape"]]
     _tidy(recipe, rng)
     if rng.random() < _PADDED:
         recipe["padding"] = float(10.0 ** rng.uniform(-4, -2))
-    return _with_motions(family, _Stage(recipe, robot_of(recipe), stage.tangents), [*probes, *obstacles], rng)
+    return _with_motions(family, Stage(recipe, robot_of(recipe), stage.tangents), [*probes, *obstacles], rng)
 
 
-def _with_motions(family: str, stage: _Stage, aims: list[Aim], rng: np.random.Generator) -> Draw:
+def _with_motions(family: str, stage: Stage, aims: list[Aim], rng: np.random.Generator) -> Draw:
     each = MOTIONS * _CANDIDATES // max(len(aims), 1) + 1
     if not aims:  # nothing that would not hide everything else: motions of an idle robot
-        state = _state(stage, family, rng)
+        state = state_of(stage, family, rng)
         aims = [Aim(state, 0, -1, np.zeros(3), np.array([0.0, 0.0, 1.0]), False)]
-    motions = joined([_moved(family, stage, aim, each, rng) for aim in aims])
+    motions = joined([moved(family, stage, aim, each, rng) for aim in aims])
     checker = space_checker(stage.recipe, stage.robot)
-    tolerance = float(rng.choice(_TOLERANCES[family] if family in _TOLERANCES else _USUAL_TOLERANCES))
+    tolerance = float(rng.choice(_TOLERANCES.get(family, _USUAL_TOLERANCES)))
     return Draw(family, stage.recipe, _sharpest(checker, motions, MOTIONS, rng), tolerance)
 
 
@@ -144,7 +129,7 @@ def shipped_draw(family: str, rng: np.random.Generator) -> Draw:
     if recipe["whole"]:
         recipe["scene"] = ""
     robot = shipped_robot(recipe["shipped"], recipe["whole"])
-    stage = _Stage(recipe, robot, tangents_of(robot))
+    stage = Stage(recipe, robot, tangents_of(robot))
     valid = _valid_states(stage, rng)
     aims = [_obstacle(stage, q, rng) for q in valid]
     checker = space_checker(recipe, robot)
@@ -163,11 +148,12 @@ def shipped_robot(name: str, whole: bool) -> Robot:
     return robot_of(recipe)
 
 
-def _valid_states(stage: _Stage, rng: np.random.Generator) -> Floats:
+def _valid_states(stage: Stage, rng: np.random.Generator) -> Floats:
     """States that collide with nothing yet, or any if there is none: a few."""
     q = random_states(stage.robot, _PROBED_STATES, rng)
     free = q[space_checker(stage.recipe, stage.robot).check_states(q)]
-    return (free if len(free) else q)[: int(rng.integers(*_OBSTACLES))]
+    chosen: Floats = (free if len(free) else q)[: int(rng.integers(*_OBSTACLES))]
+    return chosen
 
 
 def _add_bodies(recipe: SpaceRecipe, rng: np.random.Generator, sparse: bool) -> None:
@@ -192,17 +178,7 @@ def _body(link: str, rng: np.random.Generator) -> BodyRecipe:
     return {"link": link, "shape": random_shape(rng), "pose": random_pose(reach, rng)}
 
 
-def _state(stage: _Stage, family: str, rng: np.random.Generator) -> Floats:
-    """A random state; with continuous joints far away in the family that is about them."""
-    (q,) = random_states(stage.robot, 1, rng)
-    if family == "far ends":
-        turns = np.isinf(stage.robot.lower) & np.isinf(stage.robot.upper)
-        q[turns] += 2 * np.pi * np.round(rng.choice([-1, 1]) * 10.0 ** rng.uniform(0, _FARTHEST, turns.sum()))
-        q[turns] = np.clip(q[turns], -9e14, 9e14)
-    return _off_unit(stage, q[None], rng)[0] if family == "off unit" else q
-
-
-def _moving_bodies(stage: _Stage) -> list[int]:
+def _moving_bodies(stage: Stage) -> list[int]:
     """Bodies on links that some joint of the group moves."""
     q = random_states(stage.robot, 2, np.random.default_rng(0))
     poses = stage.robot.link_poses(q)
@@ -210,7 +186,7 @@ def _moving_bodies(stage: _Stage) -> list[int]:
     return [k for k, body in enumerate(_bodies(stage)) if moves[stage.robot.link_index(body["link"])]]
 
 
-def _bodies(stage: _Stage) -> list[BodyRecipe]:
+def _bodies(stage: Stage) -> list[BodyRecipe]:
     if not stage.recipe["shipped"]:
         return stage.recipe["bodies"]
     return [
@@ -220,9 +196,7 @@ def _bodies(stage: _Stage) -> list[BodyRecipe]:
     ]
 
 
-def _touched(
-    stage: _Stage, k: int, poses: Floats, shape: list[object], rng: np.random.Generator
-) -> tuple[int, Contact]:
+def _touched(stage: Stage, k: int, poses: Floats, shape: list[object], rng: np.random.Generator) -> tuple[int, Contact]:
     """The link of a body, and a shape laid upon it."""
     body = _bodies(stage)[k]
     link = stage.robot.link_index(body["link"])
@@ -231,7 +205,7 @@ def _touched(
     return link, random_contact(extent, poses[link] @ np.array(body["pose"]), shape, rng, stage.depths)
 
 
-def _obstacle(stage: _Stage, state: Floats, rng: np.random.Generator) -> Aim:
+def _obstacle(stage: Stage, state: Floats, rng: np.random.Generator) -> Aim:
     """Adds an obstacle in contact at a state with a body that moves, if one does."""
     moving = _moving_bodies(stage)
     body = moving[int(rng.integers(len(moving)))] if moving else 0
@@ -242,7 +216,7 @@ def _obstacle(stage: _Stage, state: Floats, rng: np.random.Generator) -> Aim:
     return Aim(state, link, -1, contact.point, contact.normal, contact.touches and bool(moving))
 
 
-def _probe(stage: _Stage, state: Floats, rng: np.random.Generator) -> Aim:
+def _probe(stage: Stage, state: Floats, rng: np.random.Generator) -> Aim:
     """Adds a body to a link, in contact with a body of another link at a state."""
     k = int(rng.integers(len(stage.recipe["bodies"])))
     links = [name for name in stage.robot.link_names if name != stage.recipe["bodies"][k]["link"]]
@@ -261,7 +235,7 @@ def _matrix(pose: Floats) -> Matrix:
     return [[float(x) for x in row] for row in pose]
 
 
-def _choose_pairs(stage: _Stage, aims: list[Aim], rng: np.random.Generator) -> None:
+def _choose_pairs(stage: Stage, aims: list[Aim], rng: np.random.Generator) -> None:
     """Self pairs: those of the probes, and all others.
 
     What mostly touches, at random states and near those of the aims, would hide everything else: such pairs become
@@ -284,7 +258,7 @@ def _choose_pairs(stage: _Stage, aims: list[Aim], rng: np.random.Generator) -> N
             recipe["pairs"] = [[] if sorted(pair) == sorted((a, b)) else pair for pair in recipe["pairs"]]
 
 
-def _mostly_touching(stage: _Stage, checker: Checker, aims: list[Aim], rng: np.random.Generator) -> list[int]:
+def _mostly_touching(stage: Stage, checker: Checker, aims: list[Aim], rng: np.random.Generator) -> list[int]:
     """Rows of the checker's pairs that mostly collide, at random states and near those of the aims."""
     near = [stage.tangents.moved(aim.state, rng.normal(size=(_NEAR_STATES, stage.tangents.dimension))) for aim in aims]
     states = np.vstack([random_states(stage.robot, _PROBED_STATES, rng), *near])
@@ -296,72 +270,6 @@ def _tidy(recipe: SpaceRecipe, rng: np.random.Generator) -> None:
     """Drops what became empty; either body of a pair may come first."""
     recipe["pairs"] = [pair[::-1] if rng.random() < _SWAPPED else pair for pair in recipe["pairs"] if pair]
     recipe["obstacles"] = [body for body in recipe["obstacles"] if body["shape"]]
-
-
-def _moved(family: str, stage: _Stage, aim: Aim, n: int, rng: np.random.Generator) -> Motions:
-    """Motions through an aim, as the family has them."""
-    motions = through(stage.robot, stage.tangents, aim, n, rng)
-    change = _CHANGES.get(family)
-    return motions if change is None else change(stage, motions, rng)
-
-
-def _with_far_ends(stage: _Stage, motions: Motions, rng: np.random.Generator) -> Motions:
-    """The aim's far state is one end to the bit; the other is near it, or near zero, whole turns away."""
-    other, last = _one_end(motions, rng)
-    turns = np.isinf(stage.robot.lower) & np.isinf(stage.robot.upper)
-    near_zero = (rng.random(len(other)) < _NEAR_ZERO)[:, None] & turns
-    other = np.where(near_zero, other - 2 * np.pi * np.round(other / (2 * np.pi)), other)
-    return _ending(motions, other, last)
-
-
-def _with_off_unit_ends(stage: _Stage, motions: Motions, rng: np.random.Generator) -> Motions:
-    """The aim's state, as far off as is accepted, is one end to the bit; the other is off as well."""
-    other, last = _one_end(motions, rng)
-    return _ending(motions, _off_unit(stage, other, rng), last)
-
-
-def _one_end(motions: Motions, rng: np.random.Generator) -> tuple[Floats, Bools]:
-    """One end (n, nq) of each motion, and whether (n,) the other one is the last."""
-    last = rng.random(len(motions.at)) < _LAST
-    return np.where(last[:, None], motions.q0, motions.q1), last
-
-
-def _ending(motions: Motions, other: Floats, last: Bools) -> Motions:
-    """Motions between other ends (n, nq) and the states that they pass, which come last or first."""
-    q0 = np.where(last[:, None], other, motions.through)
-    q1 = np.where(last[:, None], motions.through, other)
-    return Motions(q0, q1, np.where(last, 1.0, 0.0), motions.through, motions.touching)
-
-
-def _off_unit(stage: _Stage, q: Floats, rng: np.random.Generator) -> Floats:
-    """Configurations (n, nq) whose quaternions, cosines and sines are about as far off length 1 as is accepted."""
-    sign = rng.choice([-1.0, 1.0], len(q))
-    units = stage.robot.configuration_map.units
-    off = [
-        np.where(rng.random(len(q)) < _ONE_WAY, sign, rng.choice([-1.0, 1.0, 0.0], len(q))) * _OFF_UNIT for _ in units
-    ]
-    for _ in range(_HALVINGS):  # along chains less is accepted
-        out = q.copy()
-        for (start, stop), part in zip(units, off, strict=True):
-            out[:, start:stop] *= ((1 + part) / np.linalg.norm(q[:, start:stop], axis=1))[:, None]
-        if _is_accepted(stage.robot, out):
-            return out
-        off = [_LESS * part for part in off]
-    return q
-
-
-def _is_accepted(robot: Robot, q: Floats) -> bool:
-    try:
-        robot.check_configurations(q)
-    except PlannercheckError:
-        return False
-    return True
-
-
-_CHANGES: dict[str, Callable[[_Stage, Motions, np.random.Generator], Motions]] = {
-    "far ends": _with_far_ends,
-    "off unit": _with_off_unit_ends,
-}
 
 
 def _sharpest(checker: Checker, motions: Motions, n: int, rng: np.random.Generator) -> Motions:

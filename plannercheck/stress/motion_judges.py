@@ -13,91 +13,46 @@ In: a draw. Out: `Judged`: how its motions were answered, and faults.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.stress.motion_collisions import ends_and_contacts, least_clearances, sampled
 from plannercheck.stress.motion_draws import Draw
+from plannercheck.stress.motion_outcomes import (
+    DECLINED,
+    EXCEPTION,
+    FAILED,
+    FREE,
+    HISTORY,
+    REFUSED,
+    Answers,
+    Judged,
+    valid,
+)
+from plannercheck.stress.motion_reasons import reasons, verified, whereabouts
 from plannercheck.stress.motion_subjects import Subject
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Answers = NDArray[np.int8]
-
-FREE, REFUSED, DECLINED, FAILED = 1, 0, -1, -2
-
-COLLISION, UNREASONED, HISTORY, ASTRAY, PROOF, EXCEPTION = (
-    "collision passed",
-    "refused without reason",
-    "depends on history",
-    "goes another way",
-    "proof refused",
-    "exception",
-)
-FAULTS = (COLLISION, UNREASONED, HISTORY, ASTRAY, PROOF, EXCEPTION)
-
-# States of an accepted motion: evenly spread with a random start, and at both sides of the contact so far off.
-_SPREAD = 16
-_ASIDE = np.concatenate([-(10.0 ** -np.arange(1.0, 10.0, 2)), [0.0], 10.0 ** -np.arange(1.0, 10.0, 2)])
-# Of so many accepted motions of a draw the least clearance is searched for: states at first, then rounds of so many
-# within the two steps around the least.
-_SEARCHED, _FIRST_STATES, _ROUNDS, _STATES = 8, 17, 4, 9
-# The same for a refusal that seems to have no reason.
-_THOROUGH_STATES, _THOROUGH_ROUNDS = 513, 4
 # Motions of a draw that are asked one by one, and that are explained in full.
 _SINGLE, _EXPLAINED = 20, 1
 # Checkers of a draw that are asked about a few motions only; in space they take longer to build.
 _FRESH = {"space": 1, "plane": 12}
 # With more pairs only as few are explained with proofs, which are as many as pairs.
 _MANY_PAIRS = 400
-# Refusals may name a state that is this much further away than the tolerance, m, and the same per largest number:
-# what distances and poses are rounded by.
-_SLACK, _SLACK_PER_NUMBER = 1e-8, 1e-13
-# Poses of the state that a motion passes agree up to this, m per m and rad.
-_SAME_STATE = 1e-9
 # In how many parts motions are split for a batch in another order.
 _PARTS = 3
 
 
-@dataclass
-class Fault:
-    """What was wrong with one motion: row of the draw's, or -1 for no one motion."""
-
-    kind: str
-    row: int
-    what: str
-
-
-@dataclass
-class Judged:
-    """A draw's outcome.
-
-    Attributes:
-        counts: Motions, free, refused, declined, sharp (free at both ends, in contact between), sampled states, verified;
-            "named off" are refusals whose named state is not within the tolerance, though another one is.
-        faults: What was wrong.
-    """
-
-    counts: Counter[str] = field(default_factory=Counter)
-    faults: list[Fault] = field(default_factory=list)
-
-    def add(self, kind: str, row: int, what: str) -> None:
-        """Notes a fault."""
-        self.faults.append(Fault(kind, row, what))
-
-
-def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, verified: int = 0) -> Judged:
+def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, proofs: int = 0) -> Judged:
     """Judges all motions of a draw.
 
     Args:
         draw: The draw.
         build: Makes a new checker of the draw.
         rng: Random numbers: orders, and states to be looked at.
-        verified: How many of the accepted motions to prove and verify.
+        proofs: How many of the accepted motions to prove and verify.
 
     Returns:
         The outcome.
@@ -108,13 +63,13 @@ def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, ve
     _count(draw, answers, fresh, judged)
     _alike(draw, used, answers, judged, rng)
     _after_few(draw, build, answers, judged, rng)
-    _ends_and_contacts(draw, used, answers, judged, rng)
-    _sampled(draw, used, answers, judged, rng)
-    _least_clearances(draw, used, answers, judged, rng)
-    _reasons(draw, used, answers, judged, rng)
-    _whereabouts(draw, used, answers, judged)
-    if verified:
-        _verified(draw, used, answers, judged, verified)
+    ends_and_contacts(draw, used, answers, judged, rng)
+    sampled(draw, used, answers, judged, rng)
+    least_clearances(draw, used, answers, judged, rng)
+    reasons(draw, used, answers, judged, rng)
+    whereabouts(draw, used, answers, judged)
+    if proofs:
+        verified(draw, used, answers, judged, proofs)
     return judged
 
 
@@ -147,23 +102,12 @@ def _declined(error: PlannercheckError, row: int, judged: Judged) -> int:
 
 def _count(draw: Draw, answers: Answers, subject: Subject, judged: Judged) -> None:
     motions = draw.motions
-    free_ends = _valid(subject, motions.q0) & _valid(subject, motions.q1)
+    free_ends = valid(subject, motions.q0) & valid(subject, motions.q1)
     inside = (motions.at > 0) & (motions.at < 1)
     judged.counts["motions"] += len(answers)
     for name, answer in (("free", FREE), ("refused", REFUSED), ("declined", DECLINED)):
         judged.counts[name] += int((answers == answer).sum())
     judged.counts["sharp"] += int((free_ends & inside & motions.touching).sum())
-
-
-def _valid(subject: Subject, q: Floats) -> Bools:
-    """(n,) whether states are valid; those that are declined count as valid, since nothing was said of them."""
-    try:
-        return np.asarray(subject.checker.check_states(q))
-    except PlannercheckError:
-        if len(q) == 1:
-            return np.ones(1, dtype=bool)
-    half = len(q) // 2
-    return np.concatenate([_valid(subject, q[:half]), _valid(subject, q[half:])])
 
 
 # ----- the same verdict, however it is asked for
@@ -226,153 +170,3 @@ def _passage(subject: Subject, draw: Draw, row: int, judged: Judged, proofs: boo
 def _compare(how: str, row: int, answer: int, answers: Answers, judged: Judged) -> None:
     if answer != answers[row]:
         judged.add(HISTORY, row, f"{how} {answer}, by a fresh checker among all {answers[row]}")
-
-
-# ----- accepted motions collide nowhere
-
-
-def _ends_and_contacts(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
-    """Both ends as they were given, and the state of the contact, alone and in company."""
-    motions, free = draw.motions, np.flatnonzero(answers == FREE)
-    for name, q in (("start", motions.q0), ("end", motions.q1)):
-        for row in free[~_valid(used, q[free])].tolist() if len(free) else []:
-            judged.add(COLLISION, row, f"its {name} collides")
-    _, first = np.unique(motions.through, axis=0, return_index=True)
-    known = first[motions.touching[first]]
-    if not len(known):
-        return
-    together_valid = _said(used, motions.through[known])
-    for row, valid in zip(known.tolist(), together_valid.tolist(), strict=True):
-        if valid == 1 or _said(used, motions.through[row][None])[0] == 1:
-            judged.add(COLLISION, row, "a state in contact by construction is called valid")
-
-
-def _said(subject: Subject, q: Floats) -> NDArray[np.int64]:
-    """(n,) 1 valid, 0 not, -1 declined."""
-    try:
-        return np.asarray(subject.checker.check_states(q)).astype(np.int64)
-    except PlannercheckError:
-        if len(q) == 1:
-            return np.array([-1])
-    half = len(q) // 2
-    return np.concatenate([_said(subject, q[:half]), _said(subject, q[half:])])
-
-
-def _sampled(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
-    """States all along, and close to the contact."""
-    free = np.flatnonzero(answers == FREE)
-    states = [_states(draw, used, row, _parameters(draw.motions.at[row], rng)) for row in free.tolist()]
-    if not states:
-        return
-    judged.counts["sampled states"] += sum(len(part) for part in states)
-    owners = np.repeat(free, [len(part) for part in states])
-    colliding = ~_valid(used, np.vstack(states))
-    for row in np.unique(owners[colliding]).tolist():
-        judged.add(COLLISION, row, "a state on it collides")
-
-
-def _parameters(at: float, rng: np.random.Generator) -> Floats:
-    spread = (np.arange(_SPREAD) + rng.random()) / _SPREAD
-    return np.clip(np.concatenate([spread, at + _ASIDE, [0.0, 1.0]]), 0, 1)
-
-
-def _states(draw: Draw, used: Subject, row: int, parameters: Floats) -> Floats:
-    return used.states(draw.motions.q0[row], draw.motions.q1[row], parameters)
-
-
-def _least_clearances(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
-    """A search for the state of least clearance, which must not collide."""
-    free = np.flatnonzero(answers == FREE)
-    chosen = rng.permutation(free)[:_SEARCHED]
-    low, high = np.zeros(len(chosen)), np.ones(len(chosen))
-    for step in range(_ROUNDS if len(chosen) else 0):
-        k = _STATES if step else _FIRST_STATES
-        parameters = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, k)
-        states = [_states(draw, used, row, t) for row, t in zip(chosen.tolist(), parameters, strict=True)]
-        judged.counts["sampled states"] += len(chosen) * k
-        clearances = used.clearances(np.vstack(states)).reshape(len(chosen), k)
-        found = np.argmin(clearances, axis=1)
-        for row in chosen[(clearances <= used.padding).any(axis=1)].tolist():
-            judged.add(COLLISION, row, "the state of least clearance collides")
-        rows = np.arange(len(chosen))
-        low, high = parameters[rows, np.maximum(found - 1, 0)], parameters[rows, np.minimum(found + 1, k - 1)]
-
-
-# ----- refused motions come within the tolerance
-
-
-def _reasons(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
-    """The named state is within the tolerance, or some other; a few are explained in full."""
-    refused = np.flatnonzero(answers == REFUSED)
-    named = []
-    for row in refused.tolist():
-        passage = used.passage(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
-        if passage.free:
-            judged.add(HISTORY, row, "refused by a fresh checker among all, explained as free")
-        near = passage.near
-        named.append(_states(draw, used, row, np.array([min(max(near, 0.0), 1.0)]))[0])
-    if not named:
-        return
-    clearances = used.clearances(np.array(named)) - used.padding
-    for row, clearance in zip(refused.tolist(), clearances.tolist(), strict=True):
-        slack = (
-            _SLACK
-            + _SLACK_PER_NUMBER * float(np.abs(draw.motions.q0[row]).max())
-            + used.slack(draw.motions.q0[row], draw.motions.q1[row])
-        )
-        if clearance > draw.tolerance + slack:
-            least = _least_clearance(draw, used, row)
-            judged.counts["named off"] += 1
-            if least > draw.tolerance + slack:
-                judged.add(UNREASONED, row, f"its clearance is {least} m, {clearance} m at the state that is named")
-    for row in rng.permutation(refused)[:_EXPLAINED].tolist():
-        verdict = used.explain(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
-        if verdict.collides_at is not None:
-            state = _states(draw, used, row, np.array([verdict.collides_at]))
-            if _valid(used, state)[0] or verdict.collides_at < verdict.free_until:
-                judged.add(UNREASONED, row, "the state that is said to collide does not, or lies in the free part")
-
-
-def _least_clearance(draw: Draw, used: Subject, row: int) -> float:
-    """The least clearance along a motion that a search finds, m."""
-    low, high, least = 0.0, 1.0, np.inf
-    for _ in range(_THOROUGH_ROUNDS):
-        parameters = np.linspace(low, high, _THOROUGH_STATES)
-        clearances = used.clearances(_states(draw, used, row, parameters)) - used.padding
-        found, least = int(np.argmin(clearances)), min(least, float(clearances.min()))
-        low, high = parameters[max(found - 1, 0)], parameters[min(found + 1, _THOROUGH_STATES - 1)]
-    return least
-
-
-# ----- motions go where they should
-
-
-def _whereabouts(draw: Draw, used: Subject, answers: Answers, judged: Judged) -> None:
-    """At the parameter of the contact, links are where they are at the state that the motion was laid through."""
-    motions = draw.motions
-    rows = np.flatnonzero((answers != FAILED) & (answers != DECLINED) & (motions.at > 0) & (motions.at < 1))
-    if not len(rows):
-        return
-    states = np.vstack([_states(draw, used, row, motions.at[row : row + 1]) for row in rows.tolist()])
-    found, wanted = used.placed(states), used.placed(motions.through[rows])
-    sizes = 1 + np.abs(wanted).max(axis=(1, 2, 3)) * (1 + np.abs(motions.q0[rows]).max(axis=1))
-    off = np.abs(found - wanted).max(axis=(1, 2, 3)) / sizes
-    for row in rows[off > _SAME_STATE].tolist():
-        judged.add(ASTRAY, row, "it does not pass the state that it was laid through")
-
-
-# ----- proofs
-
-
-def _verified(draw: Draw, used: Subject, answers: Answers, judged: Judged, count: int) -> None:
-    """Proofs of so many accepted motions, verified apart from the core."""
-    for row in np.flatnonzero(answers == FREE)[:count].tolist():
-        try:
-            (proof,) = used.certify(draw.motions.q0[row : row + 1], draw.motions.q1[row : row + 1], draw.tolerance)
-            verification = None if proof is None else proof.verify()
-        except Exception as error:
-            judged.add(EXCEPTION, row, f"proof: {error!r}")
-            continue
-        judged.counts["verified"] += 1
-        if not verification:
-            judged.add(PROOF, row, "no proof" if verification is None else str(verification.fault))

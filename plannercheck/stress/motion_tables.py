@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from plannercheck.stress.motion_judges import FAULTS
+from plannercheck.stress.motion_outcomes import FAULTS
 from plannercheck.stress.motion_run import FAMILY_NAMES, MotionTally
 
 _COUNTED = ("motions", "free", "refused", "declined", "sharp", "named off", "sampled states", "verified")
@@ -31,10 +31,9 @@ def lines(tally: MotionTally) -> list[str]:
     rows.append(("all", *_sums(tally, families)))
     out = [head, *(_row(*row) for row in rows), ""]
     spent = sum(tally.seconds.values())
-    out.append(
-        f"{tally.draws} draws, {spent:.0f} s of processes' time, {tally.motions / max(spent, 1e-9):.0f} motions a second; "
-        "slowest, ms a motion: " + ", ".join(_slowest(tally, families))
-    )
+    rate = tally.motions / max(spent, 1e-9)
+    out.append(f"{tally.draws} draws, {spent:.0f} s of processes' time, {rate:.0f} motions a second")
+    out.append("slowest, ms a motion: " + ", ".join(_slowest(tally, families)))
     out += [f"first {kind}: within {count} motions" for kind, count in tally.first.items()]
     return out
 

@@ -1,7 +1,7 @@
 """Whether a motion that is proved is the one that OMPL makes: the same states between the same ends.
 
-In: random numbers. Out: a `Judged`. OMPL interpolates in its own space; the links are held against those on the motion that
-the checker judges, joint by joint and mimics included.
+In: random numbers. Out: a `Judged`. OMPL interpolates in its own space; the links are held against those on the motion
+that the checker judges, joint by joint and mimics included.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.joint_space import JointSpace
 from plannercheck.robot import Robot
 from plannercheck.stress.motion_draws import FAMILIES
-from plannercheck.stress.motion_judges import ASTRAY, Judged
+from plannercheck.stress.motion_outcomes import ASTRAY, Judged
 from plannercheck.stress.motion_recipes import robot_of
 from plannercheck.stress.motion_subjects import SpaceSubject
 from plannercheck.stress.motion_trees import random_tree
