@@ -171,11 +171,13 @@ class MotionCertifier:
         threads: int,
     ) -> Bools:
         """Some rows by some pairs; `error` is the bound of their kinematics' rounding."""
+        if part.touching:  # at every state, so that nothing else matters
+            return np.zeros(len(rows), dtype=bool)
         starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
         answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
         if (answers == _IMPRECISE).any():
             raise imprecise(int(rows[np.argmax(answers == _IMPRECISE)]), tolerance)
-        return np.asarray((answers == _FREE) & (not part.touching))
+        return np.asarray(answers == _FREE)
 
     def _within_limits(self, q0: Floats, q1: Floats) -> Bools:
         """(n,) whether both ends are, so that all states between them are, up to rounding."""

@@ -100,8 +100,7 @@ class Builder:
     def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
         ends = np.stack([start, end, asked_end])
         error = 2 * self._checker.robot.kinematic_error_within(ends.min(axis=0), ends.max(axis=0))  # of two bodies
-        # Of what is interpolated; the asked end is posed as it is, which `error` covers.
-        largest = float(np.abs(ends[:2]).max(initial=0.0))
+        largest = float(np.abs(ends[:2]).max(initial=0.0))  # of the states in between; the asked end's is in the error
         units = self._checker.robot.configuration_map.units
         off = max((abs(float(np.linalg.norm(q[a:b])) - 1) for q in (start, end) for a, b in units), default=0.0)
         leverage = sum(abs(factor) for joint in self._model.joints for factor in joint.multipliers)

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import flint
 import numpy as np
 from flint import arb
 
@@ -20,6 +21,9 @@ from plannercheck.proofs.proof import JOINT_VALUES, WORLD, Hashes, Joint, Model,
 # What a placement may be off rigid, norm of M^T M - 1, and an axis or a unit part off length 1.
 LARGEST_DEFECT = 1e-6
 LARGEST_STRETCH = 1e-6
+
+# Bits in which whole turns are taken off angles of up to 1e15 rad: what is left is known far better than its double.
+_TURN_BITS = 192
 
 # Numbers beyond this, rad and m, are no configuration or scene.
 LARGEST_NUMBER = 1e15
@@ -195,9 +199,13 @@ def _check_unit(joint: Joint, motion: Motion) -> None:
 
 def unreached(model: Model, motion: Motion) -> dict[int, float]:
     """By column of whole turns, how far the end is from the asked one by more than whole turns, rad (upper bound)."""
-    out = {}
-    for column in model.whole_turns:
-        difference = arb(motion.end[column]) - arb(motion.asked_end[column])
-        turns = round(float(difference / (2 * arb.pi())))
-        out[column] = float((difference - 2 * arb.pi() * turns).abs_upper()) * (1 + 1e-12)
-    return out
+    bits, flint.ctx.prec = flint.ctx.prec, _TURN_BITS
+    try:
+        out = {}
+        for column in model.whole_turns:
+            difference = arb(motion.end[column]) - arb(motion.asked_end[column])
+            turns = round(float(difference / (2 * arb.pi())))
+            out[column] = float((difference - 2 * arb.pi() * turns).abs_upper()) * (1 + 1e-12)
+        return out
+    finally:
+        flint.ctx.prec = bits

@@ -23,7 +23,9 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 # Off-unit lengths go to this part of what is accepted.
-_OFF_UNIT, _ONE_WAY, _LESS, _HALVINGS = 1.99e-7, 0.8, 0.9, 60
+_OFF_UNIT, _ONE_WAY = 1.99e-7, 0.8
+# A chain of many such joints shares what one may be off: the largest of these parts is taken that is accepted.
+_OFF_PARTS = (*np.geomspace(1.0, 1e-3, 40).tolist(), 0.0)
 # Far ends of continuous joints: whole turns of up to this power of ten.
 # No number of a configuration may be larger than 1e15 (`configurations.LARGEST_VALUE`); motions go a little on.
 _LARGEST = 9e14
@@ -87,20 +89,20 @@ def _ending(motions: Motions, other: Floats, last: Bools) -> Motions:
 
 
 def _off_unit(stage: Stage, q: Floats, rng: np.random.Generator) -> Floats:
-    """Configurations (n, nq) whose quaternions, cosines and sines are about as far off length 1 as is accepted."""
-    sign = rng.choice([-1.0, 1.0], len(q))
+    """Configurations (n, nq) whose quaternions, cosines and sines are as far off length 1 as is accepted."""
+    out, sign = q.copy(), rng.choice([-1.0, 1.0], len(q))
     units = stage.robot.configuration_map.units
-    off = [
-        np.where(rng.random(len(q)) < _ONE_WAY, sign, rng.choice([-1.0, 1.0, 0.0], len(q))) * _OFF_UNIT for _ in units
+    offs = [
+        _OFF_UNIT * np.where(rng.random(len(q)) < _ONE_WAY, sign, rng.choice([-1.0, 1.0, 0.0], len(q))) for _ in units
     ]
-    for _ in range(_HALVINGS):  # along chains less is accepted
-        out = q.copy()
-        for (start, stop), part in zip(units, off, strict=True):
-            out[:, start:stop] *= ((1 + part) / np.linalg.norm(q[:, start:stop], axis=1))[:, None]
-        if _is_accepted(stage.robot, out):
-            return out
-        off = [_LESS * part for part in off]
-    return q
+    for row in range(len(q)):
+        for part in _OFF_PARTS:
+            for (start, stop), off in zip(units, offs, strict=True):
+                own = q[row, start:stop]
+                out[row, start:stop] = own * ((1 + part * off[row]) / np.linalg.norm(own))
+            if _is_accepted(stage.robot, out[row]):
+                break
+    return out
 
 
 def _is_accepted(robot: Robot, q: Floats) -> bool:
