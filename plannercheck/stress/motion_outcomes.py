@@ -78,3 +78,12 @@ def valid(subject: Subject, q: Floats) -> Bools:
 def states_on(draw: Draw, used: Subject, row: int, parameters: Floats) -> Floats:
     """States (k, nq) on a motion, the row of a draw's, at parameters (k,)."""
     return used.states(draw.motions.q0[row], draw.motions.q1[row], parameters)
+
+
+def declined(error: PlannercheckError, row: int, judged: Judged) -> int:
+    """DECLINED, if the error says that numbers are too large or off length 1; else a fault."""
+    words = str(error)
+    if "rounding is no small part" in words or "of length 1" in words or "off length 1" in words:
+        return DECLINED
+    judged.add(EXCEPTION, row, repr(error))
+    return FAILED

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.errors import PlannercheckError
 from plannercheck.stress.motion_draws import Draw
 from plannercheck.stress.motion_outcomes import (
     ASTRAY,
@@ -21,6 +22,7 @@ from plannercheck.stress.motion_outcomes import (
     UNREASONED,
     Answers,
     Judged,
+    declined,
     states_on,
     valid,
 )
@@ -110,6 +112,9 @@ def verified(draw: Draw, used: Subject, answers: Answers, judged: Judged, count:
         try:
             (proof,) = used.certify(draw.motions.q0[row : row + 1], draw.motions.q1[row : row + 1], draw.tolerance)
             verification = None if proof is None else proof.verify()
+        except PlannercheckError as error:  # of all pairs, also of those that a verdict leaves out
+            declined(error, row, judged)
+            continue
         except Exception as error:
             judged.add(EXCEPTION, row, f"proof: {error!r}")
             continue
