@@ -68,6 +68,9 @@ class Builder:
             end: (nq,) the short way round.
             asked_end: (nq,) as it was asked for.
             tolerance: m.
+
+        Raises:
+            PlannercheckError: If rounding hides what keeps pairs apart that the certifier leaves out.
         """
         passage = self._passage(start, end, asked_end, tolerance)
         if passage is None:
@@ -92,10 +95,13 @@ class Builder:
             try:
                 passage = certifier.passage(start, end, finer * tolerance, True, asked_end)
             except PlannercheckError:  # its rounding is no small part of so small a tolerance
-                return None
+                break
             if passage.free:
                 return passage
-        return None
+        raise PlannercheckError(
+            "the motion is free, but can't be proved of all pairs, also of those that never meet: rounding is no small "
+            "part of what keeps them apart; choose a larger tolerance, or smaller numbers"
+        )
 
     def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
         ends = np.stack([start, end, asked_end])
