@@ -8,6 +8,7 @@
 
 #include "bindings.hpp"
 #include "kinematics.hpp"
+#include "plain_floats.hpp"
 
 namespace nb = nanobind;
 
@@ -62,17 +63,19 @@ PoseArray pose_array(const Kinematics& kinematics, Table<double, -1, -1> q, Tabl
 
 void bind_kinematics(nb::module_& m) {
   nb::class_<Kinematics>(m, "Kinematics")
-      .def("__init__",
-           [](Kinematics* self, int width, Table<int, -1> parents, Table<int, -1> kinds, Table<double, -1, 3> axes,
-              Table<double, -1, 3, 4> placements, Table<int, -1, 7> columns, Table<double, -1, 7> multipliers,
-              Table<double, -1, 7> offsets, Table<int, -1> link_joints, Table<double, -1, 3, 4> link_placements) {
-             new (self) Kinematics(width, joints_from(parents, kinds, axes, placements, columns, multipliers, offsets),
-                                   links_from(link_joints, link_placements));
-           })
+      .def(
+          "__init__",
+          [](Kinematics* self, int width, Table<int, -1> parents, Table<int, -1> kinds, Table<double, -1, 3> axes,
+             Table<double, -1, 3, 4> placements, Table<int, -1, 7> columns, Table<double, -1, 7> multipliers,
+             Table<double, -1, 7> offsets, Table<int, -1> link_joints, Table<double, -1, 3, 4> link_placements) {
+            new (self) Kinematics(width, joints_from(parents, kinds, axes, placements, columns, multipliers, offsets),
+                                  links_from(link_joints, link_placements));
+          },
+          plain_floats)
       .def_prop_ro("width", &Kinematics::width)
       .def_prop_ro("link_count", &Kinematics::link_count)
-      .def("link_is_constant", &Kinematics::link_is_constant)
-      .def("link_poses", &pose_array, nb::arg("q"), nb::arg("needed"));
+      .def("link_is_constant", &Kinematics::link_is_constant, plain_floats)
+      .def("link_poses", &pose_array, nb::arg("q"), nb::arg("needed"), plain_floats);
 }
 
 }  // namespace plannercheck
