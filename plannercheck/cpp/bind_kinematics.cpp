@@ -3,7 +3,8 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <memory>
+#include <cstdlib>
+#include <new>
 #include <vector>
 
 #include "bindings.hpp"
@@ -49,13 +50,14 @@ PoseArray pose_array(const Kinematics& kinematics, Table<double, -1, -1> q, Tabl
   if (static_cast<int>(q.shape(1)) != kinematics.width()) throw nb::value_error("q must be (n, width)");
   if (static_cast<int>(needed.shape(0)) != kinematics.link_count()) throw nb::value_error("needed must be (links,)");
   const size_t n = q.shape(0), links = needed.shape(0);
-  auto poses = std::make_unique<double[]>(n * links * 16);  // zeros
-  double* data = poses.get();
+  // Of zeros that are asked of the system, pages of links that are not needed are never touched.
+  auto* data = static_cast<double*>(std::calloc(std::max<size_t>(n * links, 1), 16 * sizeof(double)));
+  if (data == nullptr) throw std::bad_alloc();
+  nb::capsule owner(data, [](void* p) noexcept { std::free(p); });
   {
     nb::gil_scoped_release release;
     kinematics.link_poses_batch(q.data(), static_cast<long long>(n), needed.data(), data);
   }
-  nb::capsule owner(poses.release(), [](void* p) noexcept { delete[] static_cast<double*>(p); });
   return PoseArray(data, {n, links, 4, 4}, owner);
 }
 
