@@ -56,8 +56,8 @@ class MeetingProofs:
         if earlier is not None and (self._has_copies or earlier._has_copies):
             earlier = None
         self._numbers: dict[_Side, int] = {} if earlier is None else earlier._numbers
-        self._known = np.zeros(0, dtype=np.int64) if earlier is None else earlier._known  # ascending
-        self._facts = np.zeros((0, 2), dtype=bool) if earlier is None else earlier._facts
+        self._known: NDArray[np.int64] = np.zeros(0, dtype=np.int64) if earlier is None else earlier._known  # ascending
+        self._facts: Bools = np.zeros((0, 2), dtype=bool) if earlier is None else earlier._facts
         self._chains: Chains | None = earlier._chains if earlier is not None else None
 
     def of(self, pairs: Ints) -> tuple[Bools, Bools]:

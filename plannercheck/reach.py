@@ -94,7 +94,7 @@ def reach(
     with_obstacle = pairs[:, 1] >= sum(body.link is not None for body in bodies)
     own = np.flatnonzero(~with_obstacle)
     apart[own] = _apart_among_links(chains, pairs[own])
-    resting[own] = [not any(chains.branches(a, b)) for a, b in pairs[own].tolist()]
+    resting[own] = chains.screen.resting(pairs[own].astype(np.int64))
     for body in np.unique(pairs[with_obstacle, 0]).tolist():
         rows = np.flatnonzero(with_obstacle & (pairs[:, 0] == body))
         apart[rows] = _apart_from_obstacles(chains, body, pairs[rows, 1])
@@ -144,6 +144,14 @@ def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> boo
 
 def _apart_among_links(chains: Chains, pairs: Ints) -> Bools:
     """Which pairs (k, 2) of the robot's bodies never meet."""
+    promising = chains.screen.may_be_proved(pairs.astype(np.int64), MOST_COLUMNS)
+    apart = np.zeros(len(pairs), dtype=bool)
+    apart[promising] = _apart_by_cells(chains, pairs[promising])
+    return apart
+
+
+def _apart_by_cells(chains: Chains, pairs: Ints) -> Bools:
+    """The same, by cells of cuts."""
     apart = np.zeros(len(pairs), dtype=bool)
     branches = [chains.branches(a, b) for a, b in pairs.tolist()]
     for columns in range(MOST_COLUMNS + 1):

@@ -58,7 +58,10 @@ def self_pairs(
 
 
 def _of_links(
-    first: NDArray[np.int64], second: NDArray[np.int64], bodies: tuple[Body, ...], links: Iterable[frozenset[str | None]]
+    first: NDArray[np.int64],
+    second: NDArray[np.int64],
+    bodies: tuple[Body, ...],
+    links: Iterable[frozenset[str | None]],
 ) -> NDArray[np.bool_]:
     """(k,) which pairs of bodies are of one of these pairs of links."""
     names = [body.link for body in bodies]

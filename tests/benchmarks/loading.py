@@ -1,4 +1,4 @@
-"""How loading a robot and building its checker grow with the links: `python tests/benchmarks/loading.py --links 100 300`.
+"""How loading a robot and building its checker grow: `python tests/benchmarks/loading.py --links 100 300 1000`.
 
 A chain of bars on revolute joints, all self pairs but those of neighbours, beside some obstacles. Each size runs in a
 process of its own; told are seconds and the largest memory, step by step.
