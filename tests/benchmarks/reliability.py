@@ -60,14 +60,16 @@ def kills(folder: Path, scale: float, rng: np.random.Generator) -> str:
         whole = output.with_name(f"whole{output.suffix}")
         if not whole.exists():
             subprocess.run([*COMMAND, source, "--output", whole], check=False, capture_output=True)
+        patience = 1.0  # which grows: writing alone may take longer than the first kills allow
         while not output.exists():
+            patience *= 1.2
             process = subprocess.Popen(
                 [*COMMAND, source, "--output", output, "--resume"],
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
             )
             try:
-                process.wait(rng.uniform(0.4, 1.5))
+                process.wait(rng.uniform(0.4, 1.5) * patience)
             except subprocess.TimeoutExpired:
                 process.send_signal(signal.SIGKILL if rng.random() < 0.7 else signal.SIGTERM)
                 process.wait()
