@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from plannercheck.configurations import LARGEST_VALUE
 from plannercheck.core import core
 from plannercheck.kinematics import SLIDE, TURNS, JointTable
+from plannercheck.neighbourhoods import Neighbourhood, neighbourhood
 from plannercheck.reach_screens import Screen, joint_tree
 from plannercheck.robot import Robot
 from plannercheck.shapes import Body, HullAndSwell
@@ -114,7 +115,8 @@ class Chains:
         self.boxes = boxes_of(hulls)
         self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
         own = self._own = tuple(body for body in bodies if body.link is not None)
-        self._kernel = _kernel_of_frames(robot, table, own)
+        self._frames = _table_of_frames(robot, table, own)
+        self._kernel = core.Kinematics(*self._frames)
         self._moving = [bool((columns >= 0).any()) for columns in table.columns]
         self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]
         spans = robot.upper - robot.lower
@@ -194,6 +196,10 @@ class Chains:
         needed = np.zeros(2 * self._joints + len(self._chains), dtype=np.uint8)
         needed[list(frames)] = 1
         return np.asarray(self._kernel.link_poses(q, needed))
+
+    def neighbourhood(self, frames: Iterable[int]) -> Neighbourhood:
+        """Kinematics of some frames against each other."""
+        return neighbourhood(self._frames, sorted(frames))
 
     def branches(self, a: int, b: int) -> tuple[Joints, Joints]:
         """The moving joints of two bodies from their fork outwards."""
@@ -319,16 +325,14 @@ def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> 
     return float(np.abs(ends * table.multipliers[joint][0] + table.offsets[joint][0]).max())
 
 
-def _kernel_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> Any:
-    """Compiled kinematics of the joints' frames, before and after their motion, and of the bodies on the links."""
+def _table_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> JointTable:
+    """For kinematics of the joints' frames, before and after their motion, and of the bodies on the links."""
     joints = np.arange(len(table.kinds), dtype=np.int32)
     links = [robot.link_index(str(body.link)) for body in bodies]
     on_links = np.array([body.pose for body in bodies]).reshape(-1, 4, 4)
     on_joints = table.link_placements[links] @ on_links
     identities = np.tile(np.eye(4)[:3], (len(joints), 1, 1))
-    return core.Kinematics(
-        *table._replace(
-            link_joints=np.concatenate([table.parents, joints, table.link_joints[links]]),
-            link_placements=np.ascontiguousarray(np.concatenate([table.placements, identities, on_joints])),
-        )
+    return table._replace(
+        link_joints=np.concatenate([table.parents, joints, table.link_joints[links]]),
+        link_placements=np.ascontiguousarray(np.concatenate([table.placements, identities, on_joints])),
     )

@@ -126,6 +126,23 @@ def at_rest(robot: pc.Robot, a: str, b: str) -> bool:
     return bool(np.abs(relative - relative[0]).max() < 1e-9)
 
 
+@pytest.mark.parametrize("name", ["panda", "talos", "baxter"])
+def test_frames_are_posed_against_each_other_as_in_the_world(name):
+    robot = pc.Robot.load(name)
+    chains = pc.Checker(robot)._proofs._chains
+    assert chains is not None
+    rng = np.random.default_rng(0)
+    rows = robot.random_configurations(3, 0)
+    count = chains._frames.link_joints.size
+    for size in (1, 2, 2, 2, 3, 5, count):
+        frames = rng.choice(count, size, replace=False).tolist()
+        around = chains.neighbourhood(frames)
+        near = around.poses(rows)[:, [around.place[frame] for frame in frames]]
+        far = chains.poses(rows, frames)[:, frames]
+        relative = [np.linalg.inv(poses[:, :1]) @ poses for poses in (near, far)]
+        np.testing.assert_allclose(*relative, atol=1e-12)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_self_pairs_of_any_srdf_are_pinocchios(seed, tmp_path):
     rng = np.random.default_rng(seed)
