@@ -180,6 +180,7 @@ def angles() -> np.ndarray:
 
 
 def sine_and_cosine(wheel: pc.Robot, q: np.ndarray) -> np.ndarray:
+    assert wheel.kinematics is not None  # else Pinocchio poses, by the C library
     poses = wheel.link_poses(q[:, None])[:, wheel.link_index("b")]
     assert np.array_equal(poses[:, 1, 0], -poses[:, 0, 1])
     return poses[:, [1, 0], 0]
@@ -188,13 +189,14 @@ def sine_and_cosine(wheel: pc.Robot, q: np.ndarray) -> np.ndarray:
 def test_large_angles_err_by_no_more_than_is_counted(wheel):
     from plannercheck.kinematic_rounding import _SINCOS
 
+    assert _SINCOS > 0.8
     q = angles()
     found = sine_and_cosine(wheel, q)
     with mpmath.workprec(300):
         for angle, (sine, cosine) in zip(q.tolist(), found.tolist(), strict=True):
             exact = mpmath.mpf(angle)
             for value, true in ((sine, mpmath.sin(exact)), (cosine, mpmath.cos(exact))):
-                assert abs(value - true) <= _SINCOS * 2.0**-53, angle
+                assert abs(value - true) <= 0.8 * 2.0**-53, angle  # 0.72 is the largest found; 1.00 without the tail
                 assert abs(value - true) <= 2.0**-50 * abs(true) + 2.0**-110, angle  # also where it is nearly 0
 
 
