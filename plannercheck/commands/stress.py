@@ -1,4 +1,4 @@
-"""`plannercheck stress`: hard pairs of bodies, held against exact arithmetic; hard motions, held against all that we have."""
+"""`plannercheck stress`: hard pairs of bodies against exact arithmetic; hard motions against all that we have."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _EPILOG = """\
 Families of bodies x size x ratio of sizes x distance from the origin x rotation x gap, drawn at random. Every pair is
 decided by all methods of the core and by an oracle of its own, which tells what it has proved in whole numbers; every
 fourth draw the core's certificates have to prove its verdicts, too. What is found depends on the seed and the number of
-pairs alone. Exit code 1 if a verdict is wrong, an
-exception is thrown, a body is refused or a query takes more than a second.
+pairs alone. Exit code 1 if a verdict is wrong, an exception is thrown, a body is refused or a query takes more than a
+second.
 
-With --motions: random trees of joints of all kinds, the shipped robots, planar chains and curves, among bodies that touch
-them by construction. Exit code 1 if a motion that collides is passed, one is refused without reason, a verdict depends on
-what was asked before or along with it, or a proof does not verify.
+With --motions: random trees of joints of all kinds, the shipped robots, planar chains and curves, among bodies that
+touch them by construction. Exit code 1 if a motion that collides is passed, one is refused without reason, a verdict
+depends on what was asked before or along with it, or a proof does not verify.
 """
 # Pairs between two lines of progress.
 _REPORT_EVERY = 20_000

@@ -31,7 +31,7 @@ _STEP = 1e-5
 _FEW_JOINTS, _ALONG = 0.3, 0.6
 # Motions that pass the state a little off the contact: how many, by how much, m (powers of ten), and rad or m at most.
 _LIFTED, _LIFTS, _LARGEST_LIFT = 0.3, (-3.5, -1.0), 0.5
-# Where on the motion the state is; one in so many is at the first end, as many at the last, twice as many in the middle.
+# Where on the motion the state is; one in so many is at the first end, as many at the last, two in the middle.
 _INSIDE, _AT_ENDS = (0.05, 0.95), 12
 
 

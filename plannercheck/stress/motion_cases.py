@@ -1,4 +1,4 @@
-"""A motion that failed, with its robot and scene, as a file: to be asked again by name; and how to make it smaller first.
+"""A motion that failed, with its robot and scene, as a file, to be asked again by name; and how to make it smaller.
 
 In and out: JSON. The recipe of the checker, the motion, and those that were asked before it, where that matters.
 """
@@ -101,7 +101,8 @@ def _with_fewer_obstacles(case: MotionCase) -> MotionCase:
     obstacles = recipe["obstacles"]
 
     def with_some(rows: list[int]) -> MotionCase:
-        return replace(case, recipe={**recipe, "obstacles": [obstacles[k] for k in rows]})
+        fewer: Any = {**recipe, "obstacles": [obstacles[k] for k in rows]}
+        return replace(case, recipe=fewer)
 
     # The first motion may need none at all.
     if with_some([]).fails():

@@ -101,7 +101,7 @@ class Contact:
     touches: bool
 
     def pose_on(self, link: Floats) -> Floats:
-        """(4, 4) of the shape on a link at a pose (4, 4), which may be a little off rigid: the foot stays where it is."""
+        """(4, 4) of the shape on a link at a pose (4, 4), which may be a little off rigid: the foot stays in place."""
         apart = np.linalg.solve(link[:3, :3], np.column_stack([self.pose[:3, :3], self._foot_in_world - link[:3, 3]]))
         left, _, right = np.linalg.svd(apart[:, :3])
         pose = np.eye(4)

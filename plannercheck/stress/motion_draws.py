@@ -1,6 +1,6 @@
-"""Random draws of the motion stress in space: a robot in a scene, with contacts by construction, and motions through them.
+"""Random draws of the motion stress in space: a robot in a scene, contacts by construction, and motions through them.
 
-In: a family's name, a random generator. Out: a `Draw`. The robot is drawn first, then states; at each state a body is put
+In: a family's name, a random generator. Out: a `Draw`. The robot is drawn first, then states; at each a body is put
 where it touches the robot: an obstacle, or a probe on another branch of the robot itself. Of many motions through these
 states those come first that are free at both ends, so that only what lies between can tell.
 """
@@ -134,7 +134,7 @@ def _with_motions(family: str, stage: _Stage, aims: list[Aim], rng: np.random.Ge
         aims = [Aim(state, 0, -1, np.zeros(3), np.array([0.0, 0.0, 1.0]), False)]
     motions = joined([_moved(family, stage, aim, each, rng) for aim in aims])
     checker = space_checker(stage.recipe, stage.robot)
-    tolerance = float(rng.choice(_TOLERANCES[family] if family in _TOLERANCES else _USUAL_TOLERANCES))
+    tolerance = float(rng.choice(_TOLERANCES.get(family, _USUAL_TOLERANCES)))
     return Draw(family, stage.recipe, _sharpest(checker, motions, MOTIONS, rng), tolerance)
 
 
@@ -201,7 +201,7 @@ def _state(stage: _Stage, family: str, rng: np.random.Generator) -> Floats:
         turns = np.isinf(stage.robot.lower) & np.isinf(stage.robot.upper)
         q[turns] += 2 * np.pi * np.round(rng.choice([-1, 1]) * 10.0 ** rng.uniform(0, _FARTHEST, turns.sum()))
         q[turns] = np.clip(q[turns], -9e14, 9e14)
-    return _off_unit(stage, q[None], rng)[0] if family == "off unit" else q
+    return np.asarray(_off_unit(stage, q[None], rng)[0] if family == "off unit" else q)
 
 
 def _moving_bodies(stage: _Stage) -> list[int]:

@@ -77,8 +77,8 @@ class Judged:
     """A draw's outcome.
 
     Attributes:
-        counts: Motions, free, refused, declined, sharp (free at both ends, in contact between), sampled states, verified;
-            "named off" are refusals whose named state is not within the tolerance, though another one is.
+        counts: Motions, free, refused, declined, sharp (free at both ends, in contact between), sampled states,
+            verified; "named off" are refusals whose named state is not within the tolerance, though another one is.
         faults: What was wrong.
     """
 
@@ -273,7 +273,7 @@ def _sampled(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: n
 
 def _parameters(at: float, rng: np.random.Generator) -> Floats:
     spread = (np.arange(_SPREAD) + rng.random()) / _SPREAD
-    return np.clip(np.concatenate([spread, at + _ASIDE, [0.0, 1.0]]), 0, 1)
+    return np.asarray(np.clip(np.concatenate([spread, at + _ASIDE, [0.0, 1.0]]), 0, 1))
 
 
 def _states(draw: Draw, used: Subject, row: int, parameters: Floats) -> Floats:

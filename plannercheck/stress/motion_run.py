@@ -1,7 +1,7 @@
 """The stress of motions: random draws, each judged by itself, in any number of processes.
 
-In: how many motions, a seed. Out: a `MotionTally` by family, and the failures as cases. Every draw has random numbers of
-its own, so that what is found does not depend on how many processes share the work.
+In: how many motions, a seed. Out: a `MotionTally` by family, and the failures as cases. Every draw has random numbers
+of its own, so that what is found does not depend on how many processes share the work.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from plannercheck.stress.motion_cases import MotionCase, case_of
 from plannercheck.stress.motion_draws import FAMILIES, MOTIONS, Draw, shipped_draw, shipped_robot, tree_draw
 from plannercheck.stress.motion_judges import EXCEPTION, Fault, Judged, judge
 from plannercheck.stress.motion_recipes import Recipe, planar_robot_of, robot_of
-from plannercheck.stress.motion_subjects import subject_of
+from plannercheck.stress.motion_subjects import Subject, subject_of
 from plannercheck.stress.ompl_paths import OMPL_FAMILY, judge_ompl_paths
 from plannercheck.stress.planar_motion_draws import CURVES, PLANAR_FAMILIES, planar_draw
 from plannercheck.stress.unposed_robots import UNPOSED, judge_unposed
@@ -75,7 +75,7 @@ class MotionTally:
     cases: list[MotionCase] = field(default_factory=list)
     first: dict[str, int] = field(default_factory=dict)
     draws: int = 0
-    seconds: Counter[str] = field(default_factory=Counter)
+    seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
 
     @property
     def motions(self) -> int:
@@ -200,7 +200,7 @@ def draw(family: str, rng: np.random.Generator) -> Draw:
     return tree_draw(family, rng) if family in FAMILIES else shipped_draw(family, rng)
 
 
-def _builder(recipe: Recipe) -> Callable[[], object]:
+def _builder(recipe: Recipe) -> Callable[[], Subject]:
     """Makes new checkers of one robot."""
     robot: object
     if recipe["kind"] == "plane":

@@ -31,8 +31,9 @@ def lines(tally: MotionTally) -> list[str]:
     rows.append(("all", *_sums(tally, families)))
     out = [head, *(_row(*row) for row in rows), ""]
     spent = sum(tally.seconds.values())
+    rate = tally.motions / max(spent, 1e-9)
     out.append(
-        f"{tally.draws} draws, {spent:.0f} s of processes' time, {tally.motions / max(spent, 1e-9):.0f} motions a second; "
+        f"{tally.draws} draws, {spent:.0f} s of processes' time, {rate:.0f} motions a second; "
         "slowest, ms a motion: " + ", ".join(_slowest(tally, families))
     )
     out += [f"first {kind}: within {count} motions" for kind, count in tally.first.items()]

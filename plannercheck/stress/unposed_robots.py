@@ -1,4 +1,4 @@
-"""Robots that the compiled kernel does not pose: screws (helical joints). Their motions can't be proved, which has to be said.
+"""Robots that the compiled kernel does not pose: screws (helical joints). Their motions can't be proved.
 
 In: random numbers. Out: a `Judged`: every way to ask for a proof raises a `PlannercheckError` that says so.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -31,9 +32,9 @@ def judge_unposed(rng: np.random.Generator) -> Judged:
     q0, q1 = (checker.robot.random_configurations(_MOTIONS, rng) for _ in range(2))
     for row in range(_MOTIONS):
         ways: tuple[Callable[[], object], ...] = (
-            lambda row=row: checker.check_motion(q0[row], q1[row]),
-            lambda row=row: checker.explain_motion(q0[row], q1[row]),
-            lambda row=row: checker.check_motions(q0[: row + 1], q1[: row + 1]),
+            partial(checker.check_motion, q0[row], q1[row]),
+            partial(checker.explain_motion, q0[row], q1[row]),
+            partial(checker.check_motions, q0[: row + 1], q1[: row + 1]),
         )
         judged.counts["motions"] += 1
         judged.counts["declined"] += 1
