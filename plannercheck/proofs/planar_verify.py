@@ -78,6 +78,33 @@ def verified(proof: Proof) -> Verification:
     return Verification(fault is None, fault, confirmed, time.perf_counter() - began)
 
 
+def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
+    """Whether a proof's model is that of files.
+
+    Args:
+        proof: In the plane.
+        robot: A shipped planar robot's name or a YAML file.
+        scene: A shipped planar scene's name or a file; None for the empty one.
+
+    Returns:
+        Whether it is, or the first difference.
+
+    Raises:
+        PlannercheckError: If a file can't be read.
+    """
+    from plannercheck.proofs.planar_confirm import confirm_model  # needs all of the package
+    from plannercheck.proofs.planar_well_formed import check_well_formed
+
+    began, fault = time.perf_counter(), None
+    try:
+        check_well_formed(proof)
+        assert isinstance(proof.model, PlanarModel)
+        confirm_model(proof.model, robot, scene)
+    except UnprovedError as found:
+        fault = str(found)
+    return Verification(fault is None, fault, 0, time.perf_counter() - began)
+
+
 class Line(NamedTuple):
     """The height of a body's points, as a linear function of their coordinates in its own frame.
 
