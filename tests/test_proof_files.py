@@ -276,7 +276,10 @@ def floating(tmp_path):
         "<robot name='base'><link name='base'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
         "<link name='arm'><collision><origin xyz='0 0 0.5'/><geometry><sphere radius='0.1'/></geometry></collision>"
         "</link><joint name='j' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='1 0 0'/>"
-        "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>"
+        "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+        "<link name='hand'><collision><origin xyz='0 0 1'/><geometry><sphere radius='0.1'/></geometry></collision>"
+        "</link><joint name='k' type='continuous'><parent link='arm'/><child link='hand'/><axis xyz='0 1 0'/></joint>"
+        "</robot>"
     )
     (tmp_path / "base.yaml").write_text("urdf: base.urdf\nfloating: true\n")
     scene = pc.Scene("named")
@@ -299,7 +302,8 @@ def test_a_free_base_stands_where_its_numbers_say(floating):
 def test_pairs_of_bodies_that_share_a_name_are_told_apart(floating):
     # An obstacle has the name of the base's geometry: the pair of one with the arm does not stand for the other's.
     robot, scene, model = floating
-    assert [body.name for body in model.bodies].count("base_0") == 2
+    names = [sorted(model.bodies[k].name for k in pair) for pair in model.pairs]
+    assert names.count(["base_0", "hand_0"]) == 2
     for pair in model.pairs:
         others = tuple(other for other in model.pairs if other != pair)
         with pytest.raises(UnprovedError, match="1 pairs of the checker's table"):
@@ -387,6 +391,15 @@ def test_a_false_proof_is_told_with_its_motion(plan, tmp_path, capsys):
     save_proofs([first, third], file)
     assert main(["verify", str(file)]) == 0
     assert "in a row" not in capsys.readouterr().out
+
+
+def test_a_malformed_model_is_told_and_not_a_crash(proofs, tmp_path, capsys):
+    for change in (
+        lambda d: d["model"]["joints"][0].update(columns=[], multipliers=[], offsets=[]),
+        lambda d: d["model"]["pairs"].append([0, 10**6]),
+    ):
+        assert main(["verify", str(edited(proofs[0], tmp_path, change))]) == 1
+        assert "motion 0: not proved" in capsys.readouterr().out
 
 
 def test_a_path_that_collides_gets_no_proof(tmp_path, capsys):
