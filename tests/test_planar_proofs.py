@@ -22,7 +22,7 @@ from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.planar_build import planar_model
 from plannercheck.proofs.planar_confirm import confirm_model
 from plannercheck.proofs.planar_paths import Paths
-from plannercheck.proofs.planar_proof import Piece, PlanarMotion
+from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
 from plannercheck.proofs.planar_well_formed import hashes_of, least_margin
 
 P = pc.planar
@@ -701,3 +701,24 @@ def test_vertices_that_are_no_doubles_are_refused(vertices):
     bodies = (replace(proof.model.bodies[0], vertices=vertices), *proof.model.bodies[1:])
     model = replace(proof.model, bodies=bodies)
     assert "array of doubles" in replace(proof, model=model, hashes=hashes_of(model)).verify().fault
+
+
+def test_deviations_below_the_range_of_doubles_count():
+    """Two thousand links of the least length swing through a post: what each leaves its chord by rounds to 0."""
+    least, links, swing = 5e-324, 2000, 0.35
+    chain = [PlanarLink("link0", -1, "revolute", 0, 0.0, 0.0, 0.0)]
+    chain += [PlanarLink(f"link{k}", k - 1, "fixed", 1, least, 0.0, 0.0) for k in range(1, links + 1)]
+    # The post reaches from beyond the tip's arc into it; its circle is clear of the arc's chord.
+    outside = np.array([round(links * math.cos(swing)) + 100, -round(links * math.sin(swing))])
+    inside = np.round(outside * (links - 1) / np.hypot(*outside))
+    assert np.hypot(*inside) < links < np.hypot(*outside)
+    assert math.atan2(-inside[1], inside[0]) < swing
+    rows, centre = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0), tuple((outside * least).tolist())
+    bodies = (
+        PlanarBody("tip", "tip", links, rows, np.zeros((1, 2)), (0.0, 0.0), 0.0),
+        PlanarBody("post", "post", -1, rows, np.array([outside, inside]) * least, centre, 97 * least),
+    )
+    model = PlanarModel(tuple(chain), bodies, ((0, 1),), (), 1)
+    motion = PlanarMotion((-swing,), (swing,), (swing,))
+    entries = (Entry(0, 0.0, 1.0, "balls"),)
+    assert not Proof("plane", "r", "s", hashes_of(model), model, motion, 0.0, entries).verify()

@@ -40,7 +40,7 @@ _DEEPEST = 14
 # A sum of two products in doubles errs by 3 u of their sizes, to first order; twice that is more than enough.
 _ROUNDING = 6 * 2.0**-53
 _UP = 1 + 2.0**-50
-_UNDERFLOW = 1e-290  # far below any length, m: covers products below the range of doubles
+_UNDERFLOW = 1e-290  # far below any length, m: covers products and sums below the range of doubles
 
 
 def verified(proof: Proof) -> Verification:
@@ -230,7 +230,7 @@ class Verifier:
         heights = [float((direction.conjugate() * z).real.lower()) for z in ends]
         lowest = min(heights)
         lowest -= abs(lowest) * 2.0**-50
-        return lowest - needed * _UP**4 * float(abs(direction).abs_upper()) * _UP
+        return lowest - needed * _UP**4 * float(abs(direction).abs_upper()) * _UP - _UNDERFLOW
 
     def _between(self, a: int, b: int, frame: int, piece: int, t: float) -> Any:
         """From the centre of b to that of a, seen from a frame."""

@@ -139,8 +139,8 @@ class Motion:
     Attributes:
         start: (columns,) rad and m.
         end: (columns,) the end that is gone to: angles of `whole_turns` by the short way.
-        asked_end: (columns,) the end that was asked for, which differs by whole turns, and by rounding: what this may
-            move bodies by, every gap exceeds besides the margin, so that either end may be taken.
+        asked_end: (columns,) the end that was asked for, which differs by whole turns, and by a rest, for rounding:
+            what it may move bodies by, every gap exceeds besides the margin, so that either end may be taken.
     """
 
     start: tuple[float, ...]
