@@ -168,6 +168,25 @@ def test_half_turns_have_no_short_way():
     assert "half a turn" in found.fault
 
 
+@pytest.mark.parametrize("off", [1e-300, 1e-17, 1e-13, -1e-300, -1e-17, -1e-13])
+def test_nearly_half_turns_have_no_short_way_either(off):
+    # Doubles may round to the other side; the tip is beyond the wall on one way only.
+    circle = Joint("c", "circle", -1, STILL, (0.0, 0.0, 1.0), (0, 1), (1.0, 1.0), (0.0, 0.0))
+    ball = Joint("b", "ball", -1, STILL, (0.0, 0.0, 0.0), (0, 1, 2, 3), (1.0,) * 4, (0.0,) * 4)
+    planar = Joint("p", "planar", -1, STILL, (0.0, 0.0, 0.0), (0, 1, 2, 3), (1.0,) * 4, (0.0,) * 4)
+    for joint, start, end in (
+        (circle, lambda s: (1.0, 0.0), lambda s: (-1.0, s)),
+        (planar, lambda s: (0.0, 0.0, 1.0, 0.0), lambda s: (0.0, 0.0, -1.0, s)),
+        (ball, lambda s: (0.0, 0.0, 0.0, 1.0), lambda s: (0.0, 0.0, 1.0, s)),
+    ):
+        for s, holds in ((off, False), (off / abs(off) * 1e-9, True)):
+            side = -s / abs(s)  # of the wall: for a turn by a little less than pi, or by -pi, from the tip at y = 1
+            bodies = [point("wall", -1, at(x=-side * 1e-6)), point("tip", 0, at(y=1.0))]
+            found = claim([joint], bodies, start(s), end(s), [plane((-side, 0, 0))]).verify()
+            assert bool(found) == holds, found.fault
+            assert holds or "half a turn" in found.fault
+
+
 def test_placements_off_rigid_cost_what_they_may_be_off():
     # The direction stands on the arm, and the wall is seen from it through placements that are off by 5e-7.
     off = tuple(x * (1 + 2e-7) if k % 4 < 3 else x for k, x in enumerate(STILL))
