@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -46,7 +48,7 @@ def assert_the_same_whatever_was_asked(rng, checker_at, q0, q1, tolerance):
             checker = checker_at(distance)
             a, b = other_motions(rng, q0, q1, near=k % 2 == 0)
             assert checker.check_motions([*a, q0], [*b, q1], tolerance=tolerance)[-1] == free
-            assert checker.explain_motion(q0, q1, tolerance=tolerance).free == free
+            assert checker.explain_motion(q0, q1, tolerance=tolerance, proofs=k > 5).free == free
     return ends is not None
 
 
@@ -96,3 +98,29 @@ def test_at_the_limit_in_the_plane(seed):
         tolerance = float(rng.choice([1e-4, 1e-2, 1e-1]))
         looked_at += assert_the_same_whatever_was_asked(rng, checker_at, q0, q1, tolerance)
     assert looked_at >= 4
+
+
+UNDER_A_BALL = """
+<robot name="ball"><link name="base"/>
+  <link name="table"><collision><origin xyz="0 0 -0.1"/><geometry><box size="0.2 0.2 0.2"/></geometry>
+  </collision></link>
+  <link name="ball"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="fixed" type="fixed"><parent link="base"/><child link="table"/></joint>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="ball"/><axis xyz="0 0 1"/>
+    <origin xyz="0 0 0.10001"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>"""
+
+
+def test_proofs_that_are_asked_for_do_not_change_the_verdict(tmp_path):
+    """The pair can't meet within the limits, and is within the tolerance all the time."""
+    (tmp_path / "ball.urdf").write_text(UNDER_A_BALL)
+    checker = pc.Checker(pc.Robot.from_urdf(tmp_path / "ball.urdf"))
+    assert checker.unreachable.all()
+    assert checker.check_motion([-0.5], [0.5])
+    verdict = checker.explain_motion([-0.5], [0.5], proofs=True)
+    assert verdict.free
+    covered = sorted((proof.start, proof.end) for proof in verdict.proofs)
+    assert covered[0][0] == 0
+    assert covered[-1][1] == 1
+    assert all(a[1] == b[0] for a, b in itertools.pairwise(covered))
+    assert verdict.proof.verify()
