@@ -112,8 +112,8 @@ class MotionCertifier:
         if not proofs:
             return found
         answer, reached, _, _, *listed = self._core.explain(*asked, True)
-        before = tuple(proof for proof in self._proofs(*listed) if proof.start < found.free_until)
-        return found._replace(proofs=before, proved_until=min(found.free_until, 1.0 if answer == _FREE else reached))
+        kept = tuple(proof for proof in self._proofs(*listed) if free or proof.start < found.free_until)
+        return found._replace(proofs=kept, proved_until=min(found.free_until, 1.0 if answer == _FREE else reached))
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats, pieces: Floats = STRAIGHT) -> Floats:
         """(k, nq) of one motion at parameters (k,) in [0, 1]."""
