@@ -12,11 +12,13 @@ the other body's box) are further apart than that in the middle of each cell, th
 
 Proof of the margins. `kinematic_error_within` bounds how far computed poses are from exact kinematics, also those that
 are computed here: pairs are dropped only if it is below LARGEST_ERROR, so that four of them are less than MARGIN.
-Exact kinematics is rigid up to the rounding of placements and axes: they must be so up to RIGID each, the poses of
-bodies and obstacles up to 1e-6. A chain of thousands of joints thus stretches lengths by less than 3e-6, as does taking
-the transpose of a box's pose for its inverse; RELATIVE covers both, and the rounding of the sums. Nothing of this holds
-beyond the limits, where the checker takes the full table, nor with poses by Pinocchio itself. Of what hangs on a joint
-that takes several numbers (floating, planar, cosine and sine) nothing is said.
+Exact kinematics is rigid up to the rounding of placements and axes: they must be so up to RIGID each, all of a chain
+with what is held on it up to 2.5e-6 (unit_lengths.py), the poses of bodies and obstacles up to 1e-6. That stretches
+lengths by less than 2e-6; taking the transpose of a box's pose for its inverse errs by 3.6e-6 of the way from the
+origin of the body's frame, which may be far from the body. RELATIVE covers both, and the rounding of the sums, of all
+these lengths. Nothing of this holds beyond the limits, where the checker takes the full table, nor with poses by
+Pinocchio itself. Of what hangs on a joint that takes several numbers (floating, planar, cosine and sine) nothing is
+said.
 """
 
 from __future__ import annotations
@@ -223,7 +225,8 @@ class _Moving:
         inside = np.einsum("cnji,cnj->cni", other.pose[..., :3, :3], away)
         distance = _from_box(inside, other.box).min(axis=0)
         room = self.radius + other.box.swell + self.sway + other.ball_sway + self._margin(other)
-        return np.asarray(other.posed & (distance > room))
+        offset = np.linalg.norm(other.box.centre, axis=1)  # `away` begins at the frame's origin, however far that is
+        return np.asarray(other.posed & (distance > room + RELATIVE * offset))
 
     def _margin(self, other: _Moving) -> Floats:
         return np.asarray(MARGIN + RELATIVE * (self.extent + other.extent))

@@ -501,7 +501,9 @@ def test_a_certifier_with_long_directions_is_found_out(monkeypatch):
     checker = P.Checker(P.Robot([[8, -0.005], [12, -0.005], [12, 0.005], [8, 0.005]]), scene)
     q0, q1 = [0, 0, -0.09], [0, 0, 0.09]
     line = Line(0, 0.0, 1.0, -1, False, np.array([-2.03, 0.0]), 0.056, 0.0486)
-    monkeypatch.setattr(type(checker.motion_certifier), "passage", lambda *_: Passage(True, 1.0, -1.0, -1, (line,)))
+    monkeypatch.setattr(
+        type(checker.motion_certifier), "passage", lambda *_: Passage(True, 1.0, -1.0, -1, (line,), 1.0)
+    )
     proof = checker._prover.proof(
         *(np.array(q, dtype=float) for q in (q0, q1, q1)), 1e-4, np.zeros((0, 11)), "straight", None
     )

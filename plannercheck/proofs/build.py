@@ -33,9 +33,6 @@ _DEEPEST = 14
 # Halvings that the verifier may take within an entry: a longer entry takes it more time than several short ones.
 _WITHIN = 2
 
-# Of the tolerance, what is tried for pairs that the certifier leaves out within the limits.
-_FINER = (1.0, 1e-2, 1e-4)
-
 # What computed states and poses may be off by besides the bound of kinematics, in parts of the robot's size: rounding
 # of states, of bodies' placements, and what numbers off unit length do.
 _ROUNDING = 2.0**-44
@@ -81,21 +78,12 @@ class Builder:
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
 
     def _passage(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Passage | None:
-        """What the certifier notes down of all pairs, if the motion is free.
-
-        It is free within the tolerance for the pairs that can meet; others may be nearer all the time.
-        """
-        certifier = self._checker.motion_certifier
-        if not certifier.check(start[None], end[None], tolerance, 1, asked_end[None])[0]:
+        """What the certifier notes down of all pairs, if the motion is free and so much can be noted down."""
+        try:
+            passage = self._checker.motion_certifier.passage(start, end, tolerance, True, asked_end)
+        except PlannercheckError:  # rounding is no small part of so small a tolerance
             return None
-        for finer in _FINER:
-            try:
-                passage = certifier.passage(start, end, finer * tolerance, True, asked_end)
-            except PlannercheckError:  # its rounding is no small part of so small a tolerance
-                return None
-            if passage.free:
-                return passage
-        return None
+        return passage if passage.free and passage.proved_until == 1.0 else None
 
     def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
         ends = np.stack([start, end, asked_end])
