@@ -38,6 +38,10 @@ _MARGIN = 10.0
 # Continuous joints are within it up to here, rad.
 NEAR_TURNS = math.pi + _MARGIN
 
+# Parts of the tolerance with which pairs are proved that can't meet within the limits, but may be nearer than it: they
+# are further apart than `reach.MARGIN`, a hundredth of the default.
+_FINER = (1.0, 1e-2, 1e-4)
+
 # MotionAnswer in cpp/motion_certifier.hpp.
 _FREE, _REFUSED, _IMPRECISE = 0, 1, 2
 
@@ -74,7 +78,9 @@ class Passage(NamedTuple):
         free_until: It is proved free up to this parameter.
         near: If not free: the parameter at which the pair is within the tolerance.
         pair: If not free: row of the checker's pairs; else -1.
-        proofs: If wanted, what proves it free up to `free_until`.
+        proofs: If wanted, what proves it free, all pairs, up to `proved_until`.
+        proved_until: That is `free_until`, or less if a pair that can't meet within the limits is nearer all the time
+            than rounding allows to prove.
     """
 
     free: bool
@@ -82,6 +88,7 @@ class Passage(NamedTuple):
     near: float
     pair: int
     proofs: tuple[Proof, ...] = ()
+    proved_until: float = 0.0
 
 
 class MotionCertifier:
@@ -239,17 +246,39 @@ class MotionCertifier:
         """
         check_tolerance(tolerance)
         within = self._within_limits(q0[None], q1[None])[0]
-        part = self._live if within and not proofs else self._whole
+        part = self._live if within else self._whole
         if part.touching:
             return Passage(False, 0.0, 0.0, part.touching[0])
         error = self._kinematic_error(q0, q1, q1 if given is None else given)
-        answer, until, near, row, *found = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, proofs)
+        answer, until, near, row = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, False)[:4]
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
-        listed = tuple(proof for proof in _proofs(part, *found) if proof.start < until)
-        if answer == _FREE:
-            return Passage(True, 1.0, -1.0, -1, listed)
-        return Passage(False, until, near, int(part.rows[row]), listed)
+        free = answer == _FREE
+        found = Passage(True, 1.0, -1.0, -1) if free else Passage(False, until, near, int(part.rows[row]))
+        if not proofs:
+            return found
+        reached, listed = self._listed(q0, q1, tolerance, error, found.free_until)
+        return found._replace(proofs=tuple(p for p in listed if p.start < found.free_until), proved_until=reached)
+
+    def _listed(
+        self, q0: Floats, q1: Floats, tolerance: float, error: float, until: float
+    ) -> tuple[float, list[Proof]]:
+        """Proofs of all pairs up to a parameter, and up to where they reach.
+
+        Pairs that can't meet within the limits may be within the tolerance all the same: then a finer one is taken, as
+        long as rounding is a small part of it.
+        """
+        reached, listed = 0.0, list[Proof]()
+        for finer in _FINER:
+            answer, end, _, _, *found = self._whole.core.explain(
+                self._robot.kinematics, q0, q1, finer * tolerance, error, True
+            )
+            if answer == _IMPRECISE:
+                break
+            reached, listed = (1.0 if answer == _FREE else end), _proofs(self._whole, *found)
+            if reached >= until:
+                break
+        return min(reached, until), listed
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """(k, nq) of one motion (nq,) to (nq,) at parameters (k,) in [0, 1]."""

@@ -507,10 +507,17 @@ class Checker:
             (n,), True means free.
         """
         starts, ends = self._motion_ends(q0, q1)
+        given = contiguous(q1).reshape(ends.shape)
         if resolution is None:
-            given = contiguous(q1).reshape(ends.shape)
             threads = checked_threads(threads, len(starts))
             return self.motion_certifier.check(starts, ends, tolerance, threads, given)
+        free = self._sampled_free(starts, ends, resolution)
+        turned = free & (given != ends).any(axis=1)
+        if turned.any():  # such ends are posed with other roundings than those that the samples lead to
+            free[turned] = self.check_states(given[turned])
+        return free
+
+    def _sampled_free(self, starts: Floats, ends: Floats, resolution: float) -> Bools:
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)

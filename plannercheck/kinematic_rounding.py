@@ -34,8 +34,8 @@ that is rounded after them is below 2^-12 or part of the tail. sin r = r + (r z 
 sum (the result is below 1), u/16 from the one in brackets (below 1/8), 4.5 u on |r z S| <= 0.0785 or 0.36 u, the
 polynomial's own 3.2e-17 |r z| or 0.14 u, less than 0.02 u from the tail: 1.09 u. cos r: u/2 from the last sum, u/4 from
 z (at most u/2, halved), 5.1 u on z^2 C <= 0.016 or 0.09 u, less than 0.1 u from the rest: 0.94 u. The polynomials' own
-errors are those on a fine grid in multi-precision. Beyond 1e6 rad the C library's functions count, which err by less
-than 1 ulp <= u wherever that is documented.
+errors are those on a fine grid in multi-precision. Beyond 1e6 rad the reduction is done in integers
+(cpp/large_angle.hpp) and errs by less than 2^-107; |tail| <= u/2 as before, so the same bounds hold.
 
 All of this is of first order in u. What is left out (products of errors, roundings of this computation itself) is less
 than 1e-9 of it, as long as `turn` stays below 1e-10; `_REST` covers it, and `_UNDERFLOW` covers products below 1e-308.

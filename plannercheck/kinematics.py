@@ -7,7 +7,7 @@ say. Also Pinocchio's own poses, which are the truth to compare with and the way
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,6 +39,9 @@ _MOST_VALUES = 7
 # Largest difference to Pinocchio's poses that is rounding: of rotations, and of positions per metre of reach.
 AGREEMENT = 1e-12
 _CHECKED_CONFIGURATIONS = 8
+
+# Up to this many degrees of freedom Pinocchio's own `Data` is used: it then has less than 70 MB.
+_MOST_FOR_DATA = 100
 
 
 class JointTable(NamedTuple):
@@ -124,13 +127,46 @@ def pinocchio_poses(model: pin.Model, configurations: ConfigurationMap, frames: 
     Returns:
         (n, links, 4, 4), m.
     """
-    data = model.createData()
+    poser = _posed_with_data if model.nv <= _MOST_FOR_DATA else _posed_by_joints
     poses = np.empty((len(q), len(frames), 4, 4))
-    for row, full in enumerate(configurations.expand(q)):
-        pin.framesForwardKinematics(model, data, full)
-        for link, frame in enumerate(frames):
-            poses[row, link] = data.oMf[frame].homogeneous
+    for row, placements in zip(poses, poser(model, frames, configurations.expand(q)), strict=True):
+        for link, placement in enumerate(placements):
+            row[link] = placement.homogeneous
     return poses
+
+
+def _posed_with_data(model: pin.Model, frames: Sequence[int], rows: Floats) -> Iterator[list[Any]]:
+    """The frames' placements in the world at each of Pinocchio's configurations (n, nq)."""
+    data = model.createData()
+    for q in rows:
+        pin.framesForwardKinematics(model, data, q)
+        yield [data.oMf[frame] for frame in frames]
+
+
+def _posed_by_joints(model: pin.Model, frames: Sequence[int], rows: Floats) -> Iterator[list[Any]]:
+    """The same by the same products, without Pinocchio's `Data`, which has tables of nv^3 numbers: 60 GB for 1,000."""
+    for q in rows:
+        joints = joint_placements(model, q)
+        yield [joints[model.frames[frame].parentJoint] * model.frames[frame].placement for frame in frames]
+
+
+def joint_placements(model: pin.Model, q: Floats) -> list[Any]:
+    """Where Pinocchio has the joints of a model of any size.
+
+    Args:
+        model: Pinocchio's.
+        q: Its configuration (nq,).
+
+    Returns:
+        A placement in the world (pin.SE3) for each of its joints, the universe first; the same bits as `Data.oMi`.
+    """
+    placed = [pin.SE3.Identity()]
+    for joint, parent, placement in list(zip(model.joints, model.parents, model.jointPlacements, strict=True))[1:]:
+        data = joint.createData()
+        joint.calc(data, q)
+        local = placement * data.M
+        placed.append(placed[parent] * local if parent > 0 else local)
+    return placed
 
 
 def disagreement(kinematics: Any, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> float:

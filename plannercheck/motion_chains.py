@@ -31,7 +31,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.configurations import ConfigurationMap
-from plannercheck.kinematics import JointTable
+from plannercheck.kinematics import JointTable, joint_placements
 from plannercheck.motion_drives import defect, drives
 from plannercheck.shapes import Body, hull_and_swell
 
@@ -189,15 +189,17 @@ class _Tree:
     def __init__(
         self, model: pin.Model, configurations: ConfigurationMap, table: JointTable, frames: Sequence[int]
     ) -> None:
-        data = model.createData()
-        pin.framesForwardKinematics(model, data, _at_rest(model, configurations, table))
+        joints = joint_placements(model, _at_rest(model, configurations, table))
+        links = [model.frames[frame] for frame in frames]
         self.table = table
         self.parents: list[int] = table.parents.tolist()
         self.moves: list[bool] = [bool(row.any()) for row in table.columns >= 0]
         self.slides = [self.moves[j] and kind >= _SLIDE and kind != 10 for j, kind in enumerate(table.kinds.tolist())]
         self.turns = [self.moves[j] and kind != _SLIDE for j, kind in enumerate(table.kinds.tolist())]
-        self.axes = [_axis(table, j, data.oMi[j + 1]) for j in range(len(self.parents))]
-        self.link_poses = np.array([data.oMf[frame].homogeneous for frame in frames]).reshape(-1, 4, 4)
+        self.axes = [_axis(table, j, joints[j + 1]) for j in range(len(self.parents))]
+        self.link_poses = np.reshape(
+            [(joints[link.parentJoint] * link.placement).homogeneous for link in links], (-1, 4, 4)
+        )
         self.link_joints = table.link_joints.tolist()
         self.link_on = {joint: link for link, joint in reversed(list(enumerate(self.link_joints)))}
         self.link_on[-1] = -1

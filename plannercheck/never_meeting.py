@@ -7,6 +7,7 @@ pairs of what has moved, come, or been attached are proved anew (see reach.py).
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -23,7 +24,9 @@ Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 
 _Side = tuple[Body, float]  # and its padding, m
-_Sides = tuple[_Side, _Side]
+
+# Bits of a pair's number that the number of its second body takes.
+_HALF = 32
 
 
 class MeetingProofs:
@@ -52,20 +55,34 @@ class MeetingProofs:
         self._has_copies = self._order != list(range(len(bodies)))
         if earlier is not None and (self._has_copies or earlier._has_copies):
             earlier = None
-        self._known: dict[_Sides, tuple[bool, bool]] = {} if earlier is None else dict(earlier._known)
+        self._numbers: dict[_Side, int] = {} if earlier is None else earlier._numbers
+        self._known: NDArray[np.int64] = np.zeros(0, dtype=np.int64) if earlier is None else earlier._known  # ascending
+        self._facts: Bools = np.zeros((0, 2), dtype=bool) if earlier is None else earlier._facts
         self._chains: Chains | None = earlier._chains if earlier is not None else None
 
     def of(self, pairs: Ints) -> tuple[Bools, Bools]:
         """Which pairs (k, 2) never meet within the limits, and which rest relative to each other."""
-        sides = list(zip(self._bodies, self._preparation.paddings.tolist(), strict=True))
-        keys = [(sides[a], sides[b]) for a, b in pairs.tolist()]
-        new = np.array([k for k, key in enumerate(keys) if key not in self._known], dtype=np.int64)
-        if len(new):
-            apart, resting = self._proved(pairs[new])
-            self._known |= {keys[k]: (bool(a), bool(r)) for k, a, r in zip(new.tolist(), apart, resting, strict=True)}
-        self._known = {key: self._known[key] for key in keys}  # nothing is kept of what is gone
-        facts = np.array([self._known[key] for key in keys], dtype=bool).reshape(-1, 2)
+        keys = self._keys(pairs)
+        place = np.searchsorted(self._known, keys)
+        known = np.zeros(len(keys), dtype=bool)
+        inside = place < len(self._known)
+        known[inside] = self._known[place[inside]] == keys[inside]
+        facts = np.zeros((len(keys), 2), dtype=bool)
+        facts[known] = self._facts[place[known]]
+        if not known.all():
+            facts[~known] = np.stack(self._proved(pairs[~known]), axis=1)
+        self._known, first = np.unique(keys, return_index=True)  # nothing is kept of what is gone
+        self._facts = facts[first]
         return facts[:, 0], facts[:, 1]
+
+    def _keys(self, pairs: Ints) -> NDArray[np.int64]:
+        """(k,) a number for each pair: the same whenever both bodies and their paddings are."""
+        sides = list(zip(self._bodies, self._preparation.paddings.tolist(), strict=True))
+        fresh = itertools.count(max(self._numbers.values(), default=-1) + 1)
+        numbers = {side: self._numbers[side] if side in self._numbers else next(fresh) for side in sides}
+        self._numbers = numbers
+        of_body = np.array([numbers[side] for side in sides], dtype=np.int64)
+        return np.asarray(of_body[pairs[:, 0]] << _HALF | of_body[pairs[:, 1]])
 
     def _proved(self, pairs: Ints) -> tuple[Bools, Bools]:
         found = self._reach(pairs)

@@ -13,6 +13,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.arrays import read_only
 from plannercheck.errors import PlannercheckError
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
@@ -50,19 +51,22 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
     """
     if acm not in ("robot", "scene"):
         raise PlannercheckError(f"acm must be 'robot' or 'scene', not {acm!r}")
-    own = [(int(a), int(b)) for a, b in robot.self_pairs] if self_collision else []
+    own = robot.self_pairs.astype(np.int32) if self_collision else _rows([])
     labels = [body.label for body in robot.bodies]
-    judged = [acm == "scene" or body.carried is not None for body in robot.bodies]
-    own = [(a, b) for a, b in own if not (judged[b] and scene.is_allowed(labels[a], labels[b]))]
-    pairs = list(own)
+    if acm == "scene" or robot.carried:
+        judged = np.array([acm == "scene" or body.carried is not None for body in robot.bodies], dtype=bool)
+        asked = np.flatnonzero(judged[own[:, 1]])
+        allowed = [scene.is_allowed(labels[a], labels[b]) for a, b in own[asked].tolist()]
+        own = np.delete(own, asked[np.array(allowed, dtype=bool)], axis=0)
+    obstacles: list[tuple[int, int]] = []
     resting: list[tuple[int, int]] = []
     fixed = fixed_links(robot)
     for a, body in enumerate(robot.bodies):
         for k, name in enumerate(scene.body_objects):
             if scene.is_allowed(labels[a], name):
                 continue
-            (resting if body.link in fixed else pairs).append((a, len(robot.bodies) + k))
-    return PairTable(_rows(pairs), _rows(resting), len(own))
+            (resting if body.link in fixed else obstacles).append((a, len(robot.bodies) + k))
+    return PairTable(read_only(np.concatenate([own, _rows(obstacles)])), _rows(resting), len(own))
 
 
 def fixed_links(robot: Robot) -> frozenset[str]:

@@ -12,11 +12,13 @@ the other body's box) are further apart than that in the middle of each cell, th
 
 Proof of the margins. `kinematic_error_within` bounds how far computed poses are from exact kinematics, also those that
 are computed here: pairs are dropped only if it is below LARGEST_ERROR, so that four of them are less than MARGIN.
-Exact kinematics is rigid up to the rounding of placements and axes: they must be so up to RIGID each, the poses of
-bodies and obstacles up to 1e-6. A chain of thousands of joints thus stretches lengths by less than 3e-6, as does taking
-the transpose of a box's pose for its inverse; RELATIVE covers both, and the rounding of the sums. Nothing of this holds
-beyond the limits, where the checker takes the full table, nor with poses by Pinocchio itself. Of what hangs on a joint
-that takes several numbers (floating, planar, cosine and sine) nothing is said.
+Exact kinematics is rigid up to the rounding of placements and axes: they must be so up to RIGID each, all of a chain
+with what is held on it up to 2.5e-6 (unit_lengths.py), the poses of bodies and obstacles up to 1e-6. That stretches
+lengths by less than 2e-6; taking the transpose of a box's pose for its inverse errs by 3.6e-6 of the way from the
+origin of the body's frame, which may be far from the body. RELATIVE covers both, and the rounding of the sums, of all
+these lengths. Nothing of this holds beyond the limits, where the checker takes the full table, nor with poses by
+Pinocchio itself. Of what hangs on a joint that takes several numbers (floating, planar, cosine and sine) nothing is
+said.
 """
 
 from __future__ import annotations
@@ -94,7 +96,7 @@ def reach(
     with_obstacle = pairs[:, 1] >= sum(body.link is not None for body in bodies)
     own = np.flatnonzero(~with_obstacle)
     apart[own] = _apart_among_links(chains, pairs[own])
-    resting[own] = [not any(chains.branches(a, b)) for a, b in pairs[own].tolist()]
+    resting[own] = chains.screen.resting(pairs[own].astype(np.int64))
     for body in np.unique(pairs[with_obstacle, 0]).tolist():
         rows = np.flatnonzero(with_obstacle & (pairs[:, 0] == body))
         apart[rows] = _apart_from_obstacles(chains, body, pairs[rows, 1])
@@ -144,6 +146,14 @@ def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> boo
 
 def _apart_among_links(chains: Chains, pairs: Ints) -> Bools:
     """Which pairs (k, 2) of the robot's bodies never meet."""
+    promising = chains.screen.may_be_proved(pairs.astype(np.int64), MOST_COLUMNS)
+    apart = np.zeros(len(pairs), dtype=bool)
+    apart[promising] = _apart_by_cells(chains, pairs[promising])
+    return apart
+
+
+def _apart_by_cells(chains: Chains, pairs: Ints) -> Bools:
+    """The same, by cells of cuts."""
     apart = np.zeros(len(pairs), dtype=bool)
     branches = [chains.branches(a, b) for a, b in pairs.tolist()]
     for columns in range(MOST_COLUMNS + 1):
@@ -168,14 +178,15 @@ def _cuts(chains: Chains, branches: tuple[Joints, Joints], columns: int) -> Iter
 def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[End]]) -> Bools:
     """Which pairs (k, 2) with these ends (k, 2) stay apart in every cell of a cut, always by one of three tests."""
     q, half = chains.cells(cut)
-    frames = {end.frame for both in ends for end in both}
+    around = chains.neighbourhood({end.frame for both in ends for end in both})
     apart = np.ones((3, len(pairs)), dtype=bool)
     for part in np.split(q, _PARTS):
         left = np.flatnonzero(apart.any(axis=0))
         if len(left) and len(part):
-            poses = chains.poses(part, frames)
+            poses = around.poses(part)
             first, second = (
-                _Moving(chains, cut, half, pairs[left, side], [ends[k][side] for k in left], poses) for side in (0, 1)
+                _Moving(chains, cut, half, pairs[left, side], [ends[k][side] for k in left], poses, around.place)
+                for side in (0, 1)
             )
             apart[:, left] &= [first.balls_apart(second), first.apart_from_box(second), second.apart_from_box(first)]
     return np.asarray(apart.any(axis=0))
@@ -184,8 +195,17 @@ def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[End]]
 class _Moving:
     """One side of n pairs in the cells of a cut."""
 
-    def __init__(self, chains: Chains, cut: Cut, half: Floats, bodies: Ints, ends: list[End], poses: Floats) -> None:
-        self.pose = poses[:, [end.frame for end in ends]]
+    def __init__(
+        self,
+        chains: Chains,
+        cut: Cut,
+        half: Floats,
+        bodies: Ints,
+        ends: list[End],
+        poses: Floats,
+        place: dict[int, int],
+    ) -> None:
+        self.pose = poses[:, [place[end.frame] for end in ends]]
         centre = np.array([end.centre for end in ends]).reshape(-1, 3)
         self.centre = np.einsum("cnij,nj->cni", self.pose[..., :3, :3], centre) + self.pose[..., :3, 3]
         self.radius = np.array([end.radius for end in ends])
@@ -205,7 +225,8 @@ class _Moving:
         inside = np.einsum("cnji,cnj->cni", other.pose[..., :3, :3], away)
         distance = _from_box(inside, other.box).min(axis=0)
         room = self.radius + other.box.swell + self.sway + other.ball_sway + self._margin(other)
-        return np.asarray(other.posed & (distance > room))
+        offset = np.linalg.norm(other.box.centre, axis=1)  # `away` begins at the frame's origin, however far that is
+        return np.asarray(other.posed & (distance > room + RELATIVE * offset))
 
     def _margin(self, other: _Moving) -> Floats:
         return np.asarray(MARGIN + RELATIVE * (self.extent + other.extent))

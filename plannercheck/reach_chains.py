@@ -12,6 +12,7 @@ import copy
 import itertools
 import math
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ from numpy.typing import NDArray
 from plannercheck.configurations import LARGEST_VALUE
 from plannercheck.core import core
 from plannercheck.kinematics import SLIDE, TURNS, JointTable
+from plannercheck.neighbourhoods import Neighbourhood, neighbourhood
+from plannercheck.reach_screens import Screen, joint_tree
 from plannercheck.robot import Robot
 from plannercheck.shapes import Body, HullAndSwell
 
@@ -112,7 +115,8 @@ class Chains:
         self.boxes = boxes_of(hulls)
         self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
         own = self._own = tuple(body for body in bodies if body.link is not None)
-        self._kernel = _kernel_of_frames(robot, table, own)
+        self._frames = _table_of_frames(robot, table, own)
+        self._kernel = core.Kinematics(*self._frames)
         self._moving = [bool((columns >= 0).any()) for columns in table.columns]
         self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]
         spans = robot.upper - robot.lower
@@ -129,7 +133,7 @@ class Chains:
         centres = np.column_stack([self.boxes.centre[: len(links)], np.ones(len(links))])
         self._centres = np.einsum("bij,bj->bi", at_base[2 * self._joints :, :3], centres).tolist()
         self._ends: dict[tuple[int, int, Cut], End] = {}
-        self._middles: dict[tuple[int, Cut], tuple[Floats, float]] = {}
+        self._middles: dict[tuple[int, int, Cut], tuple[Floats, float]] = {}
         self._proved: bool | None = None
 
     def inherit(self, earlier: Chains) -> None:
@@ -193,6 +197,10 @@ class Chains:
         needed[list(frames)] = 1
         return np.asarray(self._kernel.link_poses(q, needed))
 
+    def neighbourhood(self, frames: Iterable[int]) -> Neighbourhood:
+        """Kinematics of some frames against each other."""
+        return neighbourhood(self._frames, sorted(frames))
+
     def branches(self, a: int, b: int) -> tuple[Joints, Joints]:
         """The moving joints of two bodies from their fork outwards."""
         first, second = self._chains[a], self._chains[b]
@@ -205,9 +213,28 @@ class Chains:
         """The moving joints from the world to a body."""
         return self._chains[body]
 
-    def columns_between(self, a: int, b: int) -> bool:
-        """Whether some joint of the group moves two bodies relative to each other."""
-        return any(self.branches(a, b))
+    @cached_property
+    def screen(self) -> Screen:
+        """Tells at once for which pairs of bodies on links nothing can be proved."""
+        moving = [joint for joint in range(self._joints) if self._moving[joint]]
+        number = {joint: k for k, joint in enumerate(moving)}
+        above = [self._last_moving(int(self._table.parents[joint])) for joint in moving]
+        own = slice(len(self._own))
+        tree = joint_tree(
+            [number.get(joint, -1) for joint in above],
+            [self._column(joint) if self._can_be_cut[joint] else -1 for joint in moving],
+            [self._slides[joint] for joint in moving],
+            (_rows(self._origins, moving), _rows(self._moved_origins, moving)),
+            [number.get(chain[-1], -1) if chain else -1 for chain in self._chains],
+            (_rows(self._centres, range(len(self._own))), self.boxes.radius[own] + self.boxes.swell[own]),
+        )
+        return Screen(tree)
+
+    def _last_moving(self, joint: int) -> int:
+        """The first joint that moves, from this one towards the world; -1 if none does."""
+        while joint >= 0 and not self._moving[joint]:
+            joint = int(self._table.parents[joint])
+        return joint
 
     def columns(self, branch: Joints) -> list[int]:
         """The first columns that can be cut, in their order along a branch; up to the first joint that can't be."""
@@ -260,9 +287,9 @@ class Chains:
 
     def centres_in_cells(self, body: int, chain: Joints, cut: Cut) -> tuple[Floats, float]:
         """Centres (cells, 3) of the ball that holds a body in the middles of cells, and how far they sway within, m."""
-        key = body, cut
+        end = self.end(body, chain, cut)
+        key = body if end.posed else -1, end.frame, cut  # of what hangs beyond a joint, all have its origin in common
         if key not in self._middles:
-            end = self.end(body, chain, cut)
             q, half = self.cells(cut)
             centres = self.poses(q, [end.frame])[:, end.frame, :3] @ np.append(end.centre, 1.0)
             sway = sum(end.levers[column] * width for column, width in zip(cut, half.tolist(), strict=True))
@@ -280,6 +307,11 @@ class Chains:
         return np.random.default_rng(0).permutation(q), half
 
 
+def _rows(points: Sequence[Sequence[float]], wanted: Sequence[int]) -> Floats:
+    """(n, 3) some of the points."""
+    return np.array([points[k] for k in wanted], dtype=np.float64).reshape(-1, 3)
+
+
 def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> float:
     """How far a moving joint takes its frame from where it hangs, m; infinite if several numbers move it."""
     kind, column = int(table.kinds[joint]), int(table.columns[joint][0])
@@ -293,16 +325,14 @@ def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> 
     return float(np.abs(ends * table.multipliers[joint][0] + table.offsets[joint][0]).max())
 
 
-def _kernel_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> Any:
-    """Compiled kinematics of the joints' frames, before and after their motion, and of the bodies on the links."""
+def _table_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> JointTable:
+    """For kinematics of the joints' frames, before and after their motion, and of the bodies on the links."""
     joints = np.arange(len(table.kinds), dtype=np.int32)
     links = [robot.link_index(str(body.link)) for body in bodies]
     on_links = np.array([body.pose for body in bodies]).reshape(-1, 4, 4)
     on_joints = table.link_placements[links] @ on_links
     identities = np.tile(np.eye(4)[:3], (len(joints), 1, 1))
-    return core.Kinematics(
-        *table._replace(
-            link_joints=np.concatenate([table.parents, joints, table.link_joints[links]]),
-            link_placements=np.ascontiguousarray(np.concatenate([table.placements, identities, on_joints])),
-        )
+    return table._replace(
+        link_joints=np.concatenate([table.parents, joints, table.link_joints[links]]),
+        link_placements=np.ascontiguousarray(np.concatenate([table.placements, identities, on_joints])),
     )

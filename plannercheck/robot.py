@@ -184,7 +184,7 @@ class Robot:
             joints = explicit_group(model, description.joints, mimics)
         elif description.group is not None:
             joints = srdf_group(model, semantics, description.group, tree, mimics)
-        pairs = self_pairs(model, geometry, bodies, description.srdf, tree, description.disabled_pairs)
+        pairs = self_pairs(geometry, bodies, description.srdf, tree, description.disabled_pairs)
         pieces: Mapping[str, Pieces] = {}
         if description.decomposition is not None:
             bodies, pairs, pieces = decomposed(bodies, pairs, geometry, description.decomposition)

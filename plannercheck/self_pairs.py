@@ -1,6 +1,6 @@
 """Which of a robot's bodies are tested against each other.
 
-In: Pinocchio's geometry model, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's
+In: Pinocchio's geometries, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's
 bodies. With an SRDF they are exactly those that Pinocchio keeps: all pairs on different joints less the
 disabled. Without one, adjacent links are left out too. Pairs that a robot's YAML disables are left out in
 either case.
@@ -16,30 +16,34 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.errors import unknown_name
 from plannercheck.robot_files import DisabledPair
 from plannercheck.shapes import Body
-from plannercheck.srdf import disabled_link_names, read_srdf
+from plannercheck.srdf import disabled_collisions, disabled_link_names, read_srdf
 from plannercheck.urdf import LinkTree
 
 
 def self_pairs(
-    model: pin.Model,
     geometry: pin.GeometryModel,
     bodies: tuple[Body, ...],
     srdf: Path | None,
     tree: LinkTree,
     disabled: Iterable[DisabledPair],
 ) -> NDArray[np.int64]:
-    """Index pairs (k, 2) into the robot's bodies, in Pinocchio's order."""
-    geometry.addAllCollisionPairs()
-    before = len(geometry.collisionPairs)
+    """Index pairs (k, 2) into the robot's bodies, in Pinocchio's order.
+
+    Pinocchio itself looks through all pairs for each that it adds or removes; of a thousand links there are half a
+    million. So the same table is made here, from arrays.
+    """
+    joints = np.array([each.parentJoint for each in geometry.geometryObjects], dtype=np.int64)
+    first, second = np.triu_indices(len(bodies), 1)
+    apart = joints[first] != joints[second]
+    first, second = first[apart], second[apart]
+    kept = np.ones(len(first), dtype=bool)
     if srdf is not None:
-        try:
-            pin.removeCollisionPairs(model, geometry, str(srdf), False)
-        except RuntimeError as error:
-            raise PlannercheckError(f"SRDF {srdf}: its disabled collisions can't be read: {error}") from None
-        if len(geometry.collisionPairs) == before:
+        named = (frozenset((pair.link_a, pair.link_b)) for pair in disabled_collisions(read_srdf(srdf)))
+        kept &= ~_of_links(first, second, bodies, named)
+        if kept.all():
             warnings.warn(
                 f"SRDF {srdf} disables no pair of links{_of_another(srdf, tree)}: adjacent ones, which usually touch, "
                 "are tested as well",
@@ -49,9 +53,24 @@ def self_pairs(
     left_out = _disabled_links(disabled, tree)
     if srdf is None:
         left_out |= {frozenset(pair) for pair in tree.parents.items()}
-    pairs = [(pair.first, pair.second) for pair in geometry.collisionPairs]
-    kept = [(a, b) for a, b in pairs if frozenset((bodies[a].link, bodies[b].link)) not in left_out]
-    return np.array(kept, dtype=np.int64).reshape(-1, 2)
+    kept &= ~_of_links(first, second, bodies, left_out)
+    return np.stack([first[kept], second[kept]], axis=1)
+
+
+def _of_links(
+    first: NDArray[np.int64],
+    second: NDArray[np.int64],
+    bodies: tuple[Body, ...],
+    links: Iterable[frozenset[str | None]],
+) -> NDArray[np.bool_]:
+    """(k,) which pairs of bodies are of one of these pairs of links."""
+    names = [body.link for body in bodies]
+    number = {name: k for k, name in enumerate(dict.fromkeys(names))}
+    listed = [sorted(number[name] for name in pair) for pair in links if pair <= number.keys() and len(pair) == 2]
+    codes = np.array([low * len(number) + high for low, high in listed], dtype=np.int64)
+    of_body = np.array([number[name] for name in names], dtype=np.int64)
+    low, high = np.sort([of_body[first], of_body[second]], axis=0)
+    return np.asarray(np.isin(low * len(number) + high, codes))
 
 
 def _of_another(srdf: Path, tree: LinkTree) -> str:

@@ -58,7 +58,7 @@ class CheckoutCopy:
         self._build = folder / f"build-{level}"
         self._original = folder / f"core-{level}"
         self._is_built = False
-        self._environment = os.environ | {
+        self.environment = os.environ | {
             "PYTHONPATH": str(self.root),
             "PYTHONHASHSEED": "0",
             "PLANNERCHECK_CACHE": "0",
@@ -93,7 +93,7 @@ class CheckoutCopy:
         configure += ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
         commands = [] if (self._build / "CMakeCache.txt").exists() else [configure]
         for command in [*commands, ["cmake", "--build", str(self._build), "--parallel", "2"]]:
-            ran = run(command, self.root, self._environment, BUILD_LIMIT)
+            ran = run(command, self.root, self.environment, BUILD_LIMIT)
             if ran.code != 0:
                 return ran.text or "no word of the compiler: its time was over"
         self._put_in(self._build)
@@ -106,12 +106,12 @@ class CheckoutCopy:
         if said := self.build():
             raise SystemExit(f"The checkout itself does not build:\n{said[-3000:]}")
         self._original.mkdir(exist_ok=True)
-        for path in self.root.glob("plannercheck/_core_*"):
+        for path in self.root.glob("plannercheck/_*.so"):
             shutil.copy2(path, self._original)
         self._is_built = True
 
     def _put_in(self, folder: Path) -> None:
-        for path in folder.glob(f"_core_{self._level}.*"):
+        for path in [*folder.glob(f"_core_{self._level}.*"), *folder.glob("_oracle.*")]:
             target = self.root / "plannercheck" / path.name
             target.unlink(missing_ok=True)  # never written over: a process that still has it open would crash
             shutil.copy2(path, target)
@@ -132,7 +132,7 @@ class CheckoutCopy:
             *tests,
         ]
         limited = ["/bin/sh", "-c", f'ulimit -v {MEMORY}; exec "$0" "$@"', *command]
-        return run(limited, self.root, self._environment, limit)
+        return run(limited, self.root, self.environment, limit)
 
     @contextlib.contextmanager
     def with_mutant(self, mutant: Mutant) -> Iterator[str]:

@@ -78,7 +78,8 @@ def test_a_lost_worker_is_made_up_for(tmp_path, checker):
         pids = engine.client.run(os.getpid)
         assert len(pids) == 2
         assert written(tmp_path / "b.npz", checker, judge, engine, killing(rows, pids)) == alone
-        with ClusterEngine(checker, judge, scheduler=engine.client.scheduler.address) as second:
+        address, security = engine.client.scheduler.address, engine.client.security
+        with ClusterEngine(checker, judge, scheduler=address, security=security) as second:
             ((_, findings),) = second.findings([Chunk(0, rows[:100])])
             assert np.array_equal(findings.arrays["first_pair"], checker.first_colliding_pair(rows[:100]))
         held = engine.client.run(lambda dask_worker: [name for name in dask_worker.plugins if "plannercheck" in name])

@@ -168,6 +168,25 @@ def test_half_turns_have_no_short_way():
     assert "half a turn" in found.fault
 
 
+@pytest.mark.parametrize("off", [1e-300, 1e-17, 1e-13, -1e-300, -1e-17, -1e-13])
+def test_nearly_half_turns_have_no_short_way_either(off):
+    # Doubles may round to the other side; the tip is beyond the wall on one way only.
+    circle = Joint("c", "circle", -1, STILL, (0.0, 0.0, 1.0), (0, 1), (1.0, 1.0), (0.0, 0.0))
+    ball = Joint("b", "ball", -1, STILL, (0.0, 0.0, 0.0), (0, 1, 2, 3), (1.0,) * 4, (0.0,) * 4)
+    planar = Joint("p", "planar", -1, STILL, (0.0, 0.0, 0.0), (0, 1, 2, 3), (1.0,) * 4, (0.0,) * 4)
+    for joint, start, end in (
+        (circle, lambda s: (1.0, 0.0), lambda s: (-1.0, s)),
+        (planar, lambda s: (0.0, 0.0, 1.0, 0.0), lambda s: (0.0, 0.0, -1.0, s)),
+        (ball, lambda s: (0.0, 0.0, 0.0, 1.0), lambda s: (0.0, 0.0, 1.0, s)),
+    ):
+        for s, holds in ((off, False), (off / abs(off) * 1e-9, True)):
+            side = -s / abs(s)  # of the wall: for a turn by a little less than pi, or by -pi, from the tip at y = 1
+            bodies = [point("wall", -1, at(x=-side * 1e-6)), point("tip", 0, at(y=1.0))]
+            found = claim([joint], bodies, start(s), end(s), [plane((-side, 0, 0))]).verify()
+            assert bool(found) == holds, found.fault
+            assert holds or "half a turn" in found.fault
+
+
 def test_placements_off_rigid_cost_what_they_may_be_off():
     # The direction stands on the arm, and the wall is seen from it through placements that are off by 5e-7.
     off = tuple(x * (1 + 2e-7) if k % 4 < 3 else x for k, x in enumerate(STILL))
@@ -213,3 +232,24 @@ def test_both_halves_of_an_interval_are_looked_at():
         bodies = [point("post", -1, at(y=0.1), radius=0.06), point("ball", 0, radius=0.05)]
         balls = [Entry(0, 0.0, 1.0, "balls")]
         assert not claim([slide], bodies, (10 * start,), (10 * end,), balls).verify()
+
+
+@pytest.mark.parametrize("size", [1e-155, 1e-158, 1e-162, 1e-200, 1e-280])
+def test_a_ball_has_to_hold_vertices_the_squares_of_which_vanish(size):
+    # The post is a point within the bar, at a quarter of its length; both balls are far smaller than the bar.
+    ends = ((-size, 0.0, 0.0), (size, 0.0, 0.0))
+    for reach, place, holds in ((size / 1e6 + 4e-290, size / 2, False), (size * (1 + 1e-9), size * 3, True)):
+        bodies = [point("post", -1, at(x=place), reach=4e-290), point("bar", 0, STILL, ends, reach=reach)]
+        proof = claim([turn(axis=(1.0, 0.0, 0.0))], bodies, (0.0,), (1e-9,), [Entry(0, 0.0, 1.0, "balls")])
+        assert bool(proof.verify()) == holds
+
+
+def test_a_deviation_counts_on_an_interval_the_square_of_which_vanishes():
+    # A tip at s (cos w, sin w) on a slide that turns: s and w are 0 together in the middle of the first entry, so the
+    # tip goes through the origin, where the post is, but is above the post at both of the entry's ends.
+    short, speed, spin = 1e-162, 1e30, 1e7
+    turning = turn(multiplier=10.0, offset=-spin * short / 2)
+    sliding = Joint("s", "slide", 0, STILL, (1.0, 0.0, 0.0), (1,), (1e15,), (-speed * short / 2,))
+    bodies = [point("tip", 1), point("post", -1, STILL, ((0.0, 0.0, 0.0), (0.0, 1e-290, 0.0), (0.0, -1e-290, 0.0)))]
+    entries = [plane((0, 1, 0), -1, 0.0, short), plane((1, 0, 0), 0, short, 1.0)]
+    assert not claim([turning, sliding], bodies, (0.0, 0.0), (spin / 10, 1e15), entries).verify()

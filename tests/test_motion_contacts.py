@@ -356,6 +356,7 @@ def test_far_ends_are_judged_as_their_states_are_posed_or_refused(power, offset,
         checker = pc.Checker(robot, scene)
         assert not checker.is_valid([end])
         for start in (there - 0.2, there + 0.2):
+            assert not checker.check_motion([start], [end], resolution=1e-2)
             if power <= 3:
                 assert not checker.check_motion([start], [end])
             else:
@@ -505,6 +506,7 @@ def test_far_headings_in_the_plane_are_judged_as_they_are_posed_or_refused(power
         checker = pc.planar.Checker(robot, scene)
         assert not checker.is_valid([0, 0, end])
         start = [0, 0, there - np.sign(there) * 0.4]
+        assert not checker.check_motion(start, [0, 0, end], resolution=0.1, **how)
         try:
             free = [
                 checker.check_motion(start, [0, 0, end], **how),
@@ -541,6 +543,8 @@ def test_far_angles_of_planar_joints_are_judged_as_they_are_posed_or_refused(pow
         if checker.is_valid(goal):
             continue
         start = [0, 0, 0.31, exact_angle(end) - 0.2]
+        assert not checker.check_motion(start, goal, resolution=1e-2)
+        assert not checker.check_motion(start, goal, resolution=1e-2, curve="dubins", turning_radius=1.0)
         if power <= 5:
             assert not checker.check_motion(start, goal)
         else:

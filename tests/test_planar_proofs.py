@@ -15,10 +15,14 @@ from test_planar_motions import arm, states_of
 import plannercheck as pc
 from plannercheck.certified_motions import Passage
 from plannercheck.certified_motions import Proof as Line
+from plannercheck.cli import main
 from plannercheck.planar.curves import Curves
 from plannercheck.proofs import Entry, Proof, load_proofs, save_proofs
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.planar_build import planar_model
+from plannercheck.proofs.planar_confirm import confirm_model
 from plannercheck.proofs.planar_paths import Paths
-from plannercheck.proofs.planar_proof import Piece, PlanarMotion
+from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
 from plannercheck.proofs.planar_well_formed import hashes_of, least_margin
 
 P = pc.planar
@@ -497,7 +501,9 @@ def test_a_certifier_with_long_directions_is_found_out(monkeypatch):
     checker = P.Checker(P.Robot([[8, -0.005], [12, -0.005], [12, 0.005], [8, 0.005]]), scene)
     q0, q1 = [0, 0, -0.09], [0, 0, 0.09]
     line = Line(0, 0.0, 1.0, -1, False, np.array([-2.03, 0.0]), 0.056, 0.0486)
-    monkeypatch.setattr(type(checker.motion_certifier), "passage", lambda *_: Passage(True, 1.0, -1.0, -1, (line,)))
+    monkeypatch.setattr(
+        type(checker.motion_certifier), "passage", lambda *_: Passage(True, 1.0, -1.0, -1, (line,), 1.0)
+    )
     proof = checker._prover.proof(
         *(np.array(q, dtype=float) for q in (q0, q1, q1)), 1e-4, np.zeros((0, 11)), "straight", None
     )
@@ -655,3 +661,66 @@ def test_entries_are_few():
     """What verifying takes depends on that."""
     cases = free_motions(shipped("truck_trailer", "parking"), 10, 10)
     assert np.mean([len(proof.entries) for _, _, proof in cases]) < 300
+
+
+# ----- the model beside files
+
+
+def test_models_of_shipped_robots_are_those_of_their_files(tmp_path):
+    checker = shipped("truck_trailer", "parking")
+    (_, _, proof) = free_motions(checker, 1, 1, 0.4)[0]
+    assert proof.verify("truck_trailer", "parking")
+    assert not proof.verify("forklift", "parking")
+    assert "bodies" in proof.verify("truck_trailer", "warehouse").fault
+    proof.save(tmp_path / "x.json")
+    files = ["--robot", "truck_trailer", "--scene"]
+    assert main(["verify", str(tmp_path / "x.json"), *files, "parking"]) == 0
+    assert main(["verify", str(tmp_path / "x.json"), *files, "warehouse"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda m: {"links": (replace(m.links[0], x=1e-9), *m.links[1:])}, "links"),
+        (lambda m: {"bodies": (replace(m.bodies[0], vertices=m.bodies[0].vertices * 0.999), *m.bodies[1:])}, "bodies"),
+        (lambda m: {"bodies": (m.bodies[1], m.bodies[0], *m.bodies[2:])}, "bodies"),
+        (lambda m: {"bodies": m.bodies[:-1]}, "bodies"),
+        (lambda m: {"whole_turns": ()}, "configurations"),
+        (lambda m: {"pairs": m.pairs[1:]}, "1 pairs"),
+        (lambda m: {"pairs": (m.pairs[1], *m.pairs[1:])}, "1 pairs"),
+    ],
+)
+def test_models_that_differ_from_their_files_are_refused(change, message):
+    model = planar_model(shipped("truck_trailer", "parking"))
+    confirm_model(model, "truck_trailer", "parking")
+    with pytest.raises(UnprovedError, match=message):
+        confirm_model(replace(model, **change(model)), "truck_trailer", "parking")
+
+
+@pytest.mark.parametrize("vertices", [np.array([[-(2**63), 0], [0, 0]]), np.zeros((1, 2), dtype=np.float32)])
+def test_vertices_that_are_no_doubles_are_refused(vertices):
+    (_, _, proof) = free_motions(shipped("forklift", "parking"), 1, 1, 0.4)[0]
+    bodies = (replace(proof.model.bodies[0], vertices=vertices), *proof.model.bodies[1:])
+    model = replace(proof.model, bodies=bodies)
+    assert "array of doubles" in replace(proof, model=model, hashes=hashes_of(model)).verify().fault
+
+
+def test_deviations_below_the_range_of_doubles_count():
+    """Two thousand links of the least length swing through a post: what each leaves its chord by rounds to 0."""
+    least, links, swing = 5e-324, 2000, 0.35
+    chain = [PlanarLink("link0", -1, "revolute", 0, 0.0, 0.0, 0.0)]
+    chain += [PlanarLink(f"link{k}", k - 1, "fixed", 1, least, 0.0, 0.0) for k in range(1, links + 1)]
+    # The post reaches from beyond the tip's arc into it; its circle is clear of the arc's chord.
+    outside = np.array([round(links * math.cos(swing)) + 100, -round(links * math.sin(swing))])
+    inside = np.round(outside * (links - 1) / np.hypot(*outside))
+    assert np.hypot(*inside) < links < np.hypot(*outside)
+    assert math.atan2(-inside[1], inside[0]) < swing
+    rows, centre = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0), tuple((outside * least).tolist())
+    bodies = (
+        PlanarBody("tip", "tip", links, rows, np.zeros((1, 2)), (0.0, 0.0), 0.0),
+        PlanarBody("post", "post", -1, rows, np.array([outside, inside]) * least, centre, 97 * least),
+    )
+    model = PlanarModel(tuple(chain), bodies, ((0, 1),), (), 1)
+    motion = PlanarMotion((-swing,), (swing,), (swing,))
+    entries = (Entry(0, 0.0, 1.0, "balls"),)
+    assert not Proof("plane", "r", "s", hashes_of(model), model, motion, 0.0, entries).verify()

@@ -122,11 +122,50 @@ def edited(proof, tmp_path, change):
         (lambda d: d["model"]["pairs"].append([0, 1, 2]), "must have 2 items"),
         (lambda d: d["model"]["bodies"][0].update(vertices=[["a"]]), "array of numbers"),
         (lambda d: d["model"]["bodies"][0].update(vertices=[[0, 0, 0], [1]]), "array of numbers"),
+        (lambda d: d["model"]["bodies"][0].update(vertices=[["0", "0", "0"]]), "array of numbers"),
+        (lambda d: d["model"]["bodies"][0].update(vertices=[[True, False, True]]), "array of numbers"),
+        (lambda d: d["model"]["bodies"][0].update(vertices=[[10**400, 0, 0]]), "array of numbers"),
+        (lambda d: d["motions"][0].update(margin=10**400), "'margin'"),
+        (lambda d: d.update(kind=[]), "'kind' must be"),
     ],
 )
 def test_documents_that_are_no_proofs_are_errors(proofs, tmp_path, change, message):
     with pytest.raises(pc.PlannercheckError, match=message):
         load_proofs(edited(proofs[0], tmp_path, change))
+
+
+def test_a_key_that_stands_twice_is_an_error(proofs, tmp_path):
+    # Other readers may take the first value, and show a claim that is not the one that is verified.
+    path = tmp_path / "twice.json"
+    proofs[0].save(path)
+    path.write_text(path.read_text().replace('"margin":', '"margin":9.0,"margin":', 1))
+    with pytest.raises(pc.PlannercheckError, match="same key twice"):
+        load_proofs(path)
+    text = path.read_text()
+    with (tmp_path / "twice.npz").open("wb") as file:
+        np.savez(file, document=np.array(text))
+    with pytest.raises(pc.PlannercheckError, match="same key twice"):
+        load_proofs(tmp_path / "twice.npz")
+
+
+def test_arrays_that_are_no_npz_of_doubles_are_errors(proofs, tmp_path):
+    path = tmp_path / "x.npz"
+    with path.open("wb") as file:
+        np.save(file, np.zeros(3))
+    with pytest.raises(pc.PlannercheckError, match="no npz"):
+        load_proofs(path)
+    proofs[0].save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    for array, message in (
+        (arrays["array_0"] + 1j, "array of numbers"),
+        (arrays["array_0"].astype(str), "array of numbers"),
+        (arrays["array_0"].astype(object), "pickle"),
+    ):
+        with path.open("wb") as file:
+            np.savez(file, **{**arrays, "array_0": array})
+        with pytest.raises(pc.PlannercheckError, match=message):
+            load_proofs(path)
 
 
 def test_numbers_that_json_can_say_but_no_proof_may_have_are_refused(proofs, tmp_path):
@@ -201,6 +240,74 @@ def test_models_that_differ_from_their_files_are_refused(part, change):
     items[k] = change(items[k])
     with pytest.raises(UnprovedError):
         confirm_model(replace(model, **{part: tuple(items)}), "panda", "table")
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        (1, 0, 2, 3, 4, 5, 6),  # two joints have changed places
+        (6,) * 7,  # all joints follow the last one's number
+        (-1,) * 7,  # nothing moves
+        (0, 1, 2, 3, 4, 5, -1),
+    ],
+)
+def test_a_configuration_has_to_mean_what_it_means_to_the_checker(columns):
+    model = Builder(pc.Checker(pc.Robot.load("panda"), pc.Scene.load("table")))._model
+    joints = [replace(joint, columns=(k,)) for joint, k in zip(model.joints, columns, strict=False)]
+    with pytest.raises(UnprovedError, match="takes the columns"):
+        confirm_model(replace(model, joints=(*joints, *model.joints[7:])), "panda", "table")
+    for change in ({"columns": 8}, {"whole_turns": (0,)}):
+        with pytest.raises(UnprovedError, match="configurations have"):
+            confirm_model(replace(model, **change), "panda", "table")
+
+
+def test_joints_that_are_held_have_their_axes(checker):
+    model = Builder(pc.Checker(pc.Robot.load("panda"), pc.Scene.load("table")))._model
+    finger = replace(model.joints[7], axis=(1.0, 0.0, 0.0))
+    assert finger.columns == (-1,)
+    with pytest.raises(UnprovedError, match="has the axis"):
+        confirm_model(replace(model, joints=(*model.joints[:7], finger, *model.joints[8:])), "panda", "table")
+
+
+@pytest.fixture
+def floating(tmp_path):
+    """A robot with a free base in a scene: the YAML's path, the scene's path, the model."""
+    (tmp_path / "base.urdf").write_text(
+        "<robot name='base'><link name='base'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
+        "<link name='arm'><collision><origin xyz='0 0 0.5'/><geometry><sphere radius='0.1'/></geometry></collision>"
+        "</link><joint name='j' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='1 0 0'/>"
+        "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+        "<link name='hand'><collision><origin xyz='0 0 1'/><geometry><sphere radius='0.1'/></geometry></collision>"
+        "</link><joint name='k' type='continuous'><parent link='arm'/><child link='hand'/><axis xyz='0 1 0'/></joint>"
+        "</robot>"
+    )
+    (tmp_path / "base.yaml").write_text("urdf: base.urdf\nfloating: true\n")
+    scene = pc.Scene("named")
+    scene.add_box("base_0", (0.1, 0.1, 0.1), np.array(pc.Scene.load("table").bodies[0].pose))
+    scene.save(tmp_path / "named.yaml")
+    files = str(tmp_path / "base.yaml"), str(tmp_path / "named.yaml")
+    return *files, Builder(pc.Checker(pc.Robot.load(files[0]), pc.Scene.load(files[1])))._model
+
+
+def test_a_free_base_stands_where_its_numbers_say(floating):
+    robot, scene, model = floating
+    confirm_model(model, robot, scene)
+    base = model.joints[0]
+    for change in ({"placement": shifted(base.placement)}, {"columns": (-1,) * 7, "offsets": (9.0,) * 6 + (1.0,)}):
+        changed = replace(model, joints=(replace(base, **change), *model.joints[1:]))
+        with pytest.raises(UnprovedError):
+            confirm_model(changed, robot, scene)
+
+
+def test_pairs_of_bodies_that_share_a_name_are_told_apart(floating):
+    # An obstacle has the name of the base's geometry: the pair of one with the arm does not stand for the other's.
+    robot, scene, model = floating
+    names = [sorted(model.bodies[k].name for k in pair) for pair in model.pairs]
+    assert names.count(["base_0", "hand_0"]) == 2
+    for pair in model.pairs:
+        others = tuple(other for other in model.pairs if other != pair)
+        with pytest.raises(UnprovedError, match="1 pairs of the checker's table"):
+            confirm_model(replace(model, pairs=others), robot, scene)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -284,6 +391,15 @@ def test_a_false_proof_is_told_with_its_motion(plan, tmp_path, capsys):
     save_proofs([first, third], file)
     assert main(["verify", str(file)]) == 0
     assert "in a row" not in capsys.readouterr().out
+
+
+def test_a_malformed_model_is_told_and_not_a_crash(proofs, tmp_path, capsys):
+    for change in (
+        lambda d: d["model"]["joints"][0].update(columns=[], multipliers=[], offsets=[]),
+        lambda d: d["model"]["pairs"].append([0, 10**6]),
+    ):
+        assert main(["verify", str(edited(proofs[0], tmp_path, change))]) == 1
+        assert "motion 0: not proved" in capsys.readouterr().out
 
 
 def test_a_path_that_collides_gets_no_proof(tmp_path, capsys):

@@ -91,6 +91,10 @@ MALFORMED = [
     ("bodies", "vertices", np.zeros((3, 2))),
     ("bodies", "vertices", np.zeros(3)),
     ("bodies", "vertices", np.array([[0.0, np.nan, 0.0]])),
+    ("bodies", "vertices", np.array([[-(2**63), 0, 0], [0, 0, 0]])),  # whose absolute value is negative
+    ("bodies", "vertices", np.array([[0.0, 0.0, 5j]])),
+    ("bodies", "vertices", np.zeros((1, 3), dtype=np.float32)),
+    ("bodies", "vertices", np.ma.array([[0.0, 0.0, 0.0], [0.0, 9.0, 0.0]], mask=[[0, 0, 0], [1, 1, 1]])),
 ]
 
 

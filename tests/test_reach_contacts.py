@@ -113,3 +113,33 @@ def test_a_slide_whose_reference_is_its_far_end(tmp_path):
     assert_nothing_that_touches_is_unreachable(robot, scene_of_cubes(points, 1e-3), q, 4)
     beyond = [[3.05 * np.cos(turn), 3.05 * np.sin(turn), 0.0] for turn in (-2.0, 2.0)]
     assert pc.Checker(robot, scene_of_cubes(beyond, 1e-3)).unreachable.all()
+
+
+OVER_A_BALL = """
+<robot name="two_arms">
+  <link name="base"/>
+  <link name="hand"/>
+  <link name="ball"><collision><geometry><sphere radius="0.01"/></geometry></collision></link>
+  <joint name="turn_hand" type="revolute"><parent link="base"/><child link="hand"/><axis xyz="0 0 1"/>
+    <limit lower="-0.001" upper="0.001" effort="1" velocity="1"/></joint>
+  <joint name="turn_ball" type="revolute"><parent link="base"/><child link="ball"/><axis xyz="0 0 1"/>
+    <origin xyz="0 0 0.3"/><limit lower="-0.5" upper="0.5" effort="1" velocity="1"/></joint>
+</robot>"""
+
+
+@pytest.mark.parametrize("stretch", [4.9e-7, -4.9e-7])
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("far", [20.0, 1000.0])
+def test_an_object_far_from_its_frame_whose_pose_is_off_rigid(tmp_path, stretch, side, far):
+    """A cube at z = far in its frame, whose pose brings its face into the ball, by less than the pose's inverse and
+    transpose differ there."""
+    (tmp_path / "r.urdf").write_text(OVER_A_BALL)
+    half, deep = 0.05, 0.8 * abs(stretch) * far
+    corners = half * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    pose = np.eye(4)
+    pose[2, 2] = 1 + stretch
+    pose[2, 3] = 0.3 - 0.01 + deep - pose[2, 2] * (side * far + half)
+    bare = pc.Checker(pc.Robot.from_urdf(tmp_path / "r.urdf"), pc.Scene("empty"))
+    checker = bare.attach("cube", pc.Hull(corners + np.array([0, 0, side * far])), "hand", pose)
+    assert not checker.check_states(np.zeros((1, 2))).any()
+    assert not checker.unreachable.any()

@@ -194,7 +194,7 @@ def test_self_pairs_leave_nothing_else_out(arm):
     model = read_model(arm[0])
     geometry = read_geometry(model, arm[0], ())
     robot = Robot.from_urdf(arm[0])
-    pairs = self_pairs(model, geometry, robot.bodies, arm[1], robot._tree, ())
+    pairs = self_pairs(geometry, robot.bodies, arm[1], robot._tree, ())
     assert len(pairs) == 10 - 2 - 1  # of five bodies: two pairs on one joint each, one disabled
 
 

@@ -62,8 +62,8 @@ def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
         "model": None if model is None else model.fault or "confirmed",
         "joined": _joined(proofs),
         "pairs": len(proofs[0].model.pairs),
-        "padding": _least_padding(proofs[0]),
-        "held": _held(proofs[0]),
+        "padding": _least_padding(proofs[0]) if any(found) else None,  # else the model may be malformed
+        "held": _held(proofs[0]) if any(found) else {},
         "entries": sum(each.entries for each in found),
         "seconds": sum(each.seconds for each in found),
         "motions": [_motion(proof, each) for proof, each in zip(proofs, found, strict=True)],

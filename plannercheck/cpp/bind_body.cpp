@@ -10,6 +10,7 @@
 #include "bindings.hpp"
 #include "body.hpp"
 #include "pair_batch.hpp"
+#include "plain_floats.hpp"
 #include "predicates.hpp"
 #include "verdicts.hpp"
 
@@ -230,42 +231,54 @@ void bind_body(nb::module_& m) {
           },
           nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("turned_axis"),
           nb::arg("facet_plane"), nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"),
-          nb::arg("interleaving"));
+          nb::arg("interleaving"), plain_floats);
 
   nb::class_<Body>(m, "Body")
-      .def_static("from_points", &body_from_points)
-      .def_static("from_faces", &body_from_faces)
-      .def_static("parse",
-                  [](nb::bytes data) {
-                    return std::make_shared<Body>(parse_body(static_cast<const char*>(data.data()), data.size()));
-                  })
-      .def("serialise",
-           [](const Body& b) {
-             const std::string data = serialise(b);
-             return nb::bytes(data.data(), data.size());
-           })
-      .def("vertices", [](const Body& b) { return rows_of(b.inner.points); })
-      .def("triangles", [](const Body& b) { return rows_of(b.triangles); })
-      .def("source", [](const Body& b) { return output_array(b.source, {b.source.size()}); })
-      .def("polar_points", [](const Body& b) { return rows_of(b.polar.points); })
-      .def("levels", [](const Body& b, bool of_polar) { return levels_of(of_polar ? b.polar : b.inner); })
-      .def("centre", [](const Body& b) { return rows_of(std::vector<Vec3>{b.centre}); })
-      .def("inner_shapes", &inner_shapes_of)
-      .def("inner_shape", [](const Body& b) { return shape_of(b.inner); })
-      .def("polar_shape", [](const Body& b) { return shape_of(b.polar); })
+      .def_static("from_points", &body_from_points, plain_floats)
+      .def_static("from_faces", &body_from_faces, plain_floats)
+      .def_static(
+          "parse",
+          [](nb::bytes data) {
+            return std::make_shared<Body>(parse_body(static_cast<const char*>(data.data()), data.size()));
+          },
+          plain_floats)
+      .def(
+          "serialise",
+          [](const Body& b) {
+            const std::string data = serialise(b);
+            return nb::bytes(data.data(), data.size());
+          },
+          plain_floats)
+      .def(
+          "vertices", [](const Body& b) { return rows_of(b.inner.points); }, plain_floats)
+      .def(
+          "triangles", [](const Body& b) { return rows_of(b.triangles); }, plain_floats)
+      .def(
+          "source", [](const Body& b) { return output_array(b.source, {b.source.size()}); }, plain_floats)
+      .def(
+          "polar_points", [](const Body& b) { return rows_of(b.polar.points); }, plain_floats)
+      .def(
+          "levels", [](const Body& b, bool of_polar) { return levels_of(of_polar ? b.polar : b.inner); }, plain_floats)
+      .def(
+          "centre", [](const Body& b) { return rows_of(std::vector<Vec3>{b.centre}); }, plain_floats)
+      .def("inner_shapes", &inner_shapes_of, plain_floats)
+      .def(
+          "inner_shape", [](const Body& b) { return shape_of(b.inner); }, plain_floats)
+      .def(
+          "polar_shape", [](const Body& b) { return shape_of(b.polar); }, plain_floats)
       .def_ro("facets", &Body::facet_count)
       .def_ro("radius", &Body::radius)
       .def_ro("reach", &Body::reach)
       .def_ro("dimension", &Body::dimension)
       .def_ro("swell", &Body::swell)
-      .def("bytes", &Body::bytes)
-      .def("fault", &body_fault)
-      .def("without_cells", &without_cells)
-      .def("extremes", &extremes);
+      .def("bytes", &Body::bytes, plain_floats)
+      .def("fault", &body_fault, plain_floats)
+      .def("without_cells", &without_cells, plain_floats)
+      .def("extremes", &extremes, plain_floats);
 
-  m.def("intersect_batch", &intersect_batch);
-  m.def("certify_batch", &certify_batch);
-  m.def("certify_pair", &certify_pair);
+  m.def("intersect_batch", &intersect_batch, plain_floats);
+  m.def("certify_batch", &certify_batch, plain_floats);
+  m.def("certify_pair", &certify_pair, plain_floats);
 }
 
 }  // namespace plannercheck

@@ -15,6 +15,7 @@
 #include "checker.hpp"
 #include "joined_threads.hpp"
 #include "numpy_row.hpp"
+#include "plain_floats.hpp"
 #include "planner_states.hpp"
 #include "verdicts.hpp"
 
@@ -174,7 +175,7 @@ nb::object row_validity(nb::object checker, nb::object kinematics) {
     judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
     return nb::bool_(valid != 0);
   };
-  return nb::cpp_function(is_free, nb::arg("q").none());
+  return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
 }
 
 // A function that OMPL calls with states of a RealVectorStateSpace (planner_states.hpp). States beyond the limits go to
@@ -194,7 +195,7 @@ nb::object state_validity(nb::object checker, nb::object kinematics, nb::object 
     judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
     return valid != 0;
   };
-  return nb::cpp_function(is_free);
+  return nb::cpp_function(is_free, plain_floats);
 }
 
 auto check_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
@@ -284,17 +285,19 @@ void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
-                    const PairOptions&, bool, bool, bool, bool, LinkPoses>())
-      .def("first_of_states", &first_of_states)
-      .def("check_states", &check_states)
-      .def("motions_are_free", &motions_are_free)
-      .def("first_of_poses", &first_of_poses)
-      .def("all_of_poses", &all_of_poses)
-      .def("body_poses", &body_poses)
-      .def("statistics", &BoundChecker::statistics);
-  m.def("placed_on_links", &placed_on_links);
-  m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"));
-  m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"));
+                    const PairOptions&, bool, bool, bool, bool, LinkPoses>(),
+           plain_floats)
+      .def("first_of_states", &first_of_states, plain_floats)
+      .def("check_states", &check_states, plain_floats)
+      .def("motions_are_free", &motions_are_free, plain_floats)
+      .def("first_of_poses", &first_of_poses, plain_floats)
+      .def("all_of_poses", &all_of_poses, plain_floats)
+      .def("body_poses", &body_poses, plain_floats)
+      .def("statistics", &BoundChecker::statistics, plain_floats);
+  m.def("placed_on_links", &placed_on_links, plain_floats);
+  m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
+  m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
+        plain_floats);
 }
 
 }  // namespace plannercheck

@@ -11,6 +11,7 @@
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "distance.hpp"
+#include "plain_floats.hpp"
 
 namespace nb = nanobind;
 
@@ -118,8 +119,8 @@ nb::tuple clearances(const std::vector<std::shared_ptr<Body>>& bodies, InputArra
 }  // namespace
 
 void bind_distance(nb::module_& m) {
-  m.def("distance_batch", &distance_batch);
-  m.def("clearances", &clearances);
+  m.def("distance_batch", &distance_batch, plain_floats);
+  m.def("clearances", &clearances, plain_floats);
 }
 
 }  // namespace plannercheck

@@ -10,6 +10,7 @@
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "growing_game.hpp"
+#include "plain_floats.hpp"
 
 namespace nb = nanobind;
 
@@ -74,6 +75,8 @@ nb::tuple solve_games(Payoffs payoffs, double bound) {
 
 }  // namespace
 
-void bind_game(nb::module_& m) { m.def("solve_games", &solve_games, nb::arg("payoffs"), nb::arg("bound")); }
+void bind_game(nb::module_& m) {
+  m.def("solve_games", &solve_games, nb::arg("payoffs"), nb::arg("bound"), plain_floats);
+}
 
 }  // namespace plannercheck

@@ -3,11 +3,13 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <memory>
+#include <cstdlib>
+#include <new>
 #include <vector>
 
 #include "bindings.hpp"
 #include "kinematics.hpp"
+#include "plain_floats.hpp"
 
 namespace nb = nanobind;
 
@@ -48,13 +50,14 @@ PoseArray pose_array(const Kinematics& kinematics, Table<double, -1, -1> q, Tabl
   if (static_cast<int>(q.shape(1)) != kinematics.width()) throw nb::value_error("q must be (n, width)");
   if (static_cast<int>(needed.shape(0)) != kinematics.link_count()) throw nb::value_error("needed must be (links,)");
   const size_t n = q.shape(0), links = needed.shape(0);
-  auto poses = std::make_unique<double[]>(n * links * 16);  // zeros
-  double* data = poses.get();
+  // Of zeros that are asked of the system, pages of links that are not needed are never touched.
+  auto* data = static_cast<double*>(std::calloc(std::max<size_t>(n * links, 1), 16 * sizeof(double)));
+  if (data == nullptr) throw std::bad_alloc();
+  nb::capsule owner(data, [](void* p) noexcept { std::free(p); });
   {
     nb::gil_scoped_release release;
     kinematics.link_poses_batch(q.data(), static_cast<long long>(n), needed.data(), data);
   }
-  nb::capsule owner(poses.release(), [](void* p) noexcept { delete[] static_cast<double*>(p); });
   return PoseArray(data, {n, links, 4, 4}, owner);
 }
 
@@ -62,17 +65,19 @@ PoseArray pose_array(const Kinematics& kinematics, Table<double, -1, -1> q, Tabl
 
 void bind_kinematics(nb::module_& m) {
   nb::class_<Kinematics>(m, "Kinematics")
-      .def("__init__",
-           [](Kinematics* self, int width, Table<int, -1> parents, Table<int, -1> kinds, Table<double, -1, 3> axes,
-              Table<double, -1, 3, 4> placements, Table<int, -1, 7> columns, Table<double, -1, 7> multipliers,
-              Table<double, -1, 7> offsets, Table<int, -1> link_joints, Table<double, -1, 3, 4> link_placements) {
-             new (self) Kinematics(width, joints_from(parents, kinds, axes, placements, columns, multipliers, offsets),
-                                   links_from(link_joints, link_placements));
-           })
+      .def(
+          "__init__",
+          [](Kinematics* self, int width, Table<int, -1> parents, Table<int, -1> kinds, Table<double, -1, 3> axes,
+             Table<double, -1, 3, 4> placements, Table<int, -1, 7> columns, Table<double, -1, 7> multipliers,
+             Table<double, -1, 7> offsets, Table<int, -1> link_joints, Table<double, -1, 3, 4> link_placements) {
+            new (self) Kinematics(width, joints_from(parents, kinds, axes, placements, columns, multipliers, offsets),
+                                  links_from(link_joints, link_placements));
+          },
+          plain_floats)
       .def_prop_ro("width", &Kinematics::width)
       .def_prop_ro("link_count", &Kinematics::link_count)
-      .def("link_is_constant", &Kinematics::link_is_constant)
-      .def("link_poses", &pose_array, nb::arg("q"), nb::arg("needed"));
+      .def("link_is_constant", &Kinematics::link_is_constant, plain_floats)
+      .def("link_poses", &pose_array, nb::arg("q"), nb::arg("needed"), plain_floats);
 }
 
 }  // namespace plannercheck

@@ -9,6 +9,7 @@
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "motion_certifier.hpp"
+#include "plain_floats.hpp"
 #include "planner_states.hpp"
 #include "verdicts.hpp"
 #include "workspace_pool.hpp"
@@ -154,7 +155,7 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
     if (answer <= static_cast<int>(MotionAnswer::kRefused)) return answer == static_cast<int>(MotionAnswer::kFree);
     return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
   };
-  return nb::cpp_function(is_free);
+  return nb::cpp_function(is_free, plain_floats);
 }
 
 // (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
@@ -196,33 +197,35 @@ auto motion_states(const BoundCertifier& bound, InputArray<double, -1> q0, Input
 
 void bind_motion(nb::module_& m) {
   nb::class_<BoundCertifier>(m, "MotionCertifier")
-      .def("__init__",
-           [](BoundCertifier* self, const std::vector<std::shared_ptr<Body>>& bodies,
-              InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements, IndexTable<5> pairs,
-              IndexTable<2> drives, InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry,
-              IndexTable<3> entries, InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides,
-              IndexTable<2> parts, int width, int link_count, double defect, double leverage, int depth) {
-             MotionModel model;
-             for (std::size_t i = 0; i < bodies.size(); ++i)
-               model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
-             for (std::size_t p = 0; p < pairs.shape(0); ++p)
-               model.pairs.push_back({pairs(p, 0), pairs(p, 1), pairs(p, 2), pairs(p, 3), pairs(p, 4)});
-             model.chains = chains_from(drives, factors, first_entry, entries, arms, slides);
-             for (std::size_t k = 0; k < parts.shape(0); ++k)
-               model.parts.push_back({static_cast<PartKind>(parts(k, 0)), parts(k, 1)});
-             model.width = width;
-             model.links = link_count;
-             model.defect = defect;
-             model.leverage = leverage;
-             model.depth = depth;
-             new (self) BoundCertifier(std::move(model));
-           })
-      .def("check", &check_motions)
-      .def("check_one", &check_motion)
-      .def("explain", &explain_motion)
-      .def("states", &motion_states)
-      .def("statistics", &BoundCertifier::statistics);
-  m.def("motion_validity", &motion_validity);
+      .def(
+          "__init__",
+          [](BoundCertifier* self, const std::vector<std::shared_ptr<Body>>& bodies, InputArray<std::int32_t, -1> links,
+             InputArray<double, -1, 4, 4> placements, IndexTable<5> pairs, IndexTable<2> drives,
+             InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry, IndexTable<3> entries,
+             InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides, IndexTable<2> parts, int width,
+             int link_count, double defect, double leverage, int depth) {
+            MotionModel model;
+            for (std::size_t i = 0; i < bodies.size(); ++i)
+              model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+            for (std::size_t p = 0; p < pairs.shape(0); ++p)
+              model.pairs.push_back({pairs(p, 0), pairs(p, 1), pairs(p, 2), pairs(p, 3), pairs(p, 4)});
+            model.chains = chains_from(drives, factors, first_entry, entries, arms, slides);
+            for (std::size_t k = 0; k < parts.shape(0); ++k)
+              model.parts.push_back({static_cast<PartKind>(parts(k, 0)), parts(k, 1)});
+            model.width = width;
+            model.links = link_count;
+            model.defect = defect;
+            model.leverage = leverage;
+            model.depth = depth;
+            new (self) BoundCertifier(std::move(model));
+          },
+          plain_floats)
+      .def("check", &check_motions, plain_floats)
+      .def("check_one", &check_motion, plain_floats)
+      .def("explain", &explain_motion, plain_floats)
+      .def("states", &motion_states, plain_floats)
+      .def("statistics", &BoundCertifier::statistics, plain_floats);
+  m.def("motion_validity", &motion_validity, plain_floats);
 }
 
 }  // namespace plannercheck

@@ -7,6 +7,7 @@
 
 #include "array_types.hpp"
 #include "bindings.hpp"
+#include "plain_floats.hpp"
 #include "planar.hpp"
 
 namespace nb = nanobind;
@@ -64,16 +65,32 @@ std::int64_t first_bent_pose(PlanarPoseRows poses, double largest) {
 // What one pass over a polygon finds that the algorithm takes for granted: it reads a logarithmic part of the vertices.
 enum VertexFault : int { kSound, kRepeated, kNotFinite };
 
+bool same_vertex(const double* v, std::size_t a, std::size_t b) {
+  return v[2 * a] == v[2 * b] && v[2 * a + 1] == v[2 * b + 1];
+}
+
 int vertex_fault(PolygonArray polygon) {
   const double* v = polygon.data();
   const std::size_t n = polygon.shape(0);
   int fault = kSound;
   for (std::size_t k = 0; k < n; ++k) {
-    const double x = v[2 * k], y = v[2 * k + 1];
-    if (!std::isfinite(x) || !std::isfinite(y)) return kNotFinite;
-    if (k > 0 && x == v[2 * k - 2] && y == v[2 * k - 1]) fault = kRepeated;
+    if (!std::isfinite(v[2 * k]) || !std::isfinite(v[2 * k + 1])) return kNotFinite;
+    if (k > 0 && same_vertex(v, k, k - 1)) fault = kRepeated;
   }
   return fault;
+}
+
+// Whether the last vertex repeats the first. Here and not in Python, where a thread that takes denormals for zero would
+// have it so of others, too.
+bool is_closed(PolygonArray polygon) {
+  return polygon.shape(0) > 1 && same_vertex(polygon.data(), 0, polygon.shape(0) - 1);
+}
+
+// (n,), 1 where a vertex repeats the one before.
+auto repeated_vertices(PolygonArray polygon) {
+  std::vector<std::uint8_t> repeated(polygon.shape(0));
+  for (std::size_t k = 1; k < repeated.size(); ++k) repeated[k] = same_vertex(polygon.data(), k, k - 1);
+  return output_array(repeated, {repeated.size()});
 }
 
 nb::tuple planar_intersect_batch(const PolygonList& a, PlanarPoseRows poses_a, const PolygonList& b,
@@ -102,11 +119,13 @@ void bind_planar(nb::module_& m) {
       .value("filtered", Precision::kDoubles)
       .value("double_double", Precision::kDoubleDouble)
       .value("exact", Precision::kExact);
-  nb::class_<PolygonList>(m, "PolygonList").def(nb::init<const nb::list&>());
-  m.def("are_affine", &are_affine);
-  m.def("first_bent_pose", &first_bent_pose);
-  m.def("vertex_fault", &vertex_fault);
-  m.def("planar_intersect_batch", &planar_intersect_batch);
+  nb::class_<PolygonList>(m, "PolygonList").def(nb::init<const nb::list&>(), plain_floats);
+  m.def("are_affine", &are_affine, plain_floats);
+  m.def("first_bent_pose", &first_bent_pose, plain_floats);
+  m.def("vertex_fault", &vertex_fault, plain_floats);
+  m.def("is_closed", &is_closed, plain_floats);
+  m.def("repeated_vertices", &repeated_vertices, plain_floats);
+  m.def("planar_intersect_batch", &planar_intersect_batch, plain_floats);
   bind_planar_checker(m);
 }
 

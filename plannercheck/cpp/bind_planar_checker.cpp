@@ -9,6 +9,7 @@
 #include "array_types.hpp"
 #include "bindings.hpp"
 #include "joined_threads.hpp"
+#include "plain_floats.hpp"
 #include "planar_arrays.hpp"
 
 namespace nb = nanobind;
@@ -145,12 +146,13 @@ void bind_planar_checker(nb::module_& m) {
   nb::class_<planar_binding::BoundPlanarChecker>(m, "PlanarChecker")
       .def(nb::init<InputArray<std::int32_t, -1, 3>, InputArray<double, -1, 3>, std::int32_t, const nb::list&,
                     InputArray<std::int32_t, -1>, InputArray<double, -1, 3, 3>, InputArray<double, -1, 3>,
-                    InputArray<double, -1, 4>, InputArray<std::int32_t, -1, 2>, bool, Precision>())
-      .def("first_of_states", &planar_binding::first_of_states)
-      .def("all_of_states", &planar_binding::all_of_states)
-      .def("motions_are_free", &planar_binding::motions_are_free)
-      .def("link_poses", &planar_binding::link_poses)
-      .def("statistics", &planar_binding::BoundPlanarChecker::statistics);
+                    InputArray<double, -1, 4>, InputArray<std::int32_t, -1, 2>, bool, Precision>(),
+           plain_floats)
+      .def("first_of_states", &planar_binding::first_of_states, plain_floats)
+      .def("all_of_states", &planar_binding::all_of_states, plain_floats)
+      .def("motions_are_free", &planar_binding::motions_are_free, plain_floats)
+      .def("link_poses", &planar_binding::link_poses, plain_floats)
+      .def("statistics", &planar_binding::BoundPlanarChecker::statistics, plain_floats);
 }
 
 }  // namespace plannercheck

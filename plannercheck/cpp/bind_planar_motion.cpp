@@ -7,6 +7,7 @@
 
 #include "array_types.hpp"
 #include "bindings.hpp"
+#include "plain_floats.hpp"
 #include "planar_arrays.hpp"
 #include "planar_motion.hpp"
 #include "workspace_pool.hpp"
@@ -161,13 +162,14 @@ void bind_planar_motion(nb::module_& m) {
   nb::class_<BoundPlanarCertifier>(m, "PlanarCertifier")
       .def(nb::init<InputArray<std::int32_t, -1, 3>, InputArray<double, -1, 3>, std::int32_t, const nb::list&,
                     InputArray<std::int32_t, -1>, InputArray<double, -1, 3, 3>, InputArray<double, -1, 3>,
-                    InputArray<double, -1, 4>, InputArray<std::int32_t, -1, 2>>())
-      .def("check", &check_straight)
-      .def("check_pieces", &check_pieces)
-      .def("explain", &explain_pieces)
-      .def("states", &piece_states)
-      .def("frames", &pair_frames)
-      .def("statistics", &BoundPlanarCertifier::statistics);
+                    InputArray<double, -1, 4>, InputArray<std::int32_t, -1, 2>>(),
+           plain_floats)
+      .def("check", &check_straight, plain_floats)
+      .def("check_pieces", &check_pieces, plain_floats)
+      .def("explain", &explain_pieces, plain_floats)
+      .def("states", &piece_states, plain_floats)
+      .def("frames", &pair_frames, plain_floats)
+      .def("statistics", &BoundPlanarCertifier::statistics, plain_floats);
 }
 
 }  // namespace plannercheck

@@ -4,6 +4,7 @@
 
 #include "array_types.hpp"
 #include "bindings.hpp"
+#include "plain_floats.hpp"
 #include "sphere_model.hpp"
 
 namespace nb = nanobind;
@@ -56,17 +57,19 @@ auto check_ball_states(const SphereModel& model, const Kinematics& kinematics, I
 
 void bind_sphere_model(nb::module_& m) {
   nb::class_<SphereModel>(m, "SphereModel")
-      .def("__init__",
-           [](SphereModel* self, InputArray<std::int32_t, -1> links, InputArray<double, -1, 4> balls,
-              InputArray<std::int32_t, -1> starts, InputArray<std::int32_t, -1> kinds,
-              InputArray<double, -1, 4, 4> to_local, InputArray<double, -1, 4> sizes, InputArray<double, -1, 4> planes,
-              InputArray<std::int32_t, -1> plane_starts, InputArray<std::int32_t, -1, 2> pairs,
-              std::int32_t link_count) {
-             new (self) SphereModel(
-                 parts_from(links, balls, starts, kinds, to_local, sizes, planes, plane_starts, pairs, link_count));
-           })
-      .def("bytes", &SphereModel::bytes)
-      .def("check_states", &check_ball_states);
+      .def(
+          "__init__",
+          [](SphereModel* self, InputArray<std::int32_t, -1> links, InputArray<double, -1, 4> balls,
+             InputArray<std::int32_t, -1> starts, InputArray<std::int32_t, -1> kinds,
+             InputArray<double, -1, 4, 4> to_local, InputArray<double, -1, 4> sizes, InputArray<double, -1, 4> planes,
+             InputArray<std::int32_t, -1> plane_starts, InputArray<std::int32_t, -1, 2> pairs,
+             std::int32_t link_count) {
+            new (self) SphereModel(
+                parts_from(links, balls, starts, kinds, to_local, sizes, planes, plane_starts, pairs, link_count));
+          },
+          plain_floats)
+      .def("bytes", &SphereModel::bytes, plain_floats)
+      .def("check_states", &check_ball_states, plain_floats);
 }
 
 }  // namespace plannercheck

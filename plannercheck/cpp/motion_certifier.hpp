@@ -13,8 +13,8 @@
 //
 // A motion is refused only where, at a state on it, a pair is proved to be within `tolerance` (touching included).
 //
-// Immutable: each thread brings a workspace, which holds what is learnt. Verdicts do not depend on it, but for motions
-// whose clearance is within rounding of a limit.
+// Immutable: each thread brings a workspace. Nothing in it outlives a motion, so verdicts do not depend on what was
+// asked before.
 #pragma once
 
 #include <memory>

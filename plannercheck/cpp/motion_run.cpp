@@ -15,8 +15,8 @@
 namespace plannercheck {
 
 struct Plane {
-  bool valid = false;
-  Vec3 direction;  // in the pair's frame
+  std::uint64_t motion = 0;  // by which it was found; of another motion it counts for nothing
+  Vec3 direction;            // in the pair's frame
 };
 
 // A pair that is not settled on an interval; `refused`: the parameter of an end at which it is within the tolerance, −1
@@ -56,6 +56,12 @@ class MotionCertifier::Workspace {
         grid(model.bodies, at(model.width), at(model.links)),
         planes(model.pairs.size()) {}
 
+  // The planes of earlier motions end with that: they could settle an interval that by itself rounds to the other side.
+  void begin_motion() {
+    ++motion;
+    failures.clear();
+  }
+
   ConfigurationPath path;
   MotionGrid grid;
   std::vector<Rate> rates;
@@ -64,6 +70,7 @@ class MotionCertifier::Workspace {
   std::vector<OpenPair> open;
   std::vector<Failure> failures;  // a stack: grids inside grids
   std::vector<Plane> planes;      // per pair
+  std::uint64_t motion = 0;       // how many were begun
   MotionCounters counters;
 };
 
@@ -111,7 +118,7 @@ class MotionRun {
 
   void begin(const double* q0, const double* q1) {
     ++w_.counters.motions;
-    w_.failures.clear();
+    w_.begin_motion();
     w_.path.set(q0, q1);
     rates_of(model_.chains, w_.path, w_.rates);
     w_.bounds.resize(model_.chains.first_entry.size() - 1);
@@ -190,8 +197,9 @@ class MotionRun {
   bool settle(const OpenPair& found) {
     const CertifiedPair& pair = model_.pairs[at(found.pair)];
     PairState s{pair, found.pair, filters_.apart(pair), w_.planes[at(found.pair)], 0, 0, {}};
-    if (!s.plane.valid) s.plane = {true, found.direction};
-    if (!ordered_ && found.depth < 0 && touches(s, found.state)) {
+    if (s.plane.motion != w_.motion) s.plane = {w_.motion, found.direction};
+    // In order, too: what it learns of the plane may decide where rounding does.
+    if (found.depth < 0 && touches(s, found.state) && !ordered_) {
       return refuse_at(w_.grid.parameter(found.state), found.pair);
     }
     for (unsigned open = found.open; open != 0; open &= open - 1) {
@@ -211,7 +219,8 @@ class MotionRun {
     const Plane& plane = w_.planes[at(index)];
     OpenPair found{index, proofs_ != nullptr ? filters_.all_intervals() : filters_.near(pair), 0, 0, {}};
     w_.counters.intervals += __builtin_popcount(found.open);
-    if (found.open != 0 && plane.valid && proofs_ == nullptr) filters_.boxes_settle(found, plane.direction);
+    if (found.open != 0 && plane.motion == w_.motion && proofs_ == nullptr)
+      filters_.boxes_settle(found, plane.direction);
     if (found.open == 0) return found;
     found.direction = filters_.between(pair, static_cast<std::size_t>(__builtin_ctz(found.open)));
     if (proofs_ == nullptr) filters_.boxes_settle(found, found.direction);
@@ -246,7 +255,7 @@ class MotionRun {
     ++w_.counters.swept;
     const SweptAnswer answer = swept_distance(filters_.body(s.pair.a), filters_.body(s.pair.b), poses, count, apart,
                                               s.plane.direction, w_.counters.pair);
-    s.plane = {true, answer.direction};
+    s.plane = {w_.motion, answer.direction};
     s.measured = 0;
     return answer;
   }

@@ -219,7 +219,8 @@ class PlanarRun {
   // Settles the intervals of a pair or notes them down as failures; false if the pair is within the tolerance.
   bool settle(const OpenPlanarPair& found) {
     PairState s{certifier_.pairs_[at(found.pair)], found.pair, apart(found.pair), w_.lines[at(found.pair)], 0, 0, {}};
-    if (!ordered_ && found.depth < 0 && !is_apart(s, found.state, slack_)) {
+    // In order, too: what it learns of the line may decide where rounding does.
+    if (found.depth < 0 && !is_apart(s, found.state, slack_) && !ordered_) {
       return refuse_at(w_.grid.parameter(found.state), found.pair);
     }
     for (unsigned open = found.open; open != 0; open &= open - 1) {

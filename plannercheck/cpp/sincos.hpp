@@ -3,11 +3,11 @@
 // In: angles in rad. Out: both values, within about 1 ulp. Idea: take off the nearest multiple of pi/2, held in three
 // parts so that the first two products are exact (Cody and Waite), evaluate two polynomials on [-pi/4, pi/4], swap and
 // negate by quadrant. Only elementwise additions and multiplications, no fused ones, so a lane's result depends on its
-// angle alone. Angles beyond kLargestReduced, and angles that are no numbers, go to the C library lane by lane.
+// angle alone. Angles beyond kLargestReduced are reduced lane by lane in integers (large_angle.hpp); those that are no
+// finite numbers give none.
 #pragma once
 
-#include <cmath>
-
+#include "large_angle.hpp"
 #include "simd.hpp"
 
 namespace plannercheck {
@@ -42,12 +42,21 @@ inline Lanes select(LaneMask mask, Lanes yes, Lanes no) {
   return (Lanes)((mask & (LaneMask)yes) | (~mask & (LaneMask)no));
 }
 
-[[gnu::noinline, gnu::cold]] inline void replace_by_library(const Lanes& angle, LaneMask where, SinCos& result) {
+// An angle less `quarter` times pi/2: r + tail. Only the two lowest bits of `quarter` count.
+struct Reduced {
+  Lanes r, tail;
+  LaneMask quarter;
+};
+
+[[gnu::noinline, gnu::cold]] inline Reduced reduced_in_integers(const Lanes& angle, LaneMask where, Reduced out) {
   for (int lane = 0; lane < kLanes; ++lane) {
     if (!where[lane]) continue;
-    result.sin[lane] = std::sin(angle[lane]);
-    result.cos[lane] = std::cos(angle[lane]);
+    const ReducedAngle each = reduced(angle[lane]);
+    out.r[lane] = each.rest;
+    out.tail[lane] = each.tail;
+    out.quarter[lane] = each.quarter;
   }
+  return out;
 }
 
 }  // namespace sincos_detail
@@ -55,7 +64,7 @@ inline Lanes select(LaneMask mask, Lanes yes, Lanes no) {
 inline SinCos sincos(Lanes angle) {
   using namespace sincos_detail;
   const Lanes shifted = angle * kTwoOverPi + kRoundToInteger;
-  const LaneMask quarter = (LaneMask)shifted;  // its two lowest bits are the quadrant
+  LaneMask quarter = (LaneMask)shifted;  // its two lowest bits are the quadrant
   const Lanes n = shifted - kRoundToInteger;
 
   // r + tail = angle - n pi/2; the tail is what rounding takes from r.
@@ -63,8 +72,14 @@ inline SinCos sincos(Lanes angle) {
   const Lanes middle = n * kHalfPiMiddle;
   const Lanes second = first - middle;
   const Lanes low = n * kHalfPiLow - ((first - second) - middle);
-  const Lanes r = second - low;
-  const Lanes tail = (second - r) - low;
+  Lanes r = second - low;
+  Lanes tail = (second - r) - low;
+
+  const LaneMask beyond = ~((angle <= broadcast(kLargestReduced)) & (angle >= broadcast(-kLargestReduced)));
+  if (bits(beyond) != 0) [[unlikely]] {
+    const Reduced all = reduced_in_integers(angle, beyond, {r, tail, quarter});
+    r = all.r, tail = all.tail, quarter = all.quarter;
+  }
 
   const Lanes z = r * r;
   const Lanes half = 0.5 * z;
@@ -75,12 +90,8 @@ inline SinCos sincos(Lanes angle) {
   const LaneMask swap = -(quarter & 1);
   const LaneMask sin_sign = (quarter & 2) << 62;
   const LaneMask cos_sign = ((quarter + 1) & 2) << 62;
-  SinCos result{(Lanes)((LaneMask)select(swap, cos_r, sin_r) ^ sin_sign),
-                (Lanes)((LaneMask)select(swap, sin_r, cos_r) ^ cos_sign)};
-
-  const LaneMask beyond = ~((angle <= broadcast(kLargestReduced)) & (angle >= broadcast(-kLargestReduced)));
-  if (bits(beyond) != 0) replace_by_library(angle, beyond, result);
-  return result;
+  return {(Lanes)((LaneMask)select(swap, cos_r, sin_r) ^ sin_sign),
+          (Lanes)((LaneMask)select(swap, sin_r, cos_r) ^ cos_sign)};
 }
 
 }  // namespace plannercheck

@@ -103,14 +103,17 @@ class MotionCertifier:
             The passage.
         """
         check_tolerance(tolerance)
-        unreduced = q1 if given is None else given
-        answer, until, near, pair, *found = self._core.explain(q0, q1, unreduced, pieces, tolerance, proofs)
+        asked = q0, q1, q1 if given is None else given, pieces, tolerance
+        answer, until, near, pair = self._core.explain(*asked, False)[:4]
         if answer == _IMPRECISE:
             raise imprecise(0, tolerance)
-        listed = tuple(self._proofs(*found))
-        if answer == _FREE:
-            return Passage(True, 1.0, -1.0, -1, listed)
-        return Passage(False, until, near, pair, tuple(proof for proof in listed if proof.start < until))
+        free = answer == _FREE
+        found = Passage(True, 1.0, -1.0, -1) if free else Passage(False, until, near, pair)
+        if not proofs:
+            return found
+        answer, reached, _, _, *listed = self._core.explain(*asked, True)
+        kept = tuple(proof for proof in self._proofs(*listed) if free or proof.start < found.free_until)
+        return found._replace(proofs=kept, proved_until=min(found.free_until, 1.0 if answer == _FREE else reached))
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats, pieces: Floats = STRAIGHT) -> Floats:
         """(k, nq) of one motion at parameters (k,) in [0, 1]."""

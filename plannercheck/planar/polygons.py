@@ -179,8 +179,8 @@ def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool =
         row = int(np.argmin(np.isfinite(array).all(axis=1)))
         raise PlannercheckError(f"{name}: vertex {row} is {array[row].tolist()}, it must be finite")
     if fault == _REPEATED:
-        array = array[np.concatenate([[True], (array[1:] != array[:-1]).any(axis=1)])]
-    if len(array) > 1 and array[0, 0] == array[-1, 0] and array[0, 1] == array[-1, 1]:
+        array = array[core.repeated_vertices(array) == 0]
+    if core.is_closed(array):
         array = array[:-1]
     bent = convexity_fault(array) if validate else None
     if bent is not None:

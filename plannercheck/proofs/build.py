@@ -33,9 +33,6 @@ _DEEPEST = 14
 # Halvings that the verifier may take within an entry: a longer entry takes it more time than several short ones.
 _WITHIN = 2
 
-# Of the tolerance, what is tried for pairs that the certifier leaves out within the limits.
-_FINER = (1.0, 1e-2, 1e-4)
-
 # What computed states and poses may be off by besides the bound of kinematics, in parts of the robot's size: rounding
 # of states, of bodies' placements, and what numbers off unit length do.
 _ROUNDING = 2.0**-44
@@ -68,9 +65,6 @@ class Builder:
             end: (nq,) the short way round.
             asked_end: (nq,) as it was asked for.
             tolerance: m.
-
-        Raises:
-            PlannercheckError: If rounding hides what keeps pairs apart that the certifier leaves out.
         """
         passage = self._passage(start, end, asked_end, tolerance)
         if passage is None:
@@ -84,24 +78,12 @@ class Builder:
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
 
     def _passage(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Passage | None:
-        """What the certifier notes down of all pairs, if the motion is free.
-
-        It is free within the tolerance for the pairs that can meet; others may be nearer all the time.
-        """
-        certifier = self._checker.motion_certifier
-        if not certifier.check(start[None], end[None], tolerance, 1, asked_end[None])[0]:
+        """What the certifier notes down of all pairs, if the motion is free and so much can be noted down."""
+        try:
+            passage = self._checker.motion_certifier.passage(start, end, tolerance, True, asked_end)
+        except PlannercheckError:  # rounding is no small part of so small a tolerance
             return None
-        for finer in _FINER:
-            try:
-                passage = certifier.passage(start, end, finer * tolerance, True, asked_end)
-            except PlannercheckError:  # its rounding is no small part of so small a tolerance
-                break
-            if passage.free:
-                return passage
-        raise PlannercheckError(
-            "the motion is free, but can't be proved of all pairs, also of those that never meet: rounding is no small "
-            "part of what keeps them apart; choose a larger tolerance, or smaller numbers"
-        )
+        return passage if passage.free and passage.proved_until == 1.0 else None
 
     def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
         ends = np.stack([start, end, asked_end])

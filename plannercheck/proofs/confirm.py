@@ -3,9 +3,9 @@
 In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names the first difference.
 
 The joints, their placements, axes and who follows whom are compared with what `urdf_joints.py` reads from the URDF, to
-1e-12. Bodies and the pair table are compared bit for bit with what plannercheck itself loads (meshes have many formats,
-SRDFs many rules): for these its loader is trusted, its kinematics and its verdicts are not. Where joints are held is
-part of the claim: it is in the proof, not in the URDF.
+1e-12. Bodies, the pair table, and which column is which joint's are compared bit for bit with what plannercheck itself
+loads (meshes have many formats, SRDFs and groups many rules): for these its loader is trusted, its kinematics and its
+verdicts are not. Where the joints outside the group are held is part of the claim: it is in the proof, not in the URDF.
 """
 
 from __future__ import annotations
@@ -53,8 +53,9 @@ def confirm_model(model: Model, robot: str, scene: str | None) -> None:
     whole = description.joints is None and description.group is None
     _TreeComparison(model, read_tree(description.urdf), description.floating, whole).run()
     loaded = Robot.load(robot)
-    checker = Checker(loaded, Scene("empty") if scene is None else Scene.load(scene))
-    _compare_bodies(model, space_model(checker))
+    known = space_model(Checker(loaded, Scene("empty") if scene is None else Scene.load(scene)))
+    _compare_columns(model, known)
+    _compare_bodies(model, known)
 
 
 class _TreeComparison:
@@ -78,6 +79,9 @@ class _TreeComparison:
         known = moving | ({self._model.joints[0].name} if self._floating and self._model.joints else set())
         if set(self._joints) != known:
             raise UnprovedError(f"joints of the proof and of the URDF differ: {sorted(set(self._joints) ^ known)[:3]}")
+        if self._floating:
+            root = self._model.joints[0]
+            self._compare(f"joint {root.name}", root.parent, root.placement, WORLD, np.eye(4))
         for found in self._tree.above.values():
             if found.kind != "fixed":
                 self._compare_joint(self._model.joints[self._joints[found.name]], found)
@@ -103,12 +107,9 @@ class _TreeComparison:
         self._compare(f"joint {joint.name}", joint.parent, joint.placement, on, placement @ found.placement)
         if joint.kind not in _KINDS.get(found.kind, ()):
             raise UnprovedError(f"joint {joint.name} is of kind {joint.kind!r}, in the URDF {found.kind!r}")
-        if max(joint.columns) < 0:
-            return
-        sign = 1.0
-        if joint.kind in ("turn", "slide", "circle"):
-            sign = self._sign(joint, found)
-        self._compare_value(joint, found, sign)
+        sign = self._sign(joint, found) if joint.kind in ("turn", "slide", "circle") else 1.0
+        if max(joint.columns) >= 0:
+            self._compare_value(joint, found, sign)
 
     def _sign(self, joint: Joint, found: UrdfJoint) -> float:
         """-1 for a joint that is given about the opposite axis, so that its value's sign has to be opposite, too."""
@@ -144,24 +145,42 @@ class _TreeComparison:
         return factor, offset
 
 
+def _compare_columns(model: Model, loaded: Model) -> None:
+    """A configuration has to mean what it means to the checker: which joint a number moves, and which none does."""
+    for joint, other in zip(model.joints, loaded.joints, strict=False):  # as many, by the URDF
+        given, known = ((each.name, each.kind, each.columns) for each in (joint, other))
+        if given != known:
+            raise UnprovedError(
+                f"joint {joint.name} takes the columns {joint.columns}, in the files {known} is in its place"
+            )
+    if len(model.joints) != len(loaded.joints):
+        raise UnprovedError(f"the proof has {len(model.joints)} joints, in the files there are {len(loaded.joints)}")
+    if (model.columns, model.whole_turns) != (loaded.columns, loaded.whole_turns):
+        raise UnprovedError(
+            f"configurations have {model.columns} numbers, whole turns at {model.whole_turns}; in the files "
+            f"{loaded.columns}, and at {loaded.whole_turns}"
+        )
+
+
 def _compare_bodies(model: Model, loaded: Model) -> None:
-    known = {_key(loaded, body): body for body in loaded.bodies}
+    known = {_key(loaded, body): index for index, body in enumerate(loaded.bodies)}
+    found = []
     for body in model.bodies:
-        other = known.get(_key(model, body))
-        if other is None:
+        index = known.get(_key(model, body))
+        if index is None:
             raise UnprovedError(f"body {body.name} ({body.label}) is not in the files, or stands elsewhere")
+        found.append(index)
+        other = loaded.bodies[index]
         same = np.array_equal(body.vertices, other.vertices)
         if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
             raise UnprovedError(f"body {body.name} ({body.label}) has another shape than in the files")
-    missing = _named_pairs(loaded) - _named_pairs(model)
+    # By index: a part of an obstacle may have the name of a link's geometry.
+    proved = {frozenset((found[a], found[b])) for a, b in model.pairs}
+    missing = [pair for pair in loaded.pairs if frozenset(pair) not in proved]
     if missing:
-        raise UnprovedError(f"{len(missing)} pairs of the checker's table are not in the proof: {min(missing)}")
+        names = tuple(f"{loaded.bodies[k].name} ({loaded.bodies[k].label})" for k in missing[0])
+        raise UnprovedError(f"{len(missing)} pairs of the checker's table are not in the proof: {names}")
 
 
 def _key(model: Model, body: PosedBody) -> tuple[str, str, str, tuple[float, ...]]:
     return body.name, body.label, "" if body.link == WORLD else model.links[body.link].name, body.pose
-
-
-def _named_pairs(model: Model) -> set[tuple[str, str]]:
-    names = [(model.bodies[a].name, model.bodies[b].name) for a, b in model.pairs]
-    return {(a, b) if a < b else (b, a) for a, b in names}

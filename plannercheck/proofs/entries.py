@@ -152,7 +152,8 @@ class EntryChecker:
         """The centre of a body's ball; None if it does not hold all vertices."""
         if body not in self._balls:
             seen, centre = self._seen[body], np.array(self._model.bodies[body].centre)
-            furthest = float(np.linalg.norm(seen.points - centre, axis=1).max())
+            x, y, z = (seen.points - centre).T
+            furthest = float(np.hypot(np.hypot(x, y), z).max())  # squares of tiny numbers would vanish
             holds = furthest * _UP + _UNDERFLOW <= self._model.bodies[body].reach
             on_joint = seen.place * arb_mat(4, 1, [*centre.tolist(), 1])
             ball = Seen(centre[None], np.abs(centre), seen.joint, seen.place, on_joint)
@@ -195,7 +196,8 @@ class EntryChecker:
             return False
         bent = -lowest(a, -self._bending(a, direction, span)), -lowest(b, self._bending(b, direction, span))
         length = span[1] - span[0]
-        deviation = length * length / 8 * (_positive(bent[0]) + _positive(bent[1])) * _UP
+        # In this order, as the square of a short length is below the range of doubles where its product is not.
+        deviation = length * (length / 8 * (_positive(bent[0]) + _positive(bent[1]))) * _UP
         off = self._off(a, direction, span) + self._off(b, direction, span)
         if min(gaps) * (1 - _ROUNDING) - deviation - off > needed:
             return True
@@ -255,7 +257,7 @@ class EntryChecker:
             return 0.0
         lengths = [_slide(joint, motion) + _length(joint.placement) for joint in self._model.joints]
         furthest = max(_length(link.placement) for link in self._model.links) + max(
-            _length(body.pose) + float(np.linalg.norm(seen.sizes)) * 2 + body.radius
+            _length(body.pose) + math.hypot(*seen.sizes) * 2 + body.radius
             for body, seen in zip(self._model.bodies, self._seen, strict=True)
         )
         return shift * (sum(lengths) + furthest) * self._stretch * _UP

@@ -119,7 +119,7 @@ def from_document(content: Any) -> tuple[Proof, ...]:
     missing = [key for key in _KEYS if key not in content]
     if missing:
         raise PlannercheckError(f"lacks {missing[0]!r}")
-    if content["kind"] not in _CLASSES:
+    if not isinstance(content["kind"], str) or content["kind"] not in _CLASSES:
         raise PlannercheckError(f"'kind' must be one of {', '.join(_CLASSES)}, not {content['kind']!r:.60}")
     module, *names = _CLASSES[content["kind"]]
     model_class, motion_class = (getattr(importlib.import_module(module), name) for name in names)
@@ -141,11 +141,12 @@ def _motion(
 ) -> Proof:
     if not isinstance(item, dict) or set(item) != {"motion", "margin", "entries"}:
         raise PlannercheckError(f"{where} must have motion, margin, entries")
-    if not isinstance(item["entries"], list) or type(item["margin"]) not in (float, int):
-        raise PlannercheckError(f"{where}: 'entries' must be a list, 'margin' a number")
+    if not isinstance(item["entries"], list):
+        raise PlannercheckError(f"{where}: 'entries' must be a list")
+    margin = from_plain(float, item["margin"], f"{where}, 'margin'")
     entries = tuple(from_plain(Entry, entry, f"{where}, entry {k}") for k, entry in enumerate(item["entries"]))
     motion = from_plain(motion_class, item["motion"], where)
-    return Proof(kind, names[0], names[1], hashes, model, motion, float(item["margin"]), entries)
+    return Proof(kind, names[0], names[1], hashes, model, motion, margin, entries)
 
 
 def _check_suffix(path: Path) -> None:
@@ -155,7 +156,9 @@ def _check_suffix(path: Path) -> None:
 
 def _from_json(path: Path) -> Any:
     try:
-        return json.loads(read_bytes(path))
+        return json.loads(read_bytes(path), object_pairs_hook=_without_duplicates)
+    except PlannercheckError:
+        raise
     except (ValueError, RecursionError) as error:
         raise PlannercheckError(f"is no JSON, or is cut off: {error}") from None
 
@@ -165,13 +168,24 @@ def _from_npz(path: Path) -> Any:
     try:
         with np.load(path, allow_pickle=False) as file:
             text = str(file["document"])
-            return json.loads(text, object_hook=_array_reader(file))
-    except (ValueError, KeyError, OSError, EOFError, RecursionError, zipfile.BadZipFile) as error:
+            return json.loads(text, object_pairs_hook=_array_reader(file))
+    except PlannercheckError:
+        raise
+    except (ValueError, TypeError, KeyError, OSError, EOFError, RecursionError, zipfile.BadZipFile) as error:
         raise PlannercheckError(f"is no npz of a proof, or is cut off: {error}") from None
 
 
-def _array_reader(file: Any) -> Callable[[dict[str, Any]], Any]:
-    def read(node: dict[str, Any]) -> Any:
+def _without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON; of a key that stands twice other readers may take the other value."""
+    out = dict(pairs)
+    if len(out) < len(pairs):
+        raise PlannercheckError(f"has the same key twice in one object: {', '.join(key for key, _ in pairs)[:200]}")
+    return out
+
+
+def _array_reader(file: Any) -> Callable[[Sequence[tuple[str, Any]]], Any]:
+    def read(pairs: Sequence[tuple[str, Any]]) -> Any:
+        node = _without_duplicates(pairs)
         return file[f"array_{node['array']}"] if set(node) == {"array"} else node
 
     return read

@@ -24,6 +24,10 @@ Motion = Callable[[Any], Jet]
 # Below this angle, rad, logarithms are summed up as series, whose next terms bound what is left out.
 _SMALL = arb(1) / 4
 
+# So near half a turn, sine or half of it, the way round has no proof: rounding in doubles, by 1e-16 or so, may take a
+# checker or a planner the other way round than exact numbers.
+_HALF_TURN_ROOM = 1e-12
+
 
 def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float]) -> Motion:
     """The jet of a joint's map as a function of the parameter.
@@ -136,7 +140,7 @@ def _way_round(a: Sequence[float], b: Sequence[float]) -> Any:
     """The angle from one (cosine, sine) to another, the short way."""
     (c0, s0), (c1, s1) = ([arb(x) for x in pair[:2]] for pair in (a, b))
     cross, dot = c0 * s1 - s0 * c1, c0 * c1 + s0 * s1
-    if not dot > 0 and not cross > 0 and not cross < 0:
+    if not dot > 0 and not cross > _HALF_TURN_ROOM and not cross < -_HALF_TURN_ROOM:
         raise UnprovedError("the motion turns a joint by half a turn, of which the short way round is not known")
     return arb.atan2(cross, dot)
 
@@ -183,7 +187,7 @@ def _turn_vector(kind: str, a: Sequence[float], b: Sequence[float]) -> list[Any]
         w0 * y1 + x0 * z1 - y0 * w1 - z0 * x1,
         w0 * z1 - x0 * y1 + y0 * x1 - z0 * w1,
     ]
-    if not w > 0 and not w < 0:
+    if not w > _HALF_TURN_ROOM and not w < -_HALF_TURN_ROOM:
         raise UnprovedError("the motion turns a joint by half a turn, of which the short way round is not known")
     if w < 0:
         w, vector = -w, [-part for part in vector]

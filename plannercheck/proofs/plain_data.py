@@ -85,9 +85,12 @@ def _sequence(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]
 
 def _array(value: Any, where: str) -> Any:
     try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+        given = np.array(value)
+    except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"{where} must be an array of numbers") from None
+    if given.dtype.kind not in "iuf":  # numpy would read texts and truths as numbers, and drop imaginary parts
+        raise PlannercheckError(f"{where} must be an array of numbers, not of {given.dtype}")
+    array = given.astype(np.float64)
     array.setflags(write=False)
     return array
 

@@ -82,7 +82,7 @@ class PlanarBuilder:
         """
         certifier = self._checker.motion_certifier
         passage = certifier.passage(start, end, tolerance, True, pieces, asked_end)
-        if not passage.free:
+        if not passage.free or passage.proved_until < 1:
             return None
         q0, q1, asked = (tuple(q.tolist()) for q in (start, end, asked_end))
         motion = PlanarMotion(q0, q1, asked, curve, float(turning_radius or 0.0), _pieces(pieces))

@@ -10,12 +10,15 @@ from `start` to `end`, and the root, if it is free,
 
 and all the way the convex hulls of the two bodies of every pair of `model.pairs` are more than `margin` apart, at exact
 kinematics of the given numbers: the true sine and cosine of the sum of the angles along the chain, bodies in the world
-as the affine maps that their poses are. The margin is what computed poses and states may be off by.
+as the affine maps that their poses are. The margin is at least what computed poses and states may be off by, which the
+verifier confirms (`least_margin`).
 
 On a curve every piece is an arc of the turning radius, which the root's heading touches, or a line along its heading,
-forwards alone for "dubins", and is gone through at one speed; the verifier confirms that. That these pieces are the
-curve that OMPL's DubinsStateSpace or ReedsSheppStateSpace takes between both ends, up to the slip, is not proved:
-`planar/curves.py` reads them off OMPL's own interpolation, and the tests hold samples of it against them.
+forwards alone for "dubins", and is gone through at one speed; pieces meet, begin at `start` and lead to `end`. The
+verifier confirms that up to the pieces' slips, the margin, and at the end 4e-6 of the turning radius and the robot's
+size: within these a piece may also go aside or backwards, and between the last piece and `end` nothing is claimed. That
+these pieces are the curve that OMPL's DubinsStateSpace or ReedsSheppStateSpace takes between both ends, up to the slip,
+is not proved: `planar/curves.py` reads them off OMPL's own interpolation, and tests hold samples of it against them.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ _DEEPEST = 14
 # A sum of two products in doubles errs by 3 u of their sizes, to first order; twice that is more than enough.
 _ROUNDING = 6 * 2.0**-53
 _UP = 1 + 2.0**-50
-_UNDERFLOW = 1e-290  # far below any length, m: covers products below the range of doubles
+_UNDERFLOW = 1e-290  # far below any length, m: covers products and sums below the range of doubles
 
 
 def verified(proof: Proof) -> Verification:
@@ -76,6 +76,33 @@ def verified(proof: Proof) -> Verification:
     finally:
         flint.ctx.prec = bits
     return Verification(fault is None, fault, confirmed, time.perf_counter() - began)
+
+
+def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
+    """Whether a proof's model is that of files.
+
+    Args:
+        proof: In the plane.
+        robot: A shipped planar robot's name or a YAML file.
+        scene: A shipped planar scene's name or a file; None for the empty one.
+
+    Returns:
+        Whether it is, or the first difference.
+
+    Raises:
+        PlannercheckError: If a file can't be read.
+    """
+    from plannercheck.proofs.planar_confirm import confirm_model  # needs all of the package
+    from plannercheck.proofs.planar_well_formed import check_well_formed
+
+    began, fault = time.perf_counter(), None
+    try:
+        check_well_formed(proof)
+        assert isinstance(proof.model, PlanarModel)
+        confirm_model(proof.model, robot, scene)
+    except UnprovedError as found:
+        fault = str(found)
+    return Verification(fault is None, fault, 0, time.perf_counter() - began)
 
 
 class Line(NamedTuple):
@@ -203,7 +230,7 @@ class Verifier:
         heights = [float((direction.conjugate() * z).real.lower()) for z in ends]
         lowest = min(heights)
         lowest -= abs(lowest) * 2.0**-50
-        return lowest - needed * _UP**4 * float(abs(direction).abs_upper()) * _UP
+        return lowest - needed * _UP**4 * float(abs(direction).abs_upper()) * _UP - _UNDERFLOW
 
     def _between(self, a: int, b: int, frame: int, piece: int, t: float) -> Any:
         """From the centre of b to that of a, seen from a frame."""

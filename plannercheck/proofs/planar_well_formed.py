@@ -167,6 +167,8 @@ def _check_body(body: PlanarBody, links: int, what: str) -> None:
     defect = float(np.linalg.norm(matrix[:, :2].T @ matrix[:, :2] - np.eye(2)))
     if not defect <= LARGEST_DEFECT or not np.linalg.det(matrix[:, :2]) > 0:
         raise UnprovedError(f"{what} has a pose that is not rigid: |M^T M - 1| is {defect:.3g}, or it is a reflection")
+    if type(body.vertices) is not np.ndarray or body.vertices.dtype != np.float64:
+        raise UnprovedError(f"{what} has vertices that are no array of doubles")
     shape = body.vertices.shape
     if len(shape) != 2 or shape[1] != 2 or not shape[0]:
         raise UnprovedError(f"{what} has vertices of shape {shape}, not (n, 2)")

@@ -13,7 +13,9 @@ for word: while the parameter t goes from 0 to 1, every joint of `model.joints` 
 and all the way the convex hulls of `vertices` of the two bodies of every pair of `model.pairs`, each swollen by its
 `radius`, are more than `margin` apart. Links are where exact kinematics of the given numbers puts them: placements as
 the affine maps that they are, axes as they are, the true sine and cosine. The paddings are parts of the radii. The
-margin is what computed poses and states may be off by, so that what is proved holds for `check_states` as well.
+margin is there for what computed poses and states may be off by, so that what is proved holds for `check_states` as
+well. Whoever makes a proof chooses it: that it is enough for that is not proved, nor that the configurations are within
+limits, nor, without `robot=` and `scene=`, whose joints, bodies and pairs these are.
 
 The same classes serve the plane, where `kind` is "plane", and model and motion are of `planar_proof`.
 """
@@ -137,7 +139,8 @@ class Motion:
     Attributes:
         start: (columns,) rad and m.
         end: (columns,) the end that is gone to: angles of `whole_turns` by the short way.
-        asked_end: (columns,) the end that was asked for, which differs by whole turns alone.
+        asked_end: (columns,) the end that was asked for, which differs by whole turns, and by a rest, for rounding:
+            what it may move bodies by, every gap exceeds besides the margin, so that either end may be taken.
     """
 
     start: tuple[float, ...]
@@ -214,7 +217,7 @@ class Proof:
         hashes: Of the model.
         model: The robot in its scene.
         motion: The motion.
-        margin: What every gap exceeds, m: computed poses and states may be off by it.
+        margin: What every gap exceeds, m: for what computed poses and states are off by.
         entries: For every pair, intervals that tile [0, 1].
     """
 

@@ -154,6 +154,8 @@ def _check_bodies(model: Model) -> None:
         _check_length(body.centre, 3, what)
         if not 0 <= body.padding <= body.radius or body.reach < 0:
             raise UnprovedError(f"{what} has a negative length, or a padding beyond its radius")
+        if type(body.vertices) is not np.ndarray or body.vertices.dtype != np.float64:
+            raise UnprovedError(f"{what} has vertices that are no array of doubles")
         shape = body.vertices.shape
         if len(shape) != 2 or shape[1] != 3 or not shape[0]:
             raise UnprovedError(f"{what} has vertices of shape {shape}, not (n, 3)")

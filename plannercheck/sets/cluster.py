@@ -5,10 +5,14 @@ In: a checker, a `Judge`, the address of a scheduler or a number of processes. O
 The checker travels once to each worker, prepared bodies and all, as a plugin: workers that come later, or anew after a
 loss, get it, too. The rows go with the task, so the scheduler can give a lost worker's chunks to another; a few for
 each worker are under way at a time, and that is all that is held.
+
+Who reaches a scheduler can run code on its workers, so a cluster that is started here listens on the loopback alone,
+speaks only with those who hold a certificate that this run has made and keeps in memory, and serves no pages.
 """
 
 from __future__ import annotations
 
+import logging
 import pickle
 import signal
 import threading
@@ -26,12 +30,31 @@ from plannercheck.sets.engines import judged
 from plannercheck.sets.judging import Findings, Judge
 
 distributed: Any = extra_module("distributed", "dask", "clusters")
+dask_system: Any = extra_module("dask.system", "dask", "clusters")
 
 # Chunks under way for each thread of a worker: one that is judged, and one on its way.
 _AHEAD = 2
 
 # How often a chunk is tried again after an error, and s to wait for a scheduler or the first worker.
 _RETRIES, _PATIENCE = 3, 30
+
+# Where a cluster of this machine listens.
+_LOOPBACK = "127.0.0.1"
+
+
+class _ServesNoPages:
+    """Of a node of dask: it opens no HTTP server. Without this, each does, whatever is said of dashboards."""
+
+    def start_http_server(self, *arguments: Any, **options: Any) -> None:
+        """Called by distributed where a node starts."""
+
+
+class LocalScheduler(_ServesNoPages, distributed.Scheduler):  # type: ignore[misc]  # that library is optional
+    """The scheduler of a cluster of this machine."""
+
+
+class LocalWorker(_ServesNoPages, distributed.Worker):  # type: ignore[misc]  # that library is optional
+    """A worker of such a cluster; named in what a child process is told, so it is public here."""
 
 
 class CheckerOnWorker(distributed.WorkerPlugin):  # type: ignore[misc]  # that library is optional
@@ -70,7 +93,12 @@ class ClusterEngine:
     """Judges on a cluster; to be used in a `with` statement."""
 
     def __init__(
-        self, checker: AnyChecker, judge: Judge, scheduler: str | None = None, workers: int | None = None
+        self,
+        checker: AnyChecker,
+        judge: Judge,
+        scheduler: str | None = None,
+        workers: int | None = None,
+        security: Any = None,
     ) -> None:
         """Connects, or starts processes here, and sends the checker.
 
@@ -79,26 +107,32 @@ class ClusterEngine:
             judge: What is asked.
             scheduler: Address of a scheduler, e.g. "tcp://10.0.0.1:8786"; None starts a cluster on this machine.
             workers: Processes of such a cluster.
+            security: distributed.Security for a given scheduler; None takes what dask's own configuration says.
 
         Raises:
-            PlannercheckError: If there is no scheduler, or a worker can't take the checker.
+            PlannercheckError: If there is no such scheduler, or a worker can't take the checker.
+            RuntimeError: If no cluster starts on this machine.
         """
         self._cluster = _started(workers) if scheduler is None else None
         try:
-            self.client = self._connected(scheduler)
+            self.client = self._connected(scheduler, security)
             self._plugin = f"plannercheck-{uuid.uuid4().hex}"
             self._send(CheckerOnWorker(self._plugin, pickle.dumps(checker), judge, self._cluster is not None))
         except BaseException:
             self.close()
             raise
 
-    def _connected(self, scheduler: str | None) -> Any:
+    def _connected(self, scheduler: str | None, security: Any) -> Any:
         try:
-            client = distributed.Client(self._cluster or scheduler, timeout=_PATIENCE, set_as_default=False)
+            client = distributed.Client(
+                self._cluster or scheduler, timeout=_PATIENCE, set_as_default=False, security=security
+            )
             client.wait_for_workers(1, timeout=_PATIENCE)
-        except (OSError, TimeoutError, ValueError) as error:
+        except (OSError, TimeoutError, ValueError, RuntimeError) as error:
+            if scheduler is None:
+                raise _not_started(error) from None
             raise PlannercheckError(
-                f"no cluster at {scheduler or 'this machine'}: {error}; --scheduler takes the address that "
+                f"no cluster at {scheduler}: {error}; --scheduler takes the address that "
                 "`dask scheduler` prints, and `dask worker ADDRESS` adds a worker"
             ) from None
         return client
@@ -144,8 +178,8 @@ class ClusterEngine:
             return future.result()  # type: ignore[no-any-return]
         except PlannercheckError:
             raise
-        except Exception as error:
-            raise PlannercheckError(
+        except Exception as error:  # nothing that was given is at fault
+            raise RuntimeError(
                 f"the cluster could not judge a chunk, tried {_RETRIES + 1} times: {type(error).__name__}: {error}"
             ) from None
 
@@ -169,8 +203,37 @@ class ClusterEngine:
 
 
 def _started(workers: int | None) -> Any:
-    """A cluster of processes on this machine."""
-    return distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None)
+    """A cluster of processes on this machine, which only this process can talk to."""
+    shared = {"host": _LOOPBACK, "protocol": "tls://", "security": _certificate()}
+    scheduler = {"cls": LocalScheduler, "options": {**shared, "port": 0, "dashboard": False}}
+    worker = {
+        "cls": distributed.Nanny,
+        "options": {**shared, "worker_class": LocalWorker, "nthreads": 1, "silence_logs": logging.WARNING},
+    }
+    count = workers or dask_system.CPU_COUNT
+    try:
+        return distributed.SpecCluster(
+            workers=dict.fromkeys(range(count), worker),
+            scheduler=scheduler,
+            security=shared["security"],
+            silence_logs=logging.WARNING,
+        )
+    except Exception as error:  # whatever a worker dies of
+        raise _not_started(error) from None
+
+
+def _certificate() -> Any:
+    """Keys and a certificate that live in the memory of this run's processes."""
+    try:
+        return distributed.Security.temporary()
+    except ImportError:
+        raise PlannercheckError(
+            "a cluster on this machine needs the package cryptography: pip install 'plannercheck[dask]'"
+        ) from None
+
+
+def _not_started(error: Exception) -> RuntimeError:
+    return RuntimeError(f"the cluster on this machine did not start: {type(error).__name__}: {error}")
 
 
 def _quietly(call: Any) -> None:

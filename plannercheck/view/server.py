@@ -1,6 +1,6 @@
 """A picture in the browser through viser, for looking around and stepping through frames.
 
-In: a `Picture`. Out: a running server. Needs `pip install 'plannercheck[view]'`.
+In: a `Picture`. Out: a running server, which only its own page can talk to. Needs `pip install 'plannercheck[view]'`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from plannercheck.errors import PlannercheckError
 from plannercheck.poses import quaternion_of_rotation
 from plannercheck.view.model import PLANE, Mesh, Picture
+from plannercheck.view.origins import own_pages_only
 
 DEFAULT_PORT = 8080
 # Time a frame is shown, s: of an animation, and of a set of configurations.
@@ -36,6 +37,7 @@ def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -
 
     Raises:
         PlannercheckError: If viser is not installed.
+        RuntimeError: If pages of others can't be refused with the viser that is installed.
     """
     try:
         import viser
@@ -43,7 +45,9 @@ def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -
         raise PlannercheckError(
             "viser is not installed: pip install 'plannercheck[view]', or write a page by --html FILE (write_page)"
         ) from None
-    return Stage(viser.ViserServer(host=host, port=port, verbose=False), picture)
+    with own_pages_only(host):
+        server = viser.ViserServer(host=host, port=port, verbose=False)
+    return Stage(server, picture)
 
 
 class Stage:

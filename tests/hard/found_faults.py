@@ -42,7 +42,7 @@ FAULTS = {
 def stressed(copy: CheckoutCopy, families: str, seed: int) -> tuple[int | None, str]:
     """Exit code of the stress, and what it wrote."""
     options = ["--motions", str(MOTIONS), "--seed", str(seed), "--families", families]
-    ran = run([sys.executable, "-m", "plannercheck", "stress", *options], copy.root, copy._environment, LIMIT)
+    ran = run([sys.executable, "-m", "plannercheck", "stress", *options], copy.root, copy.environment, LIMIT)
     return ran.code, ran.text
 
 
