@@ -163,6 +163,8 @@ def _apart_by_cells(chains: Chains, pairs: Ints) -> Bools:
                 waiting.setdefault(cut, []).append(k)
         for cut, rows in waiting.items():
             rows = [k for k in rows if not apart[k]]
+            if not rows:  # another cut has settled them all
+                continue
             ends = [[chains.end(int(pairs[k, side]), branches[k][side], cut) for side in (0, 1)] for k in rows]
             apart[rows] = _apart_in_cells(chains, cut, pairs[rows], ends)
     return apart

@@ -303,3 +303,21 @@ def test_what_a_short_chain_carries_is_looked_at_anew(machine):
         checker = checker.with_scene(scene)
         np.testing.assert_array_equal(checker.unreachable, pc.Checker(robot, scene).unreachable)
         scene.remove("tool")
+
+
+def test_pairs_that_one_of_two_cuts_settles(tmp_path):
+    """Found by the stress of motions: nothing was left for the second cut, which failed."""
+    link = (
+        '<link name="{0}"><collision><origin xyz="{1} 0 0"/><geometry><sphere radius="0.05"/></geometry></collision>'
+        "</link>"
+    )
+    joint = (
+        '<joint name="j{0}" type="revolute"><parent link="base"/><child link="{0}"/><origin xyz="{1} 0 0"/>'
+        '<axis xyz="0 0 1"/><limit lower="-0.3" upper="0.3" effort="1" velocity="1"/></joint>'
+    )
+    parts = [link.format("a", -1), link.format("b", 1), joint.format("a", 0), joint.format("b", 1.8)]
+    urdf = tmp_path / "arms.urdf"
+    urdf.write_text(f'<robot name="arms"><link name="base"/>{"".join(parts)}</robot>')
+    checker = pc.Checker(pc.Robot.from_urdf(urdf))
+    assert len(checker.pairs) == 1
+    assert checker.unreachable.all()

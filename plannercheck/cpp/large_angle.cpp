@@ -22,7 +22,7 @@ constexpr std::uint64_t kTwoOverPi[] = {0xa2f9836e4e441529, 0xfc2757d1f534ddc0, 
 // pi/2 in units of 2^-127, rounded downwards.
 constexpr Wide kHalfPi = Wide{0xc90fdaa22168c234} << 64 | 0xc4c6628b80dc1cd1;
 
-constexpr int kMantissaBits = 53;
+constexpr int kAngleMantissaBits = 53;
 
 // The upper 128 bits of the product of two numbers of 128 bits.
 Wide upper_product(Wide a, Wide b) {
@@ -70,8 +70,8 @@ ReducedAngle reduced(double angle) {
   }
   int exponent = 0;
   const double fraction = std::frexp(std::abs(angle), &exponent);
-  const auto mantissa = static_cast<std::uint64_t>(std::ldexp(fraction, kMantissaBits));
-  Quarters quarters = quarters_of(mantissa, exponent - kMantissaBits);
+  const auto mantissa = static_cast<std::uint64_t>(std::ldexp(fraction, kAngleMantissaBits));
+  Quarters quarters = quarters_of(mantissa, exponent - kAngleMantissaBits);
   bool negative = std::signbit(angle);
   unsigned whole = negative ? 0U - quarters.whole : quarters.whole;
   if (quarters.part >> 127 != 0) {  // nearer to the next quarter
