@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from plannercheck.stress.motion_outcomes import FAULTS
 from plannercheck.stress.motion_run import FAMILY_NAMES, MotionTally
 
-_COUNTED = ("motions", "free", "refused", "declined", "sharp", "named off", "sampled states", "verified")
-_HEADS = ("motions", "free", "refused", "imprecise", "sharp", "named off", "sampled", "verified")
+_COUNTED = ("motions", "free", "refused", "declined", "sharp", "named off", "sampled states", "verified", "no proof")
+_HEADS = ("motions", "free", "refused", "imprecise", "sharp", "named off", "sampled", "verified", "no proof")
 _SHORT = {
     "collision passed": "passed",
     "refused without reason": "unreasoned",
