@@ -192,3 +192,24 @@ def test_a_certifier_that_forgets_what_far_ends_round_is_found_out():
         changed = replace(proof, motion=replace(proof.motion, asked_end=tuple(asked)))
         assert bool(changed.verify()) == holds
     assert float(arb.pi()) == np.pi
+
+
+def test_entries_end_where_planes_do():
+    """Found by the stress of motions: two planes, each of which holds just as long as the certifier says."""
+    from plannercheck.certified_motions import Proof
+    from plannercheck.proofs.build import _PairEntries
+
+    first, second = (np.array(d, dtype=float) for d in ([1, 0, 0], [0, 1, 0]))
+    planes = [Proof(0, 0.0, 0.3, -1, False, first, 1.0, 0.1), Proof(0, 0.3, 1.0, -1, False, second, 1.0, 0.1)]
+
+    class Checker:
+        def holds(self, entry, deepest):
+            plane = planes[0] if entry.end <= 0.3 else planes[1]
+            within = plane.start <= entry.start and entry.end <= plane.end
+            return entry.by == "plane" and within and entry.direction == tuple(plane.direction.tolist())
+
+    checker = Checker()
+    entries = _PairEntries(checker, 0, planes, None).over(0.0, 1.0, 0)
+    assert [entries[0].start, *(entry.end for entry in entries)] == [*(entry.start for entry in entries), 1.0]
+    assert all(checker.holds(entry, 0) for entry in entries)
+    assert 0.3 in [entry.end for entry in entries]

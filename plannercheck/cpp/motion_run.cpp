@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "distance.hpp"
 #include "motion_certifier.hpp"
 #include "motion_filters.hpp"
 
@@ -284,9 +285,18 @@ class MotionRun {
   // Whether the pair is proved to be more than the tolerance apart at a state; if not, it is within it.
   bool clear(PairState& s, std::size_t state) {
     if ((s.checked >> state & 1U) != 0) return true;
-    if (!is_apart(s, state, tolerance_ - 2 * filters_.slack())) return false;
+    const double limit = tolerance_ - 2 * filters_.slack();
+    if (!is_apart(s, state, limit) && !is_further(s, state, limit)) return false;
     s.checked |= 1U << state;
     return true;
+  }
+
+  // The descent ends early where its simplices are flat; before a motion is refused, the proved bound of the distance
+  // has the last word.
+  bool is_further(const PairState& s, std::size_t state, double limit) {
+    const PosedPair pose = filters_.posed(s.pair, state);
+    const PosedBody a{&filters_.body(s.pair.a), pose.a}, b{&filters_.body(s.pair.b), pose.b};
+    return pair_distance(a, b, limit, w_.counters.pair).lower > limit;
   }
 
   // Whether the pair is in contact at a state, up to rounding: no interval there can be settled.

@@ -29,6 +29,8 @@ Floats = NDArray[np.float64]
 
 # Intervals are halved this often in search of one that a plane or balls keep apart.
 _DEEPEST = 14
+# From so many halvings on, intervals are cut where planes end: one plane may hold just up to there.
+_BY_PLANES = 7
 
 # Halvings that the verifier may take within an entry: a longer entry takes it more time than several short ones.
 _WITHIN = 2
@@ -160,8 +162,14 @@ class _PairEntries:
         if depth >= _DEEPEST:
             self._lost = True  # the proof will be refused: the rest is not worth the search
             return candidates[-1:]
+        cut = self._cut(start, end, depth)
+        return self.over(start, cut, depth + 1) + self.over(cut, end, depth + 1)
+
+    def _cut(self, start: float, end: float, depth: int) -> float:
+        """In the middle; of short intervals where one of the certifier's planes ends and the next begins."""
         middle = (start + end) / 2
-        return self.over(start, middle, depth + 1) + self.over(middle, end, depth + 1)
+        ends = [plane.end for plane in self._planes if start < plane.end < end] if depth >= _BY_PLANES else []
+        return min(ends, key=lambda t: abs(t - middle), default=middle)
 
     def _candidates(self, start: float, end: float) -> list[Entry]:
         """Balls, then the plane of the certifier in the middle."""
