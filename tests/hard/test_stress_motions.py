@@ -143,3 +143,8 @@ def test_the_command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mon
     monkeypatch.setattr(SpaceSubject, "check", _all_free)
     assert main(few) == 1
     assert list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("path", sorted((Path(__file__).parent / "motions").glob("*.json")), ids=lambda path: path.stem)
+def test_motions_that_once_failed(path: Path) -> None:
+    assert MotionCase.load(path).faults() == {}
