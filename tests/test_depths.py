@@ -15,8 +15,8 @@ CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 FAMILIES = [("box", 8), ("round", 20), ("cloud", 60), ("needle", 20), ("flat", 30), ("prism", 24)]
 
 
-def by_all_directions(first, second, poses):
-    """The least over normals of facets and products of edges, of how far the bodies are in each other along it."""
+def widths(first, second, poses):
+    """Normals of facets and products of edges, and how far the bodies are in each other along each."""
     points, normals, edges = [], [], []
     for body, pose in zip((first, second), poses, strict=True):
         points.append(body.vertices @ pose[:3, :3].T + pose[:3, 3])
@@ -26,8 +26,14 @@ def by_all_directions(first, second, poses):
     products = np.cross(edges[0][:, None], edges[1]).reshape(-1, 3)
     directions = np.concatenate([*normals, products, -products])
     lengths = np.linalg.norm(directions, axis=1)
-    directions = directions[lengths > 1e-9 * lengths.max()] / lengths[lengths > 1e-9 * lengths.max(), None]
-    return float(((points[0] @ directions.T).max(axis=0) - (points[1] @ directions.T).min(axis=0)).min())
+    clear = lengths > 1e-9 * lengths.max()
+    directions = directions[clear] / lengths[clear, None]
+    return directions, (points[1] @ directions.T).max(axis=0) - (points[0] @ directions.T).min(axis=0)
+
+
+def by_all_directions(first, second, poses):
+    """The least of them: in the direction that parts the first body from the second."""
+    return float(widths(second, first, poses[::-1])[1].min())
 
 
 @pytest.mark.parametrize(("name", "n"), FAMILIES)
@@ -159,18 +165,8 @@ def test_both_bounds_are_proved():
 
 def by_all_directions_of(first, second, poses):
     """The few directions along which the bodies are least in each other."""
-    points, normals, edges = [], [], []
-    for body, pose in zip((first, second), poses, strict=True):
-        points.append(body.vertices @ pose[:3, :3].T + pose[:3, 3])
-        a, b, c = (points[-1][body.faces[:, k]] for k in range(3))
-        normals += [np.cross(b - a, c - a), -np.cross(b - a, c - a)]
-        edges.append(np.concatenate([b - a, c - b, a - c]))
-    products = np.cross(edges[0][:, None], edges[1]).reshape(-1, 3)
-    directions = np.concatenate([*normals, products, -products])
-    lengths = np.linalg.norm(directions, axis=1)
-    directions = directions[lengths > 0] / lengths[lengths > 0, None]
-    widths = (points[1] @ directions.T).max(axis=0) - (points[0] @ directions.T).min(axis=0)
-    return directions[np.argsort(widths)[:5]]
+    directions, along = widths(first, second, poses)
+    return directions[np.argsort(along)[:5]]
 
 
 @pytest.mark.parametrize("gap", [1e-3, 0.05, 0.19])
