@@ -106,6 +106,7 @@ class MotionCertifier:
         whole: Callable[[], CompiledPairs],
         limits: tuple[Floats, Floats] | None,
         excess: float,
+        hints: bool,
     ) -> None:
         """Digests chains of joints.
 
@@ -117,6 +118,7 @@ class MotionCertifier:
             whole: All of them.
             limits: Between which `live` are enough; None for anywhere.
             excess: Of curved shapes.
+            hints: Whether planes of earlier motions are tried; verdicts do not depend on it.
 
         Raises:
             PlannercheckError: If Pinocchio itself has to pose the robot.
@@ -127,8 +129,10 @@ class MotionCertifier:
                 "motions by resolution=, in m"
             )
         self._robot = robot
-        self._live = ChainedPairs(robot, bodies, pairs, live, excess)
-        self._compile_whole: Callable[[], ChainedPairs] = lambda: ChainedPairs(robot, bodies, pairs, whole(), excess)
+        self._live = ChainedPairs(robot, bodies, pairs, live, excess, hints)
+        self._compile_whole: Callable[[], ChainedPairs] = lambda: ChainedPairs(
+            robot, bodies, pairs, whole(), excess, hints
+        )
         self._limits = limits
         low, high = robot.configuration_map.sampled_range()
         self._low, self._high = low - _MARGIN, high + _MARGIN

@@ -38,7 +38,9 @@ class ChainedPairs:
         touching: Rows of the checker's pairs that never move against each other, and are in contact.
     """
 
-    def __init__(self, robot: Robot, bodies: Sequence[Body], pairs: Ints, part: CompiledPairs, excess: float) -> None:
+    def __init__(
+        self, robot: Robot, bodies: Sequence[Body], pairs: Ints, part: CompiledPairs, excess: float, hints: bool
+    ) -> None:
         """Digests chains of joints.
 
         Args:
@@ -47,6 +49,7 @@ class ChainedPairs:
             pairs: (n, 2) indices into bodies: all of the checker's.
             part: Which of them to take.
             excess: Of curved shapes.
+            hints: Whether planes of earlier motions are tried.
         """
         assert robot.joint_table is not None
         mounts, placements = mounted(robot, bodies, robot.kinematics)
@@ -85,6 +88,7 @@ class ChainedPairs:
             chains.defect,
             chains.leverage,
             chains.depth,
+            hints,
         )
 
 

@@ -114,7 +114,7 @@ class Checker:
             bodies: Stand-ins for the robot's bodies and then the scene's, in their order, e.g. coarser ones; the pairs
                 stay as they are.
             method: The solver of the pair test, see `pair.pair_options`. Verdicts do not depend on it.
-            cached_plane: Whether the last separating plane of a pair is tried first.
+            cached_plane: Whether the last separating plane of a pair is tried first, also that of an earlier motion.
             centre_axis: Whether the axis between the centres, and swells around them, are tried before the solver.
             turned_axis: Whether that axis is turned to where the bodies would face each other if they were ellipsoids.
             facet_plane: Whether the facets' planes of two bodies of eight corners at most are tried before the solver.
@@ -590,8 +590,9 @@ class Checker:
                 f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
                 "here: choose sampled motions by resolution=, in m"
             )
+        (_, cached_plane, *_), _ = self._options
         return MotionCertifier(
-            self.robot, self.bodies, self.pairs, self._live, lambda: self._all, self._limits, self.excess
+            self.robot, self.bodies, self.pairs, self._live, lambda: self._all, self._limits, self.excess, cached_plane
         )
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:

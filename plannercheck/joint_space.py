@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 # What is asked of robots that have been planned for: asking Pinocchio takes a tenth of a short plan's time.
-_COLUMNS: WeakKeyDictionary[Robot, tuple[NDArray[np.bool_], Floats, Floats]] = WeakKeyDictionary()
+_COLUMNS: WeakKeyDictionary[Robot, tuple[NDArray[np.bool_], Floats, Floats, list[int]]] = WeakKeyDictionary()
 
 
 class JointSpace:
@@ -52,11 +52,12 @@ class JointSpace:
         """
         if robot not in _COLUMNS:
             _COLUMNS[robot] = _columns(robot)
-        self.continuous, lower, upper = _COLUMNS[robot]
-        free = np.isinf(robot.lower) & ~self.continuous
-        self._names, self._free = robot.joint_names, np.flatnonzero(free).tolist()
-        self._lower = np.where(free, np.min([lower, *held], axis=0), lower)
-        self._upper = np.where(free, np.max([upper, *held], axis=0), upper)
+        self.continuous, self._lower, self._upper, self._free = _COLUMNS[robot]
+        if self._free:
+            self._lower, self._upper = self._lower.copy(), self._upper.copy()
+            self._lower[self._free] = np.min([self._lower, *held], axis=0)[self._free]
+            self._upper[self._free] = np.max([self._upper, *held], axis=0)[self._free]
+        self._names = robot.joint_names
         self._turns: list[bool] = self.continuous.tolist()
         self._turning = any(self._turns)
         self._columns = range(robot.nq)
@@ -127,8 +128,8 @@ def bounded_space(lower: Floats, upper: Floats) -> Any:
     return space
 
 
-def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats]:
-    """(nq,) which columns whole turns do not change, and bounds of the others."""
+def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats, list[int]]:
+    """(nq,) which columns whole turns do not change, bounds, and which columns have bounds of our own."""
     model = robot.model
     joints = [model.joints[model.getJointId(name)] for name in robot.joint_names]
     angles = [robot.group is not None and is_continuous(joint) for joint in joints]
@@ -145,11 +146,12 @@ def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats]:
             )
     columns = robot.configuration_map.turning_columns()
     lower, upper = robot.lower, robot.upper
-    for k in np.flatnonzero(np.array(angles, dtype=bool) & ~columns).tolist():
+    free: list[int] = np.flatnonzero(np.array(angles, dtype=bool) & ~columns).tolist()
+    for k in free:
         upper[k] = _free_range(robot.configuration_map, k)
         lower[k] = -upper[k]
     columns.flags.writeable = False
-    return columns, lower, upper
+    return columns, lower, upper, free
 
 
 def _free_range(used: ConfigurationMap, column: int) -> float:

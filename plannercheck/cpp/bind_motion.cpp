@@ -39,7 +39,7 @@ MotionChains chains_from(IndexTable<2> drives, InputArray<double, -1, 2> factors
 // A certifier with the workspaces that its callers have returned.
 class BoundCertifier {
  public:
-  explicit BoundCertifier(MotionModel model) : certifier_(std::move(model)) {}
+  BoundCertifier(MotionModel model, bool hints) : certifier_(std::move(model), hints) {}
 
   template <class Work>
   void with_workspace(Work work) {
@@ -203,7 +203,7 @@ void bind_motion(nb::module_& m) {
              InputArray<double, -1, 4, 4> placements, IndexTable<5> pairs, IndexTable<2> drives,
              InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry, IndexTable<3> entries,
              InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides, IndexTable<2> parts, int width,
-             int link_count, double defect, double leverage, int depth) {
+             int link_count, double defect, double leverage, int depth, bool hints) {
             MotionModel model;
             for (std::size_t i = 0; i < bodies.size(); ++i)
               model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
@@ -217,7 +217,7 @@ void bind_motion(nb::module_& m) {
             model.defect = defect;
             model.leverage = leverage;
             model.depth = depth;
-            new (self) BoundCertifier(std::move(model));
+            new (self) BoundCertifier(std::move(model), hints);
           },
           plain_floats)
       .def("check", &check_motions, plain_floats)

@@ -9,7 +9,7 @@
 namespace plannercheck {
 namespace {}  // namespace
 
-MotionCertifier::MotionCertifier(MotionModel model) : model_(std::move(model)) {
+MotionCertifier::MotionCertifier(MotionModel model, bool hints) : model_(std::move(model)), hints_(hints) {
   std::vector<bool> used(model_.bodies.size(), false);
   for (std::size_t p = 0; p < model_.pairs.size(); ++p) {
     const CertifiedPair& pair = model_.pairs[p];

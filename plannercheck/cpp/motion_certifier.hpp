@@ -13,8 +13,8 @@
 //
 // A motion is refused only where, at a state on it, a pair is proved to be within `tolerance` (touching included).
 //
-// Immutable: each thread brings a workspace. Nothing in it outlives a motion, so verdicts do not depend on what was
-// asked before.
+// Immutable: each thread brings a workspace. Of what it holds only planes outlive a motion, as hints: they may settle a
+// pair that the motion's own planes settle in any case, so verdicts do not depend on what was asked before.
 #pragma once
 
 #include <memory>
@@ -61,7 +61,8 @@ struct MotionCounters {
 
 class MotionCertifier {
  public:
-  explicit MotionCertifier(MotionModel model);
+  // `hints`: whether planes of earlier motions are tried.
+  explicit MotionCertifier(MotionModel model, bool hints);
   ~MotionCertifier();
 
   class Workspace;
@@ -89,6 +90,7 @@ class MotionCertifier {
   friend class MotionRun;
 
   MotionModel model_;
+  bool hints_;
   std::vector<std::int32_t> movers_;          // bodies that move and are in a pair
   std::vector<std::int32_t> frames_;          // links
   std::vector<std::int32_t> among_self_;      // pairs of which both bodies move

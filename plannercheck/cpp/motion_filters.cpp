@@ -144,7 +144,7 @@ unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum
   return open & all_intervals();
 }
 
-void MotionFilters::boxes_settle(OpenPair& found, Vec3 direction) {
+void MotionFilters::boxes_settle(OpenPair& found, Vec3 direction, double beyond) {
   const CertifiedPair& p = pair(found.pair);
   const bool still = stands_still(p.b);
   const double *a = grid_.poses(p.a), *b = still ? nullptr : grid_.poses(p.b);
@@ -155,7 +155,7 @@ void MotionFilters::boxes_settle(OpenPair& found, Vec3 direction) {
     store_lanes(&gaps[i], least_of_box(body(p.a), load_pose(a, i), d) +
                               least_of_box(body(p.b), still ? standing : load_pose(b, i), opposite));
   }
-  const Lanes limit = broadcast(apart(p));
+  const Lanes limit = broadcast(apart(p) + beyond);
   for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
     const Lanes least = smaller(load_lanes(&gaps[i]), load_lanes(&gaps[i + 1]));
     found.open &= ~((bits(least > limit) & ((1U << kLanes) - 1)) << i);

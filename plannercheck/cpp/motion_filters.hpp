@@ -60,8 +60,9 @@ class MotionFilters {
   std::array<Vec3, 2> box_around_path(std::int32_t body, std::int32_t chain) const;
   // What bounding spheres leave open: on chords against each other or against the box of a body that stands still.
   unsigned near(const CertifiedPair& pair) const;
-  // Settles what the bodies' boxes do along a direction of the frame, and notes where they are deepest in each other.
-  void boxes_settle(OpenPair& found, Vec3 direction);
+  // Settles what the bodies' boxes do along a direction of the frame, with `beyond` to spare, and notes where they are
+  // deepest in each other.
+  void boxes_settle(OpenPair& found, Vec3 direction, double beyond = 0);
   // A direction to begin with, of length 1 up to rounding: the way out of b's box if a's centre is outside, else
   // between the centres.
   Vec3 between(const CertifiedPair& pair, std::size_t state);

@@ -1,7 +1,7 @@
 // One motion's check: grids of states, finer where pairs are not settled (see motion_certifier.hpp).
 //
 // In: a certifier, a workspace, a motion. Out: a report. On each grid all pairs pass the filters; what they leave open
-// is taken deepest first: the state that looks most like a collision, the plane of last time, a descent on the swept
+// is taken deepest first: the state that looks most like a collision, the plane found last, a descent on the swept
 // bodies. An interval is cut further for the pairs that nothing settles, until they are settled or found within the
 // tolerance.
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace plannercheck {
 
 struct Plane {
-  std::uint64_t motion = 0;  // by which it was found; of another motion it counts for nothing
+  std::uint64_t motion = 0;  // by which it was found, 0 if there is none
   Vec3 direction;            // in the pair's frame
 };
 
@@ -40,6 +40,10 @@ constexpr double kCoarse = 0.02;
 // Into how many intervals one is cut that has pairs left: ε shrinks to a ninth.
 constexpr int kCut = 3;
 
+// Boxes that are deeper in each other along a hint than this part of the smaller body's radius: the hulls would have to
+// leave that much of them free, which few do (a sixth of the Panda's pairs).
+constexpr double kDeepestHint = 1;
+
 // All rounding here (poses of bodies, directions, products, boxes) is some hundred u = 2^-53 of the sizes that enter.
 constexpr double kRunRounding = 0x1p-42, kUnit = 0x1p-53;
 
@@ -57,7 +61,7 @@ class MotionCertifier::Workspace {
         grid(model.bodies, at(model.width), at(model.links)),
         planes(model.pairs.size()) {}
 
-  // The planes of earlier motions end with that: they could settle an interval that by itself rounds to the other side.
+  // With that the planes of earlier motions are mere hints (see `hint_settles`).
   void begin_motion() {
     ++motion;
     failures.clear();
@@ -214,18 +218,43 @@ class MotionRun {
     return true;
   }
 
-  // What spheres and boxes leave open of a pair: along the plane of last time, and along a direction that they suggest.
+  // What spheres and boxes leave open of a pair: along the plane found last, and along a direction that they suggest.
   OpenPair found_open(std::int32_t index) {
     const CertifiedPair& pair = model_.pairs[at(index)];
     const Plane& plane = w_.planes[at(index)];
     OpenPair found{index, proofs_ != nullptr ? filters_.all_intervals() : filters_.near(pair), 0, 0, {}};
     w_.counters.intervals += __builtin_popcount(found.open);
-    if (found.open != 0 && plane.motion == w_.motion && proofs_ == nullptr)
-      filters_.boxes_settle(found, plane.direction);
+    if (found.open != 0 && proofs_ == nullptr && plane.motion != 0) {
+      if (plane.motion == w_.motion) {
+        filters_.boxes_settle(found, plane.direction);
+      } else if (hint_settles(pair, found, plane.direction)) {
+        found.open = 0;
+      }
+    }
     if (found.open == 0) return found;
     found.direction = filters_.between(pair, static_cast<std::size_t>(__builtin_ctz(found.open)));
     if (proofs_ == nullptr) filters_.boxes_settle(found, found.direction);
     return found;
+  }
+
+  // Whether a plane of an earlier motion keeps the pair apart by more than twice the tolerance wherever it is open.
+  // Then it is within the tolerance at no state of this motion, so that the way without hints, which refuses a motion
+  // only by such a state, settles the pair as well. A hint that leaves anything open counts for nothing.
+  bool hint_settles(const CertifiedPair& pair, const OpenPair& found, Vec3 direction) {
+    if (ordered_ || !certifier_.hints_) return false;
+    OpenPair left = found;
+    filters_.boxes_settle(left, direction, 2 * tolerance_);
+    if (left.open == 0) return true;
+    const double radius = smaller(filters_.body(pair.a).radius, filters_.body(pair.b).radius);
+    if (left.depth < -kDeepestHint * radius) return false;
+    const double apart = filters_.apart(pair) + 2 * tolerance_;
+    for (unsigned states = left.open | left.open << 1; states != 0; states &= states - 1) {
+      const PosedPair posed = filters_.posed(pair, static_cast<std::size_t>(__builtin_ctz(states)));
+      ++w_.counters.planes;
+      if (!(gap_along(filters_.body(pair.a), filters_.body(pair.b), posed, direction, w_.counters.pair) > apart))
+        return false;
+    }
+    return true;
   }
 
   void prove(PairState& s, std::size_t i) {
@@ -261,20 +290,27 @@ class MotionRun {
     return answer;
   }
 
-  // An interval that nothing settles: false if the pair is within the tolerance at an end, or the interval so short
-  // that it is within the tolerance all the way. In order, the interval is looked at further all the same.
+  // An interval that neither its plane nor a descent settles: false if the pair is within the tolerance at an end. In
+  // order, the interval is looked at further all the same.
   bool fail(PairState& s, std::size_t i) {
-    const double way = filters_.speed(s.pair) * w_.grid.step();
-    const bool short_enough = way + filters_.bulge(s.pair) + 2 * filters_.slack() <= tolerance_;
     double refused = -1;
-    if (short_enough || !clear(s, i)) {
+    if (!clear(s, i)) {
       refused = w_.grid.parameter(i);
     } else if (!clear(s, i + 1)) {
       refused = w_.grid.parameter(i + 1);
+    } else if (plane_settles(s, i) || is_short(s)) {
+      if (proofs_ != nullptr) prove(s, i);
+      return true;
     }
     if (!ordered_ && refused >= 0) return refuse_at(refused, s.index);
     w_.failures.push_back({i, s.index, refused});
     return true;
+  }
+
+  // Whether a pair that is clear at an end cannot meet on an interval, as the bodies travel less than the tolerance.
+  bool is_short(const PairState& s) {
+    const double way = filters_.speed(s.pair) * w_.grid.step();
+    return way + filters_.bulge(s.pair) + 4 * filters_.slack() <= tolerance_;
   }
 
   bool refuse_at(double parameter, std::int32_t pair) {
@@ -293,14 +329,28 @@ class MotionRun {
 
   // The descent ends early where its simplices are flat; before a motion is refused, the proved bound of the distance
   // has the last word.
-  bool is_further(const PairState& s, std::size_t state, double limit) {
+  bool is_further(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);
-    const PosedBody a{&filters_.body(s.pair.a), pose.a}, b{&filters_.body(s.pair.b), pose.b};
-    return pair_distance(a, b, limit, w_.counters.pair).lower > limit;
+    if (share_a_point(s, pose)) return false;  // the distance would go on to how deep they are in each other
+    const PairDistance found = pair_distance(posed_a(s, pose), posed_b(s, pose), limit, w_.counters.pair);
+    if (!(found.lower > limit)) return false;
+    s.plane = {w_.motion, pose.frame.from_world(found.direction)};
+    s.measured = 0;
+    return true;
   }
 
-  // Whether the pair is in contact at a state, up to rounding: no interval there can be settled.
-  bool touches(PairState& s, std::size_t state) { return !is_apart(s, state, filters_.slack()); }
+  // Whether the pair shares a point at a state: no interval there can be settled.
+  bool touches(PairState& s, std::size_t state) {
+    if (is_apart(s, state, filters_.slack())) return false;
+    return share_a_point(s, filters_.posed(s.pair, state));
+  }
+
+  PosedBody posed_a(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.a), pose.a}; }
+  PosedBody posed_b(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.b), pose.b}; }
+
+  bool share_a_point(const PairState& s, const PosedPair& pose) {
+    return test_pair(posed_a(s, pose), posed_b(s, pose), {}, nullptr, w_.counters.pair).shared;
+  }
 
   bool is_apart(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);

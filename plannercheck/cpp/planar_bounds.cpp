@@ -6,6 +6,12 @@
 #include "vec.hpp"
 
 namespace plannercheck {
+namespace {
+
+// The largest |u| of points within a radius of x, y.
+double arm_length(double x, double y, double radius) { return (norm_above({x, y, 0}) + radius) * (1 + 0x1p-40); }
+
+}  // namespace
 
 PlanarChain planar_chain(const std::vector<PlanarLink>& links, std::int32_t frame, const PlanarBody& body) {
   PlanarChain chain;
@@ -19,7 +25,8 @@ PlanarChain planar_chain(const std::vector<PlanarLink>& links, std::int32_t fram
       continue;
     }
     const bool is_root = link.joint == PlanarJoint::kFree;
-    chain.arms.push_back({link.column + (is_root ? 2 : 0), is_root, turned_x, turned_y, radius});
+    chain.arms.push_back(
+        {link.column + (is_root ? 2 : 0), is_root, turned_x, turned_y, radius, arm_length(turned_x, turned_y, radius)});
     x = link.x, y = link.y, radius = 0;
   }
   std::reverse(chain.arms.begin(), chain.arms.end());
@@ -36,8 +43,8 @@ PlanarBound planar_bound(const PlanarChain& chain, const PlanarPiece& piece, con
   double rate = 0;
   for (const PlanarArm& arm : chain.arms) {
     rate += rates[at(arm.column)];
-    const double x = arm.x + (arm.is_root ? piece.arm_x : 0), y = arm.y + (arm.is_root ? piece.arm_y : 0);
-    const double length = (norm_above({x, y, 0}) + arm.radius) * (1 + 0x1p-40);
+    const bool is_shifted = arm.is_root && (piece.arm_x != 0 || piece.arm_y != 0);
+    const double length = is_shifted ? arm_length(arm.x + piece.arm_x, arm.y + piece.arm_y, arm.radius) : arm.length;
     bound.speed += std::fabs(rate) * length;
     bound.curvature += rate * rate * length;
   }

@@ -30,6 +30,7 @@ struct PlanarArm {
   std::int32_t column;
   bool is_root;         // a free root, which a piece's arm shifts
   double x, y, radius;  // u leads to within `radius` of x, y
+  double length;        // the largest |u|
 };
 
 // From the frame outwards.
