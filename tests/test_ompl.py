@@ -92,6 +92,7 @@ def test_continuous_joints_are_checked_on_the_short_way():
         turning & (step > np.pi), step - 2 * np.pi, np.where(turning & (step < -np.pi), step + 2 * np.pi, step)
     )
     assert (np.abs(step) > np.pi).any(axis=1).sum() > 20
+    np.testing.assert_allclose(space.differences(starts, ends), near, atol=1e-12)
     truth = checker.motion_certifier.check(starts, starts + near, 1e-4, 1)
     long_way = checker.motion_certifier.check(starts, starts + step, 1e-4, 1)
     assert (truth & ~long_way).sum() > 10

@@ -92,6 +92,13 @@ def test_allowed_collisions_act_on_self_pairs_only_if_asked_for(panda, scene):
     assert len(left) < len(links_and_objects(panda, scene, panda.self_pairs))
 
 
+def test_allowed_collisions_of_links_are_left_alone_when_something_is_carried(panda, scene):
+    robot = pc.Checker(panda, scene).attach("can", pc.Cylinder(0.03, 0.1), "panda_hand", np.eye(4)).robot
+    first, second = (robot.bodies[k].link for k in robot.self_pairs[0])
+    scene.allow(first, second)
+    assert pair_table(robot, scene, True, "robot").self_count == len(robot.self_pairs)
+
+
 def test_an_unknown_acm_is_refused(panda, scene):
     with pytest.raises(pc.PlannercheckError, match="'robot' or 'scene', not 'srdf'"):
         pair_table(panda, scene, True, "srdf")

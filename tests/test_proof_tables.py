@@ -108,6 +108,25 @@ def test_malformed_models_are_refused_whatever_their_hashes(part, name, value):
     assert "content hash" not in found.fault
 
 
+SLIGHTLY_OFF = [
+    ("joints", "placement", (1 + 1e-5, *STILL[1:]), "not rigid"),
+    ("links", "placement", (*STILL[:5], 1 - 1e-5, *STILL[6:]), "not rigid"),
+    ("bodies", "pose", (*STILL[:1], 1e-5, *STILL[2:]), "not rigid"),
+    ("joints", "axis", (0.0, 0.0, 1 + 1e-5), "axis of length"),
+    ("joints", "axis", (0.0, 0.0, 1 - 1e-5), "axis of length"),
+]
+
+
+@pytest.mark.parametrize(("part", "name", "value", "fault"), SLIGHTLY_OFF)
+def test_placements_and_axes_that_are_slightly_off_are_refused(part, name, value, fault):
+    proof = swinging()
+    items = list(getattr(proof.model, part))
+    items[0] = replace(items[0], **{name: value})
+    found = sealed(proof, model=replace(proof.model, **{part: tuple(items)})).verify()
+    assert not found
+    assert fault in found.fault
+
+
 def test_malformed_motions_are_refused():
     proof = swinging()
     for values in ((float("nan"),), (float("inf"),), (), (0.1, 0.2), (1e16,)):
