@@ -47,4 +47,4 @@ cosine = 1 - 0.5*Z + W;
 rnd(1 - o) - h -> (rnd(1 - o) - (1 - o)) - (o - (1 - h));
 computed_cosine - cosine -> (computed_cosine - (o + v)) + ((v - (rest + w)) + ((rest + (o - (1 - h))) + ((w - W) - 0.5*(z - Z))));
 rest + (o - (1 - h)) -> (rest - (rnd(1 - o) - h)) + (rnd(1 - o) - (1 - o));
-$ r in (1b-12, 1b-8, 1b-6, 1b-5, 1b-4, 1b-3, 0.1875, 0.25, 0.3125, 0.375, 0.4375, 0.5, 0.5625, 0.625, 0.6875, 0.75);
+$ r in (1b-12, 0.125, 0.5);
