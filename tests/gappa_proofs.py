@@ -1,8 +1,8 @@
 """Error constants of the sources, and the gappa scripts in tests/proofs that prove them.
 
-In: sources of the core, or modules of the package where it has none of that name; scripts. Out: constants' values, as the
-sources have them; scripts with these values in place of `@kName@` or `@_NAME@`, or `@file/kName@` of another source;
-whether gappa accepts a script.
+In: sources of the core, or modules of the package where it has none of that name; scripts. Out: constants' values, as
+the sources have them; scripts with these values in place of `@kName@` or `@_NAME@`, or of `@file/kName@` of another
+source; whether gappa accepts a script.
 
 `python tests/gappa_proofs.py` prints the least value of each constant that its script still proves.
 """
