@@ -1,13 +1,16 @@
-"""Error constants of the C++ files, and the gappa scripts in tests/proofs that prove them.
+"""Error constants of the sources, and the gappa scripts in tests/proofs that prove them.
 
-In: sources and scripts. Out: constants' values, as the sources have them; scripts with these values in place of
-`@kName@`, or `@file/kName@` of another source; whether gappa accepts a script.
+In: sources of the core, or modules of the package where it has none of that name; scripts. Out: constants' values, as
+the sources have them; scripts with these values in place of `@kName@` or `@_NAME@`, or of `@file/kName@` of another
+source; whether gappa accepts a script.
 
 `python tests/gappa_proofs.py` prints the least value of each constant that its script still proves.
 """
 
 from __future__ import annotations
 
+import ast
+import importlib
 import re
 import subprocess
 import sys
@@ -19,13 +22,15 @@ ROOT = Path(__file__).resolve().parents[1]
 SOURCES, PROOFS = ROOT / "plannercheck" / "cpp", ROOT / "tests" / "proofs"
 _DECLARED = re.compile(r"constexpr (?:static )?(?:double|float) (k\w+ = [^;]*);", re.DOTALL)
 _NUMBER = re.compile(r"(?<![\w.])(?:0x[0-9a-fA-F.]+p[+-]?\d+|\d[\d.]*(?:[eE][+-]?\d+)?)F?")
-_PLACE = re.compile(r"@(?:(\w+)/)?(k\w+)@")
+_PLACE = re.compile(r"@(?:(\w+)/)?(k\w+|_[A-Z_]+)@")
 
 
 @cache
 def constants(stem: str) -> dict[str, str]:
     """The constants that a source and its header declare at any scope: expressions by name."""
-    found = {}
+    found: dict[str, str] = {}
+    if is_python(stem):
+        return _python_constants(stem)
     for path in (SOURCES / f"{stem}.hpp", SOURCES / f"{stem}.cpp"):
         text = re.sub(r"//[^\n]*", "", path.read_text()) if path.exists() else ""
         for declared in _DECLARED.findall(text):
@@ -36,8 +41,26 @@ def constants(stem: str) -> dict[str, str]:
     return found
 
 
+def is_python(stem: str) -> bool:
+    """Whether the constants are those of a module, since no C++ source has that name."""
+    return not any((SOURCES / f"{stem}{end}").exists() for end in (".hpp", ".cpp"))
+
+
+def _python_constants(stem: str) -> dict[str, str]:
+    """Those of a module that are floats."""
+    module = importlib.import_module(f"plannercheck.{stem}")
+    text = (ROOT / "plannercheck" / f"{stem}.py").read_text()
+    assigned = [node for node in ast.parse(text).body if isinstance(node, ast.Assign)]
+    named = [(node.targets[0].id, node.value) for node in assigned if isinstance(node.targets[0], ast.Name)]
+    return {
+        name: ast.get_source_segment(text, node) or "" for name, node in named if type(getattr(module, name)) is float
+    }
+
+
 def value(stem: str, name: str) -> Fraction:
-    """A constant's value; what it is made of is computed exactly."""
+    """A constant's value; what it is made of is computed exactly, but in Python in doubles, as the module does."""
+    if is_python(stem):
+        return Fraction(getattr(importlib.import_module(f"plannercheck.{stem}"), name))
     expression = _NUMBER.sub(lambda number: f"Fraction('{_exactly(number[0])}')", constants(stem)[name])
     expression = re.sub(r"\bk\w+", lambda other: f"Fraction('{_elsewhere(stem, other[0])}')", expression)
     return Fraction(eval(expression, {"Fraction": Fraction}))  # the project's own sources
@@ -57,7 +80,7 @@ def _elsewhere(stem: str, name: str) -> Fraction:
 
 
 def scripts() -> list[str]:
-    """All that prove a constant, as "file/kName"."""
+    """All that prove a constant, as "file/kName" or "module/_NAME"."""
     return sorted(str(path.relative_to(PROOFS).with_suffix("")) for path in PROOFS.glob("*/*.g"))
 
 
@@ -74,7 +97,7 @@ def filled(script: str, factor: Fraction = Fraction(1)) -> str:
 
 def _reduced(constant: Fraction, factor: Fraction) -> Fraction:
     """A part of a constant; of one that is 1 and a little, of that little."""
-    return 1 + (constant - 1) * factor if 1 < constant < Fraction(5, 4) else constant * factor
+    return 1 + (constant - 1) * factor if 1 < constant < 1 + Fraction(1, 1000) else constant * factor
 
 
 def _dyadic(number: Fraction) -> str:
@@ -88,10 +111,10 @@ def _dyadic(number: Fraction) -> str:
 
 def is_proved(text: str) -> tuple[bool, str]:
     """Whether gappa proves a script, and what it says."""
-    # 200 bits: an interval of a bound in units of 2^-53 is then narrow.
-    run = subprocess.run(
-        ["gappa", "-Eprecision=200"], input=text, capture_output=True, text=True, timeout=60, check=False
-    )
+    # 200 bits: an interval of a bound in units of 2^-53 is then narrow. Scripts say what is split, if anything: else
+    # gappa splits for minutes before it refuses.
+    options = ["-Eprecision=200", "-Eno-auto-dichotomy"]
+    run = subprocess.run(["gappa", *options], input=text, capture_output=True, text=True, timeout=60, check=False)
     said = run.stdout + run.stderr
     assert "syntax error" not in said, said
     return run.returncode == 0 and "Warning" not in said, said
