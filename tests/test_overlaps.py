@@ -170,6 +170,26 @@ def test_balls_that_are_the_body(free_link, offset):
     hold_verdicts(with_overlaps, without, q, 40)
 
 
+@pytest.mark.parametrize("far", [1e3, 1e4])
+def test_balls_far_from_their_links_overlap_only_what_they_do(free_link, far):
+    """A ball above a box at the origin, its link far off: where floats put it, it is off by parts of that way."""
+    rng = np.random.default_rng(12)
+    radius, gaps = 0.2, np.tile(np.array([1e-8, 2e-7, 1e-6, -1e-8, -2e-5]) * far, 60)
+    placement = np.eye(4)
+    placement[:3, 3] = far * contacts.random_directions(1, rng)[0]
+    scene = pc.Scene("one")
+    scene.add("box", shapes.Box((1.0, 1.0, 1.0)))
+    bodies = [shapes.Body("hand", "hand", placement, shapes.Sphere(radius)), *scene.bodies]
+    with_overlaps, without = (pc.Checker(free_link, scene, bodies=bodies, overlaps=on) for on in (True, False))
+    links = contacts.identities(len(gaps))
+    links[:, :3, :3] = contacts.frames(contacts.random_directions(len(gaps), rng))
+    centres = rng.uniform(-0.4, 0.4, (len(gaps), 3))
+    centres[:, 2] = 0.5 + radius + gaps
+    links[:, :3, 3] = centres - links[:, :3, :3] @ placement[:3, 3]
+    q = np.array([pin.SE3ToXYZQUATtuple(pin.SE3(link)) for link in links])
+    hold_verdicts(with_overlaps, without, q, 0)
+
+
 def test_differences_that_overflow_floats(free_link):
     """Found by a review: a box beyond the floats' range was as near as one around the ball."""
     axes = np.column_stack([[1, 1, 1], [1, -1, 0], [1, 1, -2]]) / np.sqrt([3, 2, 6])
