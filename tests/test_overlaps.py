@@ -100,6 +100,25 @@ def test_inner_shapes_without_volume(points, balls, boxes):
     assert not found[1][:, 6].any()
 
 
+def test_balls_of_a_segment_lie_evenly_on_it():
+    """Up to rounding, and a point's at the point: held against the ends that were given, exactly."""
+    rng = np.random.default_rng(13)
+    for scale in (1e-3, 1.0, 1e6):
+        ends = scale * rng.normal(size=(2, 3))
+        balls = pc.Polytope(ends, swell=0.1 * scale).core.inner_shapes()[0]
+        first, second = (exactly(end) for end in ends.tolist())
+        along = [b - a for a, b in zip(first, second, strict=True)]
+        square, parts = sum(x * x for x in along), []
+        for *centre, radius in balls.tolist():
+            assert radius == 0
+            from_first = [c - a for c, a in zip(exactly(centre), first, strict=True)]
+            parts.append(sum(x * y for x, y in zip(from_first, along, strict=True)) / square)
+            off = sum((x - parts[-1] * y) ** 2 for x, y in zip(from_first, along, strict=True))
+            assert off <= Fraction(4 * ULP * scale) ** 2
+        np.testing.assert_allclose(sorted(map(float, parts)), [1 / 8, 3 / 8, 5 / 8, 7 / 8], rtol=1e-14)
+        np.testing.assert_array_equal(pc.Polytope(ends[:1]).core.inner_shapes()[0], [[*ends[0], 0.0]])
+
+
 @pytest.fixture(scope="module")
 def free_link(tmp_path_factory):
     path = tmp_path_factory.mktemp("free") / "free.urdf"
