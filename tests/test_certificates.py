@@ -109,7 +109,7 @@ def test_random_small_bodies_of_all_dimensions() -> None:
 
 @pytest.mark.parametrize("swapped", [False, True])
 def test_a_direction_of_entries_2_to_the_1094_apart(swapped: bool) -> None:
-    """A triangle rises by one denormal along 2^20 m; a segment below it meets its edge, or stays below by x / 2^1094."""
+    """A triangle rises by one denormal along 2^20 m; a segment under it meets its edge, or stays below it."""
     rise, far = 2.0**-1074, 2.0**20
     triangle = pc.Polytope(np.array([[0, 0, 0], [0, 1, 0], [far, 0.5, rise]]))
     for start in (-1.0, 0.0, rise, 1.0):

@@ -221,7 +221,7 @@ def test_contacts_on_the_last_double_of_what_stands_at_the_origin(method):
 
 
 def almost_unturned(k, rng):
-    """Rotations (k, 3, 3) by 1e-5 to 1e-2: their entries round in many ways, and lengths along axes stay about 1-norms."""
+    """Rotations (k, 3, 3) by 1e-5 to 1e-2: entries round in many ways, and 1-norms along an axis stay about lengths."""
     x, y, z = (rng.normal(size=(k, 3)) * 10.0 ** rng.uniform(-5, -2, (k, 1))).T
     o = np.zeros(k)
     turns, upper = np.linalg.qr(np.eye(3) + np.moveaxis(np.array([[o, -z, y], [z, o, -x], [-y, x, o]]), 2, 0))
