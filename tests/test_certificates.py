@@ -107,6 +107,23 @@ def test_random_small_bodies_of_all_dimensions() -> None:
     assert 50 < sum(verdicts) < 250
 
 
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_direction_of_entries_2_to_the_1094_apart(swapped: bool) -> None:
+    """A triangle rises by one denormal along 2^20 m; a segment under it meets its edge, or stays below it."""
+    rise, far = 2.0**-1074, 2.0**20
+    triangle = pc.Polytope(np.array([[0, 0, 0], [0, 1, 0], [far, 0.5, rise]]))
+    for start in (-1.0, 0.0, rise, 1.0):
+        for y in (0.25, 0.5, 0.75):
+            ends = np.array([[start, y, 0], [far / 2, y, 0]])[:: -1 if swapped else 1]
+            segment = pc.Polytope(ends)
+            truth = exact.intersects(triangle.vertices, ends)
+            assert truth == (start <= 0)
+            for method in METHODS:
+                assert pc.intersects(triangle, segment, method=method) == truth
+                assert pc.intersects(segment, triangle, method=method) == truth
+            assert isinstance(proved(triangle, segment, at(0, 0, 0), at(0, 0, 0)), SharedPoint) == truth
+
+
 def test_far_from_the_origin_a_gap_below_rounding_is_proved() -> None:
     rng = np.random.default_rng(8)
     p = pc.Polytope(rng.normal(size=(100, 3)))

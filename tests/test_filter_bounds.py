@@ -218,3 +218,36 @@ def test_contacts_on_the_last_double_of_what_stands_at_the_origin(method):
             found = core.intersect_batch(first.polytope.core, poses_p, second.polytope.core, poses_r, options)[0]
             np.testing.assert_array_equal(found.astype(bool), expected)
     assert 0.2 < np.mean(sharing) < 0.8
+
+
+def almost_unturned(k, rng):
+    """Rotations (k, 3, 3) by 1e-5 to 1e-2: entries round in many ways, and 1-norms along an axis stay about lengths."""
+    x, y, z = (rng.normal(size=(k, 3)) * 10.0 ** rng.uniform(-5, -2, (k, 1))).T
+    o = np.zeros(k)
+    turns, upper = np.linalg.qr(np.eye(3) + np.moveaxis(np.array([[o, -z, y], [z, o, -x], [-y, x, o]]), 2, 0))
+    return turns * np.sign(np.einsum("kii->ki", upper))[:, None, :]
+
+
+@pytest.mark.parametrize("radius", [0.5690558794408735, 0.5425412229054223, 0.5440037981315080])
+def test_boxes_of_balls_stretched_as_far_as_links_and_bodies_may_be(radius):
+    """A point in a ball, 1e-9 to 6e-8 below its surface: found by a search for what floats round to the worse side.
+
+    The frame of the point is stretched by 1.8e-6 towards the ball, that of the ball shrunk by as much: along the first
+    one's axis the distance seems longer and the ball, whose swell no pose stretches, does not.
+    """
+    rng = np.random.default_rng(21)
+    states = 40_000
+    of_body = 2.2e-7
+    of_link = 1.8e-6 * (1 - 1e-4) - of_body
+    placements = identities(2)
+    placements[:, 0, 0] += of_body, -of_body
+    both = np.stack([identities(states), identities(states)], axis=1)
+    turns = almost_unturned(states, rng)
+    both[:, 0, :3, :3], both[:, 1, :3, :3] = turns * [1 + of_link, 1, 1], turns * [1 - of_link, 1, 1]
+    apart = turns[:, :, 0] * radius * (1 - rng.uniform(1e-9, 6e-8, (states, 1)))
+    for share in (0.0, 0.5):  # of the way that the point has from the origin
+        both[:, 0, :3, 3], both[:, 1, :3, 3] = -share * apart, (1 - share) * apart
+        bodies = [pc.Polytope(np.zeros((1, 3))), pc.Polytope(np.zeros((1, 3)), swell=radius)]
+        for order in ([0, 1], [1, 0]):
+            checker = checker_of([bodies[k] for k in order], [0, 1], [[0, 1]], placements[order])
+            assert (checker.first_of_poses(np.ascontiguousarray(both[:, order]), 1) == 0).all()

@@ -105,6 +105,61 @@ def test_flat_points_have_a_flat_hull(points):
     assert ((chosen * directions).sum(axis=1) == best).all()
 
 
+def corners_in_plane(points):
+    """Of pairs of integers: those at the ends of a hull's edges, by trying all pairs of them. Brute force."""
+
+    def turn(a, b, c):
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    def is_edge(a, b):
+        """Whether all are left of the way from a to b, or on it between them."""
+        for c in points:
+            side, along = turn(a, b, c), sum((c[k] - a[k]) * (b[k] - c[k]) for k in range(2))
+            if side < 0 or (side == 0 and along < 0):
+                return False
+        return True
+
+    return {p for a, b in itertools.permutations(points, 2) if is_edge(a, b) for p in (a, b)}
+
+
+@pytest.mark.parametrize("slope", [0, 64])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_slivers_have_exact_corners(axis, slope):
+    """Points within a unit of a line of up to 2^53: doubles do not tell which turn they take, nor whether they do.
+
+    In a plane at right angles to an axis, or in one so steep that turns along the axes differ in size.
+    """
+    rng = np.random.default_rng(axis)
+    flat = 0
+    for number in range(150):
+        step = rng.integers(2**46, 2**47, 2)
+        points = np.outer(rng.integers(-32, 33, rng.integers(3, 8)), step) + rng.integers(-1, 2, 2)
+        points[rng.integers(len(points))] += rng.integers(-1, 2, 2)
+        if number < 50:  # a corner clearly off the line, so that the plane is beyond doubt
+            points = np.vstack([points, 32 * step[::-1] * [-1, 1]])
+        points = np.unique(points, axis=0)
+        if len(points) < 3:
+            continue
+        corners = corners_in_plane([tuple(map(int, p)) for p in points])
+        polytope = pc.Polytope(np.insert(points, axis, slope * points[:, 0], axis=1).astype(float))
+        assert polytope.dimension == min(2, len(corners) - 1)
+        flat += polytope.dimension == 2
+        found = np.delete(polytope.vertices, axis, axis=1)
+        assert sorted(map(tuple, found.tolist())) == sorted(corners)
+        assert polytope.fault() == ""
+    assert 100 < flat < 150
+
+
+def test_triangles_whose_normals_no_double_holds():
+    """All products of their edges underflow, but along the axis that is at right angles to none: found exactly."""
+    for axis in range(3):
+        corners = np.insert(np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0.5]]) * 2.0**-600, axis, 0.0, axis=1)
+        polytope = pc.Polytope(corners)
+        assert polytope.dimension == 2
+        assert sorted(polytope.source.tolist()) == [0, 1, 2, 3]
+        assert polytope.fault() == ""
+
+
 @pytest.mark.parametrize("scale", [1.0, 1e-12, 1e6])
 @pytest.mark.parametrize("offset", [0.0, 1e6])
 def test_thousands_of_small_bodies_are_sound(scale, offset):

@@ -18,9 +18,11 @@ from plannercheck import ndim
 from plannercheck.ndim import pair as pair_module
 from plannercheck.ndim.exact import ExactSharedPoint, Guess, decide
 from plannercheck.ndim.filters import encloses_origin, proves_inside
+from plannercheck.ndim.guides import Hint
 from plannercheck.ndim.integers import Farkas, Mix, dot, inverse, solve
 from plannercheck.ndim.posed import ExactRows, ExactVertices
 from plannercheck.ndim.poses import Affine, identity
+from plannercheck.ndim.proofs import proves_shared
 from plannercheck.ndim.tree import Cones, Tree
 from plannercheck.qhull import convex_hull
 
@@ -448,3 +450,25 @@ def test_a_point_is_proved_inside_only_where_rounding_leaves_it(dimension):
             assert not proves_inside(normals, offsets, Affine(turn, shift, False), point, none + 1e-8)
         inside = turn @ (0.5 * face) + shift
         assert proves_inside(normals, offsets, Affine(turn, shift, False), inside, none + 1e-3)
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 5])
+def test_a_mixture_is_proved_inside_only_where_posing_it_leaves_it(dimension):
+    """An edge 1e6 from its own origin, which its pose brings near to a box: its middle, about on one of its faces."""
+    rng = np.random.default_rng(dimension)
+    host = ndim.Polytope.from_halfspaces(*box_halfspaces(-np.ones(dimension), np.ones(dimension)))
+    proofs = []
+    for number in range(300):
+        ends = 1e6 * rng.normal(size=dimension) + rng.normal(size=(2, dimension))
+        turn = np.linalg.qr(rng.normal(size=(dimension, dimension)))[0]
+        middle = rng.uniform(-0.9, 0.9, dimension)
+        middle[0] = 1 - (1e-6 if number % 10 == 0 else rng.uniform(-1e-10, 1e-10))
+        pose = Affine(turn, middle - turn @ ends.mean(axis=0), False)
+        hint = Hint(True, (0, 1), (), middle, {0: 0.5, 1: 0.5}, {}, {}, 1, 1, "oracle")
+        proofs.append(proves_shared(hint, (ndim.Polytope(ends), pose), (host, identity(dimension))))
+        mixed = [sum(map(Fraction, column)) / 2 for column in ends.T.tolist()]
+        rows = [[Fraction(x) for x in (*row, s)] for row, s in zip(turn.tolist(), pose.shift.tolist(), strict=True)]
+        place = [sum(m * x for m, x in zip(row[:-1], mixed, strict=True)) + row[-1] for row in rows]
+        assert max(map(abs, place)) <= 1 or not proofs[-1], number
+    assert all(proofs[::10])
+    assert not all(proofs)

@@ -100,6 +100,25 @@ def test_inner_shapes_without_volume(points, balls, boxes):
     assert not found[1][:, 6].any()
 
 
+def test_balls_of_a_segment_lie_evenly_on_it():
+    """Up to rounding, and a point's at the point: held against the ends that were given, exactly."""
+    rng = np.random.default_rng(13)
+    for scale in (1e-3, 1.0, 1e6):
+        ends = scale * rng.normal(size=(2, 3))
+        balls = pc.Polytope(ends, swell=0.1 * scale).core.inner_shapes()[0]
+        first, second = (exactly(end) for end in ends.tolist())
+        along = [b - a for a, b in zip(first, second, strict=True)]
+        square, parts = sum(x * x for x in along), []
+        for *centre, radius in balls.tolist():
+            assert radius == 0
+            from_first = [c - a for c, a in zip(exactly(centre), first, strict=True)]
+            parts.append(sum(x * y for x, y in zip(from_first, along, strict=True)) / square)
+            off = sum((x - parts[-1] * y) ** 2 for x, y in zip(from_first, along, strict=True))
+            assert off <= Fraction(4 * ULP * scale) ** 2
+        np.testing.assert_allclose(sorted(map(float, parts)), [1 / 8, 3 / 8, 5 / 8, 7 / 8], rtol=1e-14)
+        np.testing.assert_array_equal(pc.Polytope(ends[:1]).core.inner_shapes()[0], [[*ends[0], 0.0]])
+
+
 @pytest.fixture(scope="module")
 def free_link(tmp_path_factory):
     path = tmp_path_factory.mktemp("free") / "free.urdf"
@@ -168,6 +187,26 @@ def test_balls_that_are_the_body(free_link, offset):
     posed[:, :3, 3] = points + (0.2 + gaps)[:, None] * normals
     q = np.array([configuration(free_link, pose @ p) for p in posed])
     hold_verdicts(with_overlaps, without, q, 40)
+
+
+@pytest.mark.parametrize("far", [1e3, 1e4])
+def test_balls_far_from_their_links_overlap_only_what_they_do(free_link, far):
+    """A ball above a box at the origin, its link far off: where floats put it, it is off by parts of that way."""
+    rng = np.random.default_rng(12)
+    radius, gaps = 0.2, np.tile(np.array([1e-8, 2e-7, 1e-6, -1e-8, -2e-5]) * far, 60)
+    placement = np.eye(4)
+    placement[:3, 3] = far * contacts.random_directions(1, rng)[0]
+    scene = pc.Scene("one")
+    scene.add("box", shapes.Box((1.0, 1.0, 1.0)))
+    bodies = [shapes.Body("hand", "hand", placement, shapes.Sphere(radius)), *scene.bodies]
+    with_overlaps, without = (pc.Checker(free_link, scene, bodies=bodies, overlaps=on) for on in (True, False))
+    links = contacts.identities(len(gaps))
+    links[:, :3, :3] = contacts.frames(contacts.random_directions(len(gaps), rng))
+    centres = rng.uniform(-0.4, 0.4, (len(gaps), 3))
+    centres[:, 2] = 0.5 + radius + gaps
+    links[:, :3, 3] = centres - links[:, :3, :3] @ placement[:3, 3]
+    q = np.array([pin.SE3ToXYZQUATtuple(pin.SE3(link)) for link in links])
+    hold_verdicts(with_overlaps, without, q, 0)
 
 
 def test_differences_that_overflow_floats(free_link):
