@@ -88,6 +88,7 @@ class ChainedPairs:
             chains.defect,
             chains.leverage,
             chains.depth,
+            *chains.spread,
             hints,
         )
 

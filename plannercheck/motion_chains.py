@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from plannercheck.configurations import ConfigurationMap
 from plannercheck.kinematics import JointTable, joint_placements
-from plannercheck.motion_drives import defect, drives
+from plannercheck.motion_drives import Spread, defect, drives, spread
 from plannercheck.shapes import Body, hull_and_swell
 
 Floats = NDArray[np.float64]
@@ -92,6 +92,7 @@ class MotionChains:
         defect: How far all placements and held joints together are off rigid, norm of M^T M - 1.
         leverage: Sum of all multipliers.
         depth: How many quaternions, cosines and sines of a configuration are on one chain at most.
+        spread: How far from the world's origin joints and links may be.
     """
 
     pairs: tuple[ChainedPair, ...]
@@ -102,6 +103,7 @@ class MotionChains:
     defect: float
     leverage: float
     depth: int
+    spread: Spread
 
     def arrays(self) -> tuple[NDArray[np.generic], ...]:
         """Pairs, drives, factors, first entries, entries, arms, slides, parts: what the core takes."""
@@ -155,6 +157,7 @@ def motion_chains(
         defect(table),
         float(max(1.0, np.abs(table.multipliers).sum())),
         configurations.lengths.depth,
+        spread(table),
     )
 
 

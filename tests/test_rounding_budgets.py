@@ -11,6 +11,7 @@ import re
 from fractions import Fraction
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from gappa_proofs import PROOFS, ROOT, value
 
@@ -18,6 +19,7 @@ import plannercheck as pc
 from plannercheck import kinematic_rounding
 from plannercheck.kinematic_rounding import KinematicRounding, PoseError
 from plannercheck.kinematics import JointTable
+from plannercheck.motion_drives import spread
 from plannercheck.robot_files import shipped_robots
 from plannercheck.shapes import Body, Box
 from plannercheck.unit_lengths import UNIT_TOLERANCE
@@ -54,6 +56,7 @@ def test_the_rounding_of_a_run_holds_each_of_its_sums(step):
     alone = run_steps()[step]
     assert alone < budget / 19
     assert F(97, 100) * budget > 2 * MOST_TURN + 4 * 71 * MOST_PARTS / 2 + alone
+    assert value("motion_run", "kPartRounding") / U > 2 * 71  # of a part more, at most
 
 
 def test_the_rounding_of_a_run_is_not_half_too_large_for_what_it_allows_for():
@@ -69,12 +72,30 @@ def test_frames_of_shipped_robots_turn_by_an_eighth_of_what_a_run_allows_for(nam
     assert robot._map.lengths.depth <= MOST_PARTS
 
 
-def test_frames_on_chains_of_many_joints_turn_by_more_than_a_run_allows_for():
+@pytest.mark.parametrize("joints", [28, 32, 100, 1000])
+def test_frames_on_chains_of_many_joints_turn_by_no_more_than_a_run_allows_for(joints):
     # Of general axes and placements, which is the worst: kRunRounding alone is proved for 28 of them in a row.
-    def turn(n):
-        return KinematicRounding(chain(n), (), ())._link_errors(np.zeros(n), np.ones(n))[0].turn
+    turn = KinematicRounding(chain(joints), (), ())._link_errors(np.zeros(joints), np.ones(joints))[0].turn
+    assert (turn < float(MOST_TURN * U)) == (joints <= 28)
+    assert 2 * turn < float(value("motion_run", "kTurnRounding")) * joints
 
-    assert turn(28) < float(MOST_TURN * U) < turn(32)
+
+def sampled_sizes(robot, q):
+    """The largest distance of a joint's or link's origin from the world's at configurations."""
+    model, data = robot.model, robot.model.createData()
+    found = [np.abs(robot.link_poses(q)[:, :, :3, 3]).max()]
+    for row in robot.configuration_map.expand(q):
+        pin.forwardKinematics(model, data, row)
+        found.append(max(np.linalg.norm(placement.translation) for placement in data.oMi))
+    return max(found)
+
+
+@pytest.mark.parametrize("name", shipped_robots())
+def test_no_joint_or_link_is_beyond_its_spread(name):
+    robot = pc.Robot.load(name)
+    found = spread(robot.joint_table)
+    q = robot.random_configurations(50, 1)
+    assert sampled_sizes(robot, q) <= (found.extent + found.travel * np.abs(q).max()) * (1 + 1e-6)
 
 
 def planar_part(links, turns):

@@ -7,7 +7,15 @@
 #include "motion_filters.hpp"
 
 namespace plannercheck {
-namespace {}  // namespace
+namespace {
+
+// How far a body's points, centre and sphere are from what its placement is seen from, m.
+double size_of(const MountedBody& mounted) {
+  const double far = norm_1(mounted.placement.translation()) + mounted.body->reach * kStretch;
+  return far + mounted.body->reach + 2 * sphere_radius(*mounted.body);
+}
+
+}  // namespace
 
 MotionCertifier::MotionCertifier(MotionModel model, bool hints) : model_(std::move(model)), hints_(hints) {
   std::vector<bool> used(model_.bodies.size(), false);
@@ -20,6 +28,7 @@ MotionCertifier::MotionCertifier(MotionModel model, bool hints) : model_(std::mo
   for (std::size_t b = 0; b < used.size(); ++b) {
     if (used[b]) (model_.bodies[b].link >= 0 ? movers_ : still_).push_back(static_cast<std::int32_t>(b));
   }
+  for (const std::int32_t mover : movers_) mounted_size_ = larger(mounted_size_, size_of(model_.bodies[at(mover)]));
   for (const MountedBody& body : model_.bodies) defects_.push_back(rigidity_defect(body.placement) + 16 * 0x1p-53);
   bound_still();
 }
@@ -31,8 +40,7 @@ void MotionCertifier::bound_still() {
   for (std::size_t s = 0; s < still_.size(); ++s) {
     const MountedBody& mounted = model_.bodies[at(still_[s])];
     position[at(still_[s])] = static_cast<std::int32_t>(s);
-    const double far = norm_1(mounted.placement.translation()) + mounted.body->reach * kStretch;
-    still_size_ = larger(still_size_, far + mounted.body->reach + 2 * sphere_radius(*mounted.body));
+    still_size_ = larger(still_size_, size_of(mounted));
     for (std::size_t k = 0; k < 3; ++k) {
       double &low = still_bounds_[k * still_row_ + s], &high = still_bounds_[(k + 3) * still_row_ + s];
       high = -low;

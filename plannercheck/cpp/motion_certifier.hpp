@@ -41,6 +41,10 @@ struct MotionModel {
   double defect = 0;    // sum over all placements, axes and held joints of how far they are off rigid
   double leverage = 1;  // sum of the multipliers' sizes: how much all joints turn for one unit of all columns
   double depth = 0;     // most parts (circles, quaternions) on one chain from the world
+  // How far joints and links may be from the world's origin: with all columns at 0, and for each unit of the largest,
+  // m.
+  double extent = 0, travel = 0;
+  double joints = 0;  // on the longest chain
 };
 
 // What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction`, in the pair's
@@ -100,7 +104,8 @@ class MotionCertifier {
   std::size_t still_row_ = 0;                 // length of a row: whole lanes
   std::vector<std::int32_t> pair_of_;         // mover's position * still_row_ + still body's position: the pair, or −1
   std::vector<std::int32_t> chain_in_world_;  // per mover: its chain from the world, −1 if it is in no such pair
-  double still_size_ = 0;                     // how far from the origin the bodies that stand still reach, m
+  // How far bodies reach: those that stand still from the world's origin, the others from their links', m.
+  double still_size_ = 0, mounted_size_ = 0;
 
   void bound_still();
   void find_near(std::size_t mover, Vec3 low, Vec3 high, std::vector<std::int32_t>& found) const;

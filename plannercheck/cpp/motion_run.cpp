@@ -47,6 +47,10 @@ constexpr double kDeepestHint = 1;
 // All rounding here (poses of bodies, directions, products, boxes) is some hundred u = 2^-53 of the sizes that enter.
 constexpr double kRunRounding = 0x1p-42, kUnit = 0x1p-53;
 
+// And for each joint on a chain, as which the frame's computed turn errs, and for each part: the numbers of a
+// quaternion between the ends err by up to 62u.
+constexpr double kTurnRounding = 64 * kUnit, kPartRounding = 144 * kUnit;
+
 // Rounding may take at most this part of the tolerance, else the numbers are too large.
 constexpr double kRoundingPart = 1.0 / 16;
 
@@ -154,24 +158,18 @@ class MotionRun {
   // How far a gap of two bodies may be off, by the sizes of what is computed with:
   // - kinematics: each body's computed pose is off by an error at the states of the grid, from which follows what is
   //   proved of exact poses; and the computed poses of any state between are off these by as much again: four errors;
-  // - rounding here, and placements off rigid, as which directions and chords in links' frames are;
+  // - rounding here, of numbers up to how far any body can be from the world's origin, and placements off rigid, as
+  //   which directions and chords in links' frames are;
   // - states go along unit quaternions, cosines and sines, while the ends are posed as they are given. A quaternion of
   //   length 1 + ε and that of length 1 differ as matrices by 4ε at most, a circle by ε; each such part on a body's
   //   chain moves it by as much of its arm, and both bodies have up to `depth` of them;
   // - the configurations between the ends, whose numbers err by at most 8u of the ends', which each joint turns into as
   //   much of its arm.
   void set_rounding(double largest, double arm) {
-    double size = certifier_.still_size_;
-    for (const std::int32_t mover : certifier_.movers_) {
-      const double* c = w_.grid.centre(mover);
-      const double around = sphere_radius(filters_.body(mover)) + filters_.body(mover).reach;
-      for (std::size_t i = 0; i <= w_.grid.intervals(); ++i) {
-        const double far = std::fabs(c[i]) + std::fabs(c[kGridRow + i]) + std::fabs(c[2 * kGridRow + i]);
-        size = larger(size, far + around);
-      }
-    }
-    size += 1 + largest / 8 + arm;
-    const double part = kRunRounding + 4 * model_.defect + 8 * model_.depth * w_.path.off_unit() +
+    const double moving = model_.extent + model_.travel * w_.path.largest() + certifier_.mounted_size_;
+    const double size = 1 + certifier_.still_size_ + moving + largest / 8 + arm;
+    const double part = kRunRounding + kTurnRounding * model_.joints + kPartRounding * model_.depth +
+                        4 * model_.defect + 8 * model_.depth * w_.path.off_unit() +
                         16 * kUnit * model_.leverage * (1 + w_.path.largest());
     filters_.set_rounding(4 * kinematic_error_ + part * size, size);
   }
