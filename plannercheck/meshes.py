@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import mesh_hint
+from plannercheck.paths import is_file
 from plannercheck.shapes import Hull
 from plannercheck.triangle_meshes import TriangleMesh, triangles_of_coal
 
@@ -30,7 +31,7 @@ def load_mesh(path: str | Path, scale: float | Sequence[float] = 1.0) -> Hull:
         The hull of the scaled points.
     """
     factors = _checked_scale(scale)
-    if not Path(path).is_file():
+    if not is_file(Path(path)):
         raise PlannercheckError(f"mesh file {str(path)!r} does not exist")
     try:
         hull = Hull(_points(Path(path)) * factors)
@@ -54,7 +55,7 @@ def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:
     """Three factors, all finite and none zero (a negative one mirrors the mesh)."""
     try:
         factors = np.broadcast_to(np.asarray(scale, dtype=np.float64), (3,))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"mesh scale must be one or three numbers, not {scale!r}") from None
     if not (np.isfinite(factors).all() and factors.all()):
         raise PlannercheckError(f"mesh scale must be finite and not zero, not {scale!r}")

@@ -57,7 +57,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.meshes import load_mesh
-from plannercheck.paths import is_planar_file, shipped_folder
+from plannercheck.paths import is_file, is_folder, is_planar_file, shipped_folder
 from plannercheck.scene_objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere
 
@@ -322,7 +322,7 @@ def shipped_scenes() -> list[str]:
 def _found(path: str | Path) -> Path:
     """The path itself, or that of a shipped scene for a bare name."""
     given = Path(path)
-    if given.exists() or given.suffix or len(given.parts) != 1:
+    if (is_file(given) or is_folder(given)) or given.suffix or len(given.parts) != 1:
         return given
     if str(path) not in shipped_scenes():
         raise unknown_name("scene", str(path), [*shipped_scenes(), "or the path of a YAML file"])

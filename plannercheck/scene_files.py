@@ -5,6 +5,7 @@ In: a YAML file. Out: a Scene, and back. A file with the keys of a MoveIt planni
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,8 +18,10 @@ from plannercheck import moveit
 from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError
 from plannercheck.meshes import load_mesh
+from plannercheck.paths import is_file, is_folder
 from plannercheck.poses import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
 from plannercheck.reading import (
+    BROKEN_FILE,
     Node,
     check_keys,
     mapping,
@@ -59,8 +62,8 @@ def read_scene(path: Path, package_dirs: Sequence[Path] = ()) -> Scene:
     Returns:
         The scene, named after the file if it has no name of its own.
     """
-    if not path.is_file():
-        raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if path.is_dir() else 'does not exist'}")
+    if not is_file(path):
+        raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
     with within(f"scene file {str(path)!r}"):
         document = parse_yaml(read_bytes(path))
         if moveit.is_planning_scene(document):
@@ -174,8 +177,8 @@ def _hull_file(path: Path) -> Hull:
         return Hull(np.load(path, allow_pickle=False))
     except PlannercheckError as error:
         raise PlannercheckError(f"file {str(path)!r}: {error}") from None
-    except (OSError, ValueError, EOFError) as error:
-        raise PlannercheckError(f"file {str(path)!r} can't be read as npy: {error}") from None
+    except BROKEN_FILE as error:
+        raise PlannercheckError(f"file {str(path)!r} can't be read as npy: {error!s:.200}") from None
 
 
 def _pose(node: Node) -> NDArray[np.float64]:
@@ -203,9 +206,9 @@ def _read_allowed(scene: Scene, document: Node) -> None:
                 raise PlannercheckError(f"an entry of {key!r} must be two names, not {names}")
             known = [*scene.object_names, *(item.name for item in scene.attached)]
             if not set(names) & set(known):
-                raise PlannercheckError(
-                    f"{key!r} names {' and '.join(names)}, none of which is an object: objects are "
-                    f"{', '.join(known) or 'none'}"
+                warnings.warn(
+                    f"{key!r} names {' and '.join(names)}, none of which is an object: used only with acm='scene'",
+                    stacklevel=2,
                 )
             scene.allow(names[0], names[1], allowed)
     for name, allowed in mapping(document.get("allowed_by_default"), "'allowed_by_default'").items():

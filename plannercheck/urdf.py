@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import mesh_hint, xacro_hint
 from plannercheck.input_limits import check_xml
+from plannercheck.paths import is_file
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
 from plannercheck.silence import urdf_silence
 from plannercheck.urdf_messages import native_messages
@@ -73,7 +74,7 @@ def read_model(urdf: Path, floating: bool = False) -> pin.Model:
     Returns:
         The model, mimic joints as joints of their own.
     """
-    if not urdf.is_file():
+    if not is_file(urdf):
         raise PlannercheckError(f"URDF {urdf} does not exist")
     check_xml(urdf, "URDF")
     try:
