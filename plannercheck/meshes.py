@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import mesh_hint
 from plannercheck.paths import is_file
+from plannercheck.ply_files import check_ply
 from plannercheck.shapes import Hull
 from plannercheck.triangle_meshes import TriangleMesh, triangles_of_coal
 
@@ -47,8 +48,15 @@ def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> Tr
     """The triangles of a mesh file that `load_mesh` reads, scaled to m."""
     import coal  # slow to import, and only meshes need it
 
+    check_mesh(Path(path))
     mesh = triangles_of_coal(coal.MeshLoader().load(str(path), np.ones(3)))
     return None if mesh is None else TriangleMesh.of(mesh.points * _checked_scale(scale), mesh.triangles)
+
+
+def check_mesh(path: Path) -> None:
+    """Raises for a file that would crash the libraries which read it."""
+    if path.suffix.lower() == ".ply":
+        check_ply(path)
 
 
 def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:
@@ -66,6 +74,7 @@ def _points(path: Path) -> NDArray[np.float64]:
     """The points (n, 3) as the file has them."""
     import coal  # slow to import, and only meshes need it
 
+    check_mesh(path)
     try:
         return np.array(coal.MeshLoader().load(str(path), np.ones(3)).vertices(), dtype=np.float64)
     except Exception as error:  # coal raises several unrelated types

@@ -193,3 +193,45 @@ def test_a_damaged_length_in_a_journal_takes_no_memory(tmp_path: Path, monkeypat
 
 def test_yaml_of_huge_numbers_is_read() -> None:
     assert parse_yaml(json.dumps({"a": 10**400})) == {"a": 10**400}
+
+
+def _ply(form: str, corners: int = 4, last: int = 3, kept: int = -1) -> bytes:
+    """A tetrahedron; `corners` and `last` are those of its last face, `kept` the bytes that are left of it."""
+    head = f"ply\nformat {form} 1.0\ncomment x\nelement vertex 4\nproperty float x\nproperty float y\n"
+    head += "property float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
+    points = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [*[1, 2, 3, 0][: corners - 1], last]]
+    if form == "ascii":
+        lines = [*points, *([len(face), *face] for face in faces)]
+        body = "".join(" ".join(map(str, line)) + "\n" for line in lines).encode()
+    else:
+        order = "<" if "little" in form else ">"
+        body = np.array(points, dtype=f"{order}f4").tobytes()
+        body += b"".join(bytes([len(face)]) + np.array(face, dtype=f"{order}i4").tobytes() for face in faces)
+    return head.encode() + (body if kept < 0 else body[:kept])
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_ply_files_that_crash_their_readers(tmp_path: Path, form: str) -> None:
+    """Faces of vertices that are not there, and files that are cut short, are refused before assimp sees them."""
+    from plannercheck.meshes import load_mesh, load_triangles
+
+    path, urdf = tmp_path / "m.ply", tmp_path / "r.urdf"
+    urdf.write_text(
+        '<robot name="r"><link name="a"><collision><geometry><mesh filename="m.ply"/></geometry></collision></link>'
+        "</robot>"
+    )
+    for corners in (3, 4):
+        path.write_bytes(_ply(form, corners))
+        assert sorted(load_mesh(path).vertices.tolist()) == [[0, 0, 0], [0, 0, 1], [0, 1, 0], [1, 0, 0]]
+        assert load_triangles(path) is not None
+        assert len(pc.Robot.from_urdf(urdf).bodies) == 1
+    broken = [_ply(form, 3, last) for last in (4, -1, 2**31 - 1)] + [_ply(form, kept=kept) for kept in (0, 2, 40, 45)]
+    broken += [_ply(form, 1), _ply(form).replace(b"vertex 4", b"vertex 9"), _ply(form).replace(b"float z", b"float y")]
+    for content in broken:
+        path.write_bytes(content)
+        for read in (load_mesh, load_triangles):
+            with pytest.raises(pc.PlannercheckError):
+                read(path)
+        with pytest.raises(pc.PlannercheckError, match=r"m\.ply"):
+            pc.Robot.from_urdf(urdf)
