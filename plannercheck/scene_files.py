@@ -5,7 +5,6 @@ In: a YAML file. Out: a Scene, and back. A file with the keys of a MoveIt planni
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -38,7 +37,10 @@ from plannercheck.scene import Scene
 from plannercheck.scene_objects import Part, SceneObject, unplaced
 from plannercheck.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
 
-_SCENE_KEYS = ("name", "objects", "attached", "allowed", "allowed_by_default", "forbidden", "states")
+# Keys of pairs, and whether they may touch; those of two links, which a misspelt object may not pass for, have their own.
+_LINK_PAIRS = ("allowed_links", "forbidden_links")
+_PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
+_SCENE_KEYS = ("name", "objects", "attached", *_PAIRS, "allowed_by_default", "states")
 _STATE_KEYS = ("start", "goal", "samples")
 _POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
@@ -199,16 +201,16 @@ def _pose(node: Node) -> NDArray[np.float64]:
 
 def _read_allowed(scene: Scene, document: Node) -> None:
     """Reads which pairs may touch."""
-    for key, allowed in (("allowed", True), ("forbidden", False)):
+    known = [*scene.object_names, *(item.name for item in scene.attached)]
+    for key, allowed in _PAIRS.items():
         for pair in sequence(document.get(key), repr(key)):
             names = [text(name, key) for name in sequence(pair, f"an entry of {key!r}")]
             if len(names) != 2:
                 raise PlannercheckError(f"an entry of {key!r} must be two names, not {names}")
-            known = [*scene.object_names, *(item.name for item in scene.attached)]
-            if not set(names) & set(known):
-                warnings.warn(
-                    f"{key!r} names {' and '.join(names)}, none of which is an object: used only with acm='scene'",
-                    stacklevel=2,
+            if key not in _LINK_PAIRS and not set(names) & set(known):
+                raise PlannercheckError(
+                    f"{key!r} names {' and '.join(names)}, none of which is an object: objects are "
+                    f"{', '.join(known) or 'none'}"
                 )
             scene.allow(names[0], names[1], allowed)
     for name, allowed in mapping(document.get("allowed_by_default"), "'allowed_by_default'").items():
@@ -281,14 +283,19 @@ def _pose_node(pose: NDArray[np.float64]) -> Node:
 
 def _allowed_nodes(scene: Scene) -> Node:
     """What may touch; forbidden pairs matter only where a default would allow them."""
+    known = {*scene.object_names, *(item.name for item in scene.attached)}
     said = {
-        key: [sorted(p) * (3 - len(p)) for p, a in scene.allowed.pairs.items() if a is allowed]
-        for key, allowed in (("allowed", True), ("forbidden", False))
+        key: [
+            sorted(pair) * (3 - len(pair))
+            for pair, verdict in scene.allowed.pairs.items()
+            if verdict is allowed and (key in _LINK_PAIRS) == pair.isdisjoint(known)
+        ]
+        for key, allowed in _PAIRS.items()
     }
-    nodes: Node = {"allowed": said["allowed"]} if said["allowed"] else {}
+    nodes: Node = {key: said[key] for key in said if said[key] and _PAIRS[key]}
     if scene.allowed.defaults:
         nodes |= {"allowed_by_default": dict(scene.allowed.defaults)}
-        nodes |= {"forbidden": said["forbidden"]} if said["forbidden"] else {}
+        nodes |= {key: said[key] for key in said if said[key] and not _PAIRS[key]}
     return nodes
 
 
