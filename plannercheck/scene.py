@@ -38,7 +38,7 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
     allowed: [[panda_link0, worktop]]          # optional: pairs of links or objects that may touch
     allowed_by_default: {floor: true}          # optional: what may touch everything, less the forbidden pairs
     forbidden: [[panda_hand, floor]]           # optional
-    allowed_links: [[panda_link5, panda_hand]] # optional: two links, for Checker(..., acm="scene"); forbidden_links, too
+    allowed_links: [[panda_link5, panda_hand]] # optional: two links, for acm="scene"; also forbidden_links
     states:                                    # optional, by robot
       panda:
         start: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]   # in the order of the robot's group

@@ -37,7 +37,7 @@ from plannercheck.scene import Scene
 from plannercheck.scene_objects import Part, SceneObject, unplaced
 from plannercheck.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
 
-# Keys of pairs, and whether they may touch; those of two links, which a misspelt object may not pass for, have their own.
+# Keys of pairs, and whether they may touch; two links, which a misspelt object may not pass for, have their own.
 _LINK_PAIRS = ("allowed_links", "forbidden_links")
 _PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
 _SCENE_KEYS = ("name", "objects", "attached", *_PAIRS, "allowed_by_default", "states")
