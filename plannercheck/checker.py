@@ -726,7 +726,10 @@ class Checker:
         return np.ascontiguousarray(poses)
 
     def _single(self, q: ArrayLike) -> Floats:
-        row = np.asarray(q, dtype=np.float64)
+        try:
+            row = np.asarray(q, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise PlannercheckError(f"one configuration must be {self.robot.nq} numbers, not {q!r:.80}") from None
         if row.ndim != 1:
             raise PlannercheckError(f"one configuration must have shape ({self.robot.nq},), not {row.shape}")
         return row[None]

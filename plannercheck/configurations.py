@@ -89,14 +89,14 @@ class ConfigurationMap(OwnsArrays):
         """
         try:
             array = contiguous(q)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}") from None
         if array.ndim not in (1, 2) or array.shape[-1] != self.width:
             raise PlannercheckError(
                 f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "
                 f"the joints are {', '.join(self.joint_names)}"
             )
-        rows = array.reshape(-1, self.width)
+        rows = np.atleast_2d(array)  # not reshaped: a robot without joints has configurations of no numbers
         _check_finite(rows)
         if self.lengths.columns:
             self.lengths.check(rows)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.reading import BROKEN_FILE
 
 Array = NDArray[np.float64]
 
@@ -106,7 +107,7 @@ def _configuration(values: ArrayLike, what: str) -> Array:
     """A read-only configuration (nq,), all values finite."""
     try:
         array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"{what} must be a list of numbers, not {values!r}") from None
     if array.ndim != 1 or not len(array):
         raise PlannercheckError(f"{what} must be one configuration (nq,), not of shape {array.shape}")
@@ -120,8 +121,8 @@ def _load_samples(path: Path) -> Array:
     """A set of configurations (n, nq) from an npy file."""
     try:
         samples = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise PlannercheckError(f"samples {str(path)!r} can't be read as npy: {error}") from None
+    except BROKEN_FILE as error:
+        raise PlannercheckError(f"samples {str(path)!r} can't be read as npy: {error!s:.200}") from None
     if not isinstance(samples, np.ndarray) or samples.ndim != 2 or samples.dtype.kind not in "fiu":
         raise PlannercheckError(f"samples {str(path)!r} must be one array (n, nq) of numbers")
     bad = np.flatnonzero(~np.isfinite(samples).all(axis=1))

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+# Most characters of a name that an error repeats: it may come from a file made to do harm.
+_LONGEST_NAME = 100
+
 
 class PlannercheckError(ValueError):
     """Bad input: the message names the input, what is wrong with it, and what would be right."""
@@ -21,7 +24,14 @@ def unknown_name(kind: str, name: str, valid: Iterable[str]) -> PlannercheckErro
     Returns:
         An error that lists the closest and then all valid names.
     """
-    names = list(valid)
-    close = get_close_matches(str(name), names, n=3)  # a name read from a file may be anything
+    names = [shortened(valid_name) for valid_name in valid]
+    name = shortened(name)
+    close = get_close_matches(name, names, n=3)
     hint = f"did you mean {' or '.join(repr(c) for c in close)}? " if close else ""
     return PlannercheckError(f"unknown {kind} {name!r}: {hint}valid are {', '.join(names) or 'none'}")
+
+
+def shortened(name: object) -> str:
+    """A name for an error, cut if it is absurdly long; a name read from a file may be anything."""
+    words = str(name)
+    return words if len(words) <= _LONGEST_NAME else words[: _LONGEST_NAME - 3] + "..."

@@ -219,7 +219,7 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
 def _checked_directions(directions: ArrayLike) -> Floats:
     try:
         rows = np.atleast_2d(np.asarray(directions, dtype=np.float64))
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise PlannercheckError(f"directions must be an array of numbers of shape (k, 3): {error}") from error
     if rows.ndim != 2 or rows.shape[1] != 3 or not np.isfinite(rows).all():
         raise PlannercheckError(f"directions must be finite and of shape (k, 3), not {rows.shape}: {rows!r:.80}")
@@ -231,7 +231,7 @@ def _checked_directions(directions: ArrayLike) -> Floats:
 def _checked_points(vertices: ArrayLike, name: str) -> Floats:
     try:
         points = contiguous(vertices)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise PlannercheckError(f"{name}: vertices must be an array of numbers of shape (n, 3): {error}") from error
     if points.ndim != 2 or points.shape[1] != 3:
         raise PlannercheckError(f"{name}: vertices must have shape (n, 3), not {points.shape}")

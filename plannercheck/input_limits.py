@@ -27,7 +27,7 @@ class InputLimits:
     """What files may hold.
 
     Attributes:
-        depth: Levels of nesting in YAML, JSON and XML.
+        depth: Levels of nesting in YAML and XML; for JSON Python has a limit of its own.
         nodes: Values of a YAML document, each as often as aliases repeat it.
         archive_bytes: That an archive's files may take when unpacked, all together.
     """

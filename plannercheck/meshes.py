@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import mesh_hint
+from plannercheck.paths import is_file
+from plannercheck.ply_files import check_ply
 from plannercheck.shapes import Hull
 from plannercheck.triangle_meshes import TriangleMesh, triangles_of_coal
 
@@ -30,7 +32,7 @@ def load_mesh(path: str | Path, scale: float | Sequence[float] = 1.0) -> Hull:
         The hull of the scaled points.
     """
     factors = _checked_scale(scale)
-    if not Path(path).is_file():
+    if not is_file(Path(path)):
         raise PlannercheckError(f"mesh file {str(path)!r} does not exist")
     try:
         hull = Hull(_points(Path(path)) * factors)
@@ -46,15 +48,22 @@ def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> Tr
     """The triangles of a mesh file that `load_mesh` reads, scaled to m."""
     import coal  # slow to import, and only meshes need it
 
+    check_mesh(Path(path))
     mesh = triangles_of_coal(coal.MeshLoader().load(str(path), np.ones(3)))
     return None if mesh is None else TriangleMesh.of(mesh.points * _checked_scale(scale), mesh.triangles)
+
+
+def check_mesh(path: Path) -> None:
+    """Raises for a file that would crash the libraries which read it."""
+    if path.suffix.lower() == ".ply":
+        check_ply(path)
 
 
 def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:
     """Three factors, all finite and none zero (a negative one mirrors the mesh)."""
     try:
         factors = np.broadcast_to(np.asarray(scale, dtype=np.float64), (3,))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"mesh scale must be one or three numbers, not {scale!r}") from None
     if not (np.isfinite(factors).all() and factors.all()):
         raise PlannercheckError(f"mesh scale must be finite and not zero, not {scale!r}")
@@ -65,6 +74,7 @@ def _points(path: Path) -> NDArray[np.float64]:
     """The points (n, 3) as the file has them."""
     import coal  # slow to import, and only meshes need it
 
+    check_mesh(path)
     try:
         return np.array(coal.MeshLoader().load(str(path), np.ones(3)).vertices(), dtype=np.float64)
     except Exception as error:  # coal raises several unrelated types

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.meshes import load_mesh
 from plannercheck.moveit_messages import header_frame, is_all_zeros, pose, subframe_poses, vector
+from plannercheck.paths import is_file
 from plannercheck.reading import Node, check_keys, mapping, numbers, required, sequence, text, within
 from plannercheck.scene_objects import Part
 from plannercheck.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere
@@ -156,7 +157,7 @@ def mesh_finder(folder: Path, package_dirs: Sequence[Path]) -> FindMesh:
         if not resource.startswith("package://"):
             return folder / resource.removeprefix("file://")
         relative = resource.removeprefix("package://")
-        found = [d / relative for d in package_dirs if (d / relative).is_file()]
+        found = [d / relative for d in package_dirs if is_file(d / relative)]
         if not found:
             looked = ", ".join(str(d) for d in package_dirs) or "none were given"
             raise PlannercheckError(f"mesh {resource!r} is in none of the package_dirs ({looked})")

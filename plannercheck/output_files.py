@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.paths import is_folder
 
 # Files without a name are reached here until they get one.
 _DESCRIPTORS = Path("/proc/self/fd")
@@ -30,7 +31,7 @@ def written_aside(path: Path, write: Callable[[Path], object], mode: int = 0o666
         PlannercheckError: If the file can't be written; then `path` is as it was.
     """
     try:
-        if path.is_dir():
+        if is_folder(path):
             raise IsADirectoryError(0, "there is a folder of this name")
         with _unnamed(path.parent, mode) as descriptor:
             if descriptor is None:

@@ -147,7 +147,7 @@ def _table(rows: Sequence[Any], width: int) -> Floats:
     """(k, width) of rows, or of blocks of rows."""
     try:
         table = np.array([[float(x) for x in row] for block in rows for row in np.atleast_2d(np.asarray(block))])
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):  # the last of whole numbers beyond all doubles
         raise PlannercheckError("is no table of numbers") from None
     if table.size and (table.ndim != 2 or table.shape[1] != width):
         raise PlannercheckError(f"its states have {table.shape[-1]} numbers, not {width}")

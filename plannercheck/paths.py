@@ -26,7 +26,7 @@ def shipped_folder(name: str) -> Path:
 
 def is_planar_file(path: Path) -> bool:
     """Whether a robot's or scene's YAML file says `kind: planar`."""
-    if not path.is_file():
+    if not is_file(path):
         return False
     content = path.read_bytes()
     text = content.decode("utf-16" if content[:2] in _UTF16 else "utf-8", errors="replace")  # as YAML has it
@@ -37,3 +37,19 @@ def example_robot_data() -> Path:
     """The share folder of the example-robot-data wheel, a `package_dirs` entry for its URDFs."""
     distribution = importlib.metadata.distribution("example-robot-data")
     return Path(str(distribution.locate_file("cmeel.prefix/share"))).resolve()
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file; none can have a name that is too long, or stand where one may not look."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder, as `is_file`."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False

@@ -19,6 +19,7 @@ from plannercheck.arrays import OwnsArrays
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.escaping import csv_cell
 from plannercheck.output_files import written_aside
+from plannercheck.reading import BROKEN_FILE
 
 Floats = NDArray[np.float64]
 
@@ -62,8 +63,8 @@ class Plan(OwnsArrays):
             values["path"] = np.array(values["path"], dtype=np.float64).reshape(-1, width)
             values["joint_names"] = tuple(values["joint_names"])
             return cls(**values)
-        except (OSError, ValueError, TypeError, KeyError) as error:
-            raise PlannercheckError(f"file {str(path)!r} is no plan in JSON: {error}") from None
+        except BROKEN_FILE as error:
+            raise PlannercheckError(f"file {str(path)!r} is no plan in JSON: {error!s:.200}") from None
 
 
 def check_suffix(path: Path) -> None:

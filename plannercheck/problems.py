@@ -20,7 +20,8 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.input_limits import INPUT_LIMITS
 from plannercheck.motion_requests import MotionRequest, motion_request
 from plannercheck.moveit import attach_from_state, planning_scene
-from plannercheck.reading import parse_yaml, read_bytes, within
+from plannercheck.paths import is_folder
+from plannercheck.reading import BROKEN_FILE, parse_yaml, read_bytes, within
 from plannercheck.scene import Scene
 
 # What names a file's role and number in a problem set.
@@ -99,7 +100,7 @@ def load_problems(path: str | Path) -> ProblemSet:
         The set: it has a length, and gives its problems when iterated.
     """
     path = Path(path)
-    if path.is_dir():
+    if is_folder(path):
         names = [str(p.relative_to(path)) for p in sorted(path.rglob("*.yaml"))]
         return _problem_set(path, names, lambda name: read_bytes(path / name), path)
     contents = _archive(path)
@@ -111,9 +112,11 @@ def _archive(path: Path) -> dict[str, bytes]:
     try:
         with within(f"problem set {str(path)!r}"), tarfile.open(path) as archive:
             return _members(archive)
-    except (OSError, EOFError, tarfile.TarError) as error:
+    except PlannercheckError:
+        raise
+    except BROKEN_FILE as error:
         raise PlannercheckError(
-            f"problem set {str(path)!r} is neither a folder nor a readable tar archive: {error}"
+            f"problem set {str(path)!r} is neither a folder nor a readable tar archive: {error!s:.200}"
         ) from None
 
 

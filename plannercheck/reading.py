@@ -6,7 +6,13 @@ message of any error raised inside it, so that readers of files need not hand na
 
 from __future__ import annotations
 
+import lzma
 import math
+import struct
+import tarfile
+import tokenize
+import zipfile
+import zlib
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +24,26 @@ from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.input_limits import check_yaml
 
 Node: TypeAlias = dict[str, Any]
+
+# What numpy, zipfile, tarfile and the decompressors below them raise for files that are broken.
+BROKEN_FILE = (
+    OSError,
+    ValueError,
+    EOFError,
+    TypeError,
+    KeyError,  # of a broken header, or a member that is missing
+    OverflowError,  # numbers beyond all doubles
+    RecursionError,  # nested too deep
+    MemoryError,  # a header that claims more than there is
+    RuntimeError,  # of zipfile, for encryption
+    NotImplementedError,  # of zipfile, for an unknown compression
+    tokenize.TokenError,  # of a broken npy header
+    struct.error,
+    zipfile.BadZipFile,
+    tarfile.TarError,
+    zlib.error,
+    lzma.LZMAError,
+)
 
 # libyaml's loader is ten times faster; PyYAML comes without it on some platforms.
 _LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -94,7 +120,7 @@ def number(value: Any, key: str) -> float:
     """A finite number. YAML 1.1 reads `1e-5` as a text: such texts pass as numbers."""
     try:
         result = math.nan if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):  # the last of whole numbers beyond all doubles
         raise PlannercheckError(f"{key!r} must be a number, not {_shortened(value)}") from None
     if not math.isfinite(result):
         raise PlannercheckError(f"{key!r} must be a finite number, not {_shortened(value)}")

@@ -51,7 +51,7 @@ def checked_values(model: pin.Model, given: Mapping[str, Any]) -> dict[str, Floa
         width = joint_width(joint_by_name(model, name))
         try:
             array = np.atleast_1d(np.array(value, dtype=np.float64))
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             array = np.array([math.nan])
         if array.shape != (width,) or not np.isfinite(array).all():
             raise PlannercheckError(f"joint {name!r} needs {width} finite value{'s' * (width > 1)}, not {value!r:.80}")

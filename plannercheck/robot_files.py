@@ -30,7 +30,7 @@ from typing import Any
 from plannercheck.decomposition import Decomposition
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.hints import xacro_hint
-from plannercheck.paths import example_robot_data, is_planar_file, shipped_folder
+from plannercheck.paths import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
 from plannercheck.reading import (
     check_keys,
     mapping,
@@ -110,15 +110,15 @@ def find_description(name_or_path: str | Path) -> Path:
     """The YAML file of a shipped robot's name, or the path itself."""
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml", ".urdf"):
-        if not path.is_file():
+        if not is_file(path):
             raise PlannercheckError(f"robot file {path} does not exist")
         return path
     if path.suffix == ".xacro":
         raise PlannercheckError(f"robot file {path}: {xacro_hint(path) or 'does not exist'}")
     shipped = shipped_folder("robots") / f"{name_or_path}.yaml"
-    if not shipped.is_file() and (path.suffix or path.exists()):
+    if not is_file(shipped) and (path.suffix or (is_file(path) or is_folder(path))):
         raise PlannercheckError(f"robot {str(name_or_path)!r} must be a shipped robot's name, a YAML or a URDF file")
-    if not shipped.is_file():
+    if not is_file(shipped):
         raise unknown_name("robot", str(name_or_path), shipped_robots())
     return shipped
 
@@ -176,7 +176,7 @@ def _decomposition(value: Any) -> Decomposition | None:
 def _resolve(name: str, folders: tuple[Path, Path]) -> Path:
     """A file in example-robot-data or beside the YAML; the latter wins, and is what errors name."""
     shared, beside = (folder / name for folder in folders)
-    return shared if shared.is_file() and not beside.is_file() else beside
+    return shared if is_file(shared) and not is_file(beside) else beside
 
 
 def _package_dirs(content: dict[str, Any], folder: Path) -> list[Path]:

@@ -38,6 +38,7 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
     allowed: [[panda_link0, worktop]]          # optional: pairs of links or objects that may touch
     allowed_by_default: {floor: true}          # optional: what may touch everything, less the forbidden pairs
     forbidden: [[panda_hand, floor]]           # optional
+    allowed_links: [[panda_link5, panda_hand]] # optional: two links, for acm="scene"; also forbidden_links
     states:                                    # optional, by robot
       panda:
         start: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]   # in the order of the robot's group
@@ -57,7 +58,7 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.meshes import load_mesh
-from plannercheck.paths import is_planar_file, shipped_folder
+from plannercheck.paths import is_file, is_folder, is_planar_file, shipped_folder
 from plannercheck.scene_objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere
 
@@ -322,7 +323,7 @@ def shipped_scenes() -> list[str]:
 def _found(path: str | Path) -> Path:
     """The path itself, or that of a shipped scene for a bare name."""
     given = Path(path)
-    if given.exists() or given.suffix or len(given.parts) != 1:
+    if (is_file(given) or is_folder(given)) or given.suffix or len(given.parts) != 1:
         return given
     if str(path) not in shipped_scenes():
         raise unknown_name("scene", str(path), [*shipped_scenes(), "or the path of a YAML file"])

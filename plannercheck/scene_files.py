@@ -17,8 +17,10 @@ from plannercheck import moveit
 from plannercheck.declared_states import DeclaredStates
 from plannercheck.errors import PlannercheckError
 from plannercheck.meshes import load_mesh
+from plannercheck.paths import is_file, is_folder
 from plannercheck.poses import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
 from plannercheck.reading import (
+    BROKEN_FILE,
     Node,
     check_keys,
     mapping,
@@ -35,7 +37,10 @@ from plannercheck.scene import Scene
 from plannercheck.scene_objects import Part, SceneObject, unplaced
 from plannercheck.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
 
-_SCENE_KEYS = ("name", "objects", "attached", "allowed", "allowed_by_default", "forbidden", "states")
+# Keys of pairs, and whether they may touch; two links, which a misspelt object may not pass for, have their own.
+_LINK_PAIRS = ("allowed_links", "forbidden_links")
+_PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
+_SCENE_KEYS = ("name", "objects", "attached", *_PAIRS, "allowed_by_default", "states")
 _STATE_KEYS = ("start", "goal", "samples")
 _POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
@@ -59,8 +64,8 @@ def read_scene(path: Path, package_dirs: Sequence[Path] = ()) -> Scene:
     Returns:
         The scene, named after the file if it has no name of its own.
     """
-    if not path.is_file():
-        raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if path.is_dir() else 'does not exist'}")
+    if not is_file(path):
+        raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
     with within(f"scene file {str(path)!r}"):
         document = parse_yaml(read_bytes(path))
         if moveit.is_planning_scene(document):
@@ -174,8 +179,8 @@ def _hull_file(path: Path) -> Hull:
         return Hull(np.load(path, allow_pickle=False))
     except PlannercheckError as error:
         raise PlannercheckError(f"file {str(path)!r}: {error}") from None
-    except (OSError, ValueError, EOFError) as error:
-        raise PlannercheckError(f"file {str(path)!r} can't be read as npy: {error}") from None
+    except BROKEN_FILE as error:
+        raise PlannercheckError(f"file {str(path)!r} can't be read as npy: {error!s:.200}") from None
 
 
 def _pose(node: Node) -> NDArray[np.float64]:
@@ -196,13 +201,13 @@ def _pose(node: Node) -> NDArray[np.float64]:
 
 def _read_allowed(scene: Scene, document: Node) -> None:
     """Reads which pairs may touch."""
-    for key, allowed in (("allowed", True), ("forbidden", False)):
+    known = [*scene.object_names, *(item.name for item in scene.attached)]
+    for key, allowed in _PAIRS.items():
         for pair in sequence(document.get(key), repr(key)):
             names = [text(name, key) for name in sequence(pair, f"an entry of {key!r}")]
             if len(names) != 2:
                 raise PlannercheckError(f"an entry of {key!r} must be two names, not {names}")
-            known = [*scene.object_names, *(item.name for item in scene.attached)]
-            if not set(names) & set(known):
+            if key not in _LINK_PAIRS and not set(names) & set(known):
                 raise PlannercheckError(
                     f"{key!r} names {' and '.join(names)}, none of which is an object: objects are "
                     f"{', '.join(known) or 'none'}"
@@ -278,14 +283,19 @@ def _pose_node(pose: NDArray[np.float64]) -> Node:
 
 def _allowed_nodes(scene: Scene) -> Node:
     """What may touch; forbidden pairs matter only where a default would allow them."""
+    known = {*scene.object_names, *(item.name for item in scene.attached)}
     said = {
-        key: [sorted(p) * (3 - len(p)) for p, a in scene.allowed.pairs.items() if a is allowed]
-        for key, allowed in (("allowed", True), ("forbidden", False))
+        key: [
+            sorted(pair) * (3 - len(pair))
+            for pair, verdict in scene.allowed.pairs.items()
+            if verdict is allowed and (key in _LINK_PAIRS) == pair.isdisjoint(known)
+        ]
+        for key, allowed in _PAIRS.items()
     }
-    nodes: Node = {"allowed": said["allowed"]} if said["allowed"] else {}
+    nodes: Node = {key: said[key] for key in said if said[key] and _PAIRS[key]}
     if scene.allowed.defaults:
         nodes |= {"allowed_by_default": dict(scene.allowed.defaults)}
-        nodes |= {"forbidden": said["forbidden"]} if said["forbidden"] else {}
+        nodes |= {key: said[key] for key in said if said[key] and not _PAIRS[key]}
     return nodes
 
 

@@ -275,7 +275,7 @@ def _array(values: ArrayLike, what: str) -> Points:
     """A float64 copy of an array, or an error that says what was to be numbers."""
     try:
         return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise PlannercheckError(f"{what} must be an array of numbers: {error}") from None
 
 
@@ -295,7 +295,7 @@ def _positive(value: float, what: str) -> float:
     """The value as a float, if it is positive and finite."""
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"{what} must be a number in m, not {value!r}") from None
     if not (math.isfinite(number) and number > 0):
         raise PlannercheckError(f"{what} must be positive and finite (m), not {number}")

@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element
 
 from plannercheck.errors import PlannercheckError, unknown_name
 from plannercheck.input_limits import INPUT_LIMITS, check_xml
+from plannercheck.paths import is_file
 from plannercheck.robot_files import DisabledPair
 from plannercheck.urdf import LinkTree
 
@@ -31,12 +32,12 @@ def read_srdf(path: Path) -> Element:
     Returns:
         Its root element.
     """
-    if not path.is_file():
+    if not is_file(path):
         raise PlannercheckError(f"SRDF {path} does not exist")
     check_xml(path, "SRDF")
     try:
         return ElementTree.parse(path).getroot()
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
         raise PlannercheckError(f"SRDF {path} does not parse: {error}") from None
 
 

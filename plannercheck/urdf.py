@@ -7,6 +7,7 @@ they can't read stands in our errors, too.
 
 from __future__ import annotations
 
+import re
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
@@ -23,9 +24,15 @@ from numpy.typing import NDArray
 from plannercheck.errors import PlannercheckError
 from plannercheck.hints import mesh_hint, xacro_hint
 from plannercheck.input_limits import check_xml
+from plannercheck.meshes import check_mesh
+from plannercheck.paths import is_file
+from plannercheck.reading import within
 from plannercheck.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
 from plannercheck.silence import urdf_silence
 from plannercheck.urdf_messages import native_messages
+
+# Names of mesh files in a URDF that are looked at before they are read.
+_MESH = re.compile(rb"""filename\s*=\s*["']([^"']+\.ply)["']""", re.IGNORECASE)
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
 _BOUNDS = coal.NODE_TYPE.BV_OBB
@@ -73,7 +80,7 @@ def read_model(urdf: Path, floating: bool = False) -> pin.Model:
     Returns:
         The model, mimic joints as joints of their own.
     """
-    if not urdf.is_file():
+    if not is_file(urdf):
         raise PlannercheckError(f"URDF {urdf} does not exist")
     check_xml(urdf, "URDF")
     try:
@@ -118,6 +125,7 @@ def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) ->
     """
     # Also relative to the URDF, and to what lies above it: a package's folder often does.
     folders = [str(folder) for folder in (*package_dirs, *urdf.resolve().parents)]
+    _check_meshes(urdf, folders)
     try:
         loader = coal.CachedMeshLoader(_BOUNDS)
         with urdf_silence()():
@@ -130,6 +138,16 @@ def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) ->
     _check_complete(model, geometry, urdf, folders)
     _warn_if_empty(geometry, urdf)
     return geometry
+
+
+def _check_meshes(urdf: Path, folders: Sequence[str]) -> None:
+    """Raises for meshes that would crash who reads them, wherever they may be found."""
+    for given in dict.fromkeys(_MESH.findall(urdf.read_bytes())):
+        name = given.decode("utf-8", "replace")
+        for found in (Path(name), *(Path(folder) / (name.partition("://")[2] or name) for folder in folders)):
+            if is_file(found):
+                with within(f"URDF {urdf}: collision mesh {str(found)!r}"):
+                    check_mesh(found)
 
 
 def _where_sought(reason: str, package_dirs: Sequence[Path]) -> str:

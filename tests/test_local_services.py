@@ -143,9 +143,10 @@ def test_only_the_servers_own_page_may_connect():
         rebound = {"additional_headers": {"Host": f"evil.example:{port}"}, **options}
         with pytest.raises(InvalidStatus), connect(f"ws://{here}", origin=f"http://evil.example:{port}", **rebound):
             pass
-        for origin in (f"http://{here}", None):
-            with connect(f"ws://{here}", origin=origin, **options) as socket:
-                assert len(socket.recv(timeout=20)) > 0
+        with pytest.raises(InvalidStatus), connect(f"ws://{here}", origin=None, **options):
+            pass
+        with connect(f"ws://{here}", origin=f"http://{here}", **options) as socket:
+            assert len(socket.recv(timeout=20)) > 0
         with urlopen(f"http://{here}", timeout=10) as answer:
             assert b"<html" in answer.read()
     finally:

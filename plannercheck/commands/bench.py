@@ -21,6 +21,7 @@ from plannercheck.bench.switches import SwitchRow
 from plannercheck.checker import Checker
 from plannercheck.commands.common import table
 from plannercheck.errors import PlannercheckError
+from plannercheck.paths import is_folder
 from plannercheck.problems import load_problems
 from plannercheck.robot import Robot
 from plannercheck.scene import Scene
@@ -152,7 +153,7 @@ def _checker(robot: str, scene: str) -> Checker:
     if scene == "none":
         return Checker(loaded)
     path = Path(scene)
-    if path.is_dir() or ".tar" in path.suffixes:
+    if is_folder(path) or ".tar" in path.suffixes:
         problem = next(iter(load_problems(path)))
         return Checker(loaded.with_group(problem.joint_names, problem.group).holding(problem.held), problem.scene)
     return Checker(loaded, Scene.load(scene))

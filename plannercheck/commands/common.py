@@ -19,6 +19,7 @@ from plannercheck.checker import Checker
 from plannercheck.errors import PlannercheckError
 from plannercheck.output_files import written_aside
 from plannercheck.padding import Padding
+from plannercheck.paths import is_folder
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.protocols import AnyChecker
 from plannercheck.robot import Robot
@@ -96,7 +97,7 @@ def vector(text: str, name: str) -> Floats:
 
 def check_folder(path: Path | None) -> None:
     """Says before long work that an output file can't be written for want of its folder."""
-    if path is not None and not path.parent.is_dir():
+    if path is not None and not is_folder(path.parent):
         raise PlannercheckError(f"file {str(path)!r} can't be written: there is no folder {str(path.parent)!r}")
 
 

@@ -229,7 +229,7 @@ def _renumbered(hull: Hull) -> Ints:
 def _checked(values: ArrayLike, name: str, what: str) -> Floats:
     try:
         array = np.array(values, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise PlannercheckError(f"{name}: {what} must be an array of numbers: {error}") from error
     if array.ndim != 2 or array.shape[1] == 0 or len(array) == 0:
         raise PlannercheckError(f"{name}: {what} with at least one row and column are expected, not {array.shape}")

@@ -109,7 +109,7 @@ def _split(pose: Any, d: int, name: str) -> tuple[Floats, Floats]:
                 return matrix, shift
             raise PlannercheckError(f"{wanted}, not {matrix.shape} and {shift.shape}")
         whole = np.array(pose, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         if isinstance(error, PlannercheckError):
             raise
         raise PlannercheckError(f"{wanted}: {error}") from error

@@ -178,14 +178,14 @@ class Robot:
         """Configurations (n, nq) or (nq,) as (n, nq) float64 in C order, or an error that says what is wrong."""
         try:
             array = contiguous(q)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}") from None
         if array.ndim not in (1, 2) or array.shape[-1] != self.nq:
             raise PlannercheckError(
                 f"configurations must have shape ({self.nq},) or (n, {self.nq}), not {np.shape(q)}; "
                 f"the numbers are {', '.join(self.joint_names)}"
             )
-        rows = array.reshape(-1, self.nq)
+        rows = np.atleast_2d(array)  # not reshaped: a robot without joints has configurations of no numbers
         usable = np.abs(rows) <= _LARGEST_VALUE  # false for NaN
         if not usable.all():
             row = int(np.flatnonzero(~usable.all(axis=1))[0])

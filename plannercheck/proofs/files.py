@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import importlib
 import json
-import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.output_files import written_aside
 from plannercheck.proofs.plain_data import from_plain, to_plain
 from plannercheck.proofs.proof import FORMAT, VERSION, Entry, Hashes, Proof
-from plannercheck.reading import read_bytes, within
+from plannercheck.reading import BROKEN_FILE, read_bytes, within
 
 # By the kind of a proof, the module and the names of its classes of model and motion.
 _CLASSES = {
@@ -171,8 +170,8 @@ def _from_npz(path: Path) -> Any:
             return json.loads(text, object_pairs_hook=_array_reader(file))
     except PlannercheckError:
         raise
-    except (ValueError, TypeError, KeyError, OSError, EOFError, RecursionError, zipfile.BadZipFile) as error:
-        raise PlannercheckError(f"is no npz of a proof, or is cut off: {error}") from None
+    except BROKEN_FILE as error:
+        raise PlannercheckError(f"is no npz of a proof, or is cut off: {error!s:.200}") from None
 
 
 def _without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:

@@ -71,7 +71,7 @@ def read_tree(urdf: str | Path) -> UrdfTree:
     """
     try:
         root = ElementTree.parse(urdf).getroot()
-    except (OSError, ElementTree.ParseError) as error:
+    except (OSError, ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
         raise PlannercheckError(f"URDF {str(urdf)!r} can't be read: {error}") from None
     if root.tag != "robot":
         raise PlannercheckError(f"URDF {str(urdf)!r} begins with <{root.tag}>, not with <robot>")

@@ -7,9 +7,7 @@ whole, since their rows lie scattered.
 from __future__ import annotations
 
 import os
-import tokenize
 import zipfile
-import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.reading import BROKEN_FILE
 from plannercheck.sets.blocks import (
     NAMES_KEY,
     Block,
@@ -34,28 +33,16 @@ Floats = NDArray[np.float64]
 
 NPY_MAGIC = b"\x93NUMPY"
 
-_FAULTS = (
-    OSError,
-    ValueError,
-    EOFError,
-    NotImplementedError,  # of zipfile, for an unknown compression
-    RuntimeError,  # of zipfile, for encryption
-    KeyError,  # of a broken header
-    tokenize.TokenError,  # the same
-    zipfile.BadZipFile,
-    zlib.error,
-)
-
 
 @contextmanager
 def _whole(kind: str) -> Iterator[None]:
     """Says of what numpy and zipfile raise that the file is no whole one of its kind."""
     try:
         yield
-    except _FAULTS as error:
+    except BROKEN_FILE as error:
         if isinstance(error, PlannercheckError):
             raise
-        raise PlannercheckError(f"is no whole {kind} of numbers, cut short perhaps: {error}") from None
+        raise PlannercheckError(f"is no whole {kind} of numbers, cut short perhaps: {error!s:.200}") from None
 
 
 def npy_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:

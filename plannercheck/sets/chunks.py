@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.errors import PlannercheckError
+from plannercheck.paths import is_file, is_folder
 from plannercheck.reading import within
 from plannercheck.sets.arrays import NPY_MAGIC, npy_blocks, npy_stream_blocks, npz_blocks
 from plannercheck.sets.blocks import Block
@@ -67,7 +68,7 @@ def files_of(paths: Sequence[Path]) -> list[Path]:
     """The paths, with the parquet files in a folder, in the order of their names, in place of it."""
     files: list[Path] = []
     for path in paths:
-        parts = sorted(path.glob("*.parquet")) if path.is_dir() else []
+        parts = sorted(path.glob("*.parquet")) if is_folder(path) else []
         files += parts or [path]
     return files
 
@@ -145,8 +146,8 @@ def _check_file(path: Path) -> None:
         return
     if path.suffix.lower() not in SUFFIXES:
         raise PlannercheckError(f"must be one of {', '.join(SUFFIXES)}, not {path.suffix or 'without suffix'}")
-    if not path.is_file():
-        raise PlannercheckError("is a folder" if path.is_dir() else "does not exist")
+    if not is_file(path):
+        raise PlannercheckError("is a folder" if is_folder(path) else "does not exist")
 
 
 def _blocks(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[Block]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.configurations import PLAIN
-from plannercheck.errors import PlannercheckError
+from plannercheck.errors import PlannercheckError, shortened
 from plannercheck.protocols import AnyRobot
 from plannercheck.robot import Robot
 
@@ -170,5 +170,5 @@ _SLIDING = ("JointModelP", "JointModelMimicP")
 
 
 def _listed(names: Sequence[str]) -> str:
-    shown = ", ".join(names[:_SHOWN_NAMES])
+    shown = ", ".join(map(shortened, names[:_SHOWN_NAMES]))
     return shown if len(names) <= _SHOWN_NAMES else f"{shown} and {len(names) - _SHOWN_NAMES} more"

@@ -26,9 +26,10 @@ from plannercheck.report import PairCount, ValidityReport
 from plannercheck.sets.chunks import Chunk
 from plannercheck.sets.judging import Arrays, Findings
 
-_MAGIC = b"plannercheck journal 1 "
+_MAGIC = b"plannercheck journal 2 "
 
-# Before each record: lengths of its description and of its arrays, and their checksum.
+# Before each record: lengths of its description and of its arrays, and their checksum, which begins with that of the
+# journal's first line: a record of another run is none of this one's.
 _HEAD = struct.Struct("<III")
 
 
@@ -94,8 +95,10 @@ class Journal:
                 raise
 
     def _begin(self, fingerprint: dict[str, str]) -> None:
+        line = _MAGIC + json.dumps(fingerprint).encode() + b"\n"
+        self._run = zlib.crc32(line)
         self._file.truncate(0)
-        self._file.write(_MAGIC + json.dumps(fingerprint).encode() + b"\n")
+        self._file.write(line)
         self._file.flush()
 
     def _take_up(self, fingerprint: dict[str, str]) -> None:
@@ -117,6 +120,7 @@ class Journal:
                 f"the run in {str(self.path)!r} was another one ({told}): give the same robot, scene and options, or "
                 "leave --resume out to begin anew"
             )
+        self._run = zlib.crc32(line)
         end = self._file.tell()
         while (record := self._next()) is not None:
             self.records[record.file, record.first_row] = record
@@ -130,12 +134,17 @@ class Journal:
         if len(head) < _HEAD.size:
             return None
         told, size, checksum = _HEAD.unpack(head)
+        if told + size > os.fstat(self._file.fileno()).st_size - self._file.tell():
+            return None  # not read: damaged lengths may ask for gigabytes
         description = self._file.read(told)
         place = self._file.tell()
         content = self._file.read(size)
-        if len(content) < size or zlib.crc32(content, zlib.crc32(description)) != checksum:
+        if len(content) < size or self._checksum(description, content) != checksum:
             return None
         return _record(json.loads(description), place, size)
+
+    def _checksum(self, description: bytes, content: bytes) -> int:
+        return zlib.crc32(content, zlib.crc32(description, self._run))
 
     def append(self, chunk: Chunk, findings: Findings, failed: int) -> None:
         """Writes what was found about a chunk."""
@@ -144,7 +153,7 @@ class Journal:
         with io.BytesIO() as buffer:
             np.savez(buffer, **findings.arrays)  # type: ignore[arg-type]  # numpy's types know no dict here
             content = buffer.getvalue()
-        head = _HEAD.pack(len(description), len(content), zlib.crc32(content, zlib.crc32(description)))
+        head = _HEAD.pack(len(description), len(content), self._checksum(description, content))
         with self._writing():
             self._file.seek(0, io.SEEK_END)
             place = self._file.tell() + len(head) + len(description)

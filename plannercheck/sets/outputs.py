@@ -24,6 +24,7 @@ from plannercheck.errors import PlannercheckError
 from plannercheck.escaping import csv_cell
 from plannercheck.extras import extra_module
 from plannercheck.output_files import written_aside
+from plannercheck.paths import is_folder
 from plannercheck.protocols import AnyChecker
 from plannercheck.sets.journal import Journal
 from plannercheck.sets.judging import Arrays, Judge
@@ -97,7 +98,7 @@ def check_output(path: Path) -> None:
     """Says before long work that an output has a suffix that nothing writes, or lacks a library."""
     if path.suffix not in SUFFIXES:
         raise PlannercheckError(f"--output must be one of {', '.join(SUFFIXES)}, not {str(path)!r}")
-    if path.is_dir():
+    if is_folder(path):
         raise PlannercheckError(f"--output {str(path)!r} is a folder: give the name of a file")
     if path.suffix == ".parquet":
         extra_module("pyarrow.parquet", "parquet", "parquet files")

@@ -9,9 +9,12 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from plannercheck.errors import PlannercheckError
+from plannercheck.reading import BROKEN_FILE
 from plannercheck.stress.contacts import Points, Solid
 
 Bodies = tuple[Points, Points, Points, Points]
@@ -48,7 +51,13 @@ class Case:
     @staticmethod
     def load(path: Path) -> Case:
         """Reads a case."""
-        content = json.loads(path.read_text())
+        try:
+            return Case._of_document(json.loads(path.read_text(encoding="utf-8")))
+        except BROKEN_FILE as error:
+            raise PlannercheckError(f"file {str(path)!r} is no case of a pair: {error!s:.200}") from None
+
+    @staticmethod
+    def _of_document(content: dict[str, Any]) -> Case:
         p, r, pose_p, pose_r = (
             np.array([[float.fromhex(x) for x in row] for row in content[key]])
             for key in ("vertices_p", "vertices_r", "pose_p", "pose_r")

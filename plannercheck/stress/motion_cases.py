@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from plannercheck.errors import PlannercheckError
+from plannercheck.reading import BROKEN_FILE
 from plannercheck.stress.motion_aims import Motions
 from plannercheck.stress.motion_draws import Draw
 from plannercheck.stress.motion_judges import judge
@@ -48,7 +50,13 @@ class MotionCase:
     @staticmethod
     def load(path: Path) -> MotionCase:
         """Reads a case."""
-        content: dict[str, Any] = json.loads(path.read_text())
+        try:
+            return MotionCase._of_document(json.loads(path.read_text(encoding="utf-8")))
+        except (*BROKEN_FILE, AttributeError) as error:  # the last for motions that are no mapping
+            raise PlannercheckError(f"file {str(path)!r} is no case of a motion: {error!s:.200}") from None
+
+    @staticmethod
+    def _of_document(content: dict[str, Any]) -> MotionCase:
         motions = content["motions"]
         if motions is not None:
             motions = Motions(**{k: np.array(v) for k, v in motions.items()})

@@ -5,7 +5,8 @@ In: the host it serves. Out: within `own_pages_only`, a viser server that refuse
 A browser lets any page open a WebSocket to this machine, and says in the header Origin which page it was. It must be
 the one that the address in the header Host served. That alone is not enough: an attacker's name may point to this
 machine (DNS rebinding), and then both agree. So the name must be an IP address, "localhost", the host that was asked
-for or the machine's own name. Programs other than browsers send no Origin; they are not what this is about.
+for or the machine's own name. Pages themselves are asked for without Origin, WebSockets never are by a browser: one
+that has none is refused. Programs other than browsers may say what they like; they are not what this is about.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ def is_own_page(origin: str | None, host_header: str | None, served: str) -> boo
     """Whether a WebSocket comes from a page of the server that it goes to.
 
     Args:
-        origin: The header Origin, e.g. "http://localhost:8080"; None if there is none.
+        origin: The header Origin, e.g. "http://localhost:8080"; None if there is none, as where a page is asked for.
         host_header: The header Host, e.g. "localhost:8080".
         served: The host that the server was asked to listen on.
 
@@ -88,7 +89,8 @@ def _refusing(then: Callable[[Any, Any], Any] | None, served: str) -> Callable[[
 
     def answered(connection: Any, request: Any) -> Any:
         origins, hosts = request.headers.get_all("Origin"), request.headers.get_all("Host")
-        alone = len(origins) <= 1 and len(hosts) <= 1
+        asks_for_page = not any("websocket" in each.lower() for each in request.headers.get_all("Upgrade"))
+        alone = len(origins) <= 1 and len(hosts) <= 1 and (asks_for_page or len(origins) == 1)
         if not alone or not is_own_page(next(iter(origins), None), next(iter(hosts), None), served):
             return connection.respond(http.HTTPStatus.FORBIDDEN, "only this server's own page may connect\n")
         return None if then is None else then(connection, request)
