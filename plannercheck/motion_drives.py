@@ -29,37 +29,40 @@ _PARTS = {9: 1 + 1, 10: 1, 11: 3}
 # Where the numbers of a joint are that are of length 1, by the kernel's kind: cosine and sine, or a quaternion.
 _UNIT_NUMBERS = {**dict.fromkeys(range(_LAST_TURN + 1, _LAST_UNIT_TURN + 1), (0, 2)), 9: (2, 4), 10: (0, 4), 11: (3, 7)}
 
-# How many of a joint's first numbers are lengths.
-_LENGTHS = {_SLIDE: 1, 9: 2, 11: 3}
+# How many of a joint's first numbers are lengths, and how far a motion may go between two of them, as a part of the
+# larger: a slide goes straight; a pose follows a screw of at most half a turn, on which the distance from the start
+# only grows, up to that of the ends.
+_LENGTHS = {_SLIDE: (1, 1.0), 9: (2, 3.0), 11: (3, 3.0)}
 
 
 class Spread(NamedTuple):
-    """How far from the world's origin joints and links may be, whatever the angles are.
+    """How far from the world's origin joints and links may be on a motion, whatever the angles are.
 
     Attributes:
         extent: With all columns at 0, m.
-        travel: How much more for each unit of the largest column, m.
+        travel: (width,) how much more for each unit of a column, at the end where it is larger, m.
         joints: On the longest chain.
     """
 
     extent: float
-    travel: float
+    travel: Floats
     joints: int
 
 
 def spread(table: JointTable) -> Spread:
     """Of a robot's chains: lengths of placements, added up from the world."""
-    extents, travels, counts = [0.0], [0.0], [0]  # the world's, at -1, comes first
+    extents, counts = [0.0], [0]  # the world's, at -1, comes first
+    travel = np.zeros(table.width)
     lengths = np.linalg.norm(table.placements[:, :, 3], axis=1).tolist()
     for j, (parent, kind) in enumerate(zip(table.parents.tolist(), table.kinds.tolist(), strict=True)):
-        numbers = slice(0, _LENGTHS.get(kind, 0))
-        moving = table.columns[j, numbers] >= 0
-        extents.append(extents[parent + 1] + lengths[j] + float(np.abs(table.offsets[j, numbers]).sum()))
-        travels.append(travels[parent + 1] + float(np.abs(table.multipliers[j, numbers][moving]).sum()))
+        count, part = _LENGTHS.get(kind, (0, 0.0))
+        columns, multipliers = table.columns[j, :count], np.abs(table.multipliers[j, :count])
+        np.add.at(travel, columns[columns >= 0], part * multipliers[columns >= 0])
+        extents.append(extents[parent + 1] + lengths[j] + float(np.abs(table.offsets[j, :count]).sum()))
         counts.append(counts[parent + 1] + 1)
     ends = np.linalg.norm(table.link_placements[:, :, 3], axis=1).tolist()
     on_links = (extents[j + 1] + end for j, end in zip(table.link_joints.tolist(), ends, strict=True))
-    return Spread(max(*extents, *on_links), max(travels), max(counts))
+    return Spread(max(*extents, *on_links), travel, max(counts))
 
 
 def drives(table: JointTable) -> tuple[Ints, Floats, Ints]:

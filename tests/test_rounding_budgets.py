@@ -95,7 +95,7 @@ def test_no_joint_or_link_is_beyond_its_spread(name):
     robot = pc.Robot.load(name)
     found = spread(robot.joint_table)
     q = robot.random_configurations(50, 1)
-    assert sampled_sizes(robot, q) <= (found.extent + found.travel * np.abs(q).max()) * (1 + 1e-6)
+    assert sampled_sizes(robot, q) <= (found.extent + found.travel @ np.abs(q).max(axis=0)) * (1 + 1e-6)
 
 
 def planar_part(links, turns):

@@ -41,9 +41,9 @@ struct MotionModel {
   double defect = 0;    // sum over all placements, axes and held joints of how far they are off rigid
   double leverage = 1;  // sum of the multipliers' sizes: how much all joints turn for one unit of all columns
   double depth = 0;     // most parts (circles, quaternions) on one chain from the world
-  // How far joints and links may be from the world's origin: with all columns at 0, and for each unit of the largest,
-  // m.
-  double extent = 0, travel = 0;
+  // How far joints and links may be from the world's origin: with all columns at 0, and for each unit of a column, m.
+  double extent = 0;
+  std::vector<double> travel;
   double joints = 0;  // on the longest chain
 };
 

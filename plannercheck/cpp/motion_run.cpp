@@ -139,7 +139,7 @@ class MotionRun {
     }
     w_.grid.choose(certifier_.movers_, certifier_.frames_);
     place(0, 1, first_intervals(largest));
-    set_rounding(largest, arm);
+    set_rounding(q0, q1, largest, arm);
   }
 
   static int first_intervals(double curvature) {
@@ -165,9 +165,10 @@ class MotionRun {
   //   chain moves it by as much of its arm, and both bodies have up to `depth` of them;
   // - the configurations between the ends, whose numbers err by at most 8u of the ends', which each joint turns into as
   //   much of its arm.
-  void set_rounding(double largest, double arm) {
-    const double moving = model_.extent + model_.travel * w_.path.largest() + certifier_.mounted_size_;
-    const double size = 1 + certifier_.still_size_ + moving + largest / 8 + arm;
+  void set_rounding(const double* q0, const double* q1, double largest, double arm) {
+    double size = 1 + certifier_.still_size_ + certifier_.mounted_size_ + model_.extent + largest / 8 + arm;
+    for (std::size_t c = 0; c < model_.travel.size(); ++c)
+      size += model_.travel[c] * larger(std::fabs(q0[c]), std::fabs(q1[c]));
     const double part = kRunRounding + kTurnRounding * model_.joints + kPartRounding * model_.depth +
                         4 * model_.defect + 8 * model_.depth * w_.path.off_unit() +
                         16 * kUnit * model_.leverage * (1 + w_.path.largest());
