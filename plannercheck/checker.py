@@ -558,7 +558,8 @@ class Checker:
             threads: How many to use for finding out which motions are free.
 
         Returns:
-            One a motion, None where it is not free.
+            One a motion, None where it is not free. None, too, where it is free but rounding takes nearly all that it
+            may of the tolerance: a proof has to keep all pairs apart, also those that a verdict leaves out.
 
         Raises:
             PlannercheckError: If Pinocchio itself poses, or python-flint is not installed.

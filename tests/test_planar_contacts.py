@@ -231,6 +231,9 @@ def test_angles_of_many_turns_count_in_full(far, side):
                 assert not called_free(
                     lambda *ends, **k: checker.explain_motion(*ends, **k).free, a, b, tolerance, kind
                 )
+    if far >= 1e12:
+        with pytest.raises(pc.PlannercheckError, match="larger tolerance"):
+            checker.check_motion(start, end)
 
 
 def test_hinges_of_many_turns_count_in_full():

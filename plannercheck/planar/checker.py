@@ -250,7 +250,8 @@ class Checker:
             turning_radius: As for `check_motion`.
 
         Returns:
-            One a motion, None where it is not free.
+            One a motion, None where it is not free. None, too, where it is free but so near the tolerance that only
+            circles and boxes settle a pair: a proof has to keep all pairs apart by lines.
 
         Raises:
             PlannercheckError: If python-flint is not installed.
