@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
+import resource
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -233,6 +236,34 @@ def test_a_full_and_a_closed_output(tmp_path: Path) -> None:
     assert (full.returncode, full.stderr.count("Traceback")) == (3, 0)
     closed = subprocess.run(f"{command} >&-", shell=True, capture_output=True, text=True, check=False)
     assert (closed.returncode, closed.stderr.count("Traceback")) == (1, 0)
+
+
+@pytest.mark.parametrize("name", ["out.npz", "out.csv", "out.parquet"])
+def test_a_full_disk_leaves_what_was_there(tmp_path: Path, configurations: Path, name: str) -> None:
+    """Files that may not grow beyond 10 kB stand for a disk that is full; the journal is the first to notice."""
+    (tmp_path / name).write_bytes(b"an earlier one")
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))  # noqa: E731
+    command = [*COMMAND, str(configurations), "--output", str(tmp_path / name)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, preexec_fn=limit)
+    assert done.returncode in (2, 3)
+    assert name in done.stderr
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / name).read_bytes() == b"an earlier one"
+    assert {path.name for path in tmp_path.iterdir()} <= {"q.npy", name, f"{name}.progress"}
+
+
+def _verdicts_of(checker: pc.Checker, q: np.ndarray) -> list[bool]:
+    return checker.check_states(q).tolist()
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_processes_judge_as_their_parent_does(method: str) -> None:
+    robot = pc.Robot.load("panda")
+    checker = pc.Checker(robot, pc.Scene.load("bookshelf"))
+    q = robot.random_configurations(200, 1)
+    known = _verdicts_of(checker, q)  # so that there are workspaces to share
+    with ProcessPoolExecutor(2, multiprocessing.get_context(method)) as pool:
+        assert [*pool.map(_verdicts_of, [checker] * 2, [q] * 2)] == [known, known]
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "utf-16"])
