@@ -43,13 +43,13 @@ class Extent:
     swell: float
 
     def furthest(self, direction: Floats, rng: np.random.Generator | None = None) -> Floats:
-        """The point (3,) of the shape that is furthest along a unit direction; any of a facet, if one is."""
+        """The vertex (3,) that is furthest along a unit direction; any point of a facet, if one is."""
         along = self.vertices @ direction
         vertex = self.vertices[int(np.argmax(along))]
         if rng is not None:
             facet = self.vertices[along >= along.max() - _FLAT * (1 + np.abs(along).max())]
             vertex = rng.dirichlet(np.ones(len(facet))) @ facet
-        return np.asarray(vertex + self.swell * direction)
+        return np.asarray(vertex)
 
 
 def extent_of(shape: Shape) -> Extent:
@@ -88,7 +88,7 @@ class Contact:
 
     Attributes:
         pose: (4, 4) of the shape in the world at the chosen state, m.
-        foot: (3,) the point of the shape, in its own frame, that is laid upon the body.
+        foot: (3,) the vertex of the shape, in its own frame, whose ball is laid upon the body.
         point: (3,) of the body, in the world.
         normal: (3,) out of the body there.
         touches: Whether they share a point.
@@ -129,9 +129,10 @@ def random_contact(
     normal = np.linalg.inv(pose[:3, :3]).T @ direction  # of a pose that may be a little off rigid
     normal /= np.linalg.norm(normal)
     turn = turns_onto(random_directions(1, rng), random_directions(1, rng), rng)[0]
-    point = pose[:3, :3] @ body.furthest(direction, rng) + pose[:3, 3]
+    # Poses off rigid stretch what vertices span, not the balls around them.
+    point = pose[:3, :3] @ body.furthest(direction, rng) + pose[:3, 3] + body.swell * normal
     local = other.furthest(turn.T @ -normal)
-    foot = turn @ local
+    foot = turn @ local - other.swell * normal
     placed = np.eye(4)
     placed[:3, :3] = turn
     touches = bool(rng.random() < _TOUCHING)

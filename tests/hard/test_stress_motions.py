@@ -10,13 +10,17 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+from scipy.spatial.transform import Rotation
 
+import plannercheck as pc
 from plannercheck.cli import main
+from plannercheck.pair import certify_posed
 from plannercheck.stress import motion_run
 from plannercheck.stress.motion_cases import MotionCase, shrunk
+from plannercheck.stress.motion_contacts import extent_of, random_contact
 from plannercheck.stress.motion_draws import tree_draw
 from plannercheck.stress.motion_outcomes import ASTRAY, COLLISION, EXCEPTION, HISTORY, PROOF, UNREASONED
-from plannercheck.stress.motion_recipes import robot_of, space_checker
+from plannercheck.stress.motion_recipes import robot_of, shape_of, space_checker
 from plannercheck.stress.motion_run import FAMILY_NAMES, MotionTally, run, tasks
 from plannercheck.stress.motion_subjects import PlaneSubject, SpaceSubject
 from plannercheck.stress.motion_tables import lines
@@ -148,3 +152,28 @@ def test_the_command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mon
 @pytest.mark.parametrize("path", sorted((Path(__file__).parent / "motions").glob("*.json")), ids=lambda path: path.stem)
 def test_motions_that_once_failed(path: Path) -> None:
     assert MotionCase.load(path).faults() == {}
+
+
+def stretched_pose(rng):
+    """A pose off rigid by about what chains of unit lengths may be."""
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.random(random_state=rng).as_matrix() + 4e-7 * rng.uniform(-1, 1, (3, 3))
+    pose[:3, 3] = rng.uniform(-20, 20, 3)
+    return pose
+
+
+def test_contacts_on_stretched_links_are_contacts():
+    """A ball's radius is not stretched with the link that it is on; a thin wall's contact is that shallow."""
+    rng = np.random.default_rng(5)
+    wall, touching = ["box", [1e-4, 0.5, 0.77]], 0
+    for k in range(300):
+        shapes = [wall, ["capsule", 0.2, 0.5]][:: 1 if k % 2 else -1]
+        first, second = (extent_of(shape_of(shape)) for shape in shapes)
+        pose, link = stretched_pose(rng), stretched_pose(rng)
+        contact = random_contact(first, pose, shapes[1], rng, (-6.0, -6.0))
+        if contact.touches:
+            touching += 1
+            bodies = [pc.Polytope(extent.vertices, swell=extent.swell) for extent in (first, second)]
+            found = certify_posed(*bodies, pose, link @ contact.pose_on(link))
+            assert isinstance(found, pc.SharedPoint), (k, found)
+    assert touching > 100
