@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck import planar
-from plannercheck.paths import is_planar_file
-from plannercheck.robot import Robot
-from plannercheck.scene import Scene
+from plannercheck.common.package_data import is_planar_file
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
 
 UNIFORM = 600
 NEAR = 400

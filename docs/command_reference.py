@@ -1,7 +1,7 @@
 """Writes docs/commands.md from the parsers of the command line: `python docs/command_reference.py`.
 
-In: `plannercheck.cli`. Out: a page with the help of every command and subcommand, as `--help` prints it. It is made
-anew whenever the documentation is built, so it can't fall behind.
+In: `plannercheck.cli.main`. Out: a page with the help of every command and subcommand, as `--help` prints it. It is
+made anew whenever the documentation is built, so it can't fall behind.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from plannercheck.cli import COMMANDS, parser_for
+from plannercheck.cli.main import COMMANDS, parser_for
 
 _WIDTH = "100"
 

@@ -9,62 +9,62 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError
 
 if TYPE_CHECKING:
     import plannercheck.ndim as ndim
     import plannercheck.ompl as ompl
     import plannercheck.planar as planar
     import plannercheck.view as view
-    from plannercheck.certificates import Separation as Separation
-    from plannercheck.certificates import SharedPoint as SharedPoint
-    from plannercheck.checker import Checker as Checker
-    from plannercheck.decomposition import Decomposition as Decomposition
-    from plannercheck.depths import Depth as Depth
-    from plannercheck.depths import depth as depth
-    from plannercheck.distances import Distance as Distance
-    from plannercheck.distances import distance as distance
-    from plannercheck.hull import Polytope as Polytope
-    from plannercheck.pair import certify as certify
-    from plannercheck.pair import intersects as intersects
-    from plannercheck.report import ValidityReport as ValidityReport
-    from plannercheck.report import Verdict as Verdict
-    from plannercheck.robot import Robot as Robot
-    from plannercheck.scene import Scene as Scene
-    from plannercheck.scene_objects import Part as Part
-    from plannercheck.shapes import Box as Box
-    from plannercheck.shapes import Capsule as Capsule
-    from plannercheck.shapes import Cone as Cone
-    from plannercheck.shapes import Cylinder as Cylinder
-    from plannercheck.shapes import Hull as Hull
-    from plannercheck.shapes import Sphere as Sphere
+    from plannercheck.bodies.certificates import Separation as Separation
+    from plannercheck.bodies.certificates import SharedPoint as SharedPoint
+    from plannercheck.bodies.convex_decomposition import Decomposition as Decomposition
+    from plannercheck.bodies.distance import Distance as Distance
+    from plannercheck.bodies.distance import distance as distance
+    from plannercheck.bodies.intersection import certify as certify
+    from plannercheck.bodies.intersection import intersects as intersects
+    from plannercheck.bodies.objects import Part as Part
+    from plannercheck.bodies.penetration_depth import Depth as Depth
+    from plannercheck.bodies.penetration_depth import depth as depth
+    from plannercheck.bodies.polytope import Polytope as Polytope
+    from plannercheck.bodies.shapes import Box as Box
+    from plannercheck.bodies.shapes import Capsule as Capsule
+    from plannercheck.bodies.shapes import Cone as Cone
+    from plannercheck.bodies.shapes import Cylinder as Cylinder
+    from plannercheck.bodies.shapes import Hull as Hull
+    from plannercheck.bodies.shapes import Sphere as Sphere
+    from plannercheck.checking.verdicts import ValidityReport as ValidityReport
+    from plannercheck.checking.verdicts import Verdict as Verdict
+    from plannercheck.motions.checker import Checker as Checker
+    from plannercheck.robots.robot import Robot as Robot
+    from plannercheck.scenes.scene import Scene as Scene
 
 __version__ = "0.1.0"
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {
-    "Box": "shapes",
-    "Capsule": "shapes",
-    "Checker": "checker",
-    "Depth": "depths",
-    "Cone": "shapes",
-    "Cylinder": "shapes",
-    "Decomposition": "decomposition",
-    "Distance": "distances",
-    "Hull": "shapes",
-    "Part": "scene_objects",
-    "Polytope": "hull",
-    "Robot": "robot",
-    "Scene": "scene",
-    "Separation": "certificates",
-    "SharedPoint": "certificates",
-    "Sphere": "shapes",
-    "ValidityReport": "report",
-    "Verdict": "report",
-    "certify": "pair",
-    "depth": "depths",
-    "distance": "distances",
-    "intersects": "pair",
+    "Box": "bodies.shapes",
+    "Capsule": "bodies.shapes",
+    "Checker": "motions.checker",
+    "Depth": "bodies.penetration_depth",
+    "Cone": "bodies.shapes",
+    "Cylinder": "bodies.shapes",
+    "Decomposition": "bodies.convex_decomposition",
+    "Distance": "bodies.distance",
+    "Hull": "bodies.shapes",
+    "Part": "bodies.objects",
+    "Polytope": "bodies.polytope",
+    "Robot": "robots.robot",
+    "Scene": "scenes.scene",
+    "Separation": "bodies.certificates",
+    "SharedPoint": "bodies.certificates",
+    "Sphere": "bodies.shapes",
+    "ValidityReport": "checking.verdicts",
+    "Verdict": "checking.verdicts",
+    "certify": "bodies.intersection",
+    "depth": "bodies.penetration_depth",
+    "distance": "bodies.distance",
+    "intersects": "bodies.intersection",
 }
 _MODULES = ("ndim", "ompl", "planar", "view")
 

@@ -2,6 +2,6 @@
 
 import sys
 
-from plannercheck.cli import main
+from plannercheck.cli.main import main
 
 sys.exit(main())

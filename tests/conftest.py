@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from robot_cases import SRDF, URDF
+from sample_robots import SRDF, URDF
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ In: `Polytope`s, from points or from halfspaces, at any affine poses. Out: exact
 
 Which statement of the paper is where:
 
-- polar of points, planes, polytopes, the lemmas and the theorem: `plannercheck.polar`, as properties in its test;
+- polar of points, planes, polytopes, the lemmas and the theorem: `plannercheck.ndim.polar`, as properties in its test;
 - Lemma "Simplex lemma", shell simplices: `polar.shell_simplices`, and `Cones` in `tree`;
 - Lemma "Hierarchical Construction in R^d": `tree`, which lists where it departs from the text;
 - "Testing intersection in higher dimensions", separation and inverse separation invariant: `walk`;

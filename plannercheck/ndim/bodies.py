@@ -12,12 +12,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import read_only
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.arrays import read_only
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim import halfspaces
 from plannercheck.ndim.poses import LARGEST
+from plannercheck.ndim.qhull import FlatError, Hull, convex_hull, halfspace_vertices
 from plannercheck.ndim.tree import Tree, default_sizes
-from plannercheck.qhull import FlatError, Hull, convex_hull, halfspace_vertices
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]

@@ -14,7 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.arrays import OwnsArrays
+from plannercheck.common.arrays import OwnsArrays
 from plannercheck.ndim.exact import ExactCertificate, ExactSeparation, ExactSharedPoint, combined
 from plannercheck.ndim.integers import dot
 from plannercheck.ndim.posed import Exact, ExactRows, ExactVertices

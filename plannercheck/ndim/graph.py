@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.pair import Method, intersects
 

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.arrays import OwnsArrays
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.exact import ExactSeparation, Guess, decide
 from plannercheck.ndim.integers import Farkas, matrix_of, solve
 from plannercheck.ndim.posed import ExactRows

@@ -16,7 +16,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.certificates import Certificate, Effort, PosedShape, Shapes, certificate_of
 from plannercheck.ndim.exact import ExactSharedPoint, Guess, decide

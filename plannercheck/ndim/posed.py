@@ -3,8 +3,8 @@
 In: a body's doubles and its pose, taken as the exact affine map that its doubles give. Out: integer points X, which
 stand for X · 2^unit, and integer rows (α, β), which stand for α·X ≤ β; positive factors are dropped.
 
-The idea: as in `plannercheck.integers`, doubles only choose which vertices can be extreme, within a bound of their
-rounding, and integers decide among those.
+The idea: as in `plannercheck.bodies.integers`, doubles only choose which vertices can be extreme, within a bound of
+their rounding, and integers decide among those.
 """
 
 from __future__ import annotations

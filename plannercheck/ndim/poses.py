@@ -13,8 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import read_only, read_only_copy
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.arrays import read_only, read_only_copy
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.integers import inverse, matrix_of
 
 Floats = NDArray[np.float64]

@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.bodies import Polytope
 
 

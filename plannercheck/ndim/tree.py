@@ -7,8 +7,8 @@ on its far side, only faces with a vertex beyond the hull's own halfspaces at v 
 
 Where this departs from the text, and why the bounds hold:
 
-- Of a shell simplex only the d halfspaces at the tangent vertex are used, a cone (`plannercheck.polar`): its complement
-  is smaller than the simplex's.
+- Of a shell simplex only the d halfspaces at the tangent vertex are used, a cone (`plannercheck.ndim.polar`): its
+  complement is smaller than the simplex's.
 - First a *star* is tried: all of the net's halfspaces at v at once, one child a vertex instead of one a simplex of the
   normal cone. Its complement holds those of all shell simplices at v, so it is valid; it is taken if it holds at most
   half of the faces. Else v's normal cone is triangulated as in the paper. With bounded degrees the stars need
@@ -32,9 +32,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.arrays import OwnsArrays, read_only_copy
+from plannercheck.common.arrays import OwnsArrays, read_only_copy
+from plannercheck.ndim.qhull import FlatError, Hull, convex_hull
 from plannercheck.ndim.rounding import FLAT
-from plannercheck.qhull import FlatError, Hull, convex_hull
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]

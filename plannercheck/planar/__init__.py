@@ -1,4 +1,10 @@
-"""Convex polygons in the plane, and planar robots."""
+"""Convex polygons in the plane, and planar robots among them: `plannercheck` once more, with one dimension less.
+
+Read `polygons` first (do two share a point) with `certificates`, then `robot` and `scene` with what reads their files,
+`checker` (verdicts of configurations and motions) with `body_tables`, `motion_certifier` and `motion_sampling`.
+`curves` are the ways of Dubins and of Reeds and Shepp; `pieces` and `convexity` split outlines; `proof_builder` writes
+proofs of motions down, `proof_confirmation` compares their models with files.
+"""
 
 from __future__ import annotations
 

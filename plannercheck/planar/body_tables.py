@@ -25,7 +25,7 @@ _LEAST_ROOM = 1e-150
 
 
 def core_arguments(robot: Robot, bodies: Sequence[Body], pairs: Ints) -> tuple[Any, ...]:
-    """What the core's PlanarChecker and PlanarCertifier take, up to the pairs (cpp/bind_planar_checker.cpp)."""
+    """What the core's PlanarChecker and PlanarCertifier take, up to the pairs (bind_planar_checker.cpp)."""
     return (
         *robot.core_links(),
         [body.vertices for body in bodies],

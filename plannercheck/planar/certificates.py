@@ -2,7 +2,7 @@
 
 In: two posed polygons. Out: frozen values in the plane, and `verify`, which proves them in exact arithmetic from the
 vertices alone, without the core. A certificate is that of the same polygons as flat bodies in space
-(plannercheck/certificates.py), less the third coordinate.
+(plannercheck/bodies/certificates.py), less the third coordinate.
 
 It is found here, too, in integers: the algorithm of Gilbert, Johnson and Keerthi for the point of A - B nearest to the
 origin. In the plane each step keeps at most two vertices, and all its signs are exact, so it ends; a verdict of the
@@ -19,9 +19,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck import certificates as space
-from plannercheck.arrays import OwnsArrays
-from plannercheck.integers import IntegerHull, Integers, cross, dot, in_common_unit, minus, negated
+from plannercheck.bodies import certificates as space
+from plannercheck.bodies.integers import IntegerHull, Integers, cross, dot, in_common_unit, minus, negated
+from plannercheck.common.arrays import OwnsArrays
 from plannercheck.planar.polygons import checked_polygon, checked_poses, intersects
 
 Floats = NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 In: a `Robot`, a `Scene`. Out: an immutable `Checker` with the interface of the one in space, whose verdicts are exact
 for the polygons at the poses that kinematics computes in doubles. Everything is a thin wrapper of one batch call in the
-core (cpp/planar_checker).
+core (cpp/planar/checker_2d).
 """
 
 from __future__ import annotations
@@ -13,24 +13,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import read_only
-from plannercheck.certified_motions import DEFAULT_TOLERANCE
-from plannercheck.core import core
-from plannercheck.errors import PlannercheckError, unknown_name
-from plannercheck.motion_verdicts import explained_motion
+from plannercheck.checking.verdicts import MotionVerdict, PairVerdict, Verdict
+from plannercheck.common.arrays import read_only
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.threads import checked_threads
+from plannercheck.motions.certifier import DEFAULT_TOLERANCE
+from plannercheck.motions.explanation import explained_motion
 from plannercheck.planar.body_tables import core_arguments, pair_table
 from plannercheck.planar.certificates import certify
-from plannercheck.planar.certified_motions import STRAIGHT, MotionCertifier
 from plannercheck.planar.curves import Curve, Curves, check_curve
-from plannercheck.planar.motion import MotionSampler
+from plannercheck.planar.motion_certifier import STRAIGHT, MotionCertifier
+from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.polygons import METHODS, Method
 from plannercheck.planar.robot import Body, Robot
 from plannercheck.planar.scene import Scene
-from plannercheck.report import MotionVerdict, PairVerdict, Verdict
-from plannercheck.threads import checked_threads
 
 if TYPE_CHECKING:
-    from plannercheck.proofs.planar_build import PlanarBuilder
+    from plannercheck.planar.proof_builder import PlanarBuilder
     from plannercheck.proofs.proof import Proof
 
 Floats = NDArray[np.float64]
@@ -273,7 +273,7 @@ class Checker:
     @cached_property
     def _prover(self) -> PlanarBuilder:
         """Builds proofs of motions; made when it is first needed."""
-        from plannercheck.proofs.planar_build import PlanarBuilder  # needs python-flint
+        from plannercheck.planar.proof_builder import PlanarBuilder  # needs python-flint
 
         return PlanarBuilder(self)
 

@@ -23,9 +23,9 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.angles import nearest_turn
-from plannercheck.errors import PlannercheckError, unknown_name
-from plannercheck.planar.motion import MotionSampler
+from plannercheck.common.angles import nearest_turn
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.spare_states import SpareStates
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import read_only_copy
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.arrays import read_only_copy
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.convexity import convexity_fault
 from plannercheck.planar.polygons import checked_polygon
 

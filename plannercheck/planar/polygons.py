@@ -2,7 +2,7 @@
 
 In: polygons as arrays of vertices (n, 2) in the order of the boundary, either way round, and poses in SE(2) as matrices
 (3, 3). Out: exact verdicts, touching included, in O(log n + log m) and with no preparation. The algorithm is in
-cpp/planar; every call is a batch call of the core.
+cpp/planar/polygon_test; every call is a batch call of the core.
 
 Points (n = 1), segments (n = 2) and runs of vertices on a line are allowed. Convexity is the caller's promise. The test
 reads a logarithmic part of the vertices; so that what it does not read can't mislead it, all are looked at once before:
@@ -19,11 +19,11 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import contiguous, read_only, read_only_copy
-from plannercheck.core import core
-from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.common.arrays import contiguous, read_only, read_only_copy
+from plannercheck.common.checked_yaml import within
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.planar.convexity import convexity_fault
-from plannercheck.reading import within
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -35,7 +35,7 @@ METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
 # How far a pose may be from rigid, as ||M^T M - 1||; beyond it the numbers are a mistake.
 LARGEST_DEFECT = 1e-6
 
-# VertexFault in cpp/bind_planar.cpp.
+# VertexFault in cpp/bindings/bind_polygons.cpp.
 _SOUND, _REPEATED, _NOT_FINITE = 0, 1, 2
 
 _IDENTITY = read_only(np.eye(3)[None])

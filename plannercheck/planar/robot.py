@@ -19,9 +19,9 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import OwnsArrays, contiguous, read_only
-from plannercheck.core import core
-from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.common.arrays import OwnsArrays, contiguous, read_only
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.planar.pieces import convex_pieces
 
 Floats = NDArray[np.float64]

@@ -23,10 +23,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from plannercheck.errors import PlannercheckError, unknown_name
-from plannercheck.paths import is_planar_file, shipped_folder
-from plannercheck.planar.robot import Link, Robot
-from plannercheck.reading import (
+from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
     mapping,
@@ -38,6 +35,9 @@ from plannercheck.reading import (
     text,
     within,
 )
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.package_data import is_planar_file, shipped_folder
+from plannercheck.planar.robot import Link, Robot
 
 _KEYS = ("kind", "name", "links", "disabled_pairs")
 _LINK_KEYS = ("name", "parent", "anchor", "joint", "limits", "footprint", "footprints")

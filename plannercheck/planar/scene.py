@@ -29,12 +29,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.arrays import OwnsArrays, read_only, read_only_copy
-from plannercheck.declared_states import DeclaredStates
-from plannercheck.errors import PlannercheckError, unknown_name
+from plannercheck.common.arrays import OwnsArrays, read_only, read_only_copy
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.polygons import checked_poses
 from plannercheck.planar.robot import Body
+from plannercheck.scenes.declared_states import DeclaredStates
 
 Floats = NDArray[np.float64]
 

@@ -8,12 +8,22 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.checked_yaml import (
+    Node,
+    check_keys,
+    mapping,
+    number,
+    numbers,
+    required,
+    sequence,
+    text,
+    within,
+)
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.polygons import checked_poses
 from plannercheck.planar.robot_files import outline, planar_document, planar_file
 from plannercheck.planar.scene import Obstacle, Scene, pose_of
-from plannercheck.reading import Node, check_keys, mapping, number, numbers, required, sequence, text, within
-from plannercheck.scene_files import read_states, states_node
+from plannercheck.scenes.scene_files import read_states, states_node
 
 _SHAPES = ("box", "polygon", "polygons")
 _KEYS = ("kind", "name", "bounds", "objects", "states")

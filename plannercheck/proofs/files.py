@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.errors import PlannercheckError
-from plannercheck.output_files import written_aside
+from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.checked_yaml import BROKEN_FILE, read_bytes, within
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs.plain_data import from_plain, to_plain
 from plannercheck.proofs.proof import FORMAT, VERSION, Entry, Hashes, Proof
-from plannercheck.reading import BROKEN_FILE, read_bytes, within
 
 # By the kind of a proof, the module and the names of its classes of model and motion.
 _CLASSES = {

@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 
 import numpy as np
 
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError
 
 T = TypeVar("T")
 

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.extras import extra_module
+from plannercheck.common.optional_imports import extra_module
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.planar_proof import PlanarBody, PlanarModel
 from plannercheck.proofs.proof import Entry, Proof, Verification
@@ -92,7 +92,7 @@ def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification
     Raises:
         PlannercheckError: If a file can't be read.
     """
-    from plannercheck.proofs.planar_confirm import confirm_model  # needs all of the package
+    from plannercheck.planar.proof_confirmation import confirm_model  # needs all of the package
     from plannercheck.proofs.planar_well_formed import check_well_formed
 
     began, fault = time.perf_counter(), None

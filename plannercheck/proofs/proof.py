@@ -281,7 +281,7 @@ class Proof:
 
 
 def confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
-    """Whether a proof's model is that of a robot in a scene, by their files (`confirm.py`); no entry is looked at."""
+    """Whether a proof's model is that of a robot in a scene (`proof_confirmation.py`); no entry is looked at."""
     found: Verification = _verifier(proof.kind).model_confirmed(proof, robot, scene)
     return found
 

@@ -1,7 +1,7 @@
 """The joints of a URDF, read with nothing but Python's XML: the verifier's own eyes on the model.
 
 In: a URDF. Out: `UrdfTree`: the joints by name, and which link is the root. No function in common with Pinocchio's
-reader or with `plannercheck.urdf`.
+reader or with `plannercheck.robots.urdf`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError
 
 Floats = NDArray[np.float64]
 

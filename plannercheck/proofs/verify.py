@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 
-from plannercheck.extras import extra_module
+from plannercheck.common.optional_imports import extra_module
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.proof import Model, Proof, Verification
 
@@ -66,7 +66,7 @@ def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification
     Raises:
         PlannercheckError: If a file can't be read.
     """
-    from plannercheck.proofs.confirm import confirm_model  # needs all of the package
+    from plannercheck.motions.proof_confirmation import confirm_model  # needs all of the package
     from plannercheck.proofs.well_formed import check_well_formed
 
     began, fault = time.perf_counter(), None

@@ -11,11 +11,11 @@ import bisect
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.certificates import PosedBody, Separation, SharedPoint, direction_of, separation
-from plannercheck.checker import Checker
-from plannercheck.distances import Distance, distance
-from plannercheck.hull import Polytope
-from plannercheck.pair import certify_posed
+from plannercheck.bodies.certificates import PosedBody, Separation, SharedPoint, direction_of, separation
+from plannercheck.bodies.distance import Distance, distance
+from plannercheck.bodies.intersection import certify_posed
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.motions.checker import Checker
 from plannercheck.view.model import Plane, Witness
 
 Floats = NDArray[np.float64]

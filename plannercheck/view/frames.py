@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.checker import Checker
-from plannercheck.errors import PlannercheckError
-from plannercheck.protocols import AnyChecker
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.checker import Checker
 
 Floats = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.escaping import json_in_script
-from plannercheck.output_files import written_aside
+from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.escaping import json_in_script
 from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Mesh, Picture
 
 _TEMPLATE = Path(__file__).with_name("viewer.html")

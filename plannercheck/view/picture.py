@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.checker import Checker
-from plannercheck.errors import PlannercheckError
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
-from plannercheck.protocols import AnyChecker
 from plannercheck.view.evidence import Evidence
 from plannercheck.view.model import OBSTACLE_OPACITY, VEIL_OPACITY, Mesh, Picture, Plane, Witness
 from plannercheck.view.planar_bodies import planar_meshes, planar_witnesses

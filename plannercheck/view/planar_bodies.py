@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.hull import fans
+from plannercheck.bodies.polytope import fans
+from plannercheck.bodies.shapes import prism_faces
 from plannercheck.planar.certificates import SharedPoint
 from plannercheck.planar.checker import Checker
-from plannercheck.shapes import prism_faces
 from plannercheck.view.model import OBSTACLE_OPACITY, Mesh, Witness
 from plannercheck.view.surfaces import Surface
 

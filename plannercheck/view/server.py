@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.errors import PlannercheckError
-from plannercheck.poses import quaternion_of_rotation
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.transforms import quaternion_of_rotation
 from plannercheck.view.model import PLANE, Mesh, Picture
 from plannercheck.view.origins import own_pages_only
 

@@ -12,12 +12,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.errors import PlannercheckError
-from plannercheck.hull import fans, prepared
-from plannercheck.paths import example_robot_data
-from plannercheck.robot_files import RobotDescription, find_description, read_description
-from plannercheck.shapes import Hull, Shape
-from plannercheck.urdf import read_geometry, read_model
+from plannercheck.bodies.polytope import fans, prepared
+from plannercheck.bodies.shapes import Hull, Shape
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.package_data import example_robot_data
+from plannercheck.robots.description import RobotDescription, find_description, read_description
+from plannercheck.robots.urdf import read_geometry, read_model
 
 Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
 

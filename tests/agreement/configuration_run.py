@@ -11,9 +11,9 @@ import numpy as np
 from pair_run import is_clear
 
 import plannercheck as pc
-from plannercheck.agreement import AgreementReport, Disagreement, compare_with_fcl
-from plannercheck.stress.cases import Case
-from plannercheck.stress.contacts import Points, Solid
+from plannercheck.evaluation.stress.contact_poses import Points, Solid
+from plannercheck.evaluation.stress.failing_cases import Case
+from plannercheck.validation.fcl_agreement import AgreementReport, Disagreement, compare_with_fcl
 
 # Halvings of a segment between two configurations, at most: from radians to the last bits.
 _HALVINGS = 50

@@ -19,12 +19,13 @@ import numpy as np
 from table import ErrorTable
 
 import plannercheck as pc
-from plannercheck import exact
-from plannercheck.fcl_bodies import FclBodies
-from plannercheck.pair import Method
-from plannercheck.stress import contacts, families
-from plannercheck.stress.cases import Case
-from plannercheck.stress.contacts import Points, Solid
+from plannercheck.bodies import exact_reference as exact
+from plannercheck.bodies.fcl_bodies import FclBodies
+from plannercheck.bodies.intersection import Method
+from plannercheck.evaluation.stress import body_families as families
+from plannercheck.evaluation.stress import contact_poses as contacts
+from plannercheck.evaluation.stress.contact_poses import Points, Solid
+from plannercheck.evaluation.stress.failing_cases import Case
 
 # Scales in m, about the size of a body; the last two are far below what FCL is made for.
 SCALES = (1.0, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-5)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 
-from plannercheck.stress.contacts import Solid
+from plannercheck.evaluation.stress.contact_poses import Solid
 
 # Lower ends of the rows: the smaller body's size, m, and the flatter body's width over its size.
 SIZE_STEPS = (0.1, 0.01, 1e-3, 1e-4, 0.0)

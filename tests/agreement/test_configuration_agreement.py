@@ -8,9 +8,9 @@ import pytest
 from configuration_run import case_of, clear_errors, compare
 
 import plannercheck as pc
-from plannercheck.agreement import AgreementReport, merged
-from plannercheck.robot_files import shipped_robots
-from plannercheck.scene import shipped_scenes
+from plannercheck.robots.description import shipped_robots
+from plannercheck.scenes.scene import shipped_scenes
+from plannercheck.validation.fcl_agreement import AgreementReport, merged
 
 # Robots whose base stands in an obstacle are warned about; here that is no matter.
 pytestmark = [pytest.mark.agreement, pytest.mark.filterwarnings("ignore:.*fixed to the world")]

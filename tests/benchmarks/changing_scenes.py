@@ -15,9 +15,9 @@ from collections.abc import Callable
 import numpy as np
 
 import plannercheck as pc
-from plannercheck import compiled_pairs
-from plannercheck.commands.common import table
-from plannercheck.shapes import Cylinder
+from plannercheck.bodies.shapes import Cylinder
+from plannercheck.checking import compiled_pairs
+from plannercheck.cli.common import table
 
 CASES = (("panda", "bookshelf"), ("ur5", "kitchen"), ("pr2", "kitchen"), ("talos", "kitchen"))
 

@@ -27,10 +27,10 @@ import pinocchio as pin
 from scipy.optimize import nnls
 
 import plannercheck as pc
-from plannercheck import exact
-from plannercheck.bench.peers import coal_hull
-from plannercheck.core import core
-from plannercheck.stress.families import family
+from plannercheck.bodies import exact_reference as exact
+from plannercheck.common.core import core
+from plannercheck.evaluation.bench.other_libraries import coal_hull
+from plannercheck.evaluation.stress.body_families import family
 
 FAMILIES = ("box", "round", "cloud", "flat", "needle", "prism")
 COUNTS = (8, 40, 200, 1000)

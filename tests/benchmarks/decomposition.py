@@ -12,8 +12,8 @@ import time
 import numpy as np
 
 import plannercheck as pc
-from plannercheck.mesh_collisions import LinkMeshes
-from plannercheck.robot_files import description_of
+from plannercheck.checking.mesh_collisions import LinkMeshes
+from plannercheck.robots.description import description_of
 
 
 def main() -> None:

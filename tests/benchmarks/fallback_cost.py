@@ -79,7 +79,7 @@ def main() -> None:
     parser.add_argument("--scenes", nargs="+", default=["bookshelf"])
     options = parser.parse_args()
     package = importlib.import_module("plannercheck")
-    name = f"_core_{importlib.import_module('plannercheck.core').core.level}"
+    name = f"_core_{importlib.import_module('plannercheck.common.core').core.level}"
     preload(options.folder, name)
     other = import_anew()
     for scene in options.scenes:

@@ -12,8 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from plannercheck.bench.timing import least_seconds
-from plannercheck.core import core
+from plannercheck.common.core import core
+from plannercheck.evaluation.bench.timing import least_seconds
 
 SIZES = range(1, 9)
 

@@ -14,16 +14,17 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import plannercheck as pc
-from plannercheck.core import core
-from plannercheck.pair import pair_options
-from plannercheck.stress import contacts, families
+from plannercheck.bodies.intersection import pair_options
+from plannercheck.common.core import core
+from plannercheck.evaluation.stress import body_families as families
+from plannercheck.evaluation.stress import contact_poses as contacts
 
 FAMILIES = ("round", "cone", "prism", "doubling", "fan", "needle")
 QUERIES = 1000
-EXACT = 6  # the number of the stage in cpp/pair.hpp
+EXACT = 6  # the number of the stage in cpp/narrow_phase/pair_frame.hpp
 GAPS = np.array([1e-3, -1e-3, 1e-6, -1e-6, 1e-1, -1e-1])
 
 

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from multiprecision import composed, deviation_of_robot, vertices_of
 
 import plannercheck as pc
-from plannercheck.robot_files import shipped_robots
+from plannercheck.robots.description import shipped_robots
 
 
 def reach(robot: pc.Robot, q: np.ndarray) -> float:

@@ -24,13 +24,13 @@ import numpy as np
 import pinocchio as pin
 
 import plannercheck as pc
-from plannercheck.bench.peers import coal_shape
-from plannercheck.motion import coarse_to_fine
-from plannercheck.paths import example_robot_data
-from plannercheck.problem_plans import robot_of
-from plannercheck.problems import load_problems
-from plannercheck.robot_files import find_description, read_description
-from plannercheck.shapes import Body
+from plannercheck.bodies.shapes import Body
+from plannercheck.common.package_data import example_robot_data
+from plannercheck.evaluation.bench.other_libraries import coal_shape
+from plannercheck.motions.sampling import coarse_to_fine
+from plannercheck.robots.description import find_description, read_description
+from plannercheck.scenes.motion_bench_maker import load_problems
+from plannercheck.validation.problem_sets import robot_of
 
 SCENES = ("bookshelf", "cage", "table", "bin", "kitchen")
 DENSE, DENSER = 1e-4, 1e-5  # rad

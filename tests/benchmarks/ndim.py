@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import linprog
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from ndim_pairs import depth_program, depths, near_poses, random_body, random_pose
 

@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import planar_cases as cases
-from planar_oracle import is_separated_across, share_point
+from planar_brute_force import is_separated_across, share_point
 
 import plannercheck as pc
 

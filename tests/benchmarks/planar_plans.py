@@ -20,9 +20,9 @@ import shapely
 from ompl import base, geometric, util
 
 import plannercheck as pc
-from plannercheck.motion_validators import motion_validator
 from plannercheck.ompl import space_of
-from plannercheck.planar.ompl_space import PlanarSpace, sampled_curve
+from plannercheck.ompl.motion_validators import motion_validator
+from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 
 TASKS = [
     ("warehouse", "forklift", "straight", None),

@@ -31,11 +31,11 @@ import pinocchio as pin
 from ompl import base, geometric, util
 
 import plannercheck as pc
-from plannercheck.bench.peers import COAL_TOLERANCES, coal_geometry_data, coal_geometry_model
-from plannercheck.joint_space import JointSpace
+from plannercheck.evaluation.bench.other_libraries import COAL_TOLERANCES, coal_geometry_data, coal_geometry_model
 from plannercheck.ompl import LONGEST_MOTION
-from plannercheck.problem_plans import robot_of
-from plannercheck.problems import load_problems
+from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.scenes.motion_bench_maker import load_problems
+from plannercheck.validation.problem_sets import robot_of
 
 STATES = 200
 

@@ -15,11 +15,11 @@ import warnings
 import numpy as np
 
 import plannercheck as pc
-from plannercheck.commands.inspect import times_without
-from plannercheck.paths import example_robot_data
-from plannercheck.reach import reach
-from plannercheck.robot_files import find_description, read_description
-from plannercheck.shapes import hull_and_swell
+from plannercheck.bodies.shapes import hull_and_swell
+from plannercheck.checking.unreachable_pairs import reach
+from plannercheck.cli.inspect import times_without
+from plannercheck.common.package_data import example_robot_data
+from plannercheck.robots.description import find_description, read_description
 
 CASES = (("panda", "bookshelf"), ("ur5", "kitchen"), ("baxter", "kitchen"), ("talos", "empty"), ("tiago", "empty"))
 ROUNDS, REPETITIONS = 21, 3

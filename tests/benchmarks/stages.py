@@ -15,10 +15,11 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 import plannercheck as pc
-from plannercheck.core import core
-from plannercheck.pair import pair_options
-from plannercheck.scene import shipped_scenes
-from plannercheck.stress import contacts, families
+from plannercheck.bodies.intersection import pair_options
+from plannercheck.common.core import core
+from plannercheck.evaluation.stress import body_families as families
+from plannercheck.evaluation.stress import contact_poses as contacts
+from plannercheck.scenes.scene import shipped_scenes
 
 STAGES = ("cached plane", "centre axis", "facet plane", "solver", "nearest points", "double-double", "exact")
 DOUBLES = 5  # so many stages are in doubles

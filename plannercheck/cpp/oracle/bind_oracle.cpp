@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "proofs.hpp"
+#include "oracle/proofs.hpp"
 
 namespace nb = nanobind;
 

@@ -1,4 +1,4 @@
-#include "integer.hpp"
+#include "oracle/integer.hpp"
 
 #include <algorithm>
 #include <bit>

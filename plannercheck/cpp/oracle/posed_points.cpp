@@ -1,4 +1,4 @@
-#include "posed_points.hpp"
+#include "oracle/posed_points.hpp"
 
 #include <algorithm>
 #include <bit>

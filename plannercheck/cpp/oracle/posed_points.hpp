@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "integer.hpp"
+#include "oracle/integer.hpp"
 
 namespace plannercheck::oracle {
 

@@ -1,4 +1,4 @@
-#include "proofs.hpp"
+#include "oracle/proofs.hpp"
 
 #include <algorithm>
 #include <utility>

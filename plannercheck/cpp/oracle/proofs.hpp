@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "posed_points.hpp"
+#include "oracle/posed_points.hpp"
 
 namespace plannercheck::oracle {
 

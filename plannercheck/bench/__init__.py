@@ -1,5 +1,0 @@
-"""Measurements of `plannercheck bench`: run time against error, beside other methods and libraries.
-
-Every module measures one thing and returns rows (frozen dataclasses); output.py prints them, writes CSV, and plots.py
-draws. Contenders take turns in one process (timing.py), so that ratios hold on a loaded machine.
-"""

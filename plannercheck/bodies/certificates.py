@@ -1,0 +1,340 @@
+"""What proves a verdict about one pair: a separating plane, or a common point.
+
+In: two posed bodies and what the core says of them. Out: frozen values in world coordinates, in doubles and in exact
+form, and `verify`, which proves them in exact arithmetic from the bodies' vertices alone, without the core.
+
+The idea: whoever finds a plane or a mixture of vertices, checking it takes a few lines. All numbers given (vertices,
+poses as affine maps, swells) are taken as the exact numbers that their doubles are. A body with a swell is all points
+within that distance of the hull, so a plane keeps its swell off the vertices: with a rational length that is at least
+that of the normal, no root is needed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.integers import IntegerHull, Integers, in_common_unit, negated
+from plannercheck.bodies.integers import dot as product
+from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.errors import PlannercheckError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
+
+# More vertices than these are never needed (Carathéodory).
+_MOST_VERTICES = 4
+# Bits of a normal's length: rounding to doubles does not show that it is rounded up.
+_LENGTH_BITS = 64
+# A unit normal in doubles: two roundings an entry, and some to spare.
+_NORMAL_ROUNDING = Fraction(1, 2**50)
+_LARGEST_DOUBLE = Fraction(float(np.finfo(np.float64).max))
+
+
+class UnprovedVerdictError(PlannercheckError):
+    """A verdict of the core that its own certificate does not prove: a fault of the core."""
+
+
+@dataclass(frozen=True, eq=False)
+class PosedBody(OwnsArrays):
+    """A body that a certificate is about.
+
+    Attributes:
+        vertices: (n, 3) in the body's frame, m.
+        pose: (4, 4) in the world, m.
+        swell: m.
+    """
+
+    vertices: Floats
+    pose: Floats
+    swell: float = 0.0
+
+
+Bodies: TypeAlias = tuple[PosedBody, PosedBody]
+
+
+@dataclass(frozen=True)
+class ExactPlane:
+    """A separating plane, exactly: each body's vertices are beyond it by more than length times the body's swell.
+
+    Attributes:
+        normal: Of any length, from the second body to the first.
+        length: At least that of the normal, by at most a part of 2^-63.
+        offset: The plane is normal · x = offset.
+        gap: A positive lower bound of the bodies' distance, m.
+    """
+
+    normal: Point
+    length: Fraction
+    offset: Fraction
+    gap: Fraction
+
+
+@dataclass(frozen=True)
+class ExactPoint:
+    """A common point, exactly: no further from each body's mixture of vertices than the body's swell.
+
+    Attributes:
+        point: In the world, m.
+        first: Weights of the first mixture's vertices, at least 0, of sum 1.
+        second: Weights of the second's.
+    """
+
+    point: Point
+    first: tuple[Fraction, ...]
+    second: tuple[Fraction, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture(OwnsArrays):
+    """A convex combination of vertices.
+
+    Attributes:
+        vertices: Indices into the polytope's vertices (k,), at most four.
+        weights: Rounded to doubles (k,).
+    """
+
+    vertices: Ints
+    weights: Floats
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Mixture)
+            and np.array_equal(self.vertices, other.vertices)
+            and np.array_equal(self.weights, other.weights)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class Separation(OwnsArrays):
+    """A plane between two bodies: normal · x > offset for all x of the first, < offset for all of the second.
+
+    The doubles are rounded; `exact` gives the plane that separates strictly.
+
+    Attributes:
+        normal: Unit vector (3,) in the world, from the second body to the first.
+        offset: The plane is normal · x = offset, in m; halfway between the bodies.
+        gap: A lower bound of the distance between the bodies in m, swells included, rounded down.
+        plane: The same in exact form.
+        bodies: What is separated.
+    """
+
+    normal: Floats
+    offset: float
+    gap: float
+    plane: ExactPlane = field(repr=False)
+    bodies: Bodies = field(repr=False)
+
+    def exact(self) -> ExactPlane:
+        """The plane in fractions."""
+        return self.plane
+
+    def verify(self) -> bool:
+        """Whether the plane separates the two bodies, proved in exact arithmetic with all their vertices.
+
+        Returns:
+            True if the exact plane separates strictly, the gap is a lower bound of the distance, and the doubles are
+            the exact values, rounded.
+        """
+        return self._doubles_agree() and _separates(self.plane, self.bodies)
+
+    def _doubles_agree(self) -> bool:
+        plane = self.plane
+        if not np.isfinite([*self.normal, self.offset, self.gap]).all() or plane.length <= 0:
+            return False
+        is_normal = all(
+            abs(Fraction(float(rounded)) * plane.length - exact) <= _NORMAL_ROUNDING * plane.length
+            for rounded, exact in zip(self.normal, plane.normal, strict=True)
+        )
+        is_offset = self.offset == _rounded(plane.offset / plane.length)
+        return is_normal and is_offset and 0 <= Fraction(self.gap) <= plane.gap
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Separation)
+            and np.array_equal(self.normal, other.normal)
+            and (self.offset, self.gap, self.plane) == (other.offset, other.gap, other.plane)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class SharedPoint(OwnsArrays):
+    """A point of both bodies.
+
+    Attributes:
+        point: (3,) in the world, in m, rounded.
+        first: Vertices of the first body and weights that mix the point, or one within the body's swell of it.
+        second: The same of the second body.
+        place: Point and weights in exact form.
+        bodies: What shares the point.
+    """
+
+    point: Floats
+    first: Mixture
+    second: Mixture
+    place: ExactPoint = field(repr=False)
+    bodies: Bodies = field(repr=False)
+
+    def exact(self) -> ExactPoint:
+        """Point and weights in fractions."""
+        return self.place
+
+    def verify(self) -> bool:
+        """Whether the point is in both bodies, proved in exact arithmetic.
+
+        Returns:
+            True if the exact point is, and the doubles are the exact values, rounded.
+        """
+        return (
+            [float(x) for x in self.point] == [_rounded(x) for x in self.place.point]
+            and _holds_point(self.bodies[0], self.first, self.place.first, self.place.point)
+            and _holds_point(self.bodies[1], self.second, self.place.second, self.place.point)
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, SharedPoint)
+            and np.array_equal(self.point, other.point)
+            and (self.first, self.second, self.place) == (other.first, other.second, other.place)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+Certificate: TypeAlias = Separation | SharedPoint
+
+
+def separation(direction: Point, bodies: Bodies) -> Separation | None:
+    """The plane halfway between two bodies along a direction.
+
+    Args:
+        direction: In the world, any length, from the second body to the first.
+        bodies: The two bodies.
+
+    Returns:
+        The plane, or None if the bodies' extents along the direction meet.
+    """
+    plane = _plane_between(direction, bodies)
+    if plane is None:
+        return None
+    normal = np.array([_rounded(x / plane.length) for x in plane.normal])
+    return Separation(normal, _rounded(plane.offset / plane.length), _rounded_down(plane.gap), plane, bodies)
+
+
+def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies) -> SharedPoint:
+    """The common point that two mixtures of vertices give; they must be no further apart than the swells.
+
+    Args:
+        first: Weights of vertices of the first body, of sum 1.
+        second: The same of the second.
+        bodies: The two bodies.
+
+    Returns:
+        The point, on the way from one mixture to the other, divided as the swells are.
+    """
+    p, r = _mixed(bodies[0], list(first), first.values()), _mixed(bodies[1], list(second), second.values())
+    swell_p, swell_r = Fraction(bodies[0].swell), Fraction(bodies[1].swell)
+    part = swell_p / (swell_p + swell_r) if swell_p else Fraction(0)
+    point = (p[0] + part * (r[0] - p[0]), p[1] + part * (r[1] - p[1]), p[2] + part * (r[2] - p[2]))
+    place = ExactPoint(point, tuple(first.values()), tuple(second.values()))
+    return SharedPoint(np.array([_rounded(x) for x in point]), _mixture(first), _mixture(second), place, bodies)
+
+
+def direction_of(normal: Floats) -> Point:
+    """A vector of doubles (3,), brought to unit length in doubles, as exact numbers."""
+    scaled = normal / np.abs(normal).max()
+    x, y, z = (scaled / np.linalg.norm(scaled)).tolist()
+    return Fraction(x), Fraction(y), Fraction(z)
+
+
+def _separates(plane: ExactPlane, bodies: Bodies) -> bool:
+    if plane.length <= 0 or plane.length**2 < sum(x * x for x in plane.normal):
+        return False
+    low, high, swell_p, swell_r = _extents(plane.normal, bodies)
+    apart = low - swell_p * plane.length > plane.offset > high + swell_r * plane.length
+    return apart and 0 < plane.gap <= (low - high) / plane.length - swell_p - swell_r
+
+
+def _plane_between(direction: Point, bodies: Bodies) -> ExactPlane | None:
+    low, high, swell_p, swell_r = _extents(direction, bodies)
+    square, apart, swell = sum((x * x for x in direction), Fraction(0)), low - high, swell_p + swell_r
+    if apart <= 0 or apart**2 <= swell**2 * square:
+        return None
+    bits = _LENGTH_BITS
+    while apart <= swell * (length := _root_above(square, bits)):
+        bits *= 2
+    offset = (low + high + (swell_r - swell_p) * length) / 2
+    return ExactPlane(direction, length, offset, apart / length - swell)
+
+
+def _extents(direction: Point, bodies: Bodies) -> tuple[Fraction, Fraction, Fraction, Fraction]:
+    """The least product with a vertex of the first body, the largest with one of the second, and the swells."""
+    whole, denominator = _in_integers(direction)
+    p, r = in_common_unit(*(IntegerHull(body.vertices, body.pose, body.swell) for body in bodies))
+    low, high = product(whole, p.point(p.lowest(whole))), product(whole, r.point(r.lowest(negated(whole))))
+    unit = Fraction(2) ** p.unit
+    return low * unit / denominator, high * unit / denominator, p.swell * unit, r.swell * unit
+
+
+def _in_integers(direction: Point) -> tuple[Integers, int]:
+    """Integers and the number that they are to be divided by."""
+    denominator = math.lcm(*(x.denominator for x in direction))
+    x, y, z = (x.numerator * (denominator // x.denominator) for x in direction)
+    return (x, y, z), denominator
+
+
+def _root_above(square: Fraction, bits: int) -> Fraction:
+    """A number of at least the root's size, larger by at most a part of 2^(1 - bits)."""
+    # Shifted by an even number of bits, so that the integer root has the bits that are wanted.
+    shift = max(0, bits - (square.numerator.bit_length() - square.denominator.bit_length()) // 2)
+    scaled = -(-(square.numerator << (2 * shift)) // square.denominator)
+    root = math.isqrt(scaled)
+    return Fraction(root if root * root == scaled else root + 1, 1 << shift)
+
+
+def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...], point: Point) -> bool:
+    """Whether weights are convex, the rounded ones theirs, and the point within the swell of what they mix."""
+    vertices = [int(v) for v in mixture.vertices]
+    if not len(vertices) == len(mixture.weights) == len(weights) or not 0 < len(vertices) <= _MOST_VERTICES:
+        return False
+    if not all(0 <= v < len(body.vertices) for v in vertices) or min(weights) < 0 or sum(weights) != 1:
+        return False
+    if [float(w) for w in mixture.weights] != [_rounded(w) for w in weights]:
+        return False
+    apart = (x - m for x, m in zip(point, _mixed(body, vertices, weights), strict=True))
+    return sum(x * x for x in apart) <= Fraction(body.swell) ** 2
+
+
+def _mixed(body: PosedBody, vertices: list[int], weights: Iterable[Fraction]) -> Point:
+    """The mixture of posed vertices in the world, m."""
+    hull = IntegerHull(body.vertices[vertices], body.pose)
+    posed = [hull.point(k) for k in range(len(vertices))]
+    unit, mass = Fraction(2) ** hull.unit, list(weights)
+    x, y, z = (sum((w * p[k] for w, p in zip(mass, posed, strict=True)), Fraction(0)) * unit for k in range(3))
+    return x, y, z
+
+
+def _mixture(weights: dict[int, Fraction]) -> Mixture:
+    return Mixture(np.array(list(weights), dtype=np.int64), np.array([_rounded(w) for w in weights.values()]))
+
+
+def _rounded(number: Fraction) -> float:
+    """The nearest double; the largest one beyond it."""
+    return float(max(-_LARGEST_DOUBLE, min(number, _LARGEST_DOUBLE)))
+
+
+def _rounded_down(number: Fraction) -> float:
+    """A double that is at most the number, which is positive."""
+    nearest = _rounded(number)
+    return nearest if Fraction(nearest) <= number else math.nextafter(nearest, 0.0)

@@ -1,0 +1,98 @@
+"""Polytopes around circles and balls: what curved shapes become.
+
+In: a radius and an excess, the part of the radius by which points may stick out. Out: points and faces of a
+polygon or polytope that contains the circle or ball.
+
+A circle gets a regular polygon whose edges touch it. A ball gets an octahedron whose edges are divided in
+equal steps of angle; its points are put on a sphere, which is then blown up until the nearest face just
+clears the ball. Such triangles are nearly regular, so the surface is convex with room to spare; the tests
+check it exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.errors import PlannercheckError
+
+# Relative growth that covers the rounding of the points (under 8 units in the last place, 2^-49).
+ROUNDING_MARGIN = 2.0**-48
+
+# Divisions of an octahedron's edge: 4 * 500^2 + 2 is a million points, beyond what a ball is worth.
+MAX_DIVISIONS = 500
+
+
+def ring_around(radius: float, excess: float) -> NDArray[np.float64]:
+    """Corners (k, 2) of a regular polygon around a circle, counter-clockwise, k a multiple of 4."""
+    smallest = math.pi / math.acos((1 + 2 * ROUNDING_MARGIN) / (1 + excess))
+    k = 4 * math.ceil(smallest / 4)
+    angles = 2 * math.pi * np.arange(k) / k
+    corner_radius = radius / math.cos(math.pi / k) * (1 + ROUNDING_MARGIN)
+    return corner_radius * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A polytope around the unit ball, its faces touching or just outside it.
+
+    Attributes:
+        lattice: (n, 3) integer coordinates on the octahedron |x| + |y| + |z| = divisions.
+        points: (n, 3), all at the same distance from the centre.
+        triangles: (8 divisions^2, 3) indices, counter-clockwise from outside.
+    """
+
+    lattice: NDArray[np.int64]
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+
+
+@lru_cache(maxsize=4)
+def unit_ball(divisions: int) -> Ball:
+    """An octahedron divided in equal steps of angle, blown up around the unit ball."""
+    lattice, inverse = np.unique(_octahedron_corners(divisions).reshape(-1, 3), axis=0, return_inverse=True)
+    triangles = inverse.reshape(-1, 3).astype(np.int64)
+    directions = np.sin(lattice * (math.pi / 2 / divisions))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    points = directions * ((1 + ROUNDING_MARGIN) / _inner_radius(directions, triangles))
+    for array in (lattice, points, triangles):
+        array.setflags(write=False)
+    return Ball(lattice, points, triangles)
+
+
+def _octahedron_corners(divisions: int) -> NDArray[np.int64]:
+    """Integer corners (8 divisions^2, 3, 3) of a divided octahedron, counter-clockwise from outside."""
+    i, j = np.meshgrid(np.arange(divisions), np.arange(divisions), indexing="ij")
+    upright = np.column_stack([i[i + j < divisions], j[i + j < divisions]])
+    inverted = np.column_stack([i[i + j < divisions - 1], j[i + j < divisions - 1]])
+    cells = np.concatenate([upright[:, None] + [[1, 0], [0, 1], [0, 0]], inverted[:, None] + [[1, 0], [1, 1], [0, 1]]])
+    octant = np.concatenate([cells, divisions - cells.sum(axis=2, keepdims=True)], axis=2)
+    signs = [np.array([x, y, z]) for x in (1, -1) for y in (1, -1) for z in (1, -1)]
+    return np.concatenate([(octant if s.prod() > 0 else octant[:, ::-1]) * s for s in signs])
+
+
+def _inner_radius(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> float:
+    """Distance from the origin to the nearest triangle's plane."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    distances = np.einsum("ij,ij->i", normals, a) / np.linalg.norm(normals, axis=1)
+    return float(distances.min())
+
+
+@lru_cache(maxsize=16)
+def ball_around(excess: float) -> Ball:
+    """The polytope of fewest points around the unit ball that sticks out by at most `excess`."""
+    # The widest triangles, amid an octant, have a circumradius of nearly pi / (divisions * sqrt(6)) rad.
+    divisions = max(1, math.floor(math.pi / math.sqrt(6) / math.acos(1 / (1 + excess))) - 1)
+    while divisions <= MAX_DIVISIONS:
+        ball = unit_ball(divisions)
+        if np.linalg.norm(ball.points, axis=1).max() <= 1 + excess:
+            return ball
+        divisions += 1
+    raise PlannercheckError(
+        f"excess {excess:g} needs more than {4 * MAX_DIVISIONS**2} points around a ball, choose 4e-6 or more"
+    )

@@ -1,0 +1,126 @@
+"""Convex bodies as python-fcl objects, to be posed and tested in pairs.
+
+In: hull vertices, outward triangles and swell of each body, then poses. Out: FCL's verdicts, and which pairs can
+meet at all by boxes along the world's axes. Swollen points and segments become FCL's spheres and capsules. Flat
+hulls and other swollen bodies have no form that FCL handles well: they are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.errors import PlannercheckError
+
+Array = NDArray[np.float64]
+Indices = NDArray[Any]
+Flags = NDArray[np.bool_]
+
+# World boxes are widened by this part of their distance from the origin and size, far above a pose's
+# rounding.
+_BOX_SLACK = 1e-12
+# Vertices of a segment.
+_ENDS = 2
+# Stands for the vertices of a body that no pair needs.
+_UNUSED = np.zeros((1, 3))
+
+
+class FclBodies:
+    """Convex bodies as FCL collision objects.
+
+    Attributes:
+        vertices: Of each body, (n, 3), m.
+        swells: Of each body, m.
+        known: Whether FCL has each body, (bodies,).
+    """
+
+    def __init__(self, bodies: Sequence[tuple[Array, Indices] | None], swells: Sequence[float] | None = None) -> None:
+        """Hands the bodies to FCL.
+
+        Args:
+            bodies: Hull vertices (n, 3), m, and triangles (m, 3), counter-clockwise seen from outside, of
+                each; no triangles if the hull has no volume.
+            swells: Distance around each hull that belongs to the body, m; none if None.
+
+        Raises:
+            PlannercheckError: If python-fcl is not installed.
+        """
+        self._fcl = load_fcl()
+        self._request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
+        self.vertices = [_UNUSED if body is None else np.asarray(body[0], dtype=np.float64) for body in bodies]
+        self.swells = [0.0] * len(bodies) if swells is None else [float(swell) for swell in swells]
+        forms = [
+            None if body is None else self._form(*body, swell) for body, swell in zip(bodies, self.swells, strict=True)
+        ]
+        self._objects: list[Any] = [None if form is None else form[0] for form in forms]
+        self._placements = [np.eye(4) if form is None else form[1] for form in forms]
+        self.known: Flags = np.array([form is not None for form in forms])
+        lows = np.array([vertices.min(axis=0) for vertices in self.vertices])
+        highs = np.array([vertices.max(axis=0) for vertices in self.vertices])
+        self._centres, self._halves = (lows + highs) / 2, (highs - lows) / 2
+
+    def place(self, body: int, pose: Array) -> None:
+        """Puts a body at a pose (4, 4), m."""
+        placed = pose @ self._placements[body]
+        self._objects[body].setTransform(self._fcl.Transform(placed[:3, :3], placed[:3, 3]))
+
+    def collides(self, p: int, r: int) -> bool:
+        """FCL's verdict on two placed bodies."""
+        result = self._fcl.CollisionResult()
+        return bool(self._fcl.collide(self._objects[p], self._objects[r], self._request, result))
+
+    def collide_all(self, poses: Array, pairs: Indices) -> list[bool]:
+        """FCL's verdicts on pairs (k, 2) of bodies at poses (bodies, 4, 4)."""
+        for body in np.unique(pairs).tolist():
+            self.place(body, poses[body])
+        return [self.collides(p, r) for p, r in pairs.tolist()]
+
+    def boxes_meet(self, poses: Array, pairs: Indices) -> Flags:
+        """Which pairs (k, 2) may meet at poses (n, bodies, 4, 4), by boxes along the world's axes; (n, k)."""
+        turns = poses[..., :3, :3]
+        centres = np.einsum("nbij,bj->nbi", turns, self._centres) + poses[..., :3, 3]
+        halves = np.einsum("nbij,bj->nbi", np.abs(turns), self._halves) + np.array(self.swells)[:, None]
+        halves += _BOX_SLACK * (np.abs(poses[..., :3, 3]) + np.abs(self._centres) + halves)
+        p, r = pairs[:, 0], pairs[:, 1]
+        near: Flags = np.all(np.abs(centres[:, p] - centres[:, r]) <= halves[:, p] + halves[:, r], axis=2)
+        return near
+
+    def _form(self, vertices: Array, faces: Indices, swell: float) -> tuple[Any, Array] | None:
+        """The object and its placement (4, 4) in the body's frame; None if FCL has no fitting one."""
+        if swell == 0:
+            return (self._convex(vertices, faces), np.eye(4)) if len(faces) else None
+        if len(vertices) > _ENDS:
+            return None
+        placement, length = _along_z(vertices[0], vertices[-1])
+        shape = self._fcl.Capsule(swell, length) if length else self._fcl.Sphere(swell)
+        return self._fcl.CollisionObject(shape), placement
+
+    def _convex(self, vertices: Array, faces: Indices) -> Any:
+        # FCL wants one flat list: for each face its number of corners, then the corners.
+        flat = np.column_stack([np.full(len(faces), 3), faces]).ravel().tolist()
+        return self._fcl.CollisionObject(self._fcl.Convex(vertices, len(faces), flat))
+
+
+def _along_z(start: Array, end: Array) -> tuple[Array, float]:
+    """The frame (4, 4) in the middle of a segment whose z-axis lies along it, and the segment's length."""
+    placement, length = np.eye(4), float(np.linalg.norm(end - start))
+    placement[:3, 3] = (start + end) / 2
+    if length:
+        frame, _ = np.linalg.qr(np.column_stack([(end - start) / length, np.eye(3)]))
+        z, x = frame[:, 0], frame[:, 1]
+        placement[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    return placement, length
+
+
+def load_fcl() -> Any:
+    """The module of python-fcl, or an error that says what to install."""
+    try:
+        import fcl
+    except ImportError as error:
+        raise PlannercheckError(
+            "comparing with FCL needs python-fcl, which is not installed: pip install 'plannercheck[fcl]'"
+        ) from error
+    return fcl

@@ -1,0 +1,180 @@
+"""The intersection test for one pair of posed polytopes (paper, section "Detecting intersections in 3D").
+
+In: two prepared bodies and their poses. Out: a verdict, or a verdict with its certificate. The steps are in
+cpp/narrow_phase/intersection: cached plane, centre axis, the coupled walk or the double oracle, exact arithmetic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.bodies.certificates import (
+    Bodies,
+    Certificate,
+    Point,
+    PosedBody,
+    SharedPoint,
+    UnprovedVerdictError,
+    direction_of,
+    separation,
+    shared_point,
+)
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
+from plannercheck.common.core import core
+from plannercheck.common.errors import unknown_name
+
+Method: TypeAlias = Literal["oracle", "walk", "exact"]
+
+METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
+
+
+def pair_options(
+    method: Method = "oracle",
+    cached_plane: bool = True,
+    centre_axis: bool = True,
+    turned_axis: bool = True,
+    facet_plane: bool = True,
+    nearest_points: bool = True,
+    double_double: bool = True,
+    warm_start: bool = True,
+    interleaving: bool = True,
+) -> Any:
+    """The core's switches for the pair test.
+
+    Args:
+        method: "oracle" (small active sets on both sides), "walk" (the paper's coupled walk) or "exact" (exact
+            arithmetic alone). Verdicts are the same.
+        cached_plane: Try the plane that separated the pair last time first.
+        centre_axis: Try the axis between the centres, and swells around them, before the method.
+        turned_axis: Turn that axis to where the bodies would face each other if they were ellipsoids.
+        facet_plane: Try the planes of both bodies' facets before the method, where both have eight corners at most.
+        nearest_points: Try nearest points in doubles where the method does not decide.
+        double_double: Try nearest points in double-double before exact arithmetic.
+        warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.
+        interleaving: Have several pairs of a batch under way where bodies are large, so that none waits for memory
+            alone. A cached plane is then tried only where poses are about those before: stages may differ.
+
+    Returns:
+        A core.PairOptions.
+    """
+    if method not in METHODS:
+        raise unknown_name("method", method, METHODS)
+    solver = getattr(core.Solver, method)
+    return core.PairOptions(
+        solver,
+        cached_plane,
+        centre_axis,
+        turned_axis,
+        facet_plane,
+        nearest_points,
+        double_double,
+        warm_start,
+        interleaving,
+    )
+
+
+def intersects(
+    P: Polytope,
+    R: Polytope,
+    pose_p: ArrayLike | None = None,
+    pose_r: ArrayLike | None = None,
+    method: Method = "oracle",
+) -> bool:
+    """Whether two posed polytopes share a point; touching counts.
+
+    Args:
+        P: A body.
+        R: Another.
+        pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
+        pose_r: Pose (4, 4) of R in the world, m.
+        method: See `pair_options`.
+
+    Returns:
+        The exact verdict for the given numbers.
+
+    Raises:
+        PlannercheckError: If a pose is not finite or not rigid.
+    """
+    pose_p, pose_r = _posed(pose_p, "pose_p"), _posed(pose_r, "pose_r")
+    return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), False)["shared"])
+
+
+def certify(
+    P: Polytope,
+    R: Polytope,
+    pose_p: ArrayLike | None = None,
+    pose_r: ArrayLike | None = None,
+    method: Method = "oracle",
+) -> Certificate:
+    """The verdict of `intersects` with what proves it.
+
+    Args:
+        P: A body.
+        R: Another.
+        pose_p: Pose (4, 4) of P in the world, m; None is the identity.
+        pose_r: Pose (4, 4) of R in the world, m.
+        method: See `pair_options`.
+
+    Returns:
+        A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates.
+
+    Raises:
+        PlannercheckError: If a pose is not finite or not rigid.
+    """
+    return certify_posed(P, R, _posed(pose_p, "pose_p"), _posed(pose_r, "pose_r"), method)
+
+
+def certify_posed(
+    P: Polytope, R: Polytope, pose_p: ArrayLike, pose_r: ArrayLike, method: Method = "oracle"
+) -> Certificate:
+    """`certify` of two bodies that links pose, which may be off rigid by more than given poses (unit_lengths.py)."""
+    pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
+    bodies = PosedBody(P.vertices, pose_p, P.swell), PosedBody(R.vertices, pose_r, R.swell)
+    for stage in (method, METHODS[-1]):
+        found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
+        certificate = _shared_point(found, bodies) if found["shared"] else _separation(found, bodies)
+        # The plane that convinced a filter is rounded when it goes to the world: close calls take the exact one.
+        if certificate is not None:
+            return certificate
+    raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")
+
+
+def _posed(pose: ArrayLike | None, name: str) -> NDArray[np.float64]:
+    return checked_pose(pose, name)
+
+
+def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:
+    certificate = separation(direction_of(found["normal"]), bodies)
+    if certificate is None and "exact_normal" in found:
+        certificate = separation(_vector(found["exact_normal"]), bodies)
+    return certificate
+
+
+def _shared_point(found: dict[str, Any], bodies: Bodies) -> SharedPoint:
+    weights = [_number(weight) for weight in found["exact_weights"]]
+    return shared_point(_merged(found["vertices_a"], weights), _merged(found["vertices_b"], weights), bodies)
+
+
+def _merged(vertices: Sequence[int], weights: Sequence[Fraction]) -> dict[int, Fraction]:
+    """Weights of sum 1 by vertex; a vertex may come more than once."""
+    total, merged = sum(weights), dict.fromkeys(map(int, vertices), Fraction(0))
+    for vertex, weight in zip(vertices, weights, strict=True):
+        merged[int(vertex)] += weight / total
+    return merged
+
+
+def _vector(numbers: Sequence[tuple[str, int]]) -> Point:
+    x, y, z = (_number(number) for number in numbers)
+    return x, y, z
+
+
+def _number(number: tuple[str, int]) -> Fraction:
+    """A hexadecimal integer times a power of two."""
+    digits, exponent = number
+    return int(digits, 16) * Fraction(2) ** exponent

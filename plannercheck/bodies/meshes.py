@@ -1,0 +1,82 @@
+"""Mesh files to points, through coal's loader (stl, dae, obj, ply and whatever else assimp reads).
+
+In: a path and a scale. Out: the mesh's points in m; its triangles do not matter, since bodies are convex
+hulls.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.ply_files import check_ply
+from plannercheck.bodies.shapes import Hull
+from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.checking.input_hints import mesh_hint
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.package_data import is_file
+
+
+def load_mesh(path: str | Path, scale: float | Sequence[float] = 1.0) -> Hull:
+    """Loads the points of a mesh.
+
+    Args:
+        path: The file.
+        scale: One factor, or one along each axis, from the file's unit to m.
+
+    Returns:
+        The hull of the scaled points.
+    """
+    factors = _checked_scale(scale)
+    if not is_file(Path(path)):
+        raise PlannercheckError(f"mesh file {str(path)!r} does not exist")
+    try:
+        hull = Hull(_points(Path(path)) * factors)
+    except PlannercheckError as error:
+        raise PlannercheckError(f"mesh file {str(path)!r}: {error}") from None
+    hint = mesh_hint(hull.vertices)
+    if hint:
+        warnings.warn(f"mesh file {str(path)!r} {hint}", RuntimeWarning, stacklevel=3)
+    return hull
+
+
+def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> TriangleMesh | None:
+    """The triangles of a mesh file that `load_mesh` reads, scaled to m."""
+    import coal  # slow to import, and only meshes need it
+
+    check_mesh(Path(path))
+    mesh = triangles_of_coal(coal.MeshLoader().load(str(path), np.ones(3)))
+    return None if mesh is None else TriangleMesh.of(mesh.points * _checked_scale(scale), mesh.triangles)
+
+
+def check_mesh(path: Path) -> None:
+    """Raises for a file that would crash the libraries which read it."""
+    if path.suffix.lower() == ".ply":
+        check_ply(path)
+
+
+def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:
+    """Three factors, all finite and none zero (a negative one mirrors the mesh)."""
+    try:
+        factors = np.broadcast_to(np.asarray(scale, dtype=np.float64), (3,))
+    except (TypeError, ValueError, OverflowError):
+        raise PlannercheckError(f"mesh scale must be one or three numbers, not {scale!r}") from None
+    if not (np.isfinite(factors).all() and factors.all()):
+        raise PlannercheckError(f"mesh scale must be finite and not zero, not {scale!r}")
+    return factors
+
+
+def _points(path: Path) -> NDArray[np.float64]:
+    """The points (n, 3) as the file has them."""
+    import coal  # slow to import, and only meshes need it
+
+    check_mesh(path)
+    try:
+        return np.array(coal.MeshLoader().load(str(path), np.ones(3)).vertices(), dtype=np.float64)
+    except Exception as error:  # coal raises several unrelated types
+        reason = " ".join(str(error).partition("message:")[2].split()) or str(error)
+        raise PlannercheckError(f"can't be read as a mesh: {reason}") from None

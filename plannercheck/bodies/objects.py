@@ -1,0 +1,191 @@
+"""Objects of a scene: one or several posed shapes that move as one, in the world or carried by a link.
+
+In: shapes and poses. Out: `SceneObject`, immutable, with its `bodies` posed. A moved or attached copy shares the
+shapes, and by them whatever a checker has prepared. An object whose pose a file gives in a link's frame keeps that as
+its `anchor`, until a checker knows where the link is (robots/anchored_objects.py).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.bodies.shapes import Body, Shape, checked_pose
+from plannercheck.common.arrays import read_only_copy
+from plannercheck.common.errors import PlannercheckError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Part:
+    """One shape of an object.
+
+    Attributes:
+        shape: What it is.
+        pose: (4, 4) in the object's frame, m; None is the identity.
+        source: The file and scale of a mesh, so that a saved scene can name it.
+    """
+
+    shape: Shape
+    pose: ArrayLike | None = None
+    source: tuple[Path, float | Sequence[float]] | None = None
+
+    def __post_init__(self) -> None:
+        if self.pose is None:
+            return
+        with contextlib.suppress(TypeError, ValueError):  # the object that it is part of says what is wrong with it
+            object.__setattr__(self, "pose", read_only_copy(self.pose))
+
+
+Parts: TypeAlias = Shape | Iterable[Part]
+
+
+@dataclass(frozen=True)
+class SceneFrames:
+    """Frames that a scene's file knows besides links and objects.
+
+    Attributes:
+        planning: The planning frame's name, which is the world; "" if the file does not say it.
+        fixed: (4, 4) of other frames in the planning frame by name, m.
+    """
+
+    planning: str = ""
+    fixed: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class StatedJoints:
+    """The joints of a robot state.
+
+    Attributes:
+        values: By joint name, rad or m.
+        identities: Joints of several degrees of freedom, all of which are at the identity.
+    """
+
+    values: Mapping[str, float] = field(default_factory=dict)
+    identities: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor:
+    """Says that an object's pose is neither in the world nor on its own link, but in another frame at a robot state.
+
+    Attributes:
+        frame: A link, or "" for the world.
+        state: At which the pose holds.
+        known: Frames besides links that the file knew when it named this one, for errors.
+    """
+
+    frame: str
+    state: StatedJoints
+    known: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class SceneObject:
+    """An object of a scene.
+
+    Attributes:
+        name: Unique in the scene.
+        parts: Its shapes, posed in its frame.
+        pose: (4, 4) of its frame in the world, or on its link, or in the anchor's frame, m; read-only.
+        link: The link that carries it; None for obstacles.
+        touch_links: Links (or other carried objects) that a carried object may touch; its own link always is one.
+        anchor: Set if the pose is given in another frame at a robot state; a checker's scene has none.
+        frame: The name of the frame in which a file gave the pose, if that is a fixed frame or another object's; for a
+            link of that name MoveIt would take the link.
+        subframes: (4, 4) by name in the object's frame, m: frames in which a file may pose other objects.
+        bodies: Its shapes, posed in the world or on the link (with an anchor, in its frame): "name", or "name/0",
+            "name/1", ...
+    """
+
+    name: str
+    parts: tuple[Part, ...]
+    pose: Array
+    link: str | None = None
+    touch_links: tuple[str, ...] = ()
+    anchor: Anchor | None = None
+    frame: str = ""
+    subframes: Mapping[str, Array] = field(default_factory=dict)
+    bodies: tuple[Body, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        names = [self.name] if len(self.parts) == 1 else [f"{self.name}/{k}" for k in range(len(self.parts))]
+        carried = None if self.link is None else self.name
+        bodies = (
+            Body(name, self.link, _in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
+            for name, part in zip(names, self.parts, strict=True)
+        )
+        object.__setattr__(self, "bodies", tuple(bodies))
+
+    def moved(self, pose: ArrayLike | None) -> SceneObject:
+        """The same object elsewhere: in the world, or on its link."""
+        return dataclasses.replace(self, pose=checked_pose(pose, f"object {self.name!r}"), anchor=None, frame="")
+
+    def attached(self, link: str, pose: ArrayLike | None, touch_links: Iterable[str] = ()) -> SceneObject:
+        """The same object on a link, with its frame at a pose (4, 4) in the link's frame, m."""
+        return dataclasses.replace(
+            self,
+            pose=checked_pose(pose, f"object {self.name!r} on link {link!r}"),
+            link=link,
+            touch_links=_names(touch_links),
+            anchor=None,
+            frame="",
+        )
+
+    def released(self, pose: ArrayLike | None) -> SceneObject:
+        """The same object as an obstacle, with its frame at a pose (4, 4) in the world, m."""
+        freed = dataclasses.replace(self, link=None, touch_links=(), anchor=None)
+        return freed.moved(pose)
+
+
+def scene_object(name: str, parts: Parts, pose: ArrayLike | None = None) -> SceneObject:
+    """Makes an obstacle.
+
+    Args:
+        name: Of the object.
+        parts: One shape, or several posed ones.
+        pose: (4, 4) of the object's frame in the world, m; None is the identity.
+
+    Returns:
+        The object.
+    """
+    shapes = (Part(parts),) if isinstance(parts, Shape) else tuple(parts)
+    if not name or not shapes:
+        raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
+    for part in shapes:
+        if not isinstance(part, Part) or not isinstance(part.shape, Shape):
+            raise PlannercheckError(f"object {name!r} must be a shape such as Box, or Parts, not {type(part).__name__}")
+    return SceneObject(name, shapes, checked_pose(pose, f"object {name!r}"))
+
+
+def unplaced(item: SceneObject) -> PlannercheckError:
+    """The error for an object whose place in the world, or on its link, is asked for before it is known."""
+    frame = "" if item.anchor is None else item.anchor.frame
+    kind = "object" if item.link is None else "attached object"
+    return PlannercheckError(
+        f"{kind} {item.name!r} is posed in frame {frame or 'world'!r} at a state of the robot: build a checker, whose "
+        "scene (checker.scene) knows where it is"
+    )
+
+
+def _in_frame(frame: Array, pose: ArrayLike | None, what: str) -> Array:
+    """The product of two poses; of an identity with a pose, exactly that pose."""
+    if pose is None or np.array_equal(frame, np.eye(4)):
+        return frame if pose is None else checked_pose(pose, what)
+    local = checked_pose(pose, what)
+    return frame if np.array_equal(local, np.eye(4)) else checked_pose(frame @ local, what)
+
+
+def _names(names: Iterable[str]) -> tuple[str, ...]:
+    if isinstance(names, str):
+        raise PlannercheckError(f"touch_links must be a list of names, not the text {names!r}")
+    return tuple(names)

@@ -1,0 +1,265 @@
+"""Convex bodies prepared for queries: the exact hull, its hierarchy, and the hierarchy of its polar.
+
+In: vertices in m, with or without faces. Out: `Polytope`, immutable, which can be saved, loaded and pickled; and
+`prepared`, the same through a disk cache keyed by content. The work is done by cpp/bodies/hull, hierarchy, body.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.bodies import polytope_files as body_files
+from plannercheck.common.arrays import contiguous
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# Largest coordinate in m: beyond it products of three coordinates could overflow in the filters.
+LARGEST_COORDINATE = 1e50
+
+
+class Polytope:
+    """The convex hull of points, preprocessed for logarithmic queries (paper, section "Polyhedra in 3D space").
+
+    Hulls without volume (a polygon, a segment, a point) are bodies, too. With a swell, the body is the set of points
+    within that distance of the hull: a ball of a point, a capsule of a segment.
+
+    Attributes:
+        vertices: The extreme points (n, 3) in m, read-only.
+        faces: Triangles (m, 3) of the hull, counter-clockwise seen from outside: indices into `vertices`, read-only;
+            none without volume.
+        source: Index of each vertex among the points given (n,), read-only.
+    """
+
+    __slots__ = ("__weakref__", "_core", "faces", "source", "vertices")
+
+    vertices: Floats
+    faces: Ints
+    source: Ints
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: Sequence[ArrayLike] | NDArray[np.integer[Any]] | None = None,
+        swell: float = 0.0,
+        name: str = "polytope",
+    ) -> None:
+        """Computes the hull, exactly, or verifies the faces, exactly; then both hierarchies.
+
+        Args:
+            vertices: Points (n, 3) in m.
+            faces: The hull's faces, if they are known: polygons of indices into `vertices`, counter-clockwise seen
+                from outside; corners of a face must be exactly coplanar or convex in the order of a fan.
+            swell: In m, measured in the world.
+            name: What errors call it.
+
+        Raises:
+            PlannercheckError: If there are no points, they are not finite, the faces do not bound their hull, or the
+                swell is negative.
+        """
+        points = _checked_points(vertices, name)
+        try:
+            if faces is None:
+                self._adopt(core.Body.from_points(points, _checked_swell(swell, name)))
+            else:
+                self._adopt(core.Body.from_faces(points, fans(faces, len(points), name), _checked_swell(swell, name)))
+        except core.HullError as error:
+            raise PlannercheckError(f"{name} ({len(points)} points) has no hull to work with: {error}") from error
+
+    def _adopt(self, body: Any) -> None:
+        self._core = body
+        self.vertices = _read_only(body.vertices())
+        self.faces = _read_only(body.triangles())
+        self.source = _read_only(body.source())
+
+    @classmethod
+    def _from_core(cls, body: Any) -> Polytope:
+        polytope = cls.__new__(cls)
+        polytope._adopt(body)
+        return polytope
+
+    @property
+    def core(self) -> Any:
+        """The compiled body, for the rest of the library."""
+        return self._core
+
+    @property
+    def centre(self) -> Floats:
+        """The interior point (3,) in m that the polar is taken about."""
+        return np.asarray(self._core.centre()[0])
+
+    @property
+    def dimension(self) -> int:
+        """Of the hull: 3, 2 for a polygon, 1 for a segment, 0 for a point."""
+        return int(self._core.dimension)
+
+    @property
+    def swell(self) -> float:
+        """Distance in m around the hull that belongs to the body."""
+        return float(self._core.swell)
+
+    def without_cells(self) -> Polytope:
+        """The same body, whose extreme vertices are sought in the hierarchies alone, as in the paper: O(log n).
+
+        Otherwise cells of directions name the few that may be extreme (cpp/bodies/direction_cells.hpp), with the same
+        answers.
+        """
+        return self._from_core(self._core.without_cells())
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the prepared body in bytes."""
+        return int(self._core.bytes())
+
+    def statistics(self) -> dict[str, Any]:
+        """Sizes of the hull, of both hierarchies (levels, longest chain, fans, bytes), and of the body."""
+        return {
+            "vertices": len(self.vertices),
+            "facets": self._core.facets,
+            "inner": dict(self._core.inner_shape()),
+            "polar": dict(self._core.polar_shape()),
+            "bytes": self.nbytes,
+        }
+
+    def extreme(self, directions: ArrayLike) -> Ints:
+        """The vertex furthest along each direction.
+
+        Args:
+            directions: (k, 3) in the body's frame.
+
+        Returns:
+            Indices into `vertices` (k,); exact for the given doubles.
+
+        Raises:
+            PlannercheckError: If the directions are not finite numbers of shape (k, 3).
+        """
+        return np.asarray(self._core.extremes(_checked_directions(directions), False)[0])
+
+    def fault(self) -> str:
+        """Words for the first broken invariant of hull, polar or hierarchies; empty if all hold (slow)."""
+        return str(self._core.fault())
+
+    def save(self, path: str | Path) -> None:
+        """Writes the prepared body to a file: magic, version, content hash, data; aside first, then renamed."""
+        body_files.write(Path(path), self._core.serialise())
+
+    @classmethod
+    def load(cls, path: str | Path) -> Polytope:
+        """Reads a prepared body.
+
+        Args:
+            path: A file written by `save`.
+
+        Raises:
+            PlannercheckError: If the file is missing, of another kind or version, cut short or changed.
+        """
+        return cls._from_bytes(body_files.read(Path(path)))
+
+    @classmethod
+    def _from_bytes(cls, data: bytes) -> Polytope:
+        try:
+            return cls._from_core(core.Body.parse(data))
+        except core.HullError as error:
+            raise PlannercheckError(f"not a prepared body: {error}") from error
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Polytope._from_bytes, (self._core.serialise(),)
+
+    def __repr__(self) -> str:
+        return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
+
+
+def prepared(
+    vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, swell: float = 0.0, name: str = "polytope"
+) -> Polytope:
+    """A `Polytope` through the disk cache: the second preparation of the same points reads a file.
+
+    Args:
+        vertices: Points (n, 3) in m.
+        faces: As for `Polytope`.
+        swell: As for `Polytope`.
+        name: What errors call it.
+
+    Returns:
+        The prepared body. `PLANNERCHECK_CACHE=0` turns the cache off, another value is the folder to use.
+    """
+    points = _checked_points(vertices, name)
+    cache = body_files.cache_file(points, faces, swell)
+    if cache is not None and (data := body_files.read_cached(cache)) is not None:
+        with contextlib.suppress(PlannercheckError):  # a damaged file is prepared anew
+            found = Polytope._from_bytes(data)
+            if _is_of(found, points, swell):
+                return found
+    polytope = Polytope(points, faces, swell, name)
+    if cache is not None:
+        body_files.write_to_cache(cache, polytope.core.serialise())
+    return polytope
+
+
+def _is_of(body: Polytope, points: Floats, swell: float) -> bool:
+    """Whether a body's vertices are some of these points, and its swell is this one."""
+    source = body.source
+    known = not len(source) or bool(source.min() >= 0 and source.max() < len(points))
+    return known and body.swell == swell and body.vertices.tobytes() == points[source].tobytes()
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    array.flags.writeable = False
+    return array
+
+
+def _checked_directions(directions: ArrayLike) -> Floats:
+    try:
+        rows = np.atleast_2d(np.asarray(directions, dtype=np.float64))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise PlannercheckError(f"directions must be an array of numbers of shape (k, 3): {error}") from error
+    if rows.ndim != 2 or rows.shape[1] != 3 or not np.isfinite(rows).all():
+        raise PlannercheckError(f"directions must be finite and of shape (k, 3), not {rows.shape}: {rows!r:.80}")
+    # Large ones could overflow in products; powers of two change no verdict.
+    exponents = np.maximum(np.frexp(np.abs(rows).max(axis=1, keepdims=True))[1], 0)
+    return np.ascontiguousarray(np.ldexp(rows, -exponents))
+
+
+def _checked_points(vertices: ArrayLike, name: str) -> Floats:
+    try:
+        points = contiguous(vertices)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise PlannercheckError(f"{name}: vertices must be an array of numbers of shape (n, 3): {error}") from error
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise PlannercheckError(f"{name}: vertices must have shape (n, 3), not {points.shape}")
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad):
+        raise PlannercheckError(f"{name}: vertex {bad[0]} is {points[bad[0]].tolist()}, it must be finite")
+    if len(points) == 0:
+        raise PlannercheckError(f"{name} has no points, a body needs at least one")
+    if np.abs(points).max() > LARGEST_COORDINATE:
+        raise PlannercheckError(f"{name}: coordinates must be at most {LARGEST_COORDINATE:g} m in size")
+    return points
+
+
+def _checked_swell(swell: float, name: str) -> float:
+    if not 0 <= swell <= LARGEST_COORDINATE:
+        raise PlannercheckError(f"{name}: swell must be a length in m of at least 0, not {swell!r}")
+    return float(swell)
+
+
+def fans(faces: Sequence[ArrayLike] | NDArray[np.integer[Any]], points: int, name: str) -> Ints:
+    """Cuts polygons into fans of triangles (m, 3)."""
+    triangles: list[tuple[int, int, int]] = []
+    for number, face in enumerate(faces):
+        corners = [int(c) for c in np.asarray(face).ravel()]
+        if len(corners) < 3 or len(set(corners)) != len(corners):
+            raise PlannercheckError(f"{name}: face {number} is {corners}, it needs at least 3 different corners")
+        if min(corners) < 0 or max(corners) >= points:
+            raise PlannercheckError(f"{name}: face {number} names a vertex beyond 0 … {points - 1}: {corners}")
+        triangles += [(corners[0], b, c) for b, c in itertools.pairwise(corners[1:])]
+    return np.array(triangles, dtype=np.int32).reshape(-1, 3)

@@ -1,0 +1,126 @@
+"""Files of prepared bodies, and the disk cache of them.
+
+A file is the magic word, the version of the format, the SHA-256 of the data, and the data. The cache is keyed by the
+content of what is prepared, so it needs no invalidation; it stands in the platform's cache folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import stat
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import platformdirs
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
+
+_MAGIC = b"plannercheck body"
+_HASH_BYTES = 32
+
+
+def _header() -> bytes:
+    return _MAGIC + f" {core.body_format} {sys.byteorder}\n".encode()
+
+
+def write(path: Path, data: bytes, mode: int = 0o666) -> None:
+    """Writes data with header and hash; the file appears whole or not at all.
+
+    Args:
+        path: The file; its folder must exist.
+        data: A serialised body.
+        mode: Of the file, less what the process's mask takes away.
+
+    Raises:
+        PlannercheckError: If the folder can't be written to.
+    """
+    content = _header() + hashlib.sha256(data).digest() + data
+    written_aside(path, lambda aside: aside.write_bytes(content), mode)
+
+
+def read(path: Path) -> bytes:
+    """Reads the data of a file and verifies its hash.
+
+    Args:
+        path: A file written by `write`.
+
+    Returns:
+        The serialised body.
+
+    Raises:
+        PlannercheckError: If it is missing, of another kind or version, cut short or changed.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise PlannercheckError(f"can't read a body from {path}: {error}") from error
+    header = _header()
+    if not content.startswith(_MAGIC):
+        raise PlannercheckError(f"{path} is no file of a prepared body: it does not start with {_MAGIC.decode()!r}")
+    if not content.startswith(header):
+        found = content[:80].split(b"\n")[0].decode(errors="replace")
+        raise PlannercheckError(
+            f"{path} is {found!r}, this version reads {header.decode().strip()!r}: prepare it again"
+        )
+    digest, data = content[len(header) :][:_HASH_BYTES], content[len(header) + _HASH_BYTES :]
+    if hashlib.sha256(data).digest() != digest:
+        raise PlannercheckError(f"{path} is cut short or changed: its content does not match its hash")
+    return data
+
+
+def read_cached(path: Path) -> bytes | None:
+    """The data of a file of the cache, or None if there is none that can be relied on.
+
+    It has to be whole, of this version and of this name, a plain file, and the user's own (or root's) that nobody else
+    can write to: who shares a folder with others gets no body from them.
+    """
+    key = bytes.fromhex(path.stem)
+    try:
+        if not _is_own_file(path):
+            return None
+        data = read(path)
+    except (PlannercheckError, OSError):
+        return None
+    return data[len(key) :] if data.startswith(key) else None
+
+
+def _is_own_file(path: Path) -> bool:
+    """Whether nobody but the user and root could have written a file; it is not opened, which may block."""
+    found = path.lstat()
+    if not stat.S_ISREG(found.st_mode):
+        return False
+    own = not hasattr(os, "geteuid") or found.st_uid in (os.geteuid(), 0)
+    return own and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def write_to_cache(path: Path, data: bytes) -> None:
+    """Writes to the cache; a cache that can't be written is no error."""
+    with contextlib.suppress(PlannercheckError, OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(path, bytes.fromhex(path.stem) + data, mode=0o644)
+
+
+def cache_folder() -> Path | None:
+    """The cache's folder; None if `PLANNERCHECK_CACHE` is 0."""
+    setting = os.environ.get("PLANNERCHECK_CACHE", "")
+    if setting == "0":
+        return None
+    return Path(setting) if setting else Path(platformdirs.user_cache_dir("plannercheck"))
+
+
+def cache_file(points: NDArray[np.float64], faces: Sequence[ArrayLike] | None, swell: float) -> Path | None:
+    """Where the prepared body of these points is cached; None if the cache is off."""
+    folder = cache_folder()
+    if folder is None:
+        return None
+    key = hashlib.sha256(_header() + np.float64(swell).tobytes() + np.ascontiguousarray(points).tobytes())
+    for face in faces if faces is not None else ():
+        key.update(b"face" + np.asarray(face, dtype=np.int64).tobytes())
+    return folder / f"{key.hexdigest()}.body"

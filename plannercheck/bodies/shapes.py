@@ -1,0 +1,335 @@
+"""Collision shapes: what a link or an obstacle is made of, before any hull is built.
+
+In: sizes in metres (as URDF and coal give them) or points. Out: `Shape` dataclasses, each of which can say
+its vertices and faces as a convex polytope, and `Body`, a named shape with a rigid pose on a link or in the
+world.
+
+Shapes are centred at their frame's origin and lie along z; a cone's apex is at +length/2. Boxes and hulls
+are exact. Curved shapes become polytopes that contain them and stick out by at most `excess` times the
+radius: cylinders and cones are the prism and pyramid over a polygon around the circle, a capsule is a
+sphere's polytope, cut along its ring of points at z = 0 and pulled apart. Faces with more than three corners
+are flat exactly: their corners share a coordinate or form a parallelogram.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.bodies.circumscribed import ROUNDING_MARGIN, Ball, ball_around, ring_around
+from plannercheck.common.errors import PlannercheckError
+
+Points: TypeAlias = NDArray[np.float64]
+Faces: TypeAlias = list[NDArray[np.int64]]
+
+# How far the polytope of a cylinder or cone sticks out, as a part of its radius: 5 µm for a link of 5 cm.
+DEFAULT_EXCESS = 1e-4
+
+# Longest capsule, in radii, whose rounded end caps surely stay convex facet by facet.
+_MAX_CAPSULE_RATIO = 1e6
+
+# Largest Frobenius norm of M^T M - 1 that passes as the rounding of a rotation (the project's contract).
+RIGID_TOLERANCE = 1e-6
+
+# The same for a body that is posed by a link, which may be off rigid itself (robots/unit_lengths.py).
+POSED_TOLERANCE = 3.6e-6
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box about its centre.
+
+    Attributes:
+        size: Full edge lengths along x, y, z in m.
+    """
+
+    size: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        size = _numbers(self.size, "box size")
+        if len(size) != 3:
+            raise PlannercheckError(f"box size needs 3 edge lengths in m, not {len(size)}: {list(size)}")
+        edges = (_positive(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
+        object.__setattr__(self, "size", tuple(edges))
+
+    def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
+        """The eight corners (8, 3) in m and six quadrilaterals, exact whatever the excess."""
+        signs = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+        return signs * (np.array(self.size) / 2), prism_faces(4)
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A sphere about its centre.
+
+    Attributes:
+        radius: In m.
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _positive(self.radius, "sphere radius"))
+
+    def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
+        """A polytope (n, 3) in m around the sphere and its triangles."""
+        ball = ball_around(_checked_excess(excess))
+        return self.radius * ball.points, list(ball.triangles)
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A cylinder along z about its centre.
+
+    Attributes:
+        radius: In m.
+        length: Full length in m.
+    """
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _positive(self.radius, "cylinder radius"))
+        object.__setattr__(self, "length", _positive(self.length, "cylinder length"))
+
+    def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
+        """A prism (2 k, 3) in m over a polygon around the circle, and its faces."""
+        ring = ring_around(self.radius, _checked_excess(excess))
+        low = np.column_stack([ring, np.full(len(ring), -self.length / 2)])
+        return np.vstack([low, low * (1.0, 1.0, -1.0)]), prism_faces(len(ring))
+
+
+@dataclass(frozen=True)
+class Cone:
+    """A cone along z, its apex at z = +length/2 and its base at z = -length/2.
+
+    Attributes:
+        radius: Of the base, in m.
+        length: Full length in m.
+    """
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _positive(self.radius, "cone radius"))
+        object.__setattr__(self, "length", _positive(self.length, "cone length"))
+
+    def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
+        """A pyramid (k + 1, 3) in m over a polygon around the base circle, and its faces."""
+        ring = ring_around(self.radius, _checked_excess(excess))
+        base = np.column_stack([ring, np.full(len(ring), -self.length / 2)])
+        k = np.arange(len(ring))
+        sides = np.column_stack([k, np.roll(k, -1), np.full(len(k), len(k))])
+        return np.vstack([base, [0.0, 0.0, self.length / 2]]), [k[::-1].copy(), *sides]
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """All points within a radius of a segment along z.
+
+    Attributes:
+        radius: In m.
+        length: Of the segment (the cylindrical part), in m.
+    """
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", _positive(self.radius, "capsule radius"))
+        object.__setattr__(self, "length", _positive(self.length, "capsule length"))
+
+    def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
+        """A polytope (n, 3) in m around the capsule; faces are None only for lengths over a million radii."""
+        ball = ball_around(_checked_excess(excess))
+        height = ball.lattice[:, 2]
+        upper, lower = np.flatnonzero(height >= 0), np.flatnonzero(height <= 0)
+        points = self.radius * ball.points[np.concatenate([upper, lower])]
+        shift = np.repeat([self.length / 2, -self.length / 2], [len(upper), len(lower)])
+        points[:, 2] = np.nextafter(points[:, 2] + shift, shift * np.inf)  # rounded away from the centre: contains
+        known = self.length <= _MAX_CAPSULE_RATIO * self.radius
+        return points, _capsule_faces(ball, upper, lower) if known else None
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """The convex hull of points; meshes end up here, with their scale applied.
+
+    Attributes:
+        vertices: (n, 3) in m, read-only; points inside the hull and repeated points are welcome.
+    """
+
+    vertices: Points
+
+    def __post_init__(self) -> None:
+        vertices = _array(self.vertices, "hull vertices")
+        if vertices.ndim != 2 or vertices.shape[1] != 3:
+            raise PlannercheckError(f"hull vertices must have shape (n, 3), not {vertices.shape}")
+        if len(vertices) < 4:
+            raise PlannercheckError(f"hull vertices: a body needs at least 4 points, here are {len(vertices)}")
+        bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+        if len(bad):
+            row = int(bad[0])
+            raise PlannercheckError(f"hull vertices: row {row} is {vertices[row].tolist()}, coordinates must be finite")
+        object.__setattr__(self, "vertices", _frozen(vertices))
+
+    def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
+        """The points (n, 3) in m as given; faces are None, the hull is to be computed."""
+        return self.vertices, None
+
+
+HullAndSwell: TypeAlias = tuple[Points, Faces | None, float]
+Shape: TypeAlias = Box | Sphere | Cylinder | Cone | Capsule | Hull
+
+
+def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> HullAndSwell:
+    """What the pair test works with: a hull, and how far around it the body reaches.
+
+    Spheres and capsules are exact: a point and a segment, swollen by the radius. Cylinders and cones are the polytopes
+    around them.
+
+    Args:
+        shape: Any.
+        excess: For cylinders and cones, how far the polytope may stick out, as a part of the radius.
+
+    Returns:
+        Points (n, 3) in m, their hull's faces if known, and the swell in m.
+    """
+    if isinstance(shape, Sphere):
+        return np.zeros((1, 3)), None, shape.radius
+    if isinstance(shape, Capsule):
+        half = shape.length / 2
+        return np.array([[0, 0, -half], [0, 0, half]]), None, shape.radius
+    return *shape.vertices_and_faces(excess), 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A collision body: a shape, posed on its link, or in the world.
+
+    Attributes:
+        name: Of the collision geometry or object, unique in its robot or scene.
+        link: The link it moves with; None for obstacles.
+        pose: (4, 4) rigid transform in m from the shape's frame to the link's or the world's, read-only.
+        shape: What it is.
+        carried: Name of the object that the link carries, of which this is a part; None for the link's own bodies.
+    """
+
+    name: str
+    link: str | None
+    pose: Points = field(repr=False)
+    shape: Shape
+    carried: str | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pose", checked_pose(self.pose, f"body {self.name!r}"))
+
+    @property
+    def label(self) -> str:
+        """What reports call it: the object that is carried, else the link, else its own name."""
+        return self.carried or self.link or self.name
+
+
+def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOLERANCE) -> Points:
+    """Validates a rigid transform and leaves its doubles as they are.
+
+    Args:
+        pose: (4, 4) homogeneous matrix, translation in m; None is the identity.
+        what: What is posed, for the error message, e.g. "body 'shelf'".
+        tolerance: How far off rigid it may be.
+
+    Returns:
+        A read-only float64 copy (4, 4).
+    """
+    if pose is None:
+        return _frozen(np.eye(4))
+    matrix = _array(pose, f"pose of {what}")
+    if matrix.shape != (4, 4):
+        raise PlannercheckError(f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}")
+    if not np.isfinite(matrix).all():
+        raise PlannercheckError(f"pose of {what} has values that are not finite: {matrix.tolist()}")
+    if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
+        raise PlannercheckError(f"pose of {what}: last row must be 0 0 0 1, not {matrix[3].tolist()}")
+    _check_rotation(matrix[:3, :3], what, tolerance)
+    return _frozen(matrix)
+
+
+def _check_rotation(rotation: Points, what: str, tolerance: float) -> None:
+    """Raises if a 3 x 3 matrix is no rotation up to rounding."""
+    error = float(np.linalg.norm(rotation.T @ rotation - np.eye(3)))
+    if not error <= tolerance:
+        raise PlannercheckError(f"pose of {what} is not rigid: |M^T M - 1| is {error:.3g}, accepted is {tolerance:g}")
+    if np.linalg.det(rotation) < 0:
+        raise PlannercheckError(f"pose of {what} is a reflection: det M is -1, a rotation has +1")
+
+
+def _array(values: ArrayLike, what: str) -> Points:
+    """A float64 copy of an array, or an error that says what was to be numbers."""
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise PlannercheckError(f"{what} must be an array of numbers: {error}") from None
+
+
+def _frozen(array: Points) -> Points:
+    array.setflags(write=False)
+    return array
+
+
+def _numbers(values: Sequence[float], what: str) -> tuple[float, ...]:
+    array = _array(values, what)
+    if array.ndim != 1:
+        raise PlannercheckError(f"{what} must be a list of numbers, not {values!r}")
+    return tuple(float(v) for v in array)
+
+
+def _positive(value: float, what: str) -> float:
+    """The value as a float, if it is positive and finite."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise PlannercheckError(f"{what} must be a number in m, not {value!r}") from None
+    if not (math.isfinite(number) and number > 0):
+        raise PlannercheckError(f"{what} must be positive and finite (m), not {number}")
+    return number
+
+
+def _checked_excess(excess: float) -> float:
+    if not (math.isfinite(excess) and 4 * ROUNDING_MARGIN < excess <= 1):
+        raise PlannercheckError(f"excess must be within (0, 1], a part of the radius, not {excess}")
+    return float(excess)
+
+
+def prism_faces(k: int) -> Faces:
+    """Faces of a prism: points 0 to k - 1 are the lower polygon, counter-clockwise from above."""
+    return list(_read_only_prism_faces(k))
+
+
+@functools.lru_cache(maxsize=16)
+def _read_only_prism_faces(k: int) -> tuple[NDArray[np.int64], ...]:
+    low = np.arange(k)
+    following = np.roll(low, -1)
+    faces = low[::-1].copy(), low + k, *np.column_stack([low, following, following + k, low + k])
+    for face in faces:
+        face.setflags(write=False)
+    return faces
+
+
+def _capsule_faces(ball: Ball, upper: NDArray[np.int64], lower: NDArray[np.int64]) -> Faces:
+    """A ball's triangles, renumbered for points [upper, lower], with a quadrilateral at each equator edge."""
+    top, bottom = np.full(len(ball.points), -1), np.full(len(ball.points), -1)
+    top[upper], bottom[lower] = np.arange(len(upper)), len(upper) + np.arange(len(lower))
+    is_upper = (ball.lattice[ball.triangles, 2] >= 0).all(axis=1)
+    caps = [*top[ball.triangles[is_upper]], *bottom[ball.triangles[~is_upper]]]
+    equator = np.flatnonzero(ball.lattice[:, 2] == 0)
+    ring = equator[np.argsort(np.arctan2(ball.points[equator, 1], ball.points[equator, 0]))]
+    after = np.roll(ring, -1)
+    return [*caps, *np.column_stack([bottom[ring], bottom[after], top[after], top[ring]])]

@@ -1,0 +1,75 @@
+"""Triangle meshes as they are in their files: whether they are closed, and what they hold.
+
+In: coal's meshes, or mesh files. Out: `TriangleMesh`, equal points merged. Verdicts take the hulls of meshes; this says
+how much a hull adds, and what a convex decomposition has to cover.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.arrays import OwnsArrays
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class TriangleMesh(OwnsArrays):
+    """A mesh of triangles.
+
+    Attributes:
+        points: (n, 3) m, each once.
+        triangles: (m, 3) indices of points, those without area left out.
+    """
+
+    points: Floats
+    triangles: Ints
+
+    @staticmethod
+    def of(points: Floats, triangles: Ints) -> TriangleMesh:
+        """Merges equal points (n, 3), m, of triangles (m, 3)."""
+        merged, index = np.unique(points, axis=0, return_inverse=True)
+        corners = np.asarray(index, dtype=np.int64).reshape(-1)[triangles].reshape(-1, 3)
+        a, b, c = corners.T
+        return TriangleMesh(merged, corners[(a != b) & (b != c) & (c != a)])
+
+    @cached_property
+    def is_watertight(self) -> bool:
+        """Whether each edge belongs to one triangle on either side, all of them turned alike."""
+        if not len(self.triangles):
+            return False
+        a, b = np.concatenate([self.triangles[:, [0, 1]], self.triangles[:, [1, 2]], self.triangles[:, [2, 0]]]).T
+        forth, back = a * len(self.points) + b, b * len(self.points) + a
+        return len(np.unique(forth)) == len(forth) and np.array_equal(np.sort(forth), np.sort(back))
+
+    @cached_property
+    def signed_volume(self) -> float:
+        """m³, negative if the triangles are turned inside out; without meaning unless the mesh is watertight."""
+        middle = self.points.mean(axis=0)
+        a, b, c = (self.points[self.triangles[:, k]] - middle for k in range(3))
+        return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
+
+    @property
+    def volume(self) -> float | None:
+        """m³; None unless the mesh is watertight."""
+        return abs(self.signed_volume) if self.is_watertight else None
+
+    @cached_property
+    def outward(self) -> TriangleMesh:
+        """The same mesh with its triangles turned outwards; mirrored meshes come inside out."""
+        return self if self.signed_volume >= 0 else TriangleMesh(self.points, self.triangles[:, ::-1])
+
+
+def triangles_of_coal(shape: Any) -> TriangleMesh | None:
+    """One of coal's meshes; None for other shapes."""
+    if not hasattr(shape, "tri_indices") or not hasattr(shape, "vertices"):
+        return None
+    corners = [(t[0], t[1], t[2]) for t in map(shape.tri_indices, range(shape.num_tris))]
+    triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)
+    return TriangleMesh.of(np.array(shape.vertices(), dtype=np.float64), triangles)

@@ -1,0 +1,67 @@
+"""Writes allowed collision matrices: SRDF, or the `disabled_pairs` of a robot's YAML.
+
+In: pairs of links with reasons. Out: text. In an SRDF the reasons are those that MoveIt's assistant knows; what was
+proved stands in a comment. Groups, states and all else that an SRDF has already stay as they are.
+"""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from xml.etree.ElementTree import Element
+
+import yaml
+
+from plannercheck.checking.collision_matrix import LinkPair
+
+_SRDF_REASONS = {
+    "adjacent": "Adjacent",
+    "default": "Default",
+    "always": "Always",
+    "never": "Never",
+    "proved never": "Never",
+}
+
+
+def srdf_text(robot: str, pairs: Sequence[LinkPair], semantics: Element | None = None) -> str:
+    """An SRDF that disables pairs.
+
+    Args:
+        robot: Its name.
+        pairs: What to disable, by reason.
+        semantics: The root of the SRDF whose disabled pairs are replaced; None for a new one.
+
+    Returns:
+        The file's text.
+    """
+    root = Element("robot", name=robot) if semantics is None else copy.deepcopy(semantics)
+    for old in root.findall("disable_collisions"):
+        root.remove(old)
+    for words, group in itertools.groupby(pairs, key=_heading):
+        root.append(ElementTree.Comment(f" {words} "))
+        for pair in group:
+            reason = _SRDF_REASONS[str(pair.reason)]
+            ElementTree.SubElement(root, "disable_collisions", link1=pair.link_a, link2=pair.link_b, reason=reason)
+    ElementTree.indent(root)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def yaml_text(pairs: Sequence[LinkPair]) -> str:
+    """The `disabled_pairs` of a robot's YAML, one block a reason."""
+    blocks = [
+        {"reason": words, "pairs": [[pair.link_a, pair.link_b] for pair in group]}
+        for words, group in itertools.groupby(pairs, key=_heading)
+    ]
+    text: str = yaml.dump({"disabled_pairs": blocks}, sort_keys=False, default_flow_style=None, width=110)
+    return text
+
+
+def _heading(pair: LinkPair) -> str:
+    """Words for all pairs of a reason."""
+    if pair.reason == "proved never":
+        return "proved never to meet within the joint limits"
+    if pair.reason == "never":
+        return f"not seen to meet in {pair.states} random configurations"
+    return {"adjacent": "adjacent", "default": "collide in the reference"}.get(str(pair.reason), "always collide")

@@ -1,0 +1,99 @@
+"""Words for input that can be read but is hardly meant: degrees, columns in another order, millimetres, xacro.
+
+In: what was given. Out: a sentence that says what it looks like and what to do, or an empty one. Hints never change a
+verdict.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.checking.protocols import AnyChecker, AnyRobot
+
+Floats = NDArray[np.float64]
+
+# Part of the rows that is beyond the limits where something is wrong with all of them.
+_MOST = 0.5
+# No link or object is as large: meshes in millimetres are, from 2 cm on. m.
+_LARGEST_USUAL_MESH = 20.0
+# Configurations that tell what always collides, at least and at most, and how many pairs are named.
+_ENOUGH, _SAMPLES, _SHOWN_PAIRS = 20, 200, 8
+# What only xacro knows.
+_XACRO_SIGNS = (b"<xacro:", b"${")
+
+
+def limits_hint(robot: AnyRobot, rows: Floats) -> str:
+    """What configurations look like, most of which are beyond the limits.
+
+    Args:
+        robot: Whose they are.
+        rows: (n, nq).
+
+    Returns:
+        A sentence.
+    """
+    start = f"most configurations are beyond the limits of {robot.name!r}"
+    if _are_degrees(robot, rows):
+        return f"{start}, and as degrees they would not be: angles are in rad, convert them by numpy.radians"
+    if _part_within(robot, rows[:, ::-1]) >= _MOST:
+        return f"{start}, and in reverse order they would not be: {_order(robot)}"
+    return f"{start}: {_order(robot)}, in rad and m"
+
+
+def always_hint(checker: AnyChecker, rows: Floats) -> str:
+    """What configurations (n, nq) that all collide have in common; empty if nothing, or too few to tell."""
+    if len(rows) < _ENOUGH:
+        return ""
+    always = np.flatnonzero(checker.colliding_pairs(rows[:_SAMPLES]).all(axis=0))
+    pairs = dict.fromkeys(checker.pair_names(int(pair)) for pair in always)
+    if not pairs:
+        return ""
+    shown = ", ".join(f"{a} – {b}" for a, b in list(pairs)[:_SHOWN_PAIRS])
+    more = f" and {len(pairs) - _SHOWN_PAIRS} more pairs" if len(pairs) > _SHOWN_PAIRS else ""
+    return (
+        f"every configuration collides, each time by these pairs: {shown}{more}; links that touch by design belong "
+        "into the SRDF or the robot YAML's disabled_pairs, obstacles to be touched into the scene's allowed pairs"
+    )
+
+
+def degrees_hint(robot: AnyRobot, q: Floats) -> str:
+    """Says so if a configuration (nq,) looks as if it were in degrees; else empty."""
+    is_beyond = _part_within(robot, q[None]) < 1
+    return "as degrees it would be within: angles are in rad" if is_beyond and _are_degrees(robot, q[None]) else ""
+
+
+def mesh_hint(points: Floats) -> str:
+    """What points (n, 3) in m look like that are unusually far apart; empty if they are not."""
+    size = float(np.ptp(points, axis=0).max(initial=0))
+    if size <= _LARGEST_USUAL_MESH:
+        return ""
+    return f"is {size:.4g} m large: if it is in millimetres, scale it by 0.001"
+
+
+def xacro_hint(path: Path) -> str:
+    """Says so if a file is a xacro; empty if it is none, or can't be read."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return ""
+    if path.suffix != ".xacro" and not any(sign in content for sign in _XACRO_SIGNS):
+        return ""
+    return f"it is a xacro, which has to be expanded first: xacro {path.name} > expanded.urdf"
+
+
+def _are_degrees(robot: AnyRobot, rows: Floats) -> bool:
+    """Whether rows that are beyond the limits would be within them as degrees, and some are more than a turn in rad."""
+    return _part_within(robot, np.radians(rows)) >= _MOST and float(np.abs(rows).max(initial=0)) > 2 * np.pi
+
+
+def _part_within(robot: AnyRobot, rows: Floats) -> float:
+    """Which part of the rows is within the limits; 1 of none."""
+    within = np.asarray(((rows >= robot.lower) & (rows <= robot.upper)).all(axis=1))
+    return float(within.mean()) if len(rows) else 1.0
+
+
+def _order(robot: AnyRobot) -> str:
+    return f"columns have to be {', '.join(robot.joint_names)}"

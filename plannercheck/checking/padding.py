@@ -1,0 +1,147 @@
+"""Padding: distances that bodies have to keep, besides not touching.
+
+In: one distance in m for all pairs, or lengths by name: parts of links, obstacles or bodies, and distances of pairs of
+them. Out: `PaddedPairs`: each body's own part, by which it is swollen. A pair has to keep more than the sum of both
+bodies' parts apart. Points and faces are untouched and swells are exact, so padded verdicts are as exact as others:
+swells add without rounding in the test. Only a part that is added to a swell that a ball or a capsule has already is
+rounded, once, to a double.
+
+A pair with a distance of its own gets bodies of its own: copies with half the distance each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import Body
+from plannercheck.common.errors import PlannercheckError, unknown_name
+
+Ints = NDArray[np.int32]
+
+Padding: TypeAlias = float | Mapping[str, float] | Mapping[str | tuple[str, str], float]
+
+
+class PaddedPairs(NamedTuple):
+    """Bodies and pairs with their padding.
+
+    Attributes:
+        bodies: Those given, then copies for pairs with a distance of their own.
+        labels: The link or obstacle of each.
+        parts: (bodies,) each body's part, m.
+        pairs: The given tables (k, 2), with copies where they are needed.
+    """
+
+    bodies: tuple[Body, ...]
+    labels: tuple[str, ...]
+    parts: NDArray[np.float64]
+    pairs: tuple[Ints, ...]
+
+
+def padded_pairs(
+    padding: Padding, bodies: Sequence[Body], labels: Sequence[str], tables: Sequence[Ints]
+) -> PaddedPairs:
+    """Distributes padding among bodies.
+
+    Args:
+        padding: The distance that every pair keeps, m; or lengths by name. A body's part is its own, else its link's or
+            obstacle's, else 0; a pair keeps the sum of both parts. A pair of names (of bodies, links or obstacles, in
+            any order) has the whole distance of these pairs, whatever the parts; of several that fit the last counts.
+        bodies: All bodies.
+        labels: The link or obstacle of each.
+        tables: (k, 2) indices into bodies each.
+
+    Returns:
+        Bodies and pairs.
+
+    Raises:
+        PlannercheckError: If a length is negative or not finite, a name is unknown, or a pair is never tested.
+    """
+    if not isinstance(padding, Mapping):
+        parts = [_checked(padding, "padding") / 2] * len(bodies)
+        return PaddedPairs(tuple(bodies), tuple(labels), np.array(parts, dtype=np.float64), tuple(tables))
+    own = padding_parts({name: length for name, length in padding.items() if isinstance(name, str)}, bodies, labels)
+    distances = {pair: length for pair, length in padding.items() if not isinstance(pair, str)}
+    copies = _Copies(bodies, labels, own)
+    for pair, length in distances.items():
+        _check_pair(pair, bodies, labels, tables)
+        _checked(length, f"padding of {pair!r}")
+    rewritten = tuple(_rewritten(table, distances, bodies, labels, copies) for table in tables)
+    return PaddedPairs(tuple(copies.bodies), tuple(copies.labels), np.array(copies.parts, dtype=np.float64), rewritten)
+
+
+def padding_parts(padding: Mapping[str, float], bodies: Sequence[Body], labels: Sequence[str]) -> list[float]:
+    """Each body's part, m: its own by name, else its link's or obstacle's, else 0."""
+    names = _names(bodies, labels)
+    for name in padding:
+        if name not in names:
+            raise unknown_name("padded body, link or obstacle", name, sorted(names))
+    parts = {name: _checked(length, f"padding of {name!r}") for name, length in padding.items()}
+    return [parts.get(body.name, parts.get(label, 0.0)) for body, label in zip(bodies, labels, strict=True)]
+
+
+class _Copies:
+    """Bodies, and copies of them with other parts; one of each part."""
+
+    def __init__(self, bodies: Sequence[Body], labels: Sequence[str], parts: Sequence[float]) -> None:
+        self.bodies, self.labels, self.parts = list(bodies), list(labels), list(parts)
+        self._known = {(k, part): k for k, part in enumerate(parts)}
+
+    def with_part(self, body: int, part: float) -> int:
+        """The index of a body that is swollen by a part."""
+        if (body, part) not in self._known:
+            self._known[body, part] = len(self.bodies)
+            self.bodies.append(self.bodies[body])
+            self.labels.append(self.labels[body])
+            self.parts.append(part)
+        return self._known[body, part]
+
+
+def _rewritten(
+    table: Ints,
+    distances: Mapping[tuple[str, str], float],
+    bodies: Sequence[Body],
+    labels: Sequence[str],
+    copies: _Copies,
+) -> Ints:
+    """A table with copies where pairs have a distance of their own."""
+    out = table.copy()
+    chosen = {row: length for pair, length in distances.items() for row in _rows_of(pair, bodies, labels, table)}
+    for row, length in chosen.items():
+        out[row] = [copies.with_part(body, length / 2) for body in table[row].tolist()]
+    out.flags.writeable = False
+    return out
+
+
+def _names(bodies: Sequence[Body], labels: Sequence[str]) -> set[str]:
+    return {*labels, *(body.name for body in bodies)}
+
+
+def _check_pair(pair: object, bodies: Sequence[Body], labels: Sequence[str], tables: Sequence[Ints]) -> None:
+    if not isinstance(pair, tuple) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
+        raise PlannercheckError(f"padding is for a name or a pair of names, not {pair!r}")
+    names = _names(bodies, labels)
+    for name in pair:
+        if name not in names:
+            raise unknown_name("padded body, link or obstacle", name, sorted(names))
+    if not any(True for table in tables for _ in _rows_of(pair, bodies, labels, table)):
+        raise PlannercheckError(
+            f"padding of {pair!r}: no such pair is tested, as both are on one link or allowed to touch"
+        )
+
+
+def _rows_of(pair: tuple[str, str], bodies: Sequence[Body], labels: Sequence[str], table: Ints) -> Iterator[int]:
+    """Rows of a table with bodies that a pair of names means."""
+    meant = [{k for k, body in enumerate(bodies) if name in (body.name, labels[k])} for name in pair]
+    for row, (a, b) in enumerate(table.tolist()):
+        if (a in meant[0] and b in meant[1]) or (a in meant[1] and b in meant[0]):
+            yield row
+
+
+def _checked(length: float, what: str) -> float:
+    if isinstance(length, bool) or not isinstance(length, int | float | np.floating) or not 0 <= length < np.inf:
+        raise PlannercheckError(f"{what} must be a length in m of at least 0, not {length!r}")
+    return float(length)

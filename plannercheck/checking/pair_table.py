@@ -1,0 +1,82 @@
+"""The pair table: which bodies are tested against which.
+
+In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are what the SRDF or the
+robot's YAML disables (Pinocchio has done that already), what an allowed collision matrix allows, and bodies that are
+fixed to the world against obstacles: these pairs never change, so they are judged once (`resting`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.arrays import read_only
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
+
+Acm: TypeAlias = Literal["robot", "scene"]
+
+
+@dataclass(frozen=True)
+class PairTable:
+    """Pairs of bodies, as indices into the robot's bodies followed by the scene's.
+
+    Attributes:
+        pairs: (k, 2) tested at every configuration: self pairs, then pairs with obstacles.
+        resting: (m, 2) of bodies fixed to the world with obstacles: the same at every configuration.
+        self_count: How many of `pairs` are self pairs.
+    """
+
+    pairs: NDArray[np.int32]
+    resting: NDArray[np.int32]
+    self_count: int
+
+
+def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> PairTable:
+    """Builds the table.
+
+    Args:
+        robot: Its `self_pairs` are taken as they are.
+        scene: Its allowed collisions act on pairs with obstacles and carried objects, and on other self pairs only with
+            acm="scene".
+        self_collision: Whether self pairs are tested at all.
+        acm: "robot" or "scene".
+
+    Returns:
+        The table.
+    """
+    if acm not in ("robot", "scene"):
+        raise PlannercheckError(f"acm must be 'robot' or 'scene', not {acm!r}")
+    own = robot.self_pairs.astype(np.int32) if self_collision else _rows([])
+    labels = [body.label for body in robot.bodies]
+    if acm == "scene" or robot.carried:
+        judged = np.array([acm == "scene" or body.carried is not None for body in robot.bodies], dtype=bool)
+        asked = np.flatnonzero(judged[own[:, 1]])
+        allowed = [scene.is_allowed(labels[a], labels[b]) for a, b in own[asked].tolist()]
+        own = np.delete(own, asked[np.array(allowed, dtype=bool)], axis=0)
+    obstacles: list[tuple[int, int]] = []
+    resting: list[tuple[int, int]] = []
+    fixed = fixed_links(robot)
+    for a, body in enumerate(robot.bodies):
+        for k, name in enumerate(scene.body_objects):
+            if scene.is_allowed(labels[a], name):
+                continue
+            (resting if body.link in fixed else obstacles).append((a, len(robot.bodies) + k))
+    return PairTable(read_only(np.concatenate([own, _rows(obstacles)])), _rows(resting), len(own))
+
+
+def fixed_links(robot: Robot) -> frozenset[str]:
+    """Names of the links that no joint can move."""
+    model = robot.model
+    frames = {name: model.frames[model.getBodyId(name)] for name in robot.link_names}
+    return frozenset(name for name, frame in frames.items() if frame.parentJoint == 0)
+
+
+def _rows(pairs: list[tuple[int, int]]) -> NDArray[np.int32]:
+    rows = np.array(pairs, dtype=np.int32).reshape(-1, 2)
+    rows.flags.writeable = False
+    return rows

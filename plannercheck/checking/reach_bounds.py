@@ -1,0 +1,339 @@
+"""Lengths and poses along a robot's chains of joints, for bounds on where its bodies can get.
+
+In: a robot and its bodies' hulls. Out: `Chains`, which says where a body is once some columns of the configuration are
+known: in a ball whose centre is posed, and how far the centre moves at most for one unit of a column (its lever). What
+a joint that is not known carries stays in a ball around that joint's origin: its radius is the sum of the lengths
+between the following joints, of what they slide, and of the furthest point of the body.
+"""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import Body, HullAndSwell
+from plannercheck.checking.neighbourhoods import Neighbourhood, neighbourhood
+from plannercheck.checking.reach_screens import Screen, joint_tree
+from plannercheck.common.core import core
+from plannercheck.robots.configurations import LARGEST_VALUE
+from plannercheck.robots.kinematics import SLIDE, TURNS, JointTable
+from plannercheck.robots.robot import Robot
+
+Floats = NDArray[np.float64]
+Cut = tuple[int, ...]
+Joints = tuple[int, ...]
+
+# Largest error of a computed pose, m, and largest defect of a placement or axis, that the margins of
+# unreachable_pairs.py cover.
+LARGEST_ERROR = 1e-7
+RIGID = 1e-9
+
+# Cells by how many columns are cut: a turn of a whole circle moves a point at 1 m by 2.5 cm within one of 128 cells.
+# Twice as many drop less than 1 % more pairs, and take four times as long.
+CELLS = {0: 1, 1: 128, 2: 24}
+MOST_COLUMNS = max(CELLS)
+
+
+class End(NamedTuple):
+    """Where a body is once some columns are known.
+
+    Attributes:
+        frame: A frame of `Chains` that these columns pose.
+        centre: (3,) in that frame, m: of a ball that holds the body whatever the other columns are.
+        radius: Of that ball, m; may be infinite.
+        levers: How far one unit of each column moves the centre at most, m.
+        ball_levers: The same for all points of the ball.
+        posed: Whether the frame is the body's own, so that its box may be used.
+    """
+
+    frame: int
+    centre: Floats
+    radius: float
+    levers: dict[int, float]
+    ball_levers: dict[int, float]
+    posed: bool
+
+
+class Boxes(NamedTuple):
+    """Bodies in their own frames.
+
+    Attributes:
+        low: (n, 3) of the box around each hull, m.
+        high: (n, 3).
+        centre: (n, 3) of the box.
+        radius: (n,) of the ball around the centre that holds the hull, m.
+        swell: (n,) how far around the hull the body reaches, m.
+    """
+
+    low: Floats
+    high: Floats
+    centre: Floats
+    radius: Floats
+    swell: Floats
+
+    def of(self, chosen: Any) -> Boxes:
+        """Some of them."""
+        return Boxes(*(array[chosen] for array in self))
+
+
+def joined(first: Boxes, second: Boxes) -> Boxes:
+    """The boxes of one after those of another."""
+    return Boxes(*(np.concatenate(both) for both in zip(first, second, strict=True)))
+
+
+def boxes_of(hulls: Sequence[HullAndSwell]) -> Boxes:
+    """The boxes and balls around hulls, see `shapes.hull_and_swell`."""
+    low = np.array([points.min(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
+    high = np.array([points.max(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
+    centre = 0.5 * (low + high)
+    squares = [((points - c) ** 2).sum(axis=1).max() for (points, _, _), c in zip(hulls, centre, strict=True)]
+    return Boxes(
+        low,
+        high,
+        centre,
+        np.sqrt(np.array(squares, dtype=np.float64)),
+        np.array([h[2] for h in hulls], dtype=np.float64),
+    )
+
+
+class Chains:
+    """The moving joints that bodies hang on, lengths between them, and poses of their frames.
+
+    Frames are, for each of the n joints, the one before its motion (k) and after it (n + k), then those of the bodies
+    (2 n + b). Lengths along chains that no joint of the group changes are measured in one configuration.
+    """
+
+    def __init__(self, robot: Robot, table: JointTable, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> None:
+        """Digests the joint table; `hulls` are those of `bodies`, of which those on links come first."""
+        self.robot, self._table, self._joints = robot, table, len(table.kinds)
+        self.boxes = boxes_of(hulls)
+        self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
+        own = self._own = tuple(body for body in bodies if body.link is not None)
+        self._frames = _table_of_frames(robot, table, own)
+        self._kernel = core.Kinematics(*self._frames)
+        self._moving = [bool((columns >= 0).any()) for columns in table.columns]
+        self._slides = [_most_slide(table, k, robot.lower, robot.upper) for k in range(self._joints)]
+        spans = robot.upper - robot.lower
+        self._can_be_cut = [
+            self._moving[k] and math.isfinite(self._slides[k]) and math.isfinite(spans[self._column(k)])
+            for k in range(self._joints)
+        ]
+        links = [int(table.link_joints[robot.link_index(str(body.link))]) for body in own]
+        self._chains = [self._chain(joint) for joint in links]
+        self._base = np.array(robot.reference)
+        at_base = self.poses(self._base[None], range(2 * self._joints + len(links)))[0]
+        origins = at_base[:, :3, 3].tolist()
+        self._origins, self._moved_origins = origins[: self._joints], origins[self._joints : 2 * self._joints]
+        centres = np.column_stack([self.boxes.centre[: len(links)], np.ones(len(links))])
+        self._centres = np.einsum("bij,bj->bi", at_base[2 * self._joints :, :3], centres).tolist()
+        self._ends: dict[tuple[int, int, Cut], End] = {}
+        self._middles: dict[tuple[int, int, Cut], tuple[Floats, float]] = {}
+        self._proved: bool | None = None
+
+    def inherit(self, earlier: Chains) -> None:
+        """Takes over what is known of the bodies that are the same on the same joints, e.g. before one was attached.
+
+        Args:
+            earlier: Of the same robot and paddings but for what it carries, which comes last among its bodies.
+        """
+        same = [a is b for a, b in zip(self._own, earlier._own, strict=False)]
+        common = same.index(False) if False in same else len(same)
+        self._ends |= {key: end for key, end in earlier._ends.items() if key[0] < common}
+        self._middles |= {key: middle for key, middle in earlier._middles.items() if key[0] < common}
+
+    def among(self, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> Chains:
+        """The same chains, and all that is known of them, among other obstacles.
+
+        Args:
+            bodies: The robot's, the same as here, then the obstacles.
+            hulls: Theirs.
+
+        Returns:
+            Chains that share everything of the robot with these.
+        """
+        other, own = copy.copy(self), len(self._own)
+        other.boxes = joined(self.boxes.of(slice(own)), boxes_of(hulls[own:]))
+        other.poses_in_world = np.array([body.pose for body in bodies])
+        return other
+
+    def _chain(self, joint: int) -> Joints:
+        """The moving joints from the world to this one."""
+        chain: list[int] = []
+        while joint >= 0:
+            if self._moving[joint]:
+                chain.append(joint)
+            joint = int(self._table.parents[joint])
+        return tuple(reversed(chain))
+
+    def _column(self, joint: int) -> int:
+        """Of the group's configuration, for the first number that a moving joint takes; -1 if that one is held."""
+        return int(self._table.columns[joint][0])
+
+    def is_proved(self) -> bool:
+        """Whether the margins cover all rounding within the limits."""
+        if self._proved is None:
+            self._proved = self._margins_cover()
+        return self._proved
+
+    def _margins_cover(self) -> bool:
+        robot, table = self.robot, self._table
+        low, high = (np.clip(limit, -LARGEST_VALUE, LARGEST_VALUE) for limit in (robot.lower, robot.upper))
+        if not robot.kinematic_error_within(low, high) <= LARGEST_ERROR:
+            return False
+        rotations = np.concatenate([table.placements, table.link_placements])[:, :, :3]
+        defect = np.abs(rotations.transpose(0, 2, 1) @ rotations - np.eye(3)).max(initial=0.0)
+        lengths = np.linalg.norm(table.axes, axis=1)
+        return bool(defect <= RIGID and (np.abs(lengths[lengths > 0] - 1) <= RIGID).all())
+
+    def poses(self, q: Floats, frames: Iterable[int]) -> Floats:
+        """(n, all frames, 4, 4) at configurations (n, nq); only the frames asked for are posed."""
+        needed = np.zeros(2 * self._joints + len(self._chains), dtype=np.uint8)
+        needed[list(frames)] = 1
+        return np.asarray(self._kernel.link_poses(q, needed))
+
+    def neighbourhood(self, frames: Iterable[int]) -> Neighbourhood:
+        """Kinematics of some frames against each other."""
+        return neighbourhood(self._frames, sorted(frames))
+
+    def branches(self, a: int, b: int) -> tuple[Joints, Joints]:
+        """The moving joints of two bodies from their fork outwards."""
+        first, second = self._chains[a], self._chains[b]
+        common = 0
+        while common < min(len(first), len(second)) and first[common] == second[common]:
+            common += 1
+        return first[common:], second[common:]
+
+    def chain(self, body: int) -> Joints:
+        """The moving joints from the world to a body."""
+        return self._chains[body]
+
+    @cached_property
+    def screen(self) -> Screen:
+        """Tells at once for which pairs of bodies on links nothing can be proved."""
+        moving = [joint for joint in range(self._joints) if self._moving[joint]]
+        number = {joint: k for k, joint in enumerate(moving)}
+        above = [self._last_moving(int(self._table.parents[joint])) for joint in moving]
+        own = slice(len(self._own))
+        tree = joint_tree(
+            [number.get(joint, -1) for joint in above],
+            [self._column(joint) if self._can_be_cut[joint] else -1 for joint in moving],
+            [self._slides[joint] for joint in moving],
+            (_rows(self._origins, moving), _rows(self._moved_origins, moving)),
+            [number.get(chain[-1], -1) if chain else -1 for chain in self._chains],
+            (_rows(self._centres, range(len(self._own))), self.boxes.radius[own] + self.boxes.swell[own]),
+        )
+        return Screen(tree)
+
+    def _last_moving(self, joint: int) -> int:
+        """The first joint that moves, from this one towards the world; -1 if none does."""
+        while joint >= 0 and not self._moving[joint]:
+            joint = int(self._table.parents[joint])
+        return joint
+
+    def columns(self, branch: Joints) -> list[int]:
+        """The first columns that can be cut, in their order along a branch; up to the first joint that can't be."""
+        found: list[int] = []
+        for joint in branch:
+            if not self._can_be_cut[joint] or len(found) == MOST_COLUMNS:
+                break
+            if self._column(joint) not in found:
+                found.append(self._column(joint))
+        return found
+
+    def end(self, body: int, branch: Joints, cut: Cut) -> End:
+        """Where a body is once the columns of a cut are known."""
+        key = body, len(branch), cut
+        if key not in self._ends:
+            self._ends[key] = self._new_end(body, branch, cut)
+        return self._ends[key]
+
+    def _new_end(self, body: int, branch: Joints, cut: Cut) -> End:
+        known = 0
+        while known < len(branch) and self._can_be_cut[branch[known]] and self._column(branch[known]) in cut:
+            known += 1
+        posed = known == len(branch)
+        if posed:
+            frame, centre, following = 2 * self._joints + body, self.boxes.centre[body], self._centres[body]
+        else:
+            frame, centre, following = branch[known], np.zeros(3), self._origins[branch[known]]
+        radius = self._room_beyond(body, branch[known:])
+        levers: dict[int, float] = dict.fromkeys(cut, 0.0)
+        ball_levers = dict(levers)
+        length = 0.0
+        for joint in reversed(branch[:known]):
+            length += math.dist(following, self._moved_origins[joint])
+            column, rate = self._column(joint), abs(float(self._table.multipliers[joint][0]))
+            slides = self._table.kinds[joint] == SLIDE
+            levers[column] += rate * (1.0 if slides else length)
+            ball_levers[column] += rate * (1.0 if slides else length + radius)
+            length += self._slides[joint]
+            following = self._origins[joint]
+        return End(frame, centre, radius, levers, ball_levers, posed)
+
+    def _room_beyond(self, body: int, branch: Sequence[int]) -> float:
+        """How far from the origin of the first joint of a branch its body gets, m; the body's ball without a branch."""
+        room = float(self.boxes.radius[body] + self.boxes.swell[body])
+        following = self._centres[body]
+        for joint in reversed(branch):
+            room += self._slides[joint] + math.dist(following, self._moved_origins[joint])
+            following = self._origins[joint]
+        return room
+
+    def centres_in_cells(self, body: int, chain: Joints, cut: Cut) -> tuple[Floats, float]:
+        """Centres (cells, 3) of the ball that holds a body in the middles of cells, and how far they sway within, m."""
+        end = self.end(body, chain, cut)
+        key = body if end.posed else -1, end.frame, cut  # of what hangs beyond a joint, all have its origin in common
+        if key not in self._middles:
+            q, half = self.cells(cut)
+            centres = self.poses(q, [end.frame])[:, end.frame, :3] @ np.append(end.centre, 1.0)
+            sway = sum(end.levers[column] * width for column, width in zip(cut, half.tolist(), strict=True))
+            self._middles[key] = centres, float(sway)
+        return self._middles[key]
+
+    def cells(self, cut: Cut) -> tuple[Floats, Floats]:
+        """Middles (cells, nq) of the cells of a cut, in random order, and half their widths (columns of the cut,)."""
+        count = CELLS[len(cut)]
+        low, high = self.robot.lower[list(cut)], self.robot.upper[list(cut)]
+        half = np.maximum(high - low, 0.0) / (2 * count)
+        steps = np.array(list(itertools.product(range(count), repeat=len(cut))))
+        q = np.tile(self._base, (len(steps), 1))
+        q[:, list(cut)] = low + half * (2 * steps + 1)
+        return np.random.default_rng(0).permutation(q), half
+
+
+def _rows(points: Sequence[Sequence[float]], wanted: Sequence[int]) -> Floats:
+    """(n, 3) some of the points."""
+    return np.array([points[k] for k in wanted], dtype=np.float64).reshape(-1, 3)
+
+
+def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> float:
+    """How far a moving joint takes its frame from where it hangs, m; infinite if several numbers move it."""
+    kind, column = int(table.kinds[joint]), int(table.columns[joint][0])
+    if kind in TURNS:
+        return 0.0
+    if kind != SLIDE:
+        return np.inf
+    ends = np.array([lower[column], upper[column]])
+    if not np.isfinite(ends).all():
+        return np.inf
+    return float(np.abs(ends * table.multipliers[joint][0] + table.offsets[joint][0]).max())
+
+
+def _table_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> JointTable:
+    """For kinematics of the joints' frames, before and after their motion, and of the bodies on the links."""
+    joints = np.arange(len(table.kinds), dtype=np.int32)
+    links = [robot.link_index(str(body.link)) for body in bodies]
+    on_links = np.array([body.pose for body in bodies]).reshape(-1, 4, 4)
+    on_joints = table.link_placements[links] @ on_links
+    identities = np.tile(np.eye(4)[:3], (len(joints), 1, 1))
+    return table._replace(
+        link_joints=np.concatenate([table.parents, joints, table.link_joints[links]]),
+        link_placements=np.ascontiguousarray(np.concatenate([table.placements, identities, on_joints])),
+    )

@@ -1,0 +1,279 @@
+"""Pairs of bodies that can never meet within the joint limits: proved by lever arms, not by sampling.
+
+In: a robot, the pairs of bodies, their hulls. Out: which pairs no configuration within the limits brings together, and
+which pairs no joint of the group moves relative to each other.
+
+The idea. Only the joints from a pair's fork outwards move its bodies relative to each other. The first zero, one or two
+columns that drive them are cut into cells. In the middle of a cell everything is posed up to the first joint that is
+not cut; what hangs beyond that joint stays in a ball around its origin, whose radius is the sum of the lengths between
+the following joints, of what they slide, and of the furthest point of the body. Within the cell, a column's angle turns
+a centre about each joint that it drives by at most lever arm times half the cell's width. If the balls (or a ball and
+the other body's box) are further apart than that in the middle of each cell, the pair never meets.
+
+Proof of the margins. `kinematic_error_within` bounds how far computed poses are from exact kinematics, also those that
+are computed here: pairs are dropped only if it is below LARGEST_ERROR, so that four of them are less than MARGIN.
+Exact kinematics is rigid up to the rounding of placements and axes: they must be so up to RIGID each, all of a chain
+with what is held on it up to 2.5e-6 (robots/unit_lengths.py), the poses of bodies and obstacles up to 1e-6. That
+stretches lengths by less than 2e-6; taking the transpose of a box's pose for its inverse errs by 3.6e-6 of the way from
+the origin of the body's frame, which may be far from the body. RELATIVE covers both, and the rounding of the sums, of
+all these lengths. Nothing of this holds beyond the limits, where the checker takes the full table, nor with poses by
+Pinocchio itself. Of what hangs on a joint that takes several numbers (floating, planar, cosine and sine) nothing is
+said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.intersection import pair_options
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import Body, HullAndSwell
+from plannercheck.checking.reach_bounds import MOST_COLUMNS, Boxes, Chains, Cut, End, Joints
+from plannercheck.common.core import core
+from plannercheck.robots.robot import Robot
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+
+# Bodies must stay apart by this, m, and by this part of all lengths that go into the bound.
+MARGIN = 1e-6
+RELATIVE = 1e-5
+
+# Where the cells of a cut are split: most pairs that may meet do so in one of the first, and arrays stay small.
+_PARTS = (4, 32, *range(96, 600, 64))
+
+# Obstacles for which a cut is not split: so few take less time than the splitting.
+_FEW = 8
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What joint limits and lever arms say of pairs.
+
+    Attributes:
+        apart: (k,) pairs that never meet within the limits.
+        resting: (k,) pairs that no joint of the group moves relative to each other.
+        is_proved: Whether rounding within the limits is bounded; if not, nothing is said to be apart.
+    """
+
+    apart: Bools
+    resting: Bools
+    is_proved: bool
+
+
+def reach(
+    robot: Robot,
+    bodies: Sequence[Body],
+    pairs: Ints,
+    hulls: Sequence[HullAndSwell],
+    chains: Chains | None = None,
+) -> Reach:
+    """Which pairs can never meet.
+
+    Args:
+        robot: The robot.
+        bodies: Those on links, then the obstacles.
+        pairs: (k, 2) indices into bodies; an obstacle is second.
+        hulls: Of each body, see `shapes.hull_and_swell`.
+        chains: Of the robot and these bodies, if they are there already, see `chains_of`.
+
+    Returns:
+        Masks over the pairs. Nothing is proved if Pinocchio itself has to pose, if rounding has no bound (a base that
+        floats without limits), or if placements are no rotations.
+    """
+    apart, resting = np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool)
+    if not len(pairs):
+        return Reach(apart, resting, False)
+    if chains is None:
+        chains = chains_of(robot, bodies, hulls)
+    if chains is None or not chains.is_proved():
+        return Reach(apart, resting, False)
+    with_obstacle = pairs[:, 1] >= sum(body.link is not None for body in bodies)
+    own = np.flatnonzero(~with_obstacle)
+    apart[own] = _apart_among_links(chains, pairs[own])
+    resting[own] = chains.screen.resting(pairs[own].astype(np.int64))
+    for body in np.unique(pairs[with_obstacle, 0]).tolist():
+        rows = np.flatnonzero(with_obstacle & (pairs[:, 0] == body))
+        apart[rows] = _apart_from_obstacles(chains, body, pairs[rows, 1])
+        resting[rows] = not chains.chain(body)
+    return Reach(apart, resting, True)
+
+
+def chains_of(
+    robot: Robot, bodies: Sequence[Body], hulls: Sequence[HullAndSwell], earlier: Chains | None = None
+) -> Chains | None:
+    """The lengths and poses that `reach` needs; None if Pinocchio itself has to pose.
+
+    Args:
+        robot: As for `reach`.
+        bodies: As for `reach`.
+        hulls: As for `reach`.
+        earlier: Of the same robot and paddings, among other obstacles or carrying something else.
+
+    Returns:
+        The chains.
+    """
+    table = robot.joint_table
+    if table is None or robot.kinematics is None:
+        return None
+    if earlier is not None and earlier.robot is robot:
+        return earlier.among(bodies, hulls)
+    chains = Chains(robot, table, bodies, hulls)
+    if earlier is not None:
+        chains.inherit(earlier)
+    return chains
+
+
+def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> bool:
+    """Whether two bodies that rest at these poses (4, 4) up to the rounding that MARGIN covers stay clear.
+
+    The core finds a direction; that it separates by more than the margin is seen in doubles.
+    """
+    found = core.certify_pair(p.core, pose_p, r.core, pose_r, pair_options(), False)
+    if found["shared"]:
+        return False
+    normal = np.asarray(found["normal"])
+    on_p, on_r = (body.vertices @ pose[:3, :3].T + pose[:3, 3] for body, pose in ((p, pose_p), (r, pose_r)))
+    gap = float((on_p @ normal).min() - (on_r @ normal).max()) / float(np.linalg.norm(normal))
+    extent = sum(float(np.linalg.norm(points, axis=1).max()) for points in (on_p, on_r)) + p.swell + r.swell
+    return gap > p.swell + r.swell + MARGIN + RELATIVE * extent
+
+
+def _apart_among_links(chains: Chains, pairs: Ints) -> Bools:
+    """Which pairs (k, 2) of the robot's bodies never meet."""
+    promising = chains.screen.may_be_proved(pairs.astype(np.int64), MOST_COLUMNS)
+    apart = np.zeros(len(pairs), dtype=bool)
+    apart[promising] = _apart_by_cells(chains, pairs[promising])
+    return apart
+
+
+def _apart_by_cells(chains: Chains, pairs: Ints) -> Bools:
+    """The same, by cells of cuts."""
+    apart = np.zeros(len(pairs), dtype=bool)
+    branches = [chains.branches(a, b) for a, b in pairs.tolist()]
+    for columns in range(MOST_COLUMNS + 1):
+        waiting: dict[Cut, list[int]] = {}
+        for k in np.flatnonzero(~apart).tolist():
+            for cut in _cuts(chains, branches[k], columns):
+                waiting.setdefault(cut, []).append(k)
+        for cut, rows in waiting.items():
+            rows = [k for k in rows if not apart[k]]
+            if not rows:  # another cut has settled them all
+                continue
+            ends = [[chains.end(int(pairs[k, side]), branches[k][side], cut) for side in (0, 1)] for k in rows]
+            apart[rows] = _apart_in_cells(chains, cut, pairs[rows], ends)
+    return apart
+
+
+def _cuts(chains: Chains, branches: tuple[Joints, Joints], columns: int) -> Iterator[Cut]:
+    """The sets of so many columns to try: the first ones of either branch, and of both."""
+    first, second = (chains.columns(branch) for branch in branches)
+    splits = [(*first[:k], *second[: columns - k]) for k in range(columns + 1)]
+    yield from {tuple(sorted(set(split))) for split in splits if len(set(split)) == columns}
+
+
+def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[End]]) -> Bools:
+    """Which pairs (k, 2) with these ends (k, 2) stay apart in every cell of a cut, always by one of three tests."""
+    q, half = chains.cells(cut)
+    around = chains.neighbourhood({end.frame for both in ends for end in both})
+    apart = np.ones((3, len(pairs)), dtype=bool)
+    for part in np.split(q, _PARTS):
+        left = np.flatnonzero(apart.any(axis=0))
+        if len(left) and len(part):
+            poses = around.poses(part)
+            first, second = (
+                _Moving(chains, cut, half, pairs[left, side], [ends[k][side] for k in left], poses, around.place)
+                for side in (0, 1)
+            )
+            apart[:, left] &= [first.balls_apart(second), first.apart_from_box(second), second.apart_from_box(first)]
+    return np.asarray(apart.any(axis=0))
+
+
+class _Moving:
+    """One side of n pairs in the cells of a cut."""
+
+    def __init__(
+        self,
+        chains: Chains,
+        cut: Cut,
+        half: Floats,
+        bodies: Ints,
+        ends: list[End],
+        poses: Floats,
+        place: dict[int, int],
+    ) -> None:
+        self.pose = poses[:, [place[end.frame] for end in ends]]
+        centre = np.array([end.centre for end in ends]).reshape(-1, 3)
+        self.centre = np.einsum("cnij,nj->cni", self.pose[..., :3, :3], centre) + self.pose[..., :3, 3]
+        self.radius = np.array([end.radius for end in ends])
+        self.sway = np.array([[end.levers[c] for c in cut] for end in ends]).reshape(len(ends), -1) @ half
+        self.ball_sway = np.array([[end.ball_levers[c] for c in cut] for end in ends]).reshape(len(ends), -1) @ half
+        self.posed = np.array([end.posed for end in ends], dtype=bool)
+        self.box = chains.boxes.of(bodies)
+        self.extent = np.linalg.norm(self.centre, axis=2).max(axis=0) + self.radius + self.ball_sway
+
+    def balls_apart(self, other: _Moving) -> Bools:
+        distance = np.linalg.norm(self.centre - other.centre, axis=2).min(axis=0)
+        return np.asarray(distance > self.radius + other.radius + self.sway + other.sway + self._margin(other))
+
+    def apart_from_box(self, other: _Moving) -> Bools:
+        """Whether the balls stay clear of the other bodies' boxes; never where those are not posed."""
+        away = self.centre - other.pose[..., :3, 3]
+        inside = np.einsum("cnji,cnj->cni", other.pose[..., :3, :3], away)
+        distance = _from_box(inside, other.box).min(axis=0)
+        room = self.radius + other.box.swell + self.sway + other.ball_sway + self._margin(other)
+        offset = np.linalg.norm(other.box.centre, axis=1)  # `away` begins at the frame's origin, however far that is
+        return np.asarray(other.posed & (distance > room + RELATIVE * offset))
+
+    def _margin(self, other: _Moving) -> Floats:
+        return np.asarray(MARGIN + RELATIVE * (self.extent + other.extent))
+
+
+def _from_box(points: Floats, box: Boxes) -> Floats:
+    """Distances of points (..., n, 3) from n boxes in their frames."""
+    beyond = np.maximum(np.maximum(box.low - points, points - box.high), 0.0)
+    return np.asarray(np.sqrt((beyond * beyond).sum(axis=-1)))
+
+
+def _apart_from_obstacles(chains: Chains, body: int, obstacles: Ints) -> Bools:
+    """Which obstacles (n,) a body never meets."""
+    apart = np.zeros(len(obstacles), dtype=bool)
+    chain = chains.chain(body)
+    columns = chains.columns(chain)
+    for count in range(len(columns) + 1):
+        cut = tuple(columns[:count])
+        left = np.flatnonzero(~apart)
+        if len(left):
+            apart[left] = _clear_in_cells(chains, body, chain, cut, obstacles[left])
+    return apart
+
+
+def _clear_in_cells(chains: Chains, body: int, chain: Joints, cut: Cut, obstacles: Ints) -> Bools:
+    """Which obstacles (n,) stay beyond the ball around an end in every cell of a cut."""
+    end = chains.end(body, chain, cut)
+    centres, sway = chains.centres_in_cells(body, chain, cut)
+    extent = end.radius + sway + np.linalg.norm(centres, axis=1).max()
+    box, pose = chains.boxes.of(obstacles), chains.poses_in_world[obstacles]
+    size = np.linalg.norm(pose[:, :3, 3], axis=1) + np.linalg.norm(box.centre, axis=1) + box.radius + box.swell
+    room = end.radius + sway + box.swell + MARGIN + RELATIVE * (extent + size)
+    clear = np.isfinite(room)
+    for part in np.split(centres, _PARTS) if len(obstacles) > _FEW else [centres]:
+        left = np.flatnonzero(clear)
+        if len(left) and len(part):
+            clear[left] = (_squared_distances(part, box.of(left), pose[left]) > room[left] ** 2).all(axis=0)
+    return np.asarray(clear)
+
+
+def _squared_distances(points: Floats, box: Boxes, poses: Floats) -> Floats:
+    """(c, n) of points (c, 3) in the world from n posed boxes; one product of matrices brings all into all frames."""
+    offset = np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3]) + box.centre
+    beyond = points @ poses[:, :3, :3].transpose(1, 0, 2).reshape(3, -1) - offset.ravel()
+    np.abs(beyond, out=beyond)
+    beyond -= (0.5 * (box.high - box.low)).ravel()
+    np.maximum(beyond, 0.0, out=beyond)
+    return np.asarray(np.square(beyond, out=beyond).reshape(len(points), -1, 3).sum(axis=2))

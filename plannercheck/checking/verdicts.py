@@ -1,0 +1,208 @@
+"""What a checker says: the verdict of one configuration, and the summary of a set of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.certificates import Certificate
+from plannercheck.common.arrays import OwnsArrays
+
+if TYPE_CHECKING:
+    from plannercheck.planar.certificates import Certificate as PlanarCertificate
+    from plannercheck.proofs.proof import Proof
+
+
+@dataclass(frozen=True)
+class PairVerdict:
+    """The verdict of one pair of bodies.
+
+    Attributes:
+        first: Name of the robot's link.
+        second: Name of the other link or of the obstacle.
+        first_body: Name of the first collision body.
+        second_body: Name of the second collision body.
+        colliding: Whether the bodies share a point.
+        certificate: The proof in world coordinates: a `Separation` (normal from second to first) or a
+            `SharedPoint`.
+    """
+
+    first: str
+    second: str
+    first_body: str
+    second_body: str
+    colliding: bool
+    certificate: Certificate | PlanarCertificate
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict of one configuration.
+
+    Attributes:
+        valid: Whether no pair collides.
+        collisions: All colliding pairs, in the order of the checker's pair table.
+        separations: All other pairs with their separating planes, if asked for; else empty.
+        kinematic_error: Of posing: no point of a body is further than this from where exact kinematics of the same
+            numbers puts it, in m; infinite if nothing is proven, since Pinocchio itself had to pose.
+    """
+
+    valid: bool
+    collisions: tuple[PairVerdict, ...]
+    separations: tuple[PairVerdict, ...]
+    kinematic_error: float
+
+
+@dataclass(frozen=True, eq=False)
+class MotionProof(OwnsArrays):
+    """What proves two bodies apart on an interval of a motion.
+
+    Seen from the frame, each point of a body leaves the chord of its path by so little that both bodies together leave
+    theirs by at most `bulge`. So a plane that keeps them further apart at both ends does so all the way.
+
+    Attributes:
+        first: Name of the robot's link.
+        second: Name of the other link or of the obstacle.
+        first_body: Index of the first body into the checker's bodies.
+        second_body: Index of the second.
+        start: Parameter of the motion, 0 to 1.
+        end: Parameter.
+        frame: Name of the link in whose frame the normal is fixed; None for the world.
+        normal: (3,) unit vector in the frame, (2,) in the plane, from second to first.
+        gap: Along it the bodies are at least this far apart at both ends, m.
+        bulge: Bound of what their points leave their chords by, m; less than the gap.
+    """
+
+    first: str
+    second: str
+    first_body: int
+    second_body: int
+    start: float
+    end: float
+    frame: str | None
+    normal: NDArray[np.float64]
+    gap: float
+    bulge: float
+
+
+@dataclass(frozen=True)
+class MotionVerdict:
+    """The verdict of one motion; parameters go from 0 at its start to 1 at its end.
+
+    Attributes:
+        free: Whether the motion is proved free.
+        tolerance: A motion that stays further than this from collisions is free, m.
+        free_until: The last parameter known free: everything before it is proved free.
+        collides_at: The first parameter known to collide; None if none was found.
+        near_at: Where the motion was refused: the pair is within the tolerance; None if it is free.
+        pair: The pair that stops the motion, with its certificate at `collides_at`, or, if nothing collides, at
+            `near_at`; None if the motion is free.
+        proofs: If asked for, what proves the part up to `free_until`.
+        prover: Computes `proof`; None where there is none.
+    """
+
+    free: bool
+    tolerance: float
+    free_until: float
+    collides_at: float | None
+    near_at: float | None
+    pair: PairVerdict | None
+    proofs: tuple[MotionProof, ...] = ()
+    prover: Callable[[], Proof | None] | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def proof(self) -> Proof | None:
+        """The proof of the motion that anyone can check (`Proof.verify`), computed when first asked for.
+
+        None unless the motion is free.
+
+        Raises:
+            PlannercheckError: If python-flint is not installed.
+        """
+        return self.prover() if self.free and self.prover is not None else None
+
+
+@dataclass(frozen=True)
+class PairCount:
+    """How often two collide.
+
+    Attributes:
+        first: Name of the robot's link.
+        second: Name of the other link or of the obstacle.
+        states: Configurations that count for this pair.
+    """
+
+    first: str
+    second: str
+    states: int
+
+
+@dataclass(frozen=True)
+class ValidityReport:
+    """The summary of a set of configurations.
+
+    Attributes:
+        states: Configurations checked.
+        valid: Those in which no pair collides. Limits do not matter here.
+        beyond_limits: Those beyond a joint limit, valid or not.
+        pairs: Colliding links and obstacles, most frequent first.
+        all_pairs: Whether a configuration counts for all its colliding pairs; else for the first found.
+        duration: Time spent on checking, s.
+    """
+
+    states: int
+    valid: int
+    beyond_limits: int
+    pairs: tuple[PairCount, ...]
+    all_pairs: bool = False
+    duration: float = 0.0
+
+    @property
+    def invalid(self) -> int:
+        """Configurations in which some pair collides."""
+        return self.states - self.valid
+
+    @property
+    def rate(self) -> float:
+        """Configurations checked in a second."""
+        return self.states / self.duration if self.duration > 0 else float("nan")
+
+    @property
+    def passed(self) -> bool:
+        """Whether every configuration is valid and within the limits."""
+        return self.invalid == 0 and self.beyond_limits == 0
+
+
+def merged(reports: Iterable[ValidityReport]) -> ValidityReport:
+    """One report for several sets.
+
+    Args:
+        reports: Of the sets, all with the same `all_pairs`.
+
+    Returns:
+        Their sum; all zero if there are none.
+    """
+    reports = list(reports)
+    counts: Counter[tuple[str, str]] = Counter()
+    for report in reports:
+        counts.update({(pair.first, pair.second): pair.states for pair in report.pairs})
+    return ValidityReport(
+        states=sum(report.states for report in reports),
+        valid=sum(report.valid for report in reports),
+        beyond_limits=sum(report.beyond_limits for report in reports),
+        pairs=pair_counts(counts),
+        all_pairs=any(report.all_pairs for report in reports),
+        duration=sum(report.duration for report in reports),
+    )
+
+
+def pair_counts(counts: Counter[tuple[str, str]]) -> tuple[PairCount, ...]:
+    """Counts by names, most frequent first, then by name."""
+    ordered = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
+    return tuple(PairCount(first, second, n) for (first, second), n in ordered if n)

@@ -1,0 +1,216 @@
+"""`plannercheck acm`: which pairs of a robot's links to leave untested, and whether those that are left out collide."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+from plannercheck.checking.collision_matrix import (
+    ALWAYS,
+    REASONS,
+    Audit,
+    AuditedPair,
+    CollisionMatrix,
+    LinkPair,
+    audit,
+    collision_matrix,
+)
+from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
+from plannercheck.checking.mesh_collisions import LinkMeshes
+from plannercheck.cli.common import check_folder, table
+from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.planar.robot_files import is_planar
+from plannercheck.robots.description import DisabledPair, RobotDescription, description_of, shipped_robots
+from plannercheck.robots.robot import Robot
+from plannercheck.robots.srdf import disabled_collisions, read_srdf
+
+_EPILOG = """\
+Pairs are left out for MoveIt's reasons: adjacent; default, they collide in the reference; always, in at least 95 % of
+random configurations; never, in none of them, or proved never to within the joint limits. Links are their convex hulls,
+so that they collide more often than their meshes; --meshes says how often those do. All joints are moved, whatever the
+robot's group.
+
+--audit holds the pairs that the SRDF or YAML disables against the same configurations and names those that collide,
+most frequent first. Its exit code is 1 if there are any.
+
+Examples:
+  plannercheck acm --robot my.urdf --output my.srdf
+  plannercheck acm --robot panda --audit
+  plannercheck acm --audit --meshes 200          # all shipped robots that disable pairs
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's options."""
+    parser.epilog = _EPILOG
+    parser.add_argument(
+        "--robot", help="name of a shipped robot, or a robot YAML or URDF file; with --audit, default: all shipped"
+    )
+    parser.add_argument(
+        "--srdf", type=Path, help="SRDF to audit, or to take all but the pairs from; default: the robot's"
+    )
+    parser.add_argument("--audit", action="store_true", help="say which pairs are disabled, yet collide")
+    parser.add_argument("--output", type=Path, help="write the proposal: .srdf or .yaml")
+    parser.add_argument("--states", type=int, default=10_000, help="random configurations; default: 10000")
+    parser.add_argument("--seed", type=int, default=0, help="of the random configurations; default: 0")
+    parser.add_argument("--always", type=float, default=ALWAYS, help="share that counts as always; default: 0.95")
+    parser.add_argument(
+        "--meshes", type=int, default=0, metavar="N", help="with --audit: also test up to N states a pair as meshes"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command."""
+    check_folder(options.output)
+    if options.states < 1 or options.seed < 0 or options.meshes < 0:
+        raise PlannercheckError("--states must be at least 1, --seed and --meshes at least 0")
+    if options.robot is None and not options.audit:
+        raise PlannercheckError("acm needs --robot; without one, --audit audits all shipped robots")
+    if options.robot is not None and is_planar(options.robot, "robots"):
+        raise PlannercheckError(f"robot {options.robot!r} is planar: its self pairs are in its YAML")
+    if options.robot is None:
+        return _audit_shipped(options)
+    description = _description(options.robot, options.srdf)
+    matrix = _matrix(description, options)
+    if options.audit:
+        return _show_audit(matrix, description, options)
+    _show_proposal(matrix)
+    if options.output is not None:
+        _write(matrix, description, options.output)
+    return 0
+
+
+def _description(robot: str, srdf: Path | None) -> RobotDescription:
+    description = description_of(robot)
+    return description if srdf is None else dataclasses.replace(description, srdf=srdf)
+
+
+def _matrix(description: RobotDescription, options: argparse.Namespace) -> CollisionMatrix:
+    return collision_matrix(Robot.from_description(description), options.states, options.seed, options.always)
+
+
+def _declared(description: RobotDescription) -> list[DisabledPair]:
+    from_srdf = disabled_collisions(read_srdf(description.srdf)) if description.srdf else []
+    return [*from_srdf, *description.disabled_pairs]
+
+
+def _show_proposal(matrix: CollisionMatrix) -> None:
+    counts = Counter(pair.reason for pair in matrix.pairs)
+    print(f"{matrix.robot.name}: {len(matrix.pairs)} pairs of links, {len(matrix.configurations)} configurations\n")
+    rows = [(reason, counts[reason]) for reason in REASONS] + [("to be tested", counts[None])]
+    print(table(("leave out because", "pairs"), rows))
+
+
+def _write(matrix: CollisionMatrix, description: RobotDescription, path: Path) -> None:
+    if path.suffix in (".yaml", ".yml"):
+        text = yaml_text(matrix.disabled())
+    elif path.suffix in (".srdf", ".xml"):
+        semantics = read_srdf(description.srdf) if description.srdf else None
+        text = srdf_text(matrix.robot.model.name, matrix.disabled(), semantics)
+    else:
+        raise PlannercheckError(f"--output must end in .srdf or .yaml, not {path.name!r}")
+    written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    print(f"\n{len(matrix.disabled())} disabled pairs written to {path}")
+
+
+def _show_audit(matrix: CollisionMatrix, description: RobotDescription, options: argparse.Namespace) -> int:
+    declared = _declared(description)
+    if not declared:
+        raise PlannercheckError(f"robot {matrix.robot.name!r} disables no pairs, so that there is nothing to audit")
+    found = audit(matrix, declared)
+    as_meshes = _mesh_counter(matrix, description, options.meshes)
+    print(f"{matrix.robot.name}: {_summary(found)}; {len(matrix.configurations)} configurations\n")
+    for pair in found.suspects:
+        _show_suspect(matrix, pair, as_meshes)
+    for alone in found.hopeless:
+        print(f"{alone.link_a} and {alone.link_b} are tested and collide in every state: none is valid")
+    if found.spared:
+        print(
+            f"{len(found.spared)} pairs are tested though they never meet within the limits, by proof (checkers know)"
+        )
+    return 1 if found.suspects or found.hopeless else 0
+
+
+def _summary(found: Audit) -> str:
+    without = sum(pair.found is None for pair in found.disabled)
+    return (
+        f"{len(found.disabled)} pairs of links are disabled, {without} of them of links without collision bodies; "
+        f"{len(found.suspects)} collide in some states"
+    )
+
+
+def _show_suspect(matrix: CollisionMatrix, pair: AuditedPair, as_meshes: Callable[[LinkPair], str]) -> None:
+    assert pair.found is not None
+    reason = f" ({pair.declared.reason})" if pair.declared.reason else ""
+    print(
+        f"{pair.found.link_a} and {pair.found.link_b} are disabled{reason}, yet they collide in "
+        f"{100 * pair.found.share:.2f} % of states{as_meshes(pair.found)}"
+    )
+    example = ", ".join(f"{value:.4g}" for value in matrix.example(pair.found).values())
+    print(f"    e.g. at [{example}]")
+
+
+def _mesh_counter(matrix: CollisionMatrix, description: RobotDescription, most: int) -> Callable[[LinkPair], str]:
+    """A function that says how many of a pair's colliding configurations, `most` of them, collide as meshes."""
+    if not most:
+        return lambda pair: ""
+    share = _mesh_share(matrix, description, most)
+    return lambda pair: f", as meshes in {100 * share(pair):.2f} %"
+
+
+def _mesh_share(matrix: CollisionMatrix, description: RobotDescription, most: int) -> Callable[[LinkPair], float]:
+    """A function that estimates in which part of all configurations a pair collides as meshes."""
+    meshes = LinkMeshes(matrix.robot, description)
+
+    def share(pair: LinkPair) -> float:
+        rows = matrix.colliding_rows(pair)
+        tried = rows[:most]
+        return pair.share * meshes.collisions(pair.link_a, pair.link_b, matrix.configurations[tried]) / len(tried)
+
+    return share
+
+
+def _audit_shipped(options: argparse.Namespace) -> int:
+    """Prints a row a robot that disables pairs."""
+    if options.srdf is not None or options.output is not None:
+        raise PlannercheckError("--srdf and --output need --robot")
+    rows = [_row(name, options) for name in shipped_robots() if _declared(description_of(name))]
+    header = [
+        "robot",
+        "from",
+        "pairs of links",
+        "disabled",
+        "collide, not adjacent",
+        "of them 'never'",
+        "most frequent",
+        "",
+    ]
+    print(table(header if not options.meshes else [*header, "as meshes", "most frequent"], rows))
+    return 0
+
+
+def _row(name: str, options: argparse.Namespace) -> tuple[object, ...]:
+    description = description_of(name)
+    matrix = _matrix(description, options)
+    found = audit(matrix, _declared(description))
+    never = [pair for pair in found.suspects if pair.declared.reason.lower().startswith("never")]
+    source = "SRDF" if description.srdf else "YAML"
+    cells = name, source, len(matrix.pairs), len(found.disabled), len(found.suspects), len(never)
+    worst = [pair.found for pair in found.suspects if pair.found is not None]
+    hulls = _worst([(pair, pair.share) for pair in worst])
+    if not options.meshes:
+        return *cells, *hulls
+    share = _mesh_share(matrix, description, options.meshes)
+    real = [(pair, part) for pair in worst if (part := share(pair)) > 0]
+    return *cells, *hulls, len(real), " ".join(_worst(sorted(real, key=lambda item: -item[1])))
+
+
+def _worst(pairs: list[tuple[LinkPair, float]]) -> tuple[str, str]:
+    if not pairs:
+        return "-", ""
+    pair, share = pairs[0]
+    return f"{100 * share:.2f} %", f"{pair.link_a}, {pair.link_b}"

@@ -1,0 +1,128 @@
+"""What several commands share: robot and scene options, vectors, and output.
+
+In: parsed options. Out: robots, scenes, checkers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck import planar
+from plannercheck.checking.padding import Padding
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.package_data import is_folder
+from plannercheck.motions.checker import Checker
+from plannercheck.planar.robot_files import is_planar
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
+
+Floats = NDArray[np.float64]
+
+
+def add_robot_argument(parser: argparse.ArgumentParser) -> None:
+    """Adds --robot."""
+    parser.add_argument(
+        "--robot",
+        required=True,
+        help="name of a shipped robot (see `plannercheck robots`), or a robot YAML or URDF file",
+    )
+
+
+def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: empty") -> None:
+    """Adds --scene."""
+    parser.add_argument("--scene", help=f"name of a shipped scene, or a scene file, also MoveIt's in YAML; {note}")
+
+
+def add_checker_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what the checker is told."""
+    parser.add_argument("--no-self-collision", action="store_true", help="test only against the scene")
+    parser.add_argument(
+        "--padding",
+        default="0",
+        metavar="M",
+        help="distance that all pairs have to keep, m, or 'scene' for the link_padding of a MoveIt scene; default: 0",
+    )
+
+
+def load_checker(options: argparse.Namespace) -> AnyChecker:
+    """The checker of --robot in --scene, in space or, if the robot's file says so, in the plane."""
+    if is_planar(options.robot, "robots"):
+        return planar_checker(options)
+    if options.scene is not None and is_planar(options.scene, "configs"):
+        raise PlannercheckError(f"scene {options.scene!r} is planar, robot {options.robot!r} is not")
+    return space_checker(options)
+
+
+def planar_checker(options: argparse.Namespace) -> planar.Checker:
+    """The checker of a planar --robot in --scene."""
+    if options.padding != "0":
+        raise PlannercheckError("--padding is for robots in space")
+    scene = planar.Scene("empty") if options.scene is None else planar.Scene.load(options.scene)
+    return planar.Checker(planar.Robot.load(options.robot), scene, self_collision=not options.no_self_collision)
+
+
+def space_checker(options: argparse.Namespace) -> Checker:
+    """The checker of --robot in --scene in space."""
+    robot = Robot.load(options.robot)
+    scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
+    return Checker(robot, scene, not options.no_self_collision, padding_of(options, scene))
+
+
+def padding_of(options: argparse.Namespace, scene: Scene) -> Padding:
+    """What --padding says."""
+    if options.padding == "scene":
+        return scene.link_padding
+    try:
+        return float(options.padding)
+    except ValueError:
+        raise PlannercheckError(f"--padding must be a length in m or 'scene', not {options.padding!r}") from None
+
+
+def vector(text: str, name: str) -> Floats:
+    """Numbers separated by commas or spaces."""
+    try:
+        return np.array([float(part) for part in text.replace(",", " ").split()])
+    except ValueError:
+        raise PlannercheckError(f"{name} must be numbers separated by commas, not {text!r}") from None
+
+
+def check_folder(path: Path | None) -> None:
+    """Says before long work that an output file can't be written for want of its folder."""
+    if path is not None and not is_folder(path.parent):
+        raise PlannercheckError(f"file {str(path)!r} can't be written: there is no folder {str(path.parent)!r}")
+
+
+def save_json(path: Path, value: Any) -> None:
+    """Writes a value as JSON."""
+    written_aside(path, lambda aside: aside.write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8"))
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """Aligned columns: numbers to the right, texts to the left."""
+    cells = [[str(cell) for cell in row] for row in rows]
+    right = [all(_is_number(row[k]) for row in cells) for k in range(len(header))]
+    widths = [max(len(row[k]) for row in [list(header), *cells]) for k in range(len(header))]
+    lines = []
+    for row in [list(header), *cells]:
+        padded = (c.rjust(w) if r else c.ljust(w) for c, w, r in zip(row, widths, right, strict=True))
+        lines.append("  ".join(padded).rstrip())
+    return "\n".join(lines)
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell holds a number, also in per cent, or nothing."""
+    return cell == "-" or cell.removesuffix(" %").lstrip("-").replace(".", "", 1).isdigit()
+
+
+def percentage(part: int, whole: int) -> str:
+    """A part in per cent."""
+    return f"{100 * part / whole:.1f} %" if whole else "-"

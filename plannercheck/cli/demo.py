@@ -1,0 +1,48 @@
+"""`plannercheck demo`: the main job on shipped data, by the commands that a user would give."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import tempfile
+from pathlib import Path
+
+from plannercheck.cli.main import main
+from plannercheck.common.package_data import shipped_folder
+
+_ROBOT, _SCENE = "panda", "bookshelf"
+
+_HOW_TO_GO_ON = """\
+How to go on:
+  plannercheck robots                                   the other robots
+  plannercheck inspect --robot ur5 --scene kitchen      bodies, pairs, and what checking takes
+  plannercheck validate --robot panda --scene my_scene.yaml my_configurations.npy
+  plannercheck view --robot panda --scene bookshelf --html panda.html     a page to look at, what collides in red
+  plannercheck plan --help                              planners, problem sets, verification by FCL
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's options: there are none."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command; some samples collide, so that only errors count."""
+    samples = shipped_folder("configs") / f"{_SCENE}_{_ROBOT}.npy"
+    where = ["--robot", _ROBOT, "--scene", _SCENE]
+    with tempfile.TemporaryDirectory() as folder:
+        plan = Path(folder) / "plan.csv"
+        print("1. Which of 1,000 configurations of a Panda arm collide with a bookshelf or itself?\n")
+        codes = [_shown(["validate", *where, "--pairs", "all", str(samples)])]
+        print("\n2. How does the arm get out of one compartment and into another?\n")
+        codes.append(_shown(["plan", *where, "--seed", "1", "--output", str(plan)]))
+        print("\n3. Is every motion of the path free, not only its corners?\n")
+        codes.append(_shown(["validate", *where, "--path", str(plan)]))
+    print(f"\n{_HOW_TO_GO_ON}", end="")
+    return 0 if codes == [1, 0, 0] else max(codes)
+
+
+def _shown(command: list[str]) -> int:
+    """Prints a command as one would type it, then runs it."""
+    print(f"$ plannercheck {shlex.join(command)}")
+    return main(command)

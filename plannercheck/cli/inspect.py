@@ -1,0 +1,225 @@
+"""`plannercheck inspect`: bodies and pairs of a robot in a scene, and what checking them takes."""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import math
+import time
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck import planar
+from plannercheck.bodies.convex_decomposition import polytope_volume
+from plannercheck.bodies.meshes import load_triangles
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.checking.input_hints import always_hint
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.cli.common import (
+    add_checker_arguments,
+    add_robot_argument,
+    add_scene_argument,
+    load_checker,
+    percentage,
+    table,
+)
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.checker import Checker
+from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.urdf import read_geometry
+
+_EPILOG = """\
+Example:
+  plannercheck inspect --robot ur5 --scene kitchen --without
+"""
+
+# Ways of skipping work that a checker can be built without, and what they are.
+SKIPS = {
+    "reach": "pairs that limits keep apart",
+    "static_poses": "links that stand still",
+    "bounds": "balls, tree of obstacles",
+    "overlaps": "balls and boxes inside bodies",
+    "boxes": "planes along boxes",
+    "cached_plane": "last separating plane",
+    "centre_axis": "axis between centres",
+    "turned_axis": "axis between ellipsoids",
+    "facet_plane": "facets of small bodies",
+    "learning": "likeliest pair first",
+}
+_ROUNDS = 5
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's options."""
+    parser.epilog = _EPILOG
+    add_robot_argument(parser)
+    add_scene_argument(parser)
+    add_checker_arguments(parser)
+    parser.add_argument("--states", type=int, default=10_000, help="random configurations to check; default: 10000")
+    parser.add_argument(
+        "--without", action="store_true", help="also time the states without each way of skipping work, one at a time"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of the random configurations; default: 0")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command."""
+    if options.states < 1 or options.seed < 0:
+        raise PlannercheckError("--states must be at least 1 and --seed at least 0")
+    began = time.perf_counter()
+    checker = load_checker(options)
+    print(f"{checker!r}, prepared in {time.perf_counter() - began:.2f} s\n")
+    if isinstance(checker, Checker):
+        _show_bodies(checker, meshes_of(checker, description_of(options.robot)))
+    else:
+        _show_polygons(checker)
+    _show_sample(checker, options.states, options.seed)
+    if options.without:
+        if not isinstance(checker, Checker):
+            raise PlannercheckError("--without times the skips of checkers in space; planar ones have others")
+        q = checker.robot.random_configurations(options.states, options.seed)
+        _show_without(checker, not options.no_self_collision, q)
+    return 0
+
+
+def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
+    pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
+    rows = []
+    within = checker.prepared  # a body that no pair needs within the limits is prepared only now
+    for body, polytope, late, count in zip(checker.bodies, within, checker.polytopes, pairs, strict=True):
+        sizes: tuple[object, ...] = (0, 0, 0)
+        if polytope is not None:
+            numbers = polytope.statistics()
+            sizes = numbers["vertices"], numbers["facets"], numbers["bytes"] // 1024
+        volumes = _volumes(late, meshes.get(body.name))
+        rows.append((body.name, body.link or "(scene)", type(body.shape).__name__.lower(), *sizes, count, *volumes))
+    header = ("body", "link", "shape", "vertices", "facets", "kB", "pairs", "radius m", "hull cm³", "mesh cm³")
+    print(table((*header, "hull / mesh"), rows))
+    _show_meshes(checker, meshes)
+    moving = np.array([body.link is not None for body in checker.bodies], dtype=bool)
+    own = int(moving[checker.pairs].all(axis=1).sum())
+    total = sum({id(p): p.nbytes for p in within if p is not None}.values())
+    print(f"\n{len(checker.pairs)} pairs: {own} self pairs, {len(checker.pairs) - own} with the scene")
+    by_limits, at_rest = (int((checker.unreachable & part).sum()) for part in (~checker.resting, checker.resting))
+    print(
+        f"dropped within the joint limits: {by_limits} pairs that cannot reach each other, and {at_rest} of the "
+        f"{int(checker.resting.sum())} that no joint of the group moves, since they are apart"
+    )
+    print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
+
+
+def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str, str, str, str]:
+    """Cells: the ball around a body's centre, the volumes of hull and mesh, how many times as large the hull is."""
+    if polytope is None:
+        return "-", "-", "-", "-"
+    middle = 0.5 * (polytope.vertices.min(axis=0) + polytope.vertices.max(axis=0))
+    radius = float(np.linalg.norm(polytope.vertices - middle, axis=1).max()) + polytope.swell
+    hull = polytope_volume(polytope) if polytope.dimension == 3 else 0.0
+    of_hull = f"{1e6 * hull:.1f}" if polytope.swell == 0.0 else "-"
+    if mesh is None or not mesh.volume:
+        return f"{radius:.3f}", of_hull, "-", "-"
+    return f"{radius:.3f}", of_hull, f"{1e6 * mesh.volume:.1f}", f"{hull / mesh.volume:.2f}"
+
+
+def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
+    """Says what hulls add to meshes, and what was decomposed."""
+    names = {body.name for body in checker.bodies}
+    is_open = [name for name, mesh in meshes.items() if mesh.volume is None and name in names]
+    if is_open:
+        print(f"\nopen meshes, whose volume means nothing (not watertight): {', '.join(is_open)}")
+    for name, pieces in checker.robot.pieces.items():
+        volume = pieces.mesh_volume
+        times = (
+            ""
+            if not volume
+            else f", {pieces.volume / volume:.2f} times the mesh (its hull {pieces.hull_volume / volume:.2f})"
+        )
+        print(
+            f"{name}: {len(pieces.points)} convex pieces{times}; the mesh stuck out of CoACD's by "
+            f"{1e3 * pieces.excess:.3g} mm, they grew by up to {1e3 * pieces.growth:.3g} mm to hold it"
+        )
+
+
+def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, TriangleMesh]:
+    """The meshes of a robot, and of the scene's objects from files, by name of the body."""
+    geometry = read_geometry(checker.robot.model, description.urdf, description.package_dirs)
+    found = {each.name: triangles_of_coal(each.geometry) for each in geometry.geometryObjects}
+    for item in (*checker.scene.objects, *checker.scene.attached):
+        for part, body in zip(item.parts, item.bodies, strict=True):
+            if part.source is not None:
+                found[body.name] = load_triangles(*part.source)
+    return {name: mesh for name, mesh in found.items() if mesh is not None}
+
+
+def _show_polygons(checker: AnyChecker) -> None:
+    assert isinstance(checker, planar.Checker)
+    pairs = np.bincount(checker.pairs.ravel(), minlength=len(checker.bodies)).tolist()
+    links = checker.robot.link_names
+    rows = [
+        (body.name, "(scene)" if body.link < 0 else links[body.link], len(body.vertices), count)
+        for body, count in zip(checker.bodies, pairs, strict=True)
+    ]
+    print(table(("body", "link", "vertices", "pairs"), rows))
+
+
+def _show_sample(checker: AnyChecker, states: int, seed: int) -> None:
+    q = checker.robot.random_configurations(states, seed)
+    began = time.perf_counter()
+    valid = int(checker.check_states(q).sum())
+    spent = time.perf_counter() - began
+    print(
+        f"\n{states} random configurations within the limits: {valid} valid ({percentage(valid, states)}), "
+        f"{1e6 * spent / states:.2f} µs each\n"
+    )
+    statistics = checker.statistics()
+    queries = statistics.pop("queries")
+    pairs = statistics["pairs"]
+    settled = [(_words(name), n, f"{n / states:.2f}", percentage(n, pairs)) for name, n in statistics.items()]
+    print(table(("pairs settled by", "total", "each configuration", "of all pairs"), settled[1:]))
+    print()
+    tests = [(_words(name), n, f"{n / states:.2f}") for name, n in queries.items()]
+    print(table(("pair test", "total", "each configuration"), tests))
+    if not valid and (hint := always_hint(checker, q)):
+        warnings.warn(hint, RuntimeWarning, stacklevel=2)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _show_without(checker: Checker, self_collision: bool, q: NDArray[np.float64]) -> None:
+    build = functools.partial(Checker, checker.robot, checker.scene, self_collision)
+    spent = times_without(build, q, _ROUNDS)
+    rows = [
+        (_words(name), SKIPS.get(name, ""), f"{1e6 * seconds / len(q):.2f}", f"{seconds / spent['nothing']:.2f}")
+        for name, seconds in spent.items()
+    ]
+    print()
+    print(table(("without", "what that is", "µs each", "times as long"), rows))
+
+
+def times_without(build: Callable[..., Checker], q: NDArray[np.float64], rounds: int) -> dict[str, float]:
+    """Least CPU seconds for a set of configurations, with all ways of skipping work and without each of `SKIPS`.
+
+    Args:
+        build: Makes a checker from switches.
+        q: (n, nq) rad and m.
+        rounds: How often all take turns, forwards and backwards.
+
+    Returns:
+        By what is left out, "nothing" first.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of links that rest on obstacles: they were given before
+        checkers = {"nothing": build(), **{skip: build(**{skip: False}) for skip in SKIPS}}
+    best = dict.fromkeys(checkers, math.inf)
+    for turn in range(rounds):
+        for name in list(checkers) if turn % 2 == 0 else reversed(list(checkers)):
+            began = time.thread_time()
+            checkers[name].check_states(q)
+            best[name] = min(best[name], time.thread_time() - began)
+    return best

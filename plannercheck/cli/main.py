@@ -1,0 +1,189 @@
+"""The command line: `plannercheck COMMAND ...`.
+
+In: arguments. Out: text on the terminal and an exit code: 0 if all is well, 1 if something is invalid or
+unsolved and for nothing else, 2 for bad input, 3 if the command could not do its work. Each command is a module in
+this folder, imported only when it is asked for, so that help is instant.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import signal
+import sys
+import threading
+import traceback
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
+from types import FrameType
+from typing import TextIO, cast
+
+from plannercheck import __version__
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.escaping import TerminalText, on_terminal
+
+# Exit codes beyond a command's own 0 and 1.
+BAD_INPUT = 2
+FAILED = 3
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+TERMINATED = 143
+
+COMMANDS = {
+    "validate": "check sets of configurations of any size: npy, npz, csv, parquet or hdf5 files",
+    "plan": "plan with OMPL, one problem or a whole problem set",
+    "verify": "confirm proofs of motions that validate --path --certify wrote, without the checker",
+    "demo": "validate a shipped set and plan in a shipped scene",
+    "view": "show a robot in its scene, what collides, and what proves it, in the browser",
+    "robots": "list the shipped robots",
+    "stress": "hold verdicts on hard pairs of bodies against exact arithmetic",
+    "bench": "measure run time against error, beside other methods and libraries",
+    "acm": "propose which pairs of a robot's links to leave untested, or audit those that are",
+    "inspect": "show the bodies and pairs of a robot in a scene, and what checking them takes",
+}
+
+# Options whose value may start with a minus sign.
+_VECTOR_OPTIONS = ("--start", "--goal", "--q")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs a command.
+
+    Args:
+        argv: Arguments without the program's name; None takes the process's.
+
+    Returns:
+        The exit code.
+    """
+    arguments = _joined_vectors(list(sys.argv[1:] if argv is None else argv))
+    try:
+        options = parser_for(arguments).parse_args(arguments)
+    except SystemExit as stop:  # argparse has said why
+        return int(stop.code or 0)
+    with warnings.catch_warnings(), _interrupted_by_sigterm(), _safe_output():
+        warnings.showwarning = _show_warning
+        return _run(options)
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM: handled as Ctrl-C is, so that what is kept for later is said."""
+
+
+@contextmanager
+def _safe_output() -> Iterator[None]:
+    """Names of files, links and objects reach the terminal as text, whatever is in them."""
+    if sys.stdout is None:
+        yield
+        return
+    with redirect_stdout(cast(TextIO, TerminalText(sys.stdout))):
+        yield
+
+
+@contextmanager
+def _interrupted_by_sigterm() -> Iterator[None]:
+    """Raises `Terminated` where SIGTERM comes; only the main thread may ask for that."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, _terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _terminate(number: int, frame: FrameType | None) -> None:
+    raise Terminated
+
+
+def _run(options: argparse.Namespace) -> int:
+    try:
+        code = int(options.run(options))
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return code
+    except PlannercheckError as error:
+        _say(str(error))
+        return BAD_INPUT
+    except Terminated:
+        return TERMINATED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:  # the reader, e.g. `head`, has seen enough
+        _drop_output()
+        return BROKEN_PIPE
+    except Exception as error:  # 1 means that something is not valid, and nothing else
+        if options.debug:
+            traceback.print_exc()
+        _flush_or_drop()
+        hint = "" if options.debug else " (plannercheck --debug shows where)"
+        _say(f"could not finish: {type(error).__name__}: {error or 'no more is known'}{hint}")
+        return FAILED
+
+
+def _say(message: str) -> None:
+    """One line on the error stream."""
+    with suppress(OSError, ValueError, AttributeError):  # full, closed or none
+        print(f"plannercheck: error: {on_terminal(' '.join(message.split()))}", file=sys.stderr)
+
+
+def _flush_or_drop() -> None:
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError, AttributeError):
+        _drop_output()
+
+
+def _drop_output() -> None:
+    """What is still to be written has no reader, or no room; at exit Python would fail on it once more."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
+    """The parser, complete for the command that is asked for."""
+    parser = argparse.ArgumentParser(
+        prog="plannercheck",
+        description="Exact collision verdicts for motion planning.",
+        epilog="Exit codes: 0 all valid or solved, 1 something is not, 2 bad input, 3 the command could not finish.",
+    )
+    parser.add_argument("--debug", action="store_true", help="show where a command fails")
+    parser.add_argument("--version", action="version", version=f"plannercheck {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    chosen = next((argument for argument in arguments if not argument.startswith("-")), None)
+    for name, summary in COMMANDS.items():
+        command = commands.add_parser(
+            name,
+            help=summary,
+            description=summary[0].upper() + summary[1:] + ".",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        if name == chosen:
+            module = importlib.import_module(f"plannercheck.cli.{name}")
+            module.add_arguments(command)
+            command.set_defaults(run=module.run)
+    return parser
+
+
+def _joined_vectors(arguments: list[str]) -> list[str]:
+    """Joins `--start -0.1,0.2` to `--start=-0.1,0.2`: argparse would take the value for an option."""
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] in _VECTOR_OPTIONS and argument[:1] == "-" and argument[1:2] in "0123456789.":
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    print(f"plannercheck: warning: {on_terminal(' '.join(str(message).split()))}", file=sys.stderr)

@@ -1,0 +1,177 @@
+"""`plannercheck plan`: one problem, or the problem sets of MotionBenchMaker.
+
+In: a robot with a scene, start and goal, or with problem sets. Out: plans, on the terminal and in files.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.cli import plan_problem_sets as problem_sets
+from plannercheck.cli.checked_paths import show_checks
+from plannercheck.cli.common import (
+    add_checker_arguments,
+    add_robot_argument,
+    add_scene_argument,
+    check_folder,
+    load_checker,
+    table,
+    vector,
+)
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.checker import Checker
+from plannercheck.ompl import LONGEST_MOTION, plan, planner_names
+from plannercheck.ompl.plans import Plan, check_suffix
+from plannercheck.ompl.start_and_goal import checked_end, judged
+from plannercheck.planar.curves import CURVES
+from plannercheck.planar.robot_files import is_planar
+from plannercheck.validation.path_recheck import check_path
+
+Floats = NDArray[np.float64]
+
+_EPILOG = """\
+Every motion in space is proved free, not sampled; one that comes within 0.1 mm of a collision may be refused.
+Motions in the plane are checked at states so close that no point moves further than 1 cm between them.
+
+Exit codes: 0 solved, 1 not (all) solved, 2 bad input, such as a start or goal that collides (the pairs are named) or
+is beyond the limits; in a set, such problems count as not solved.
+
+Examples:
+  plannercheck plan --robot panda --scene bookshelf --output plan.csv
+  plannercheck plan --robot ur5 --scene cell.yaml --start 0,-1.5,1.5,0,0,0 --goal 1,-1,1,0,0,0
+  plannercheck plan --robot forklift --scene warehouse --curve reeds_shepp --turning-radius 1.5
+  plannercheck plan --robot panda --problems cage_panda.tar.bz2 --output results.json
+"""
+
+
+# Configurations of a path that are printed.
+_MOST_ROWS = 60
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's options."""
+    parser.epilog = _EPILOG
+    add_robot_argument(parser)
+    add_scene_argument(parser, "needed for one problem")
+    add_checker_arguments(parser)
+    parser.add_argument("--start", metavar="A,B,...", help="rad and m; default: the scene file's")
+    parser.add_argument("--goal", metavar="A,B,...", help="rad and m; default: the scene file's")
+    parser.add_argument(
+        "--problems",
+        nargs="+",
+        type=Path,
+        metavar="SET",
+        help="folders or tar archives of MotionBenchMaker problems, instead of scene, start and goal",
+    )
+    parser.add_argument("--first", type=int, metavar="N", help="only the first N problems of each set")
+    parser.add_argument("--each", action="store_true", help="a line for each problem of a set")
+    parser.add_argument("--planner", default="RRTConnect", help=f"{', '.join(planner_names())}; default: RRTConnect")
+    parser.add_argument("--time", type=float, default=10.0, metavar="S", help="for each search, s; default: 10")
+    parser.add_argument(
+        "--range",
+        type=float,
+        metavar="RAD",
+        help=f"longest motion the planner tries at once; 0: OMPL's choice; default: {LONGEST_MOTION} rad in space, "
+        "OMPL's choice in the plane",
+    )
+    parser.add_argument("--curve", choices=CURVES, default="straight", help="of a planar robot; default: straight")
+    parser.add_argument("--turning-radius", type=float, metavar="M", help="of dubins and reeds_shepp curves, m")
+    parser.add_argument("--no-simplify", action="store_true", help="leave paths as the planner found them")
+    parser.add_argument("--seed", type=int, help="at least 1, for a search that can be repeated")
+    parser.add_argument(
+        "--verify",
+        choices=("fcl",),
+        help="check every sampled state of a path by FCL, and count collisions between the samples (slow)",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="write the plan as json, npy or csv; the results of sets as json",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command."""
+    check_folder(options.output)
+    if options.problems:
+        return problem_sets.run(options)
+    if options.scene is None:
+        raise PlannercheckError("needs --scene, or --problems")
+    if options.output is not None:
+        check_suffix(options.output)
+    if options.verify and is_planar(options.robot, "robots"):
+        raise PlannercheckError("--verify fcl is for robots in space: FCL knows no polygons")
+    return _run_one(options)
+
+
+def _run_one(options: argparse.Namespace) -> int:
+    checker = load_checker(options)
+    robot, scene = checker.robot.name, checker.scene
+    start = scene.start(robot) if options.start is None else vector(options.start, "--start")
+    goal = scene.goal(robot) if options.goal is None else vector(options.goal, "--goal")
+    _check_ends(checker, start=start, goal=goal)
+    found = plan(
+        checker,
+        start,
+        goal,
+        planner=options.planner,
+        time_limit=options.time,
+        simplify=not options.no_simplify,
+        seed=options.seed,
+        longest_motion=options.range,
+        curve=options.curve,
+        turning_radius=options.turning_radius,
+    )
+    _show(found, "rad" if isinstance(checker, Checker) else "in m and rad")
+    if found.solved and options.output is not None:
+        found.save(options.output)
+        print(f"written to {options.output}")
+    if not found.solved or not options.verify:
+        return 0 if found.solved else 1
+    check = check_path(_in_space(checker), found.path)
+    show_checks([check])
+    return 0 if check.passed else 1
+
+
+def _check_ends(checker: AnyChecker, **ends: Floats) -> None:
+    """Raises if a search could not even begin."""
+    reasons = (judged(checker, checked_end(checker, q, name)).reason(name) for name, q in ends.items())
+    reason = "; ".join(filter(None, reasons))
+    if reason:
+        raise PlannercheckError(f"not planned: {reason}")
+
+
+def _shown_rows(found: Plan) -> list[tuple[int, list[float]]]:
+    """The path's configurations with their numbers; of curved paths, which hold every checked state, some."""
+    stride = -(-len(found.path) // _MOST_ROWS)
+    shown = sorted({*range(0, len(found.path), stride), len(found.path) - 1})
+    return [(k, found.path[k].tolist()) for k in shown]
+
+
+def _in_space(checker: AnyChecker) -> Checker:
+    assert isinstance(checker, Checker)
+    return checker
+
+
+def _show(found: Plan, unit: str) -> None:
+    if not found.solved:
+        print(f"not solved: {found.reason}")
+        return
+    names = found.joint_names
+    print(
+        table(
+            ("", *names),
+            [(k, *(f"{value:.4f}" for value in row)) for k, row in _shown_rows(found)],
+        )
+    )
+    print(
+        f"\n{found.planner} found a path in {found.time:.3f} s, "
+        f"shortened in {found.simplification_time:.3f} s: "
+        f"{len(found.path)} configurations, length {found.length:.3f} {unit}"
+    )

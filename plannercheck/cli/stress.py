@@ -1,0 +1,81 @@
+"""`plannercheck stress`: hard pairs of bodies, every verdict held against exact arithmetic; and hard motions."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from plannercheck.cli.common import check_folder
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.stress.other_libraries import Coal, Fcl, Peer
+from plannercheck.evaluation.stress.run import StressTally
+from plannercheck.evaluation.stress.run import run as run_suite
+from plannercheck.evaluation.stress.tables import lines
+
+_EPILOG = """\
+Families of bodies x size x ratio of sizes x distance from the origin x rotation x gap, drawn at random. Every pair is
+decided by all methods of the core and by an oracle of its own, which tells what it has proved in whole numbers; every
+fourth draw the core's certificates have to prove its verdicts, too. What is found depends on the seed and the number of
+pairs alone. Exit code 1 if a verdict is wrong, an
+exception is thrown, a body is refused or a query takes more than a second.
+
+With --motions instead: random trees of all kinds of joints, the shipped robots, planar chains and curves, among bodies
+that touch them by construction. Exit code 1 if a motion that collides is passed, one is refused without reason, a
+verdict depends on what else was asked, or a proof is not verified.
+"""
+# Pairs between two lines of progress.
+_REPORT_EVERY = 20_000
+# More would only get in each other's way on any machine.
+MOST_PROCESSES = 1024
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's options."""
+    parser.epilog = _EPILOG
+    parser.add_argument("--pairs", type=int, default=10_000, help="how many at least (default: %(default)s)")
+    parser.add_argument("--motions", type=int, metavar="N", help="judge at least N motions instead of pairs")
+    parser.add_argument("--verified", type=int, default=0, metavar="M", help="prove and verify about M of the motions")
+    parser.add_argument("--families", default="", metavar="NAME,...", help="of motions (default: all)")
+    parser.add_argument("--case", type=Path, metavar="FILE", help="judge a kept motion again")
+    parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
+    parser.add_argument("--processes", type=int, default=1, help="how many to use (default: %(default)s)")
+    parser.add_argument("--peers", action="store_true", help="count the errors of python-fcl and coal, too")
+    parser.add_argument("--cases", type=Path, metavar="FOLDER", help="keep failures, shrunk, as JSON files here")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command."""
+    if options.pairs < 1 or options.seed < 0:
+        raise PlannercheckError(
+            f"--pairs must be at least 1 and --seed at least 0, not {options.pairs}, {options.seed}"
+        )
+    if options.cases is not None:
+        check_folder(options.cases / "case")
+    if not 1 <= options.processes <= MOST_PROCESSES:
+        raise PlannercheckError(f"--processes must be 1 to {MOST_PROCESSES}, not {options.processes}")
+    if options.case is not None or options.motions is not None:
+        from plannercheck.cli.stress_motions import run_case, run_motions  # needs OMPL
+
+        return run_case(options.case) if options.case is not None else run_motions(options)
+    peers: list[Peer] = [Fcl(), Coal()] if options.peers else []
+    tally = run_suite(options.pairs, options.seed, peers, _Progress(), options.processes)
+    print("\n".join(lines(tally, [peer.name for peer in peers])))
+    for number, case in enumerate(tally.cases):
+        print(f"failed: {case.name}")
+        if options.cases is not None:
+            case.save(options.cases / f"{options.seed}-{number}.json")
+    return 0 if tally.passed else 1
+
+
+class _Progress:
+    """Lines on the error stream now and then."""
+
+    def __init__(self) -> None:
+        self._next = _REPORT_EVERY
+
+    def __call__(self, tally: StressTally) -> None:
+        pairs = tally.pairs.total()
+        if pairs >= self._next:
+            self._next = (pairs // _REPORT_EVERY + 1) * _REPORT_EVERY
+            print(f"{pairs} pairs, {len(tally.cases)} failures", file=sys.stderr, flush=True)

@@ -1,0 +1,170 @@
+"""`plannercheck view`: a robot in its scene, what collides in red, and what proves it.
+
+In: a robot, a scene, a configuration, a set of them or a path. Out: a page for the browser, served or as a file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import warnings
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.checking.input_hints import degrees_hint
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.cli.common import (
+    add_checker_arguments,
+    add_robot_argument,
+    add_scene_argument,
+    check_folder,
+    load_checker,
+    vector,
+)
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.ompl.start_and_goal import checked_end
+from plannercheck.planar.robot_files import is_planar
+from plannercheck.validation.formats.chunks import read_chunks
+from plannercheck.validation.formats.paths import read_path
+from plannercheck.view.frames import DEFAULT_FRAMES, along_path
+from plannercheck.view.model import Picture
+from plannercheck.view.page import write_page
+from plannercheck.view.picture import picture
+from plannercheck.view.server import DEFAULT_PORT, serve
+from plannercheck.view.surfaces import delivered_meshes
+
+Floats = NDArray[np.float64]
+
+_EPILOG = """\
+Without FILE, --path and --q, the scene's start for the robot is shown, or else the robot's reference.
+
+Colliding bodies are red, with the points that they share; separating planes are blue, with the nearest points of their
+two bodies. The page that --html writes needs no network: drag turns, shift-drag moves, the wheel comes nearer, a click
+names a body. Its address may set the view: page.html#frame=3&azimuth=-60&elevation=20&hide=plane
+
+Examples:
+  plannercheck view --robot panda --scene bookshelf --html panda.html
+  plannercheck view --robot panda --scene bookshelf --path plan.json
+  plannercheck view --robot talos --meshes --only-invalid samples.npy --html talos.html
+"""
+
+# Frames of a set that are shown unless told otherwise.
+_DEFAULT_STATES = 50
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the command's options."""
+    parser.epilog = _EPILOG
+    add_robot_argument(parser)
+    add_scene_argument(parser)
+    add_checker_arguments(parser)
+    parser.add_argument("file", nargs="?", metavar="FILE", type=Path, help="a set, one configuration after another")
+    parser.add_argument("--q", metavar="A,B,...", help="one configuration, rad and m")
+    parser.add_argument("--path", type=Path, metavar="PATH", help="a plan or another path, animated")
+    parser.add_argument("--frames", type=int, default=DEFAULT_FRAMES, help="of a path; default: %(default)s")
+    parser.add_argument(
+        "--first", type=int, default=_DEFAULT_STATES, metavar="N", help="of a set; default: %(default)s"
+    )
+    parser.add_argument("--only-invalid", action="store_true", help="of a set, only what collides")
+    parser.add_argument(
+        "--planes",
+        type=int,
+        metavar="N",
+        help="separating planes a frame, of the nearest pairs; default: 3 for one configuration, else 1",
+    )
+    parser.add_argument("--meshes", action="store_true", help="also draw the collision meshes as they were delivered")
+    parser.add_argument("--html", type=Path, metavar="FILE", help="write one page that needs no network, and stop")
+    parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="to serve at; default: %(default)s")
+    parser.add_argument("--host", default="localhost", help="to serve on; default: %(default)s, this machine alone")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs the command."""
+    _check(options)
+    checker = load_checker(options)
+    drawn = _picture(options, checker)
+    if options.html is not None:
+        write_page(drawn, options.html)
+        size = options.html.stat().st_size / 1e6
+        print(f"{drawn.title}, {drawn.frames} frames: written to {options.html} ({size:.1f} MB)")
+        return 0
+    stage = serve(drawn, options.port, options.host)
+    address = f"http://{options.host}:{stage.server.get_port()}"
+    print(f"{drawn.title}, {drawn.frames} frames: {address}, until Ctrl-C", flush=True)
+    try:
+        stage.play()
+    finally:
+        stage.server.stop()
+    return 0
+
+
+def _check(options: argparse.Namespace) -> None:
+    check_folder(options.html)
+    if sum(given is not None for given in (options.file, options.q, options.path)) > 1:
+        raise PlannercheckError("FILE, --q and --path exclude each other: give one")
+    if options.frames < 1 or options.first < 1 or (options.planes or 0) < 0:
+        raise PlannercheckError("--frames and --first must be at least 1, --planes at least 0")
+    if options.meshes and is_planar(options.robot, "robots"):
+        raise PlannercheckError("--meshes is for robots in space")
+
+
+def _picture(options: argparse.Namespace, checker: AnyChecker) -> Picture:
+    meshes = delivered_meshes(options.robot) if options.meshes else None
+    rows, labels = _frames(options, checker)
+    is_path = options.path is not None
+    return picture(checker, rows, labels=labels, animated=is_path, planes=options.planes, meshes=meshes)
+
+
+def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, tuple[str, ...]]:
+    """The configurations to show, and what they are called."""
+    robot = checker.robot
+    if options.path is not None:
+        path = read_path(options.path, robot.joint_names, robot.nq)
+        if path.bent_by:
+            warnings.warn(
+                f"straight motions between the points are shown, not the splines that the {' and '.join(path.bent_by)} "
+                "in the file ask for",
+                stacklevel=2,
+            )
+        return along_path(checker, path.states, options.frames)
+    if options.file is not None:
+        return _of_set(options, checker)
+    if options.q is not None:
+        return _given(options.q, checker), ("--q",)
+    return _declared(checker)
+
+
+def _given(text: str, checker: AnyChecker) -> Floats:
+    """One configuration (1, nq) from the command line."""
+    q = checked_end(checker, vector(text, "--q"), "--q")
+    hint = degrees_hint(checker.robot, q)
+    if hint:
+        warnings.warn(f"--q is beyond the limits; {hint}", RuntimeWarning, stacklevel=2)
+    return q[None]
+
+
+def _of_set(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, tuple[str, ...]]:
+    """The first configurations of a file, or the first that collide."""
+    found: list[Floats] = []
+    labels: list[str] = []
+    for chunk in read_chunks(options.file, checker.robot.joint_names, checker.robot.nq):
+        wanted = ~checker.check_states(chunk.rows) if options.only_invalid else np.ones(len(chunk.rows), dtype=bool)
+        rows = np.flatnonzero(wanted)[: options.first - len(labels)]
+        found.append(chunk.rows[rows])
+        labels += [f"row {chunk.first_row + row}" for row in rows.tolist()]
+        if len(labels) == options.first:
+            break
+    if not labels:
+        what = "no configuration that collides" if options.only_invalid else "no configuration"
+        raise PlannercheckError(f"file {str(options.file)!r} holds {what}")
+    return np.concatenate(found), tuple(labels)
+
+
+def _declared(checker: AnyChecker) -> tuple[Floats, tuple[str, ...]]:
+    """The start of the scene, else the robot's reference, else zeros."""
+    robot, states = checker.robot, getattr(checker.scene, "states", {})
+    if robot.name in states and states[robot.name].start is not None:
+        return checker.scene.start(robot.name)[None], ("start of the scene",)
+    reference = getattr(robot, "reference", np.zeros(robot.nq))
+    return np.asarray(reference)[None], ("reference of the robot",)

@@ -1,0 +1,141 @@
+"""Checked reading of YAML: every error says which file, object and key is wrong, and what would be right.
+
+In: YAML text or nodes as PyYAML gives them. Out: plain Python values. `within` puts a place before the
+message of any error raised inside it, so that readers of files need not hand names down.
+"""
+
+from __future__ import annotations
+
+import lzma
+import math
+import struct
+import tarfile
+import tokenize
+import zipfile
+import zlib
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import yaml
+
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.input_limits import check_yaml
+
+Node: TypeAlias = dict[str, Any]
+
+# What numpy, zipfile, tarfile and the decompressors below them raise for files that are broken.
+BROKEN_FILE = (
+    OSError,
+    ValueError,
+    EOFError,
+    TypeError,
+    KeyError,  # of a broken header, or a member that is missing
+    OverflowError,  # numbers beyond all doubles
+    RecursionError,  # nested too deep
+    MemoryError,  # a header that claims more than there is
+    RuntimeError,  # of zipfile, for encryption
+    NotImplementedError,  # of zipfile, for an unknown compression
+    tokenize.TokenError,  # of a broken npy header
+    struct.error,
+    zipfile.BadZipFile,
+    tarfile.TarError,
+    zlib.error,
+    lzma.LZMAError,
+)
+
+# libyaml's loader is ten times faster; PyYAML comes without it on some platforms.
+_LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@contextmanager
+def within(place: str) -> Iterator[None]:
+    """Puts a place, e.g. "object 'can'", before the message of a PlannercheckError."""
+    try:
+        yield
+    except PlannercheckError as error:
+        raise PlannercheckError(f"{place}: {error}") from error.__cause__
+
+
+def read_bytes(path: Path) -> bytes:
+    """The content of a file, or an error that says why it can't be read."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise PlannercheckError(f"file {str(path)!r} can't be read: {reason}") from None
+
+
+def parse_yaml(text: bytes | str) -> Node:
+    """Parses a YAML document whose top level maps keys to values."""
+    check_yaml(text)
+    try:
+        document = yaml.load(text, Loader=_LOADER)  # a safe one, chosen above
+    except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none
+        raise PlannercheckError(f"no valid YAML: {' '.join(str(error).split())}") from None
+    return mapping(document, "the document")
+
+
+def mapping(value: Any, what: str) -> Node:
+    """The value, if it maps keys to values; nothing at all counts as an empty mapping."""
+    if value is None:
+        return {}
+    if not isinstance(value, dict):
+        raise PlannercheckError(f"{what} must be a mapping of keys to values, not {_shortened(value)}")
+    return {str(k): v for k, v in value.items()}
+
+
+def sequence(value: Any, what: str) -> list[Any]:
+    """The value, if it is a list; nothing at all counts as an empty list."""
+    if value is None:
+        return []
+    if not isinstance(value, list):
+        raise PlannercheckError(f"{what} must be a list, not {_shortened(value)}")
+    return value
+
+
+def check_keys(node: Node, valid: Collection[str]) -> None:
+    """Raises for the first key that is not one of the valid ones."""
+    for key in node:
+        if key not in valid:
+            raise unknown_name("key", key, valid)
+
+
+def required(node: Node, key: str) -> Any:
+    """The value of a key that must be there."""
+    if node.get(key) is None:
+        raise PlannercheckError(f"key {key!r} is missing; given are {', '.join(node) or 'none'}")
+    return node[key]
+
+
+def text(value: Any, key: str) -> str:
+    """A name, path or word; numbers pass as their text."""
+    if isinstance(value, str) or (isinstance(value, int | float) and not isinstance(value, bool)):
+        return str(value)
+    raise PlannercheckError(f"{key!r} must be a text, not {_shortened(value)}")
+
+
+def number(value: Any, key: str) -> float:
+    """A finite number. YAML 1.1 reads `1e-5` as a text: such texts pass as numbers."""
+    try:
+        result = math.nan if isinstance(value, bool) else float(value)
+    except (TypeError, ValueError, OverflowError):  # the last of whole numbers beyond all doubles
+        raise PlannercheckError(f"{key!r} must be a number, not {_shortened(value)}") from None
+    if not math.isfinite(result):
+        raise PlannercheckError(f"{key!r} must be a finite number, not {_shortened(value)}")
+    return result
+
+
+def numbers(value: Any, key: str, count: int | None = None) -> list[float]:
+    """A list of finite numbers, of the given length if one is given."""
+    items = [number(v, key) for v in sequence(value, repr(key))]
+    if count is not None and len(items) != count:
+        raise PlannercheckError(f"{key!r} needs {count} numbers, not {len(items)}: {_shortened(value)}")
+    return items
+
+
+def _shortened(value: Any) -> str:
+    """The value as text, cut to what fits an error message."""
+    shown = repr(value)
+    return shown if len(shown) <= 60 else shown[:57] + "..."

@@ -1,0 +1,49 @@
+"""Runs a module of ours in a process of its own, which finds no module in the folder that the user happens to be in.
+
+In: the module's name, its standard input and arguments. Out: what it printed. Python's isolated mode leaves the current
+folder and the user's environment off the path; what the parent can import follows behind the installed packages.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+# The first argument names the module, the second the path.
+_START = (
+    "import os, runpy, sys; "
+    "module, path = sys.argv[1:3]; del sys.argv[1:3]; "
+    "sys.path += path.split(os.pathsep); "
+    "runpy.run_module(module, run_name='__main__', alter_sys=True)"
+)
+
+
+def run_isolated(
+    module: str, arguments: Sequence[str] = (), content: bytes = b"", time_limit: float | None = None
+) -> subprocess.CompletedProcess[bytes]:
+    """Runs a module as a program.
+
+    Args:
+        module: Full name, e.g. "plannercheck.bodies.coacd_worker".
+        arguments: What it is called with.
+        content: Of its standard input.
+        time_limit: s; None waits for ever.
+
+    Returns:
+        Its exit code, output and messages.
+
+    Raises:
+        subprocess.TimeoutExpired: After the time limit; the process is gone then.
+    """
+    command = [sys.executable, "-I", "-c", _START, module, os.pathsep.join(_path()), *arguments]
+    return subprocess.run(command, input=content, capture_output=True, check=False, timeout=time_limit)
+
+
+def _path() -> list[str]:
+    """Where the parent finds modules, less the current folder, which no one chose; ours in any case."""
+    ours, here = str(Path(__file__).resolve().parents[2]), os.path.realpath(os.curdir)
+    others = [folder for folder in sys.path if folder and os.path.realpath(folder) not in (here, ours)]
+    return [*others, ours]

@@ -1,0 +1,26 @@
+"""How many threads a call may use."""
+
+from __future__ import annotations
+
+from plannercheck.common.errors import PlannercheckError
+
+# Never more than this: no machine has as many cores, and systems refuse to start very many.
+MOST_THREADS = 1024
+
+
+def checked_threads(threads: int, rows: int) -> int:
+    """How many threads are of use for so many rows, at least one.
+
+    Args:
+        threads: What was asked for.
+        rows: Each thread takes at least one.
+
+    Returns:
+        1 to `threads`.
+
+    Raises:
+        PlannercheckError: If it is no whole number of at least 1.
+    """
+    if not isinstance(threads, int) or threads < 1:
+        raise PlannercheckError(f"threads must be a whole number of at least 1, not {threads!r}")
+    return max(1, min(threads, rows, MOST_THREADS))

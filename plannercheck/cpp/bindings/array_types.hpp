@@ -1,0 +1,37 @@
+// The arrays that cross into Python, and poses out of them.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "math/vec.hpp"
+
+namespace plannercheck {
+
+template <class Number, int... sizes>
+using InputArray =
+    nanobind::ndarray<const Number, nanobind::shape<sizes...>, nanobind::c_contig, nanobind::device::cpu>;
+
+// From the first three rows of a row-major 4x4 matrix.
+inline Pose pose_from(const double* matrix) {
+  Pose pose;
+  std::memcpy(pose.m.data(), matrix, sizeof pose.m);
+  return pose;
+}
+
+// A new NumPy array that owns a copy of the values.
+template <class Number>
+auto output_array(const std::vector<Number>& values, std::initializer_list<std::size_t> shape) {
+  auto data = std::make_unique<Number[]>(std::max<std::size_t>(values.size(), 1));
+  std::copy(values.begin(), values.end(), data.get());
+  Number* raw = data.release();
+  nanobind::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<Number*>(p); });
+  return nanobind::ndarray<nanobind::numpy, Number>(raw, shape, owner);
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,284 @@
+// Bodies and single pairs in Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+
+#include <memory>
+
+#include "bindings/array_types.hpp"
+#include "bindings/module.hpp"
+#include "bindings/plain_floats.hpp"
+#include "bindings/verdict_dicts.hpp"
+#include "bodies/body.hpp"
+#include "math/predicates.hpp"
+#include "narrow_phase/pair_batch.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+std::vector<Vec3> points_from(InputArray<double, -1, 3> vertices) {
+  std::vector<Vec3> points(vertices.shape(0));
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = {vertices(i, 0), vertices(i, 1), vertices(i, 2)};
+  return points;
+}
+
+std::shared_ptr<Body> swollen(Body body, double swell) {
+  body.swell = swell;
+  return std::make_shared<Body>(std::move(body));
+}
+
+std::shared_ptr<Body> body_from_points(InputArray<double, -1, 3> vertices, double swell) {
+  const std::vector<Vec3> points = points_from(vertices);
+  nb::gil_scoped_release release;
+  return swollen(prepare_body(points), swell);
+}
+
+std::shared_ptr<Body> body_from_faces(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> faces,
+                                      double swell) {
+  const std::vector<Vec3> points = points_from(vertices);
+  std::vector<Triangle> triangles(faces.shape(0));
+  for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
+  nb::gil_scoped_release release;
+  return swollen(prepare_body(verified_hull(points, triangles)), swell);
+}
+
+auto rows_of(const std::vector<Vec3>& points) {
+  std::vector<double> flat;
+  for (const Vec3& p : points) flat.insert(flat.end(), {p.x, p.y, p.z});
+  return output_array(flat, {points.size(), std::size_t{3}});
+}
+
+auto rows_of(const std::vector<Triangle>& triangles) {
+  std::vector<std::int32_t> flat;
+  for (const Triangle& t : triangles) flat.insert(flat.end(), t.begin(), t.end());
+  return output_array(flat, {triangles.size(), std::size_t{3}});
+}
+
+nb::dict shape_of(const Hierarchy& h) {
+  nb::dict out;
+  std::size_t longest = 0;
+  for (const ChainRange& chain : h.chains) longest = std::max(longest, static_cast<std::size_t>(chain.length));
+  out["vertices"] = h.points.size();
+  out["levels"] = h.depth + 1;
+  out["longest_chain"] = longest;
+  out["fans"] = h.fans.size();
+  out["bytes"] = h.bytes();
+  return out;
+}
+
+// For each vertex the level at which it is removed.
+auto levels_of(const Hierarchy& h) { return output_array(h.level, {h.level.size()}); }
+
+// A scan on rounded products may have stopped at a vertex that is extreme up to kScanError: compares it with all.
+std::int32_t surely_extreme(const Hierarchy& h, std::int32_t v, Vec3 u) {
+  for (const std::int32_t other : h.top) {
+    if (compare_along(u, h.points[static_cast<std::size_t>(other)], h.points[static_cast<std::size_t>(v)]) > 0)
+      v = other;
+  }
+  return v;
+}
+
+// Balls (k, 4), centre and radius, and the rounded box (1, 7), two corners and radius, or (0, 7).
+nb::tuple inner_shapes_of(const Body& body) {
+  const InnerShapes& shapes = body.inner_shapes();
+  std::vector<double> balls, box;
+  for (const InnerBall& b : shapes.balls) balls.insert(balls.end(), {b.centre.x, b.centre.y, b.centre.z, b.radius});
+  if (shapes.box) {
+    const InnerBox& b = *shapes.box;
+    box = {b.low.x, b.low.y, b.low.z, b.high.x, b.high.y, b.high.z, b.radius};
+  }
+  return nb::make_tuple(output_array(balls, {shapes.balls.size(), std::size_t{4}}),
+                        output_array(box, {box.size() / 7, std::size_t{7}}));
+}
+
+// The same body, whose extreme vertices are found by hierarchies alone: to hold cells of directions against them.
+std::shared_ptr<Body> without_cells(const Body& body) {
+  auto out = std::make_shared<Body>(body);
+  for (Hierarchy* const h : {&out->inner, &out->polar}) h->cells = {}, h->crown.cells = {};
+  return out;
+}
+
+// The extreme vertex along each direction, exactly, and the blocks each query visited.
+nb::tuple extremes(const Body& body, InputArray<double, -1, 3> directions, bool of_polar) {
+  const Hierarchy& h = of_polar ? body.polar : body.inner;
+  std::vector<std::int32_t> vertices(directions.shape(0)), blocks(directions.shape(0));
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    QueryCounters counters;
+    const Vec3 u{directions(i, 0), directions(i, 1), directions(i, 2)};
+    vertices[i] = extreme(h, u, counters);
+    if (h.depth == 0) vertices[i] = surely_extreme(h, vertices[i], u);
+    blocks[i] = static_cast<std::int32_t>(counters.blocks);
+  }
+  return nb::make_tuple(output_array(vertices, {vertices.size()}), output_array(blocks, {blocks.size()}));
+}
+
+using PoseRows = InputArray<double, -1, 4, 4>;
+
+// Pairs of poses of the same two bodies; a single pose goes with all of the other's.
+class PosedRows : public PairBatch {
+ public:
+  PosedRows(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b)
+      : size_(std::max(poses_a.shape(0), poses_b.shape(0))),
+        a_hosts_(choose_host(a, b) == 0),
+        guest_(a_hosts_ ? Side{&b, poses_b} : Side{&a, poses_a}),
+        host_(a_hosts_ ? Side{&a, poses_a} : Side{&b, poses_b}) {}
+
+  std::size_t size() const { return size_; }
+  bool guest_is_a() const { return !a_hosts_; }
+  PosedBody guest(std::size_t i) const final { return guest_.posed(i); }
+  PosedBody host(std::size_t i) const final { return host_.posed(i); }
+
+  void test(const PairOptions& options, PairCounters& counters) {
+    test_pairs(*guest_.body, *host_.body, size_, options, *this, counters);
+  }
+
+ private:
+  struct Side {
+    const Body* body;
+    PoseRows poses;
+
+    PosedBody posed(std::size_t i) const {
+      return {body, pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i))};
+    }
+  };
+
+  std::size_t size_;
+  bool a_hosts_;
+  Side guest_, host_;
+};
+
+class VerdictRows final : public PosedRows {
+ public:
+  std::vector<std::uint8_t> shared = std::vector<std::uint8_t>(size()), stages = shared;
+
+  using PosedRows::PosedRows;
+  void take(std::size_t i, const PairVerdict& verdict) final {
+    shared[i] = verdict.shared;
+    stages[i] = static_cast<std::uint8_t>(verdict.stage);
+  }
+  void take_far(std::size_t i, const CentreAxis&) final { stages[i] = static_cast<std::uint8_t>(Stage::kCentreAxis); }
+};
+
+class CertifiedRows final : public PosedRows {
+ public:
+  std::vector<PairVerdict> verdicts = std::vector<PairVerdict>(size());
+
+  using PosedRows::PosedRows;
+  void take(std::size_t i, const PairVerdict& verdict) final { verdicts[i] = verdict; }
+};
+
+// Verdicts for n pairs of poses of the same two bodies; stages and counters of all of them.
+nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b,
+                          const PairOptions& options) {
+  VerdictRows rows(a, poses_a, b, poses_b);
+  PairCounters counters;
+  {
+    nb::gil_scoped_release release;
+    rows.test(options, counters);
+  }
+  return nb::make_tuple(output_array(rows.shared, {rows.size()}), output_array(rows.stages, {rows.size()}),
+                        counters_dict(counters));
+}
+
+// As certify_pair, for each of n pairs of poses.
+nb::list certify_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b, const PairOptions& options) {
+  CertifiedRows rows(a, poses_a, b, poses_b);
+  PairCounters counters;
+  rows.test(options, counters);
+  nb::list out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    out.append(verdict_dict(rows.verdicts[i], rows.guest(i), rows.host(i), rows.guest_is_a()));
+  }
+  return out;
+}
+
+nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body& b, InputArray<double, 4, 4> pose_b,
+                      const PairOptions& options, bool explain) {
+  const PosedBody pa{&a, pose_from(pose_a.data())}, pb{&b, pose_from(pose_b.data())};
+  const bool a_hosts = choose_host(a, b) == 0;
+  PairCounters counters;
+  const PosedBody &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
+  PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
+  if (explain && verdict.shared && !verdict.exact) {
+    // The vertices and weights behind a shared point come from the exact stage.
+    const Vec3 apart = guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
+    verdict.exact = decide_exactly(guest, host, nearest_points(guest, host, apart, counters));
+  }
+  return verdict_dict(verdict, guest, host, !a_hosts);
+}
+
+}  // namespace
+
+void bind_body(nb::module_& m) {
+  m.attr("body_format") = kBodyFormat;
+  nb::exception<HullError>(m, "HullError", PyExc_ValueError);
+
+  nb::enum_<Solver>(m, "Solver")
+      .value("oracle", Solver::kDoubleOracle)
+      .value("walk", Solver::kWalk)
+      .value("exact", Solver::kExact);
+
+  nb::class_<PairOptions>(m, "PairOptions")
+      .def(
+          "__init__",
+          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool turned_axis, bool facet_plane,
+             bool nearest_points, bool double_double, bool warm_start, bool interleaving) {
+            new (self) PairOptions{solver,         cached_plane,  centre_axis, turned_axis, facet_plane,
+                                   nearest_points, double_double, warm_start,  interleaving};
+          },
+          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("turned_axis"),
+          nb::arg("facet_plane"), nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"),
+          nb::arg("interleaving"), plain_floats);
+
+  nb::class_<Body>(m, "Body")
+      .def_static("from_points", &body_from_points, plain_floats)
+      .def_static("from_faces", &body_from_faces, plain_floats)
+      .def_static(
+          "parse",
+          [](nb::bytes data) {
+            return std::make_shared<Body>(parse_body(static_cast<const char*>(data.data()), data.size()));
+          },
+          plain_floats)
+      .def(
+          "serialise",
+          [](const Body& b) {
+            const std::string data = serialise(b);
+            return nb::bytes(data.data(), data.size());
+          },
+          plain_floats)
+      .def(
+          "vertices", [](const Body& b) { return rows_of(b.inner.points); }, plain_floats)
+      .def(
+          "triangles", [](const Body& b) { return rows_of(b.triangles); }, plain_floats)
+      .def(
+          "source", [](const Body& b) { return output_array(b.source, {b.source.size()}); }, plain_floats)
+      .def(
+          "polar_points", [](const Body& b) { return rows_of(b.polar.points); }, plain_floats)
+      .def(
+          "levels", [](const Body& b, bool of_polar) { return levels_of(of_polar ? b.polar : b.inner); }, plain_floats)
+      .def(
+          "centre", [](const Body& b) { return rows_of(std::vector<Vec3>{b.centre}); }, plain_floats)
+      .def("inner_shapes", &inner_shapes_of, plain_floats)
+      .def(
+          "inner_shape", [](const Body& b) { return shape_of(b.inner); }, plain_floats)
+      .def(
+          "polar_shape", [](const Body& b) { return shape_of(b.polar); }, plain_floats)
+      .def_ro("facets", &Body::facet_count)
+      .def_ro("radius", &Body::radius)
+      .def_ro("reach", &Body::reach)
+      .def_ro("dimension", &Body::dimension)
+      .def_ro("swell", &Body::swell)
+      .def("bytes", &Body::bytes, plain_floats)
+      .def("fault", &body_fault, plain_floats)
+      .def("without_cells", &without_cells, plain_floats)
+      .def("extremes", &extremes, plain_floats);
+
+  m.def("intersect_batch", &intersect_batch, plain_floats);
+  m.def("certify_batch", &certify_batch, plain_floats);
+  m.def("certify_pair", &certify_pair, plain_floats);
+}
+
+}  // namespace plannercheck

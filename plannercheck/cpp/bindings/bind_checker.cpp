@@ -1,0 +1,303 @@
+// The checker in Python: batches of configurations, with the GIL released, on as many threads as asked for.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+#include "bindings/array_types.hpp"
+#include "bindings/joined_threads.hpp"
+#include "bindings/module.hpp"
+#include "bindings/numpy_row.hpp"
+#include "bindings/ompl_states.hpp"
+#include "bindings/plain_floats.hpp"
+#include "bindings/verdict_dicts.hpp"
+#include "checking/checker.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+using Configurations = InputArray<double, -1, -1>;
+using LinkPoses = InputArray<double, -1, -1, 4, 4>;
+
+// A checker with the workspaces its callers have returned: what they learnt serves the next call.
+class BoundChecker {
+ public:
+  BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links,
+               InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
+               InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
+               bool boxes, bool overlaps, bool learning, LinkPoses sampled)
+      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count,
+              {options, bounds, boxes, overlaps, learning}, states_of(sampled, link_count)),
+        lower_(lower.data(), lower.data() + lower.shape(0)),
+        upper_(upper.data(), upper.data() + upper.shape(0)) {}
+
+  const CheckerCore& core() const { return core_; }
+
+  // Whether a configuration is finite and within the limits that hold for this checker's choice of pairs.
+  bool may_judge(const double* q) const {
+    bool may = true;
+    for (std::size_t i = 0; i < lower_.size(); ++i)
+      may &= std::isfinite(q[i]) && lower_[i] <= q[i] && q[i] <= upper_[i];
+    return may;
+  }
+
+  template <class Work>
+  void with_workspace(Work work) {
+    std::shared_ptr<CheckerCore::Workspace> workspace;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!spare_.empty()) {
+        workspace = std::move(spare_.back());
+        spare_.pop_back();
+      }
+    }
+    if (!workspace) workspace = core_.new_workspace();
+    work(*workspace);
+    const std::lock_guard lock(mutex_);
+    add(CheckerCore::take_counters(*workspace));
+    spare_.push_back(std::move(workspace));
+  }
+
+  // work(first, last, workspace) over parts of n rows.
+  template <class Work>
+  void in_parallel(std::size_t n, int threads, Work work) {
+    const std::size_t count =
+        std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)), std::max<std::size_t>(n, 1));
+    std::exception_ptr failure;  // an exception that leaves a thread would end the process
+    const auto part = [&](std::size_t k) {
+      try {
+        with_workspace([&](auto& w) { work(n * k / count, n * (k + 1) / count, w); });
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        failure = std::current_exception();
+      }
+    };
+    {
+      JoinedThreads others;
+      for (std::size_t k = 1; k < count; ++k) others.threads.emplace_back(part, k);
+      part(0);
+    }
+    if (failure) std::rethrow_exception(failure);
+  }
+
+  nb::dict statistics() {
+    const CheckerCounters total = counted();
+    nb::dict out;
+    out["states"] = total.states;
+    out["pairs"] = total.pairs;
+    out["bounds"] = total.bounds;
+    out["overlaps"] = total.overlaps;
+    out["boxes"] = total.boxes;
+    out["skipped"] = total.skipped;
+    const char* names[] = {"cached_plane",   "centre_axis",   "facet_plane", "solver",
+                           "nearest_points", "double_double", "exact"};
+    for (std::size_t i = 0; i < total.stages.size(); ++i) out[names[i]] = total.stages[i];
+    out["queries"] = counters_dict(total.pair);
+    return out;
+  }
+
+ private:
+  CheckerCore core_;
+  std::vector<double> lower_, upper_;
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<CheckerCore::Workspace>> spare_;
+  CheckerCounters total_;
+
+  static std::vector<MountedBody> mounted(const std::vector<std::shared_ptr<Body>>& bodies,
+                                          InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements) {
+    std::vector<MountedBody> out;
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+    return out;
+  }
+
+  static SampledPoses states_of(LinkPoses poses, std::int32_t link_count) {
+    if (poses.shape(1) != static_cast<std::size_t>(link_count)) {
+      throw std::invalid_argument("sampled poses are of " + std::to_string(poses.shape(1)) +
+                                  " links: give those of all " + std::to_string(link_count) + " links");
+    }
+    return {std::vector<double>(poses.data(), poses.data() + poses.size()), poses.shape(0)};
+  }
+
+  static std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
+    std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};
+    return out;
+  }
+
+  // Python's objects are not made under the lock: its garbage collector may run anything meanwhile.
+  CheckerCounters counted() {
+    const std::lock_guard lock(mutex_);
+    return total_;
+  }
+
+  void add(const CheckerCounters& c) {
+    total_.states += c.states, total_.pairs += c.pairs, total_.bounds += c.bounds;
+    total_.boxes += c.boxes, total_.overlaps += c.overlaps, total_.skipped += c.skipped;
+    for (std::size_t i = 0; i < c.stages.size(); ++i) total_.stages[i] += c.stages[i];
+    total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
+    total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
+    total_.pair.games += c.pair.games, total_.pair.rounds += c.pair.rounds;
+  }
+};
+
+constexpr std::size_t kPoseStride = 16;
+
+auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
+  std::vector<std::int32_t> first(q.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t width = q.shape(1);
+    checker.in_parallel(first.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
+      checker.core().first_collisions(kinematics, q.data() + from * width, to - from, first.data() + from, w);
+    });
+  }
+  return output_array(first, {first.size()});
+}
+
+// A function of one configuration without the detour over sets; it answers None for what is no NumPy row of finite
+// numbers within the limits, for the caller to see to.
+nb::object row_validity(nb::object checker, nb::object kinematics) {
+  auto* judge = nb::cast<BoundChecker*>(checker);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  const auto is_free = [checker, kinematics, judge, kernel, array = NumpyArray()](nb::handle row) -> nb::object {
+    const NumpyRow q(array, row, static_cast<std::size_t>(kernel->width()));
+    if (q.data() == nullptr || !judge->may_judge(q.data())) return nb::none();
+    std::uint8_t valid = 0;
+    judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
+    return nb::bool_(valid != 0);
+  };
+  return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
+}
+
+// A function that OMPL calls with states of a RealVectorStateSpace (ompl_states.hpp). States beyond the limits go to
+// `elsewhere`, a function of a list.
+nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere) {
+  auto* judge = nb::cast<BoundChecker*>(checker);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  const auto width = static_cast<std::size_t>(kernel->width());
+  const auto is_free = [checker, kinematics, elsewhere, judge, kernel, states = PlannerStates(width)](nb::handle s) {
+    StateNumbers q(states.width());
+    states.read(s, q);
+    for (const double value : q) {
+      if (!std::isfinite(value)) return false;  // OMPL's spaces hold no such state
+    }
+    if (!judge->may_judge(q.data())) return nb::cast<bool>(elsewhere(listed(q)));
+    std::uint8_t valid = 0;
+    judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
+    return valid != 0;
+  };
+  return nb::cpp_function(is_free, plain_floats);
+}
+
+auto check_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
+  std::vector<std::uint8_t> valid(q.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t width = q.shape(1);
+    checker.in_parallel(valid.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
+      checker.core().check_states(kinematics, q.data() + from * width, to - from, valid.data() + from, w);
+    });
+  }
+  return output_array(valid, {valid.size()});
+}
+
+// q0, q1: n motions; steps: n.
+auto motions_are_free(BoundChecker& checker, const Kinematics& kinematics, Configurations q0, Configurations q1,
+                      InputArray<std::int64_t, -1> steps) {
+  std::vector<std::uint8_t> free(steps.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t width = q0.shape(1);
+    checker.with_workspace([&](CheckerCore::Workspace& w) {
+      for (std::size_t i = 0; i < free.size(); ++i) {
+        free[i] = checker.core().motion_is_free(kinematics, q0.data() + i * width, q1.data() + i * width,
+                                                static_cast<long>(steps(i)), w);
+      }
+    });
+  }
+  return output_array(free, {free.size()});
+}
+
+auto first_of_poses(BoundChecker& checker, LinkPoses poses, int threads) {
+  std::vector<std::int32_t> first(poses.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t size = poses.shape(1) * kPoseStride;
+    checker.in_parallel(first.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
+      checker.core().first_collisions(poses.data() + from * size, to - from, first.data() + from, w);
+    });
+  }
+  return output_array(first, {first.size()});
+}
+
+auto all_of_poses(BoundChecker& checker, LinkPoses poses) {
+  const std::size_t n = poses.shape(0), pairs = checker.core().pair_count();
+  std::vector<std::uint8_t> colliding(n * pairs);
+  {
+    nb::gil_scoped_release release;
+    checker.with_workspace([&](auto& w) { checker.core().all_collisions(poses.data(), n, colliding.data(), w); });
+  }
+  return output_array(colliding, {n, pairs});
+}
+
+// Poses of links times placements on them, by the operations of every verdict.
+auto placed_on_links(InputArray<double, -1, 4, 4> links, InputArray<double, -1, 4, 4> placements) {
+  const std::size_t n = links.shape(0);
+  if (placements.shape(0) != n) {
+    throw std::invalid_argument(std::to_string(n) + " link poses with " + std::to_string(placements.shape(0)) +
+                                " placements: give each pose one");
+  }
+  std::vector<double> out(links.data(), links.data() + 16 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Pose pose = placed_on(pose_from(links.data() + 16 * i).m, pose_from(placements.data() + 16 * i));
+    std::copy(pose.m.begin(), pose.m.end(), out.begin() + static_cast<std::ptrdiff_t>(16 * i));
+  }
+  return output_array(out, {n, std::size_t{4}, std::size_t{4}});
+}
+
+auto body_poses(const BoundChecker& checker, LinkPoses poses) {
+  const std::size_t n = poses.shape(0), bodies = checker.core().body_count(), size = poses.shape(1) * kPoseStride;
+  const double last_row[] = {0, 0, 0, 1};
+  std::vector<double> out(n * bodies * 16);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t b = 0; b < bodies; ++b) {
+      const Pose pose = checker.core().body_pose(b, poses.data() + i * size);
+      double* to = out.data() + (i * bodies + b) * 16;
+      std::copy(pose.m.begin(), pose.m.end(), to);
+      std::copy_n(last_row, 4, to + 12);
+    }
+  }
+  return output_array(out, {n, bodies, std::size_t{4}, std::size_t{4}});
+}
+
+}  // namespace
+
+void bind_checker(nb::module_& m) {
+  nb::class_<BoundChecker>(m, "Checker")
+      .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
+                    InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
+                    const PairOptions&, bool, bool, bool, bool, LinkPoses>(),
+           plain_floats)
+      .def("first_of_states", &first_of_states, plain_floats)
+      .def("check_states", &check_states, plain_floats)
+      .def("motions_are_free", &motions_are_free, plain_floats)
+      .def("first_of_poses", &first_of_poses, plain_floats)
+      .def("all_of_poses", &all_of_poses, plain_floats)
+      .def("body_poses", &body_poses, plain_floats)
+      .def("statistics", &BoundChecker::statistics, plain_floats);
+  m.def("placed_on_links", &placed_on_links, plain_floats);
+  m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
+  m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
+        plain_floats);
+}
+
+}  // namespace plannercheck

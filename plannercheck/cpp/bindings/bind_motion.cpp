@@ -1,0 +1,235 @@
+// Certified motions in Python: batches, with the GIL released, on as many threads as asked for.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+
+#include "bindings/array_types.hpp"
+#include "bindings/module.hpp"
+#include "bindings/ompl_states.hpp"
+#include "bindings/plain_floats.hpp"
+#include "bindings/verdict_dicts.hpp"
+#include "bindings/workspace_pool.hpp"
+#include "motions/motion_certifier.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+using Configurations = InputArray<double, -1, -1>;
+template <int columns>
+using IndexTable = InputArray<std::int32_t, -1, columns>;
+
+MotionChains chains_from(IndexTable<2> drives, InputArray<double, -1, 2> factors,
+                         InputArray<std::int32_t, -1> first_entry, IndexTable<3> entries, InputArray<double, -1> arms,
+                         InputArray<std::int32_t, -1> slides) {
+  MotionChains out;
+  for (std::size_t j = 0; j < drives.shape(0); ++j)
+    out.joints.push_back({static_cast<DriveKind>(drives(j, 0)), drives(j, 1), factors(j, 0), factors(j, 1)});
+  for (std::size_t e = 0; e < entries.shape(0); ++e)
+    out.entries.push_back({entries(e, 0), arms(e), entries(e, 1), entries(e, 2)});
+  out.slides.assign(slides.data(), slides.data() + slides.shape(0));
+  out.first_entry.assign(first_entry.data(), first_entry.data() + first_entry.shape(0));
+  return out;
+}
+
+// A certifier with the workspaces that its callers have returned.
+class BoundCertifier {
+ public:
+  BoundCertifier(MotionModel model, bool hints) : certifier_(std::move(model), hints) {}
+
+  template <class Work>
+  void with_workspace(Work work) {
+    pool_.with_one([&] { return certifier_.new_workspace(); }, work,
+                   [&](auto& workspace) { add(MotionCertifier::take_counters(workspace)); });
+  }
+
+  const MotionCertifier& certifier() const { return certifier_; }
+
+  nb::dict statistics() {
+    const MotionCounters total = pool_.alone([&] { return total_; });
+    nb::dict out;
+    out["motions"] = total.motions;
+    out["grids"] = total.grids;
+    out["states"] = total.states;
+    out["pairs"] = total.pairs;
+    out["intervals"] = total.intervals;
+    out["planes"] = total.planes;
+    out["swept"] = total.swept;
+    out["queries"] = counters_dict(total.pair);
+    return out;
+  }
+
+ private:
+  MotionCertifier certifier_;
+  WorkspacePool<MotionCertifier::WorkspacePointer> pool_;
+  MotionCounters total_;
+
+  void add(const MotionCounters& c) {
+    total_.motions += c.motions, total_.grids += c.grids, total_.states += c.states;
+    total_.pairs += c.pairs, total_.intervals += c.intervals, total_.planes += c.planes, total_.swept += c.swept;
+    total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
+    total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
+    total_.pair.rounds += c.pair.rounds;
+  }
+};
+
+// MotionAnswer of each of n motions.
+auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configurations q0, Configurations q1,
+                   double tolerance, double kinematic_error, int threads) {
+  std::vector<std::uint8_t> answers(q0.shape(0));
+  {
+    nb::gil_scoped_release release;
+    const std::size_t width = q0.shape(1);
+    in_parallel(answers.size(), threads, [&](std::size_t from, std::size_t to) {
+      bound.with_workspace([&](MotionCertifier::Workspace& w) {
+        for (std::size_t i = from; i < to; ++i) {
+          const MotionReport report = bound.certifier().check(kinematics, q0.data() + i * width, q1.data() + i * width,
+                                                              tolerance, kinematic_error, w);
+          answers[i] = static_cast<std::uint8_t>(report.answer);
+        }
+      });
+    });
+  }
+  return output_array(answers, {answers.size()});
+}
+
+// Configurations for which a kinematic error holds.
+struct ErrorRange {
+  std::vector<double> low, high;
+  double error;
+
+  // Row: numbers with a size.
+  template <class Row>
+  bool holds(const Row& q) const {
+    bool inside = q.size() == low.size();
+    for (std::size_t c = 0; inside && c < q.size(); ++c) inside = q.data()[c] >= low[c] && q.data()[c] <= high[c];
+    return inside;
+  }
+};
+
+ErrorRange error_range(InputArray<double, -1> low, InputArray<double, -1> high, double error) {
+  return {{low.data(), low.data() + low.shape(0)}, {high.data(), high.data() + high.shape(0)}, error};
+}
+
+// For planners, which ask for one motion at a time: MotionAnswer of a motion between configurations within a range;
+// kOutside if they are not.
+constexpr int kOutside = 3;
+
+template <class Row>
+int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
+              const ErrorRange& range, double tolerance) {
+  if (!range.holds(q0) || !range.holds(q1)) return kOutside;
+  MotionReport report;
+  bound.with_workspace([&](MotionCertifier::Workspace& w) {
+    report = bound.certifier().check(kinematics, q0.data(), q1.data(), tolerance, range.error, w);
+  });
+  return static_cast<int>(report.answer);
+}
+
+int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
+                 const std::vector<double>& q1, InputArray<double, -1> low, InputArray<double, -1> high,
+                 double tolerance, double kinematic_error) {
+  const ErrorRange range = error_range(low, high, kinematic_error);
+  nb::gil_scoped_release release;
+  return answer_of(bound, kinematics, q0, q1, range, tolerance);
+}
+
+// A function of two states (ompl_states.hpp): whether the motion between them is free. What check_motion has no
+// answer for goes to `elsewhere`, a function of two lists.
+nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
+                           InputArray<double, -1> high, double tolerance, double kinematic_error,
+                           nb::object elsewhere) {
+  auto* bound = nb::cast<BoundCertifier*>(certifier);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  const auto is_free = [certifier, kinematics, elsewhere, bound, kernel, tolerance,
+                        states = PlannerStates(low.shape(0)),
+                        range = error_range(low, high, kinematic_error)](nb::handle s0, nb::handle s1) {
+    StateNumbers q0(states.width()), q1(states.width());
+    states.read(s0, q0);
+    states.read(s1, q1);
+    const int answer = answer_of(*bound, *kernel, q0, q1, range, tolerance);
+    if (answer <= static_cast<int>(MotionAnswer::kRefused)) return answer == static_cast<int>(MotionAnswer::kFree);
+    return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
+  };
+  return nb::cpp_function(is_free, plain_floats);
+}
+
+// (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
+// directions (k, 3), gaps and bulges (k, 2).
+nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
+                         InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
+  MotionReport report;
+  std::vector<MotionProof> proofs;
+  {
+    nb::gil_scoped_release release;
+    bound.with_workspace([&](MotionCertifier::Workspace& w) {
+      report = bound.certifier().explain(kinematics, q0.data(), q1.data(), tolerance, kinematic_error,
+                                         proved ? &proofs : nullptr, w);
+    });
+  }
+  std::vector<std::int32_t> pairs;
+  std::vector<double> intervals, directions, gaps;
+  for (const MotionProof& p : proofs) {
+    pairs.push_back(p.pair);
+    intervals.insert(intervals.end(), {p.from, p.to});
+    directions.insert(directions.end(), {p.direction.x, p.direction.y, p.direction.z});
+    gaps.insert(gaps.end(), {p.gap, p.bulge});
+  }
+  const std::size_t n = proofs.size();
+  return nb::make_tuple(static_cast<int>(report.answer), report.free_until, report.refused, report.pair,
+                        output_array(pairs, {n}), output_array(intervals, {n, std::size_t{2}}),
+                        output_array(directions, {n, std::size_t{3}}), output_array(gaps, {n, std::size_t{2}}));
+}
+
+// Configurations at parameters (n,) of a motion.
+auto motion_states(const BoundCertifier& bound, InputArray<double, -1> q0, InputArray<double, -1> q1,
+                   InputArray<double, -1> parameters) {
+  std::vector<double> q(parameters.shape(0) * q0.shape(0));
+  bound.certifier().states(q0.data(), q1.data(), parameters.data(), parameters.shape(0), q.data());
+  return output_array(q, {parameters.shape(0), q0.shape(0)});
+}
+
+}  // namespace
+
+void bind_motion(nb::module_& m) {
+  nb::class_<BoundCertifier>(m, "MotionCertifier")
+      .def(
+          "__init__",
+          [](BoundCertifier* self, const std::vector<std::shared_ptr<Body>>& bodies, InputArray<std::int32_t, -1> links,
+             InputArray<double, -1, 4, 4> placements, IndexTable<5> pairs, IndexTable<2> drives,
+             InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry, IndexTable<3> entries,
+             InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides, IndexTable<2> parts, int width,
+             int link_count, double defect, double leverage, int depth, double extent, InputArray<double, -1> travel,
+             int joints, bool hints) {
+            MotionModel model;
+            for (std::size_t i = 0; i < bodies.size(); ++i)
+              model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
+            for (std::size_t p = 0; p < pairs.shape(0); ++p)
+              model.pairs.push_back({pairs(p, 0), pairs(p, 1), pairs(p, 2), pairs(p, 3), pairs(p, 4)});
+            model.chains = chains_from(drives, factors, first_entry, entries, arms, slides);
+            for (std::size_t k = 0; k < parts.shape(0); ++k)
+              model.parts.push_back({static_cast<PartKind>(parts(k, 0)), parts(k, 1)});
+            model.width = width;
+            model.links = link_count;
+            model.defect = defect;
+            model.leverage = leverage;
+            model.depth = depth;
+            model.extent = extent;
+            model.travel.assign(travel.data(), travel.data() + travel.shape(0));
+            model.joints = joints;
+            new (self) BoundCertifier(std::move(model), hints);
+          },
+          plain_floats)
+      .def("check", &check_motions, plain_floats)
+      .def("check_one", &check_motion, plain_floats)
+      .def("explain", &explain_motion, plain_floats)
+      .def("states", &motion_states, plain_floats)
+      .def("statistics", &BoundCertifier::statistics, plain_floats);
+  m.def("motion_validity", &motion_validity, plain_floats);
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,19 @@
+// Each concept binds itself in bind_<concept>.cpp; module.cpp puts them into one module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace plannercheck {
+
+void bind_kinematics(nanobind::module_& m);
+void bind_body(nanobind::module_& m);
+void bind_checker(nanobind::module_& m);
+void bind_sphere_model(nanobind::module_& m);
+void bind_planar(nanobind::module_& m);
+void bind_planar_checker(nanobind::module_& m);
+void bind_planar_motion(nanobind::module_& m);
+void bind_motion(nanobind::module_& m);
+void bind_distance(nanobind::module_& m);
+void bind_game(nanobind::module_& m);
+
+}  // namespace plannercheck

@@ -1,0 +1,122 @@
+#include "bindings/verdict_dicts.hpp"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+
+#include "bindings/array_types.hpp"
+
+namespace nb = nanobind;
+
+namespace plannercheck {
+namespace {
+
+auto row_of(Vec3 v) { return output_array(std::vector<double>{v.x, v.y, v.z}, {std::size_t{3}}); }
+
+nb::tuple exact_number(const Dyadic& number) { return nb::make_tuple(number.hexadecimal(), number.exponent()); }
+
+nb::tuple exact_vector(const DyadicVec3& v) {
+  return nb::make_tuple(exact_number(v.x), exact_number(v.y), exact_number(v.z));
+}
+
+// Weights as doubles with sum 1; they differ by powers of two too large for doubles, so they are scaled together.
+std::vector<double> weights_of(const ExactAnswer& answer) {
+  const auto count = static_cast<std::size_t>(answer.count);
+  std::int64_t top = INT64_MIN;
+  for (std::size_t i = 0; i < count; ++i) top = std::max(top, answer.weight[i].log2());
+  std::vector<double> weights;
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    weights.push_back(answer.weight[i].to_double(-top));
+    sum += weights.back();
+  }
+  for (double& w : weights) w /= sum;
+  return weights;
+}
+
+Vec3 vertex_in_world(const PosedBody& posed, std::int32_t v) {
+  return posed.pose.apply(posed.body->inner.points[static_cast<std::size_t>(v)]);
+}
+
+void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest, const PosedBody& host,
+               bool guest_is_a) {
+  if (!answer.shared) {
+    const DyadicVec3 d = Dyadic(guest_is_a ? 1.0 : -1.0) * answer.direction;
+    const Double2Vec3 near = direction_of(d);
+    out["normal"] = row_of({near.x.high, near.y.high, near.z.high});
+    out["exact_normal"] = exact_vector(d);
+    return;
+  }
+  const std::vector<double> weights = weights_of(answer);
+  std::vector<std::int32_t> guests, hosts;
+  nb::list exact_weights;
+  Vec3 on_guest, on_host;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    guests.push_back(answer.guest[i]);
+    hosts.push_back(answer.host[i]);
+    exact_weights.append(exact_number(answer.weight[i]));
+    on_guest = on_guest + weights[i] * vertex_in_world(guest, answer.guest[i]);
+    on_host = on_host + weights[i] * vertex_in_world(host, answer.host[i]);
+  }
+  const double swell = guest.body->swell + host.body->swell;
+  out["point"] = row_of(on_guest + (swell > 0 ? guest.body->swell / swell : 0) * (on_host - on_guest));
+  out["exact_weights"] = exact_weights;
+  out["vertices_a"] = output_array(guest_is_a ? guests : hosts, {weights.size()});
+  out["vertices_b"] = output_array(guest_is_a ? hosts : guests, {weights.size()});
+}
+
+const char* name_of(Stage stage) {
+  switch (stage) {
+    case Stage::kCachedPlane:
+      return "cached plane";
+    case Stage::kCentreAxis:
+      return "centre axis";
+    case Stage::kFacetPlane:
+      return "facet plane";
+    case Stage::kSolver:
+      return "solver";
+    case Stage::kNearest:
+      return "nearest points";
+    case Stage::kDouble2:
+      return "double-double";
+    case Stage::kExact:
+      return "exact";
+  }
+  return "";
+}
+
+}  // namespace
+
+nb::dict counters_dict(const PairCounters& c) {
+  nb::dict out;
+  out["blocks"] = c.queries.blocks;
+  out["exact_comparisons"] = c.queries.exact;
+  out["guest_queries"] = c.guest_queries;
+  out["host_queries"] = c.host_queries;
+  out["games"] = c.games;
+  out["rounds"] = c.rounds;
+  return out;
+}
+
+nb::dict verdict_dict(const PairVerdict& verdict, const PosedBody& guest, const PosedBody& host, bool guest_is_a) {
+  nb::dict out;
+  out["shared"] = verdict.shared;
+  out["stage"] = name_of(verdict.stage);
+  if (verdict.exact) {
+    put_exact(out, *verdict.exact, guest, host, guest_is_a);
+    return out;
+  }
+  const bool near = verdict.stage == Stage::kNearest || verdict.stage == Stage::kDouble2;
+  if (verdict.shared) {
+    out["point"] = row_of(near ? verdict.proximity.point : host.pose.apply(host.body->centre + verdict.certificate.x));
+    return out;
+  }
+  const Vec3 d = near ? verdict.proximity.direction : host.pose.rotate(verdict.certificate.q);
+  out["normal"] = row_of(guest_is_a ? d : -d);
+  if (verdict.stage == Stage::kDouble2) {
+    const DyadicVec3 fine = DyadicVec3(d) + DyadicVec3(verdict.proximity.direction_low);
+    out["exact_normal"] = exact_vector(guest_is_a ? fine : -fine);
+  }
+  return out;
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,67 @@
+// A body prepared for queries: its hull, the hierarchy of the hull, and the hierarchy of its polar.
+//
+// The polar lives in the frame whose origin is `centre`: the facet n·(x − centre) = h becomes the point n / h, so the
+// body is {x : q·(x − centre) <= 1 for all polar points q}. Exactly coplanar triangles are merged before: a cube has
+// six polar points. Polar points are rounded; each errs by at most kPolarError of its length. Bodies without volume
+// (polygons, segments, points) have no polar. Any body may be swollen: the set of points within `swell` of the hull,
+// which makes spheres of points and capsules of segments.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bodies/equivalent_ellipsoid.hpp"
+#include "bodies/hierarchy.hpp"
+#include "bodies/hull.hpp"
+#include "bodies/inner_shapes.hpp"
+#include "bodies/lazy_value.hpp"
+
+namespace plannercheck {
+
+// Numerator and denominator are rounded once each (and err by 2^-60 before), then divided: 3u and a little.
+inline constexpr double kPolarError = 4 * 0x1p-53;
+
+// Raise it whenever the fields of Body or Hierarchy, their order or their meaning change: old files are then refused.
+inline constexpr int kBodyFormat = 11;
+
+struct Body {
+  std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3
+  double swell = 0;                  // m
+  std::vector<Triangle> triangles;   // of the hull, outward; indices into inner.points
+  std::vector<std::int32_t> source;  // per vertex: index into the points that were given
+  Vec3 centre;                       // strictly inside; without a polar the mean of the vertices, rounded
+  double reach = 0;                  // largest |v|, distance from the frame's origin, over the vertices, rounded up
+  double radius = 0;                 // largest |v − centre|, rounded up
+  Vec3 low, high;                    // the box around the vertices, in the body's frame
+  std::int32_t is_box = 0;           // 1 if the body is that box
+  Hierarchy inner;
+  Hierarchy polar;
+  std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward
+  double polar_radius = 0;                // largest |q| over the polar points, rounded up
+  std::int32_t facet_count = 0;
+  AlikeEllipsoid alike;                         // not in files
+  ComputedOnce<InnerShapes> inner_shapes_once;  // only checkers of configurations need them
+
+  const InnerShapes& inner_shapes() const {
+    return inner_shapes_once.get([this] { return find_inner_shapes(*this); });
+  }
+
+  // Bodies without volume have none, nor have those that are thinner than the grid of doubles.
+  bool has_polar() const { return !polar.points.empty(); }
+  std::size_t bytes() const;
+};
+
+Body prepare_body(const ConvexMesh& mesh);
+
+// Of any dimension: the hull of the points, which are not empty.
+Body prepare_body(const std::vector<Vec3>& points);
+
+// Words for the first broken property, empty if there is none: hull and polar convex, hierarchies sound.
+std::string body_fault(const Body& body);
+
+// The body as bytes, without pointers; `parse_body` throws HullError if they are not such a body.
+std::string serialise(const Body& body);
+Body parse_body(const char* data, std::size_t size);
+
+}  // namespace plannercheck

@@ -1,0 +1,96 @@
+// Extreme vertices by direction, in a time that does not depend on the body: which vertices may be extreme along a
+// direction of a cell.
+//
+// The cells are squares on the faces of the cube around the origin. A vertex is left out of a cell if another one is
+// surely further along all four of its corners: every direction of the cell is a mixture of these, but for the rounding
+// of where it is. Vertices that are extreme along similar directions share a block; a cell lists the blocks that hold
+// what was not left out, some four, which are scanned in floats.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "math/vec.hpp"
+
+namespace plannercheck {
+
+inline constexpr int kScanLanes = 8;  // the layout is the same on every instruction set, so that files are too
+
+// Eight vertices, as floats of their coordinates over the largest one: a scan looks for candidates only.
+struct ScanBlock {
+  std::array<float, kScanLanes> x, y, z;
+
+  void put(std::size_t lane, Vec3 p, double unit) {
+    x[lane] = static_cast<float>(p.x / unit);
+    y[lane] = static_cast<float>(p.y / unit);
+    z[lane] = static_cast<float>(p.z / unit);
+  }
+};
+
+// With the vertices themselves; lanes beyond the last one repeat it. Two cache lines.
+struct alignas(64) CellBlock : ScanBlock {
+  std::array<std::int32_t, kScanLanes> vertex;
+};
+
+// Blocks of a cell that are scanned at a time; where there are fewer, the last one is repeated.
+inline constexpr std::size_t kGroup = 4;
+typedef std::array<std::uint16_t, kGroup> BlockGroup;
+inline constexpr std::size_t kMostCellGroups = 16;
+
+// Blocks have numbers of 16 bits.
+inline constexpr std::size_t kMostCellVertices = kScanLanes << 16;
+
+// Mostly one group holds all that a cell needs.
+struct Cell {
+  BlockGroup first;
+  std::uint32_t others = 0, count = 0;  // further groups: where they are, and how many
+};
+
+struct DirectionCells {
+  std::int32_t edge = 0;  // cells along an edge of the cube; 0: there are none
+  std::vector<Cell> cells;
+  std::vector<BlockGroup> groups;  // further ones
+  std::vector<CellBlock> blocks;
+
+  bool empty() const { return edge == 0; }
+  std::size_t bytes() const {
+    return cells.size() * sizeof cells[0] + groups.size() * sizeof groups[0] + blocks.size() * sizeof blocks[0];
+  }
+
+  // The cell of a direction, up to kDirectionError of its place on the cube's face; that of 0 is any.
+  const Cell& cell(Vec3 u) const { return cells[index(u)]; }
+  std::size_t index(Vec3 u) const {
+    const std::array<double, 5> entry{u.x, u.y, u.z, u.x, u.y};
+    const double x = std::fabs(u.x), y = std::fabs(u.y), z = std::fabs(u.z);
+    const auto second = static_cast<std::size_t>(y > x), third = static_cast<std::size_t>(z > larger(x, y));
+    const std::size_t axis = second + third * (2 - second);
+    const std::size_t face = 2 * axis + static_cast<std::size_t>(entry[axis] < 0);
+    const double length = larger(larger(x, y), z);
+    const auto count = static_cast<std::size_t>(edge);
+    return (face * count + column(entry[axis + 1], length)) * count + column(entry[axis + 2], length);
+  }
+
+  // A quotient of two numbers, and its sum with 1: each errs by 2^-53.
+  static constexpr double kDirectionError = 2 * 0x1p-53;
+
+ private:
+  // Of an entry between −length and length; what is no number is at −1.
+  std::size_t column(double entry, double length) const {
+    if (edge == 4) {
+      return static_cast<std::size_t>(2 * entry > -length) + static_cast<std::size_t>(entry > 0) +
+             static_cast<std::size_t>(2 * entry > length);
+    }
+    const double place = entry / length;
+    const double last = edge - 1, within = (place + 1) * (0.5 * edge);
+    const double from_0 = within > 0 ? within : 0;
+    return static_cast<std::size_t>(static_cast<std::int32_t>(from_0 < last ? from_0 : last));
+  }
+};
+
+// None of bodies of which too many vertices may be extreme along similar directions: a descent looks at fewer.
+DirectionCells direction_cells(const std::vector<Vec3>& points, double largest_coordinate);
+
+}  // namespace plannercheck

@@ -1,0 +1,38 @@
+// Balls and a rounded box inside a body: where a ball in one body overlaps the box in another, so do the bodies.
+//
+// In: a body with a polar, or a point or a segment. Out: some balls that cover much of it together, and one rounded
+// box, in the body's frame and without the swell; none if the body is as thin as rounding. All are within its hull
+// whatever the rounding, but that balls of a segment have their centres on it up to rounding.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "math/vec.hpp"
+
+namespace plannercheck {
+
+struct Body;
+
+inline constexpr std::size_t kInnerBalls = 4;  // of a body at most (measured)
+
+struct InnerBall {
+  Vec3 centre;
+  double radius;
+};
+
+// The points within `radius` of a box along the frame's axes.
+struct InnerBox {
+  Vec3 low, high;
+  double radius;
+};
+
+struct InnerShapes {
+  std::vector<InnerBall> balls;  // the one that covers most first
+  std::optional<InnerBox> box;
+};
+
+InnerShapes find_inner_shapes(const Body& body);
+
+}  // namespace plannercheck

@@ -1,0 +1,58 @@
+#include "broad_phase/bounding_sphere.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include "broad_phase/obstacle_tree.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Bodies are off rigid by 3.6e-6 at most (plannercheck/robots/unit_lengths.py), so they stretch by half of that.
+constexpr double kPosedStretch = 1 + 4e-6;
+
+struct Ball {
+  Vec3 centre;
+  double radius;
+};
+
+double radius_around(const std::vector<Vec3>& points, Vec3 centre, Vec3* furthest) {
+  double most = -1;
+  for (const Vec3& p : points) {
+    const double square = dot(p - centre, p - centre);
+    if (square > most) most = square, *furthest = p;
+  }
+  return std::sqrt(most);
+}
+
+// A ball about as small as any that holds the points, by walking towards the furthest one in ever smaller steps (Badoiu
+// and Clarkson's core sets: after n steps the radius is within about 1/n of the least).
+Ball small_ball(const Body& body) {
+  constexpr int kSteps = 128;
+  const std::vector<Vec3>& points = body.inner.points;
+  Ball best{0.5 * (body.low + body.high), 0};
+  Vec3 furthest;
+  best.radius = radius_around(points, best.centre, &furthest);
+  Vec3 centre = best.centre;
+  for (int step = 1; step <= kSteps; ++step) {
+    centre = centre + (1.0 / (step + 1)) * (furthest - centre);
+    const double radius = radius_around(points, centre, &furthest);
+    if (radius < best.radius) best = {centre, radius};
+  }
+  best.radius = best.radius * (1 + 0x1p-48) + body.swell;
+  return best;
+}
+
+}  // namespace
+
+BoundingBall bounding_ball(const MountedBody& mounted) {
+  const Ball ball = small_ball(*mounted.body);
+  const Vec3 centre = mounted.placement.apply(ball.centre);
+  const double reach = norm_1(mounted.placement.translation()) + 2 * (mounted.body->reach + ball.radius);
+  return {mounted.link,
+          {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z)},
+          rounded_up(ball.radius * kPosedStretch),
+          rounded_up(reach * BoundingBall::kCentreError)};
+}
+
+}  // namespace plannercheck

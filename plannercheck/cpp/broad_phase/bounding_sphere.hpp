@@ -1,0 +1,38 @@
+// A ball around a body that hangs on a link, in floats, and what its radius has to be once it is posed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "broad_phase/mounted_body.hpp"
+#include "math/simd.hpp"
+
+namespace plannercheck {
+
+struct BoundingBall {
+  std::int32_t link;
+  std::array<float, 3> centre;  // in the link's frame
+  float radius;
+  float room;  // for the rounding of posing it, besides that of the posed centre
+
+  // Of the posed ball, so that it holds the body in spite of all rounding, that of this sum included.
+  Floats radius_at(Floats x, Floats y, Floats z) const {
+    return radius_at(x, y, z, Floats{} + radius, Floats{} + room);
+  }
+  static Floats radius_at(Floats x, Floats y, Floats z, Floats radius, Floats room);
+
+  // Floats err by u = 2^-24: a ball's centre c is posed from rounded numbers by three products and sums, which errs by
+  // at most 6u of the posed centre and 17u of |c|, |.|_1 at least. This covers both, posing vertices in doubles, and
+  // computing the bound itself.
+  static constexpr double kCentreError = 0x1p-19;
+};
+
+inline Floats BoundingBall::radius_at(Floats x, Floats y, Floats z, Floats radius, Floats room) {
+  constexpr auto kError = static_cast<float>(kCentreError);
+  const Floats size = (absolute(x) + absolute(y)) + absolute(z);
+  return ((size * kError + room) + radius) * (1 + kError) + 1e-37F;
+}
+
+BoundingBall bounding_ball(const MountedBody& mounted);
+
+}  // namespace plannercheck

@@ -1,0 +1,106 @@
+#include "broad_phase/box_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plannercheck {
+namespace {
+
+// Floats err by u = 2^-24. A pose's and an axis' entries are rounded, and so are three products of them and two sums:
+// an entry of a posed axis errs by 5u, so the product of two axes by at most 22u of |u| |m| <= 1 + 1e-5, and a shadow's
+// half length by that of the edges' sum: kShadow. A posed centre c errs by 6u of its numbers in each entry, at most 6u
+// of its own and 29u of |c| in the link, |.|_1 at least; differences of centres, times an axis, by 13u of both:
+// kCentre. Both leave room for rounding what they are compared with.
+constexpr double kShadow = 0x1p-19, kCentre = 0x1p-19;
+// Of two bodies with less room both centres' |.|_1 are below 2^125, and nothing overflows.
+constexpr float kLargestRoom = 0x1p106F;
+// Bodies are off rigid by δ <= 3.6e-6 (plannercheck/robots/unit_lengths.py). Along the posed axis u of an edge, |u|² <=
+// 1 + δ, the body's own half edges h have the shadow h (1 + δ), the others, whose axes v have |u v| <= δ, δ h each, the
+// swell at most half δ of itself besides; the other body's swell, as a part of its half edges, loses as much. In all
+// below 2 δ of the half edges' sums.
+constexpr double kSkew = 2e-5;
+
+float up(double value) { return std::nextafterf(static_cast<float>(value), __builtin_inff()); }
+
+}  // namespace
+
+BodyBox body_box(const MountedBody& mounted) {
+  const Body& body = *mounted.body;
+  const Pose& p = mounted.placement;
+  BodyBox box;
+  box.link = mounted.link;
+  const Vec3 centre = p.apply(0.5 * (body.low + body.high));
+  box.upright = true;
+  double edges = 0;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto axis = static_cast<int>(j);
+    box.centre[j] = static_cast<float>(centre[axis]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      box.axes[j][i] = static_cast<float>(p.m[4 * i + j]);
+      box.upright &= p.m[4 * i + j] == (i == j ? 1 : 0);
+    }
+    const double half = 0.5 * (body.high[axis] - body.low[axis]) + body.swell;
+    box.half[j] = up(half);
+    edges += half;
+  }
+  box.room = up((kSkew + kShadow) * edges + kCentre * (norm_1(centre) + body.reach) + 1e-35);
+  return box;
+}
+
+void BlockBoxes::spread(const BodyBox& box, Posed& posed) {
+  for (std::size_t j = 0; j < 3; ++j) {
+    posed.centre[j] = Floats{} + box.centre[j];
+    for (std::size_t i = 0; i < 3; ++i) posed.axes[3 * j + i] = Floats{} + box.axes[j][i];
+  }
+  posed.room = Floats{} + box.room;
+}
+
+void BlockBoxes::pose(const FloatPose& link, const BodyBox& box, Posed& posed) {
+  Floats size = {};
+  for (std::size_t i = 0; i < 3; ++i) {
+    posed.centre[i] = link.turned(i, box.centre[0], box.centre[1], box.centre[2]) + link.m[4 * i + 3];
+    size += absolute(posed.centre[i]);
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::array<float, 3>& axis = box.axes[j];
+      posed.axes[3 * j + i] = box.upright ? link.m[4 * i + j] : link.turned(i, axis[0], axis[1], axis[2]);
+    }
+  }
+  posed.room = (size * static_cast<float>(kCentre) + box.room) * static_cast<float>(1 + kCentre);
+}
+
+const BlockBoxes::Posed& BlockBoxes::posed(RoundedLinks& links, std::size_t body, Workspace& w) const {
+  const BodyBox& box = boxes_[body];
+  const bool fixed = box.link < 0;
+  return w.of(body, fixed,
+              [&](Posed& out) { return fixed ? spread(box, out) : pose(links.of(at(box.link)), box, out); });
+}
+
+unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& w) const {
+  const Posed &p = posed(links, a, w), &q = posed(links, b, w);
+  const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
+  const Floats room = p.room + q.room;
+  const Floats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
+  std::array<Floats, 3> shadow;  // of b's half edges on its own axes and a's on b's
+  for (std::size_t j = 0; j < 3; ++j) shadow[j] = room + half_b[j];
+  FloatMask out = {};
+#pragma GCC unroll 3
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Floats ax = p.axes[3 * i], ay = p.axes[3 * i + 1], az = p.axes[3 * i + 2];
+    Floats own = room + half_a[i];
+#pragma GCC unroll 3
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Floats product = absolute((ax * q.axes[3 * j] + ay * q.axes[3 * j + 1]) + az * q.axes[3 * j + 2]);
+      own += product * half_b[j];
+      shadow[j] += product * half_a[i];
+    }
+    out |= absolute((ax * x + ay * y) + az * z) > own;
+  }
+#pragma GCC unroll 3
+  for (std::size_t j = 0; j < 3; ++j) {
+    const Floats along = (q.axes[3 * j] * x + q.axes[3 * j + 1] * y) + q.axes[3 * j + 2] * z;
+    out |= absolute(along) > shadow[j];
+  }
+  return float_bits(out & (room < kLargestRoom));
+}
+
+}  // namespace plannercheck

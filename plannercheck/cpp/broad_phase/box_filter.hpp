@@ -1,0 +1,59 @@
+// Boxes of two bodies in the states of a block: whether a face's plane of one of them separates both, in lanes.
+//
+// In: posed links of a block, bodies' boxes in their own frames. Out: the states in which two boxes are apart, whatever
+// the rounding. The test of PairFrame::boxes_apart, in floats with more room.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "broad_phase/block_cache.hpp"
+#include "broad_phase/float_link_poses.hpp"
+#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/state_block.hpp"
+#include "math/simd.hpp"
+
+namespace plannercheck {
+
+// A box in its link's frame, or in the world: rows of `axes` are unit vectors along its edges but for rounding.
+struct BodyBox {
+  std::int32_t link;
+  std::array<float, 3> centre;
+  std::array<std::array<float, 3>, 3> axes;
+  std::array<float, 3> half;  // of its edges, with the body's swell
+  bool upright;               // the axes are exactly those of the frame
+  float room;                 // what the axes may be off, times the edges, and the rounding of posing
+};
+
+BodyBox body_box(const MountedBody& mounted);
+
+class BlockBoxes {
+ public:
+  BlockBoxes() = default;
+  explicit BlockBoxes(std::vector<BodyBox> boxes) : boxes_(std::move(boxes)) {}
+
+  struct Posed {
+    std::array<Floats, 9> axes;  // of edge j: entries 3 j …
+    std::array<Floats, 3> centre;
+    Floats room;
+  };
+
+  typedef PosedInBlock<Posed> Workspace;
+  Workspace new_workspace() const { return Workspace(boxes_.size()); }
+
+  // Bit k: in state k the boxes of bodies a and b are apart. `links`: all links' poses, of which only those of boxes
+  // that move count.
+  unsigned apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& workspace) const;
+
+  // A body's box in the block; posed at the first call.
+  const Posed& posed(RoundedLinks& links, std::size_t body, Workspace& workspace) const;
+
+ private:
+  std::vector<BodyBox> boxes_;
+
+  static void spread(const BodyBox& box, Posed& posed);
+  static void pose(const FloatPose& link, const BodyBox& box, Posed& posed);
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,306 @@
+#include "broad_phase/broad_phase.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace plannercheck {
+namespace {
+
+// Of an obstacle's vertices posed in doubles: three products and sums.
+constexpr double kVertexError = 8 * 0x1p-53;
+
+// States in a block from which on lanes over states beat lanes over obstacles, and pairs' boxes one by one (measured).
+constexpr int kFewStates = 3;
+// Obstacles in a scene up to which testing all of them beats the tree (measured).
+constexpr std::size_t kFewObstacles = 64;
+
+// The box around a body that stands still, with the rounding of its vertices' posing.
+WorldBox world_box(const MountedBody& mounted) {
+  const Body& body = *mounted.body;
+  const Pose& pose = mounted.placement;
+  const double infinity = std::numeric_limits<double>::infinity();
+  WorldBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const Vec3& v : body.inner.points) {
+    const Vec3 p = pose.apply(v);
+    box.low = {smaller(box.low.x, p.x), smaller(box.low.y, p.y), smaller(box.low.z, p.z)};
+    box.high = {larger(box.high.x, p.x), larger(box.high.y, p.y), larger(box.high.z, p.z)};
+  }
+  const double room = body.swell + kVertexError * (2 * body.reach + norm_1(pose.translation()));
+  const Vec3 margin{room, room, room};
+  return {box.low - margin, box.high + margin};
+}
+
+}  // namespace
+
+BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
+                       const std::vector<bool>& lasting, std::size_t links, const SampledPoses& sampled)
+    : links_(links), pairs_(pairs), obstacles_(0), tree_({}) {
+  // A mover's or an obstacle's place, in the order of the bodies.
+  std::vector<std::int32_t> place(bodies.size(), -1);
+  std::vector<bool> used(bodies.size(), false);
+  for (const auto& pair : pairs) {
+    const bool moves = bodies[at(pair[0])].link >= 0 || bodies[at(pair[1])].link >= 0;
+    if (moves) used[at(pair[0])] = used[at(pair[1])] = true;
+  }
+  std::vector<WorldBox> boxes;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!used[b]) continue;
+    const MountedBody& mounted = bodies[b];
+    if (mounted.link < 0) {
+      place[b] = static_cast<std::int32_t>(boxes.size());
+      boxes.push_back(world_box(mounted));
+      continue;
+    }
+    place[b] = static_cast<std::int32_t>(movers_.size());
+    movers_.push_back(bounding_ball(mounted));
+  }
+  obstacles_ = boxes.size();
+  tree_ = ObstacleTree(boxes);
+  pair_of_.assign(movers_.size() * obstacles_, -1);
+  std::vector<bool> hunts(movers_.size(), false);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto pair = static_cast<std::int32_t>(k);
+    const bool first = bodies[at(pairs[k][0])].link >= 0, second = bodies[at(pairs[k][1])].link >= 0;
+    const std::int32_t a = place[at(pairs[k][0])], b = place[at(pairs[k][1])];
+    if (first && second) {
+      moving_pairs_.push_back({a, b, pair});
+    } else if (!first && !second) {
+      if (lasting[k]) lasting_pairs_.push_back(pair);
+    } else {
+      const std::int32_t mover = first ? a : b, obstacle = first ? b : a;
+      pair_of_[at(mover) * obstacles_ + at(obstacle)] = pair;
+      hunts[at(mover)] = true;
+    }
+  }
+  for (std::size_t m = 0; m < movers_.size(); ++m) {
+    if (hunts[m]) hunters_.push_back(static_cast<std::int32_t>(m));
+  }
+  std::vector<BodyLanes::Partner> with_movers, with_boxes;
+  for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
+  if (obstacles_ <= kFewObstacles) {
+    for (const WorldBox& box : boxes) spread_.push_back(spread(box));
+    companies_ = companies(movers_, boxes, pair_of_, sampled);
+    for (const std::int32_t mover : hunters_) {
+      for (std::size_t o = 0; o < obstacles_; ++o) {
+        const std::int32_t pair = pair_with(at(mover), static_cast<std::int32_t>(o));
+        if (pair >= 0) with_boxes.push_back({at(mover), o, pair});
+      }
+    }
+  } else {
+    boxes.clear();
+  }
+  body_lanes_ = BodyLanes(movers_, links_, boxes, with_movers, with_boxes);
+  std::vector<BodyBox> body_boxes;
+  for (const MountedBody& mounted : bodies) body_boxes.push_back(body_box(mounted));
+  boxes_ = BlockBoxes(std::move(body_boxes));
+  overlaps_ = BlockOverlaps(bodies, pairs);
+}
+
+BroadPhase::FloatBox BroadPhase::spread(const WorldBox& box) {
+  FloatBox out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<int>(i);
+    out.low[i] = Floats{} + rounded_down(box.low[axis]), out.high[i] = Floats{} + rounded_up(box.high[axis]);
+  }
+  return out;
+}
+
+BroadPhase::Workspace BroadPhase::new_workspace() const {
+  Workspace w;
+  w.links = RoundedLinks(links_);
+  w.balls.resize(movers_.size());
+  w.body_lanes = body_lanes_.new_workspace();
+  w.boxes = boxes_.new_workspace();
+  w.overlaps = overlaps_.new_workspace();
+  w.candidates.reserve(pairs_.size());
+  w.found.reserve(obstacles_);
+  w.reached.reserve(obstacles_);
+  w.states.resize(obstacles_);
+  for (auto& near : w.near) near.reserve(pairs_.size());
+  return w;
+}
+
+void BroadPhase::begin(Workspace& w) {
+  w.boxed = false;
+  w.boxes_apart = w.skipped = 0;
+  w.overlapping = 0;
+}
+
+void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace& w) const {
+  begin(w);
+  if (filters.overlaps && !lasting_pairs_.empty()) return take_lasting(count, w);
+  w.links.begin(links);
+  w.candidates.clear();
+  if (count < kFewStates) {
+    for (int state = 0; state < count; ++state) find_for_state(links, static_cast<std::size_t>(state), w);
+  } else {
+    find_for_block(count, w);
+  }
+  w.boxes.begin();
+  if (filters.overlaps) find_overlaps(w);
+  w.boxed = filters.boxes && count >= kFewStates;
+  if (w.boxed) test_boxes(w);
+  for (std::size_t state = 0; state < w.near.size(); ++state) {
+    w.near[state].clear();
+    if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(lasting_pairs_.begin(), lasting_pairs_.end());
+  }
+  for (const Candidate& candidate : w.candidates) {
+    for (unsigned left = candidate.states; left != 0; left &= left - 1) {
+      w.near[static_cast<std::size_t>(__builtin_ctz(left))].push_back(candidate.pair);
+    }
+  }
+}
+
+// A collision that lasts is all there is to know of any state.
+void BroadPhase::take_lasting(int count, Workspace& w) const {
+  w.overlapping = (1U << count) - 1;
+  w.skipped = count * (static_cast<long>(pairs_.size()) - 1);
+  for (auto& near : w.near) near.clear();
+}
+
+void BroadPhase::take_all(int count, Workspace& w) const {
+  begin(w);
+  for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
+    w.near[state].resize(pairs_.size());
+    for (std::size_t k = 0; k < pairs_.size(); ++k) w.near[state][k] = static_cast<std::int32_t>(k);
+  }
+}
+
+void BroadPhase::find_for_block(int count, Workspace& w) const {
+  pose_balls(w);
+  find_among_movers(count, w);
+  if (obstacles_ <= kFewObstacles) {
+    for (const Company& company : companies_) find_listed(company, count, w);
+  } else {
+    for (const std::int32_t mover : hunters_) find_in_tree(mover, count, w);
+  }
+}
+
+void BroadPhase::find_for_state(const Lanes* links, std::size_t state, Workspace& w) const {
+  const unsigned bit = 1U << state;
+  const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
+  body_lanes_.pose(links, state, w.body_lanes);
+  body_lanes_.find(w.body_lanes, take);
+  for (std::size_t k = 0; obstacles_ > kFewObstacles && k < hunters_.size(); ++k) {
+    const std::size_t mover = at(hunters_[k]);
+    const BodyLanes::Ball ball = BodyLanes::ball(mover, w.body_lanes);
+    w.found.clear();
+    tree_.collect({ball.x, ball.y, ball.z, far_beyond(ball.radius)}, w.found);
+    for (const std::int32_t obstacle : w.found) {
+      const std::int32_t pair = pair_with(mover, obstacle);
+      if (pair >= 0) take(pair);
+    }
+  }
+}
+
+void BroadPhase::pose_balls(Workspace& w) const {
+  for (std::size_t i = 0; i < movers_.size(); ++i) {
+    const BoundingBall& mover = movers_[i];
+    const FloatPose& link = w.links.of(at(mover.link));
+    const auto [x, y, z] = mover.centre;
+    Balls& balls = w.balls[i];
+    balls.x = link.turned(0, x, y, z) + link.m[3];
+    balls.y = link.turned(1, x, y, z) + link.m[7];
+    balls.z = link.turned(2, x, y, z) + link.m[11];
+    balls.radius = mover.radius_at(balls.x, balls.y, balls.z);
+  }
+}
+
+void BroadPhase::find_among_movers(int count, Workspace& w) const {
+  const unsigned states = (1U << count) - 1;
+  for (const MovingPair& pair : moving_pairs_) {
+    const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
+    const Floats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(a.radius + b.radius)) & states;
+    if (near != 0) w.candidates.push_back({pair.pair, near});
+  }
+}
+
+// Around the movers in each state. Their balls have room for the rounding of one more sum.
+BroadPhase::FloatBox BroadPhase::around(const Company& company, const std::vector<Balls>& balls) const {
+  const Floats infinity = Floats{} + __builtin_inff();
+  FloatBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  Floats total{};
+  for (std::size_t m = company.first; m < company.last; ++m) {
+    const std::array<Floats, 3> centre{balls[m].x, balls[m].y, balls[m].z};
+    for (std::size_t i = 0; i < 3; ++i) {
+      out.low[i] = smaller(out.low[i], centre[i] - balls[m].radius);
+      out.high[i] = larger(out.high[i], centre[i] + balls[m].radius);
+    }
+    total += balls[m].radius;
+  }
+  // A radius is infinite or no number where its centre is: such a ball may be anywhere.
+  const FloatMask known = total < infinity;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.low[i] = known ? out.low[i] : -infinity;
+    out.high[i] = known ? out.high[i] : infinity;
+  }
+  return out;
+}
+
+void BroadPhase::find_listed(const Company& company, int count, Workspace& w) const {
+  const unsigned states = (1U << count) - 1;
+  const FloatBox own = around(company, w.balls);
+  for (const std::int32_t obstacle : company.obstacles) {
+    const FloatBox& box = spread_[at(obstacle)];
+    const auto apart = [&](std::size_t i) { return (own.low[i] > box.high[i]) | (own.high[i] < box.low[i]); };
+    if ((~float_bits(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
+    for (std::size_t m = company.first; m < company.last; ++m) {
+      const std::int32_t pair = pair_with(m, obstacle);
+      if (pair < 0) continue;
+      const Balls& ball = w.balls[m];
+      const Floats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
+      const Floats z = beyond(ball.z, box.low[2], box.high[2]);
+      const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(ball.radius)) & states;
+      if (near != 0) w.candidates.push_back({pair, near});
+    }
+  }
+}
+
+void BroadPhase::find_in_tree(std::int32_t mover, int count, Workspace& w) const {
+  const Balls& balls = w.balls[at(mover)];
+  w.reached.clear();
+  for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
+    w.found.clear();
+    tree_.collect({balls.x[state], balls.y[state], balls.z[state], far_beyond(balls.radius[state])}, w.found);
+    for (const std::int32_t obstacle : w.found) {
+      if (w.states[at(obstacle)] == 0) w.reached.push_back(obstacle);
+      w.states[at(obstacle)] |= 1U << state;
+    }
+  }
+  const std::int32_t* pair_of = pair_of_.data() + at(mover) * obstacles_;
+  for (const std::int32_t obstacle : w.reached) {
+    if (pair_of[obstacle] >= 0) w.candidates.push_back({pair_of[obstacle], w.states[at(obstacle)]});
+    w.states[at(obstacle)] = 0;
+  }
+}
+
+void BroadPhase::test_boxes(Workspace& w) const {
+  for (Candidate& candidate : w.candidates) {
+    if (candidate.states == 0) continue;
+    const auto& pair = pairs_[at(candidate.pair)];
+    const unsigned apart = candidate.states & boxes_.apart(w.links, at(pair[0]), at(pair[1]), w.boxes);
+    w.boxes_apart += __builtin_popcount(apart);
+    candidate.states &= ~apart;
+  }
+}
+
+// States that are found leave at once.
+void BroadPhase::find_overlaps(Workspace& w) const {
+  w.overlaps.begin();
+  for (const Candidate& candidate : w.candidates) {
+    const unsigned open = candidate.states & ~w.overlapping;
+    if (open == 0) continue;
+    w.overlapping |= open & overlaps_.overlap(w.links, at(candidate.pair), boxes_, w.boxes, w.overlaps);
+  }
+  if (w.overlapping == 0) return;
+  for (Candidate& candidate : w.candidates) {
+    w.skipped += __builtin_popcount(candidate.states & w.overlapping);
+    candidate.states &= ~w.overlapping;
+  }
+  w.skipped += (static_cast<long>(lasting_pairs_.size()) - 1) * __builtin_popcount(w.overlapping);
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,115 @@
+// Which pairs of bodies may touch, for eight states at once: bounding balls among moving bodies and against obstacles'
+// boxes, of which many are in a tree; then, of the pairs left, those that surely share a point by balls and boxes
+// inside them, and those that boxes around them separate.
+//
+// In: posed links of a block of states, in lanes. Out: the states that surely collide, if that is all that counts, and
+// for each other one the pairs that no bound settles. Every bound is proved with its rounding, so that none of these
+// filters can change a verdict. Immutable; what it finds and the balls it poses are the caller's.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "broad_phase/bounding_sphere.hpp"
+#include "broad_phase/box_filter.hpp"
+#include "broad_phase/float_link_poses.hpp"
+#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/mover_groups.hpp"
+#include "broad_phase/obstacle_tree.hpp"
+#include "broad_phase/overlap_filter.hpp"
+#include "broad_phase/single_state_filter.hpp"
+#include "broad_phase/state_block.hpp"
+#include "math/simd.hpp"
+
+namespace plannercheck {
+
+class BroadPhase {
+ public:
+  // `lasting`: by pair, whether its bodies both stand still and share a point. Others that stand still are apart.
+  BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
+             const std::vector<bool>& lasting, std::size_t links, const SampledPoses& sampled);
+
+  // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
+  struct Balls {
+    Floats x, y, z, radius;
+  };
+
+  // A pair, and a bit for each state in which it may touch.
+  struct Candidate {
+    std::int32_t pair;
+    unsigned states;
+  };
+
+  struct Workspace {
+    RoundedLinks links;
+    std::vector<Balls> balls;
+    BodyLanes::Workspace body_lanes;
+    BlockBoxes::Workspace boxes;
+    BlockOverlaps::Workspace overlaps;
+    std::vector<Candidate> candidates;
+    std::vector<std::int32_t> found, reached;                  // obstacles, by one state's ball and by any
+    std::vector<unsigned> states;                              // that reach an obstacle; 0 between searches
+    std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
+    bool boxed = false;                                        // boxes have been tested
+    long boxes_apart = 0;                                      // pairs settled by that
+    unsigned overlapping = 0;                                  // states in which some pair surely shares a point
+    long skipped = 0;                                          // their other pairs
+  };
+  Workspace new_workspace() const;
+
+  // What to try on pairs whose balls meet.
+  struct Filters {
+    bool overlaps;  // finds states that surely collide, whose other pairs are then left out
+    bool boxes;     // tested only for so many states that it pays
+  };
+
+  // Fills `near` for the first `count` states.
+  void find(const Lanes* links, int count, Filters filters, Workspace& workspace) const;
+  // The same without any bound: all pairs.
+  void take_all(int count, Workspace& workspace) const;
+
+ private:
+  struct MovingPair {
+    std::int32_t a, b;  // movers
+    std::int32_t pair;
+  };
+
+  // A box in each state: around an obstacle, in all the same, or around some movers.
+  struct FloatBox {
+    std::array<Floats, 3> low, high;
+  };
+
+  std::size_t links_;
+  std::vector<std::array<std::int32_t, 2>> pairs_;
+  std::vector<BoundingBall> movers_;  // around bodies that hang on links
+  std::vector<MovingPair> moving_pairs_;
+  std::vector<std::int32_t> lasting_pairs_;  // that collide in every state
+  std::size_t obstacles_;
+  std::vector<std::int32_t> pair_of_;  // pair_of_[mover * obstacles_ + obstacle], or −1
+  std::vector<std::int32_t> hunters_;  // movers that have a pair with an obstacle
+  std::vector<Company> companies_;     // where obstacles are few
+  std::vector<FloatBox> spread_;       // of all obstacles, where they are few
+  ObstacleTree tree_;
+  BodyLanes body_lanes_;
+  BlockBoxes boxes_;
+  BlockOverlaps overlaps_;
+
+  static FloatBox spread(const WorldBox& box);
+  std::int32_t pair_with(std::size_t mover, std::int32_t obstacle) const {
+    return pair_of_[mover * obstacles_ + at(obstacle)];
+  }
+  FloatBox around(const Company& company, const std::vector<Balls>& balls) const;
+  static void begin(Workspace& workspace);
+  void take_lasting(int count, Workspace& workspace) const;
+  void find_for_block(int count, Workspace& workspace) const;
+  void find_for_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
+  void pose_balls(Workspace& workspace) const;
+  void find_among_movers(int count, Workspace& workspace) const;
+  void find_listed(const Company& company, int count, Workspace& workspace) const;
+  void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
+  void test_boxes(Workspace& workspace) const;
+  void find_overlaps(Workspace& workspace) const;
+};
+
+}  // namespace plannercheck

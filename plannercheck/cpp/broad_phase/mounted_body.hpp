@@ -1,0 +1,32 @@
+// A prepared body where it belongs: on a link of the robot, or in the world.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "bodies/body.hpp"
+#include "math/vec.hpp"
+
+namespace plannercheck {
+
+// A link's pose times a placement on it: these operations, in this order, for every verdict and every pose given out.
+inline Pose placed_on(const std::array<double, 12>& link, const Pose& placement) {
+  const auto& p = placement.m;
+  Pose out;
+  for (std::size_t i = 0; i < 12; i += 4) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      const double sum = (link[i] * p[j] + link[i + 1] * p[j + 4]) + link[i + 2] * p[j + 8];
+      out.m[i + j] = j == 3 ? sum + link[i + 3] : sum;
+    }
+  }
+  return out;
+}
+
+struct MountedBody {
+  std::shared_ptr<const Body> body;
+  std::int32_t link = -1;  // −1: fixed to the world
+  Pose placement;          // on the link, or in the world
+};
+
+}  // namespace plannercheck

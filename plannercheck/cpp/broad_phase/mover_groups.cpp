@@ -1,0 +1,90 @@
+#include "broad_phase/mover_groups.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "broad_phase/state_block.hpp"
+
+namespace plannercheck {
+namespace {
+
+constexpr std::size_t kMostMovers = 8;  // larger ones never paid, with any of the shipped robots
+// Of testing a body against an obstacle, and of making the box around a company, in tests of that box: by their
+// instructions.
+constexpr double kBodyCost = 1.5, kCompanyCost = 3;
+
+// Around all movers of a company, by state.
+typedef std::vector<WorldBox> Extent;
+
+constexpr double kFarthest = std::numeric_limits<double>::infinity();
+constexpr WorldBox kNothing{{kFarthest, kFarthest, kFarthest}, {-kFarthest, -kFarthest, -kFarthest}};
+
+void add(const BoundingBall& ball, const double* m, WorldBox& box) {
+  const double x = ball.centre[0], y = ball.centre[1], z = ball.centre[2], r = ball.radius;
+  const Vec3 c{m[0] * x + m[1] * y + m[2] * z + m[3], m[4] * x + m[5] * y + m[6] * z + m[7],
+               m[8] * x + m[9] * y + m[10] * z + m[11]};
+  box.low = {smaller(box.low.x, c.x - r), smaller(box.low.y, c.y - r), smaller(box.low.z, c.z - r)};
+  box.high = {larger(box.high.x, c.x + r), larger(box.high.y, c.y + r), larger(box.high.z, c.z + r)};
+}
+
+bool meet(const WorldBox& a, const WorldBox& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+// The share of blocks in which the company meets a box in some state.
+double met(const Extent& extent, const WorldBox& box) {
+  std::size_t blocks = 0, found = 0;
+  for (std::size_t first = 0; first < extent.size(); first += kBlockStates, ++blocks) {
+    const auto begin = extent.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = extent.begin() + static_cast<std::ptrdiff_t>(std::min(first + kBlockStates, extent.size()));
+    if (std::any_of(begin, end, [&](const WorldBox& own) { return meet(own, box); })) ++found;
+  }
+  return blocks == 0 ? 1 : static_cast<double>(found) / static_cast<double>(blocks);
+}
+
+std::vector<std::int32_t> obstacles_of(std::size_t first, std::size_t last, std::size_t obstacles,
+                                       const std::vector<std::int32_t>& pair_of) {
+  std::vector<std::int32_t> out;
+  for (std::size_t o = 0; o < obstacles; ++o) {
+    bool paired = false;
+    for (std::size_t m = first; m < last; ++m) paired |= pair_of[m * obstacles + o] >= 0;
+    if (paired) out.push_back(static_cast<std::int32_t>(o));
+  }
+  return out;
+}
+
+}  // namespace
+
+// The cheapest way to cut the row of movers into companies, by the last company of each beginning of the row.
+std::vector<Company> companies(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
+                               const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled) {
+  const std::size_t n = movers.size(), size = sampled.states == 0 ? 0 : sampled.poses.size() / sampled.states;
+  std::vector<double> cost(n + 1, kFarthest);  // of the first movers
+  std::vector<std::size_t> begin(n + 1, 0);    // of their last company
+  cost[0] = 0;
+  for (std::size_t first = 0; first < n; ++first) {
+    Extent extent(sampled.states, kNothing);
+    for (std::size_t last = first + 1; last <= std::min(first + kMostMovers, n); ++last) {
+      const BoundingBall& ball = movers[last - 1];
+      for (std::size_t s = 0; s < sampled.states; ++s)
+        add(ball, &sampled.poses[s * size + 16 * at(ball.link)], extent[s]);
+      const auto count = static_cast<double>(last - first);
+      double total = cost[first] + kCompanyCost;
+      for (const std::int32_t o : obstacles_of(first, last, boxes.size(), pair_of)) {
+        total += 1 + kBodyCost * count * met(extent, boxes[at(o)]);
+      }
+      if (total < cost[last]) cost[last] = total, begin[last] = first;
+    }
+  }
+  std::vector<Company> out;
+  for (std::size_t last = n; last > 0; last = begin[last]) {
+    Company company{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of)};
+    if (!company.obstacles.empty()) out.push_back(std::move(company));
+  }
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
+}  // namespace plannercheck

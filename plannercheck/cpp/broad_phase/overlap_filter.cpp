@@ -1,0 +1,113 @@
+#include "broad_phase/overlap_filter.hpp"
+
+#include <cmath>
+
+#include "broad_phase/obstacle_tree.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Bounds in floats, u = 2^-24, for bodies posed by M, off rigid by δ <= 3.6e-6: lengths change by 0.51 δ at most. A
+// ball's centre, posed from rounded numbers by three products and sums, errs by 6u of its own |.|_1 and 17u of that in
+// the link: half of kPosingError. The box' middle errs by its room at most (box_filter.cpp), of which twice is taken:
+// the other half, at least 2e-5 of the half edges' sum e, is for the rest. With r and ρ the radii:
+// - posing shrinks them to 1 − 0.51 δ of themselves at least;
+// - with w the centre less the middle, its coordinates A w in the box' frame err by (15u + 1.01 δ) |w| besides, A being
+//   M's transpose in floats in place of its inverse, and by 6u |w| more: |w| <= e + 2 (r + ρ) if the test says yes;
+// - the distance from the box, its square, and rounding the box itself err by 10u (e + r + ρ);
+// - posing stretches that distance, which is at most r + ρ, by 0.51 δ of itself.
+// In all that is (1.01 δ + 31u) e + (3.04 δ + 52u)(r + ρ) < 5.5e-6 e + 1.41e-5 (r + ρ). The part of r is less than what
+// kShrunk takes off r; and as ρ <= e, the rest is below 1.97e-5 e, which is less than the room's other half.
+constexpr double kPosingError = 0x1p-18, kShrunk = 1 - 2e-5;
+// Squares of shorter lengths lose bits to underflow.
+constexpr float kShortest = 1e-16F;
+
+float below(double value) { return std::nextafterf(static_cast<float>(value), -__builtin_inff()); }
+float above(double value) { return std::nextafterf(static_cast<float>(value), __builtin_inff()); }
+
+}  // namespace
+
+BlockOverlaps::BlockOverlaps(const std::vector<MountedBody>& bodies,
+                             const std::vector<std::array<std::int32_t, 2>>& pairs)
+    : balls_(bodies.size()), boxes_(bodies.size()) {
+  const auto can_meet = [&](std::int32_t balls, std::int32_t box) {
+    return balls_[at(balls)].count > 0 && boxes_[at(box)].exists;
+  };
+  for (const auto [a, b] : pairs) {
+    for (const std::int32_t body : {a, b}) {
+      const MountedBody& mounted = bodies[at(body)];
+      if (mounted.link >= 0 && balls_[at(body)].link < 0) balls_[at(body)] = balls_of(mounted);
+      if (!boxes_[at(body)].exists) boxes_[at(body)] = box_of(*mounted.body);
+    }
+    roles_.push_back(can_meet(b, a) ? Roles{b, a} : can_meet(a, b) ? Roles{a, b} : Roles{});
+  }
+}
+
+BlockOverlaps::Balls BlockOverlaps::balls_of(const MountedBody& mounted) {
+  const Body& body = *mounted.body;
+  Balls out;
+  out.link = mounted.link;
+  for (const InnerBall& ball : body.inner_shapes().balls) {
+    const Vec3 c = mounted.placement.apply(ball.centre);
+    out.ball[out.count++] = {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)},
+                             below((ball.radius + body.swell) * kShrunk)};
+  }
+  out.room = above((norm_1(mounted.placement.translation()) + 2 * (body.reach + body.swell)) * kPosingError);
+  return out;
+}
+
+BlockOverlaps::Box BlockOverlaps::box_of(const Body& body) {
+  Box out;
+  const std::optional<InnerBox>& inner = body.inner_shapes().box;
+  if (!inner) return out;
+  const Vec3 middle = 0.5 * (body.low + body.high);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto axis = static_cast<int>(j);
+    out.low[j] = static_cast<float>(inner->low[axis] - middle[axis]);
+    out.high[j] = static_cast<float>(inner->high[axis] - middle[axis]);
+  }
+  out.exists = true;
+  out.radius = below(inner->radius + body.swell);
+  return out;
+}
+
+void BlockOverlaps::pose(const FloatPose& link, const Balls& balls, PosedBalls& out) {
+  for (std::size_t k = 0; k < balls.count; ++k) {
+    const auto [x, y, z] = balls.ball[k].centre;
+    PosedBall& p = out[k];
+    p.x = link.turned(0, x, y, z) + link.m[3];
+    p.y = link.turned(1, x, y, z) + link.m[7];
+    p.z = link.turned(2, x, y, z) + link.m[11];
+    const Floats size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
+    p.radius = balls.ball[k].radius - (size * static_cast<float>(kPosingError) + balls.room);
+  }
+}
+
+FloatMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame) {
+  const Floats x = ball.x - frame.centre[0], y = ball.y - frame.centre[1], z = ball.z - frame.centre[2];
+  Floats square = {};
+#pragma GCC unroll 3
+  for (std::size_t j = 0; j < 3; ++j) {
+    const Floats along = (frame.axes[3 * j] * x + frame.axes[3 * j + 1] * y) + frame.axes[3 * j + 2] * z;
+    const Floats outside = beyond(along, box.low[j], box.high[j]);
+    square += outside * outside;
+  }
+  const Floats limit = (ball.radius + box.radius) - 2 * frame.room;
+  return (square < limit * limit) & (limit > kShortest);
+}
+
+unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
+                                BlockBoxes::Workspace& posed_boxes, Workspace& w) const {
+  const Roles roles = roles_[pair];
+  if (roles.balls < 0) return 0;
+  const Balls& own = balls_[at(roles.balls)];
+  const PosedBalls& balls =
+      w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links.of(at(own.link)), own, out); });
+  const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
+  const Box& box = boxes_[at(roles.box)];
+  FloatMask out = {};
+  for (std::size_t k = 0; k < own.count; ++k) out |= meet(balls[k], box, frame);
+  return float_bits(out);
+}
+
+}  // namespace plannercheck

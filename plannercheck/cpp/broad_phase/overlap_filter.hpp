@@ -1,0 +1,74 @@
+// States of a block in which a ball inside one body overlaps a box inside another, in lanes.
+//
+// In: posed links of a block, the boxes that box_filter.hpp poses. Out: states in which a pair surely shares a point,
+// whatever the rounding: most of those in which it does.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "broad_phase/block_cache.hpp"
+#include "broad_phase/box_filter.hpp"
+#include "broad_phase/float_link_poses.hpp"
+#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/state_block.hpp"
+
+namespace plannercheck {
+
+class BlockOverlaps {
+ public:
+  BlockOverlaps() = default;
+  BlockOverlaps(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs);
+
+  // Surely inside the body if the radius is positive.
+  struct PosedBall {
+    Floats x, y, z, radius;
+  };
+  typedef std::array<PosedBall, kInnerBalls> PosedBalls;
+
+  typedef PosedInBlock<PosedBalls> Workspace;
+  Workspace new_workspace() const { return Workspace(balls_.size()); }
+
+  // Bit k: in state k the pair surely shares a point. `links`: all links' poses, of which only those of bodies that
+  // move count.
+  unsigned overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes, BlockBoxes::Workspace& posed_boxes,
+                   Workspace& workspace) const;
+
+ private:
+  struct Ball {
+    std::array<float, 3> centre;
+    float radius;
+  };
+
+  // Of a body that moves, in its link's frame.
+  struct Balls {
+    std::int32_t link = -1;
+    std::size_t count = 0;
+    std::array<Ball, kInnerBalls> ball;
+    float room = 0;  // for the rounding of posing, besides that of a posed centre
+  };
+
+  // Of any body, in its own frame relative to the middle of the box around it; rounded by `radius`.
+  struct Box {
+    bool exists = false;
+    std::array<float, 3> low, high;
+    float radius = 0;
+  };
+
+  // Which body of a pair brings the balls and which the box; −1 if none can.
+  struct Roles {
+    std::int32_t balls = -1, box = -1;
+  };
+
+  std::vector<Balls> balls_;
+  std::vector<Box> boxes_;
+  std::vector<Roles> roles_;
+
+  static Balls balls_of(const MountedBody& mounted);
+  static Box box_of(const Body& body);
+  static FloatMask meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
+  static void pose(const FloatPose& link, const Balls& balls, PosedBalls& out);
+};
+
+}  // namespace plannercheck

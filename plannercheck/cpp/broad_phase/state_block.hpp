@@ -1,0 +1,35 @@
+// States that are judged together, one a float lane.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "math/simd.hpp"
+
+namespace plannercheck {
+
+inline constexpr int kBlockStates = kFloats;
+inline constexpr int kBlockGroups = kBlockStates / kLanes;  // of Lanes that hold a number of each of them
+static_assert(kBlockGroups * kLanes == kBlockStates);
+
+// Link poses of a block: number i of the row-major 3x4 matrix of a link, for the states of a group.
+inline std::size_t pose_index(std::size_t links, std::size_t group, std::size_t link) {
+  return (group * links + link) * 12;
+}
+
+// A row-major 3x4 matrix in every state of a block, rounded to floats: for filters.
+struct FloatPose {
+  std::array<Floats, 12> m;
+
+  // Row i times a vector.
+  Floats turned(std::size_t i, float x, float y, float z) const {
+    return (m[4 * i] * x + m[4 * i + 1] * y) + m[4 * i + 2] * z;
+  }
+};
+
+inline void round_to_floats(const Lanes* poses, std::size_t links, std::size_t link, FloatPose& out) {
+  const Lanes* const from = poses + pose_index(links, 0, link);
+  for (std::size_t i = 0; i < out.m.size(); ++i) out.m[i] = joined_floats(from + i, links * 12);
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,253 @@
+#include "checking/checker.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "broad_phase/broad_phase.hpp"
+#include "robots/kinematics_lanes.hpp"
+
+namespace plannercheck {
+namespace {
+
+constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
+
+// Which pairs share a point although both bodies stand still. Others that do so are apart: no state asks again.
+std::vector<bool> lasting_collisions(const std::vector<MountedBody>& bodies,
+                                     const std::vector<std::array<std::int32_t, 2>>& pairs,
+                                     const PairOptions& options) {
+  std::vector<bool> out(pairs.size(), false);
+  PairCounters counters;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const MountedBody &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
+    if (guest.link >= 0 || host.link >= 0) continue;
+    out[k] =
+        test_pair({guest.body.get(), guest.placement}, {host.body.get(), host.placement}, options, nullptr, counters)
+            .shared;
+  }
+  return out;
+}
+
+}  // namespace
+
+struct CheckerCore::Workspace {
+  CheckerCounters counters;
+  std::vector<Lanes> columns, links;  // of a block's groups: configurations, link poses
+  LinkPoser poser;
+  BroadPhase::Workspace broad_phase;
+  std::vector<CachedPlane> planes;         // per pair
+  std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
+};
+
+CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
+                         std::int32_t links, CheckerOptions options, const SampledPoses& sampled)
+    : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
+  for (auto& pair : pairs_) {
+    if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
+    for (const std::int32_t body : pair) {
+      const std::int32_t link = bodies_[at(body)].link;
+      if (link >= 0) needed_[at(link)] = 1;
+    }
+  }
+  broad_phase_ = std::make_shared<const BroadPhase>(bodies_, pairs_, lasting_collisions(bodies_, pairs_, options_.pair),
+                                                    at(links_), sampled);
+}
+
+std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
+  auto w = std::make_shared<Workspace>();
+  w->links.resize(kBlockGroups * at(links_) * 12);
+  w->broad_phase = broad_phase_->new_workspace();
+  w->planes.resize(pairs_.size());
+  w->hits.resize(pairs_.size());
+  w->tests.resize(pairs_.size());
+  return w;
+}
+
+CheckerCounters CheckerCore::take_counters(Workspace& w) { return std::exchange(w.counters, {}); }
+
+Pose CheckerCore::body_pose(std::size_t body, const double* links) const {
+  const MountedBody& mounted = bodies_[body];
+  if (mounted.link < 0) return mounted.placement;
+  std::array<double, 12> link;
+  std::copy_n(links + at(mounted.link) * kPoseStride, 12, link.begin());
+  return placed_on(link, mounted.placement);
+}
+
+Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w) const {
+  const MountedBody& mounted = bodies_[body];
+  if (mounted.link < 0) return mounted.placement;
+  const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, at(mounted.link))];
+  std::array<double, 12> link;
+  for (std::size_t i = 0; i < 12; ++i) link[i] = lanes[i][state % kLanes];
+  return placed_on(link, mounted.placement);
+}
+
+bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {
+  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  const PairFrame frame({bodies_[guest].body.get(), posed(guest, state, w)},
+                        {bodies_[host].body.get(), posed(host, state, w)});
+  if (options_.boxes && !w.broad_phase.boxed && frame.boxes_apart()) {
+    ++w.counters.boxes;
+    return false;
+  }
+  const bool likely = options_.learning && 2 * w.hits[pair] > w.tests[pair]++;
+  const PairVerdict verdict = test_pair(frame, likely, options_.pair, &w.planes[pair], w.counters.pair);
+  ++w.counters.stages[static_cast<std::size_t>(verdict.stage)];
+  w.hits[pair] += verdict.shared ? 1 : 0;
+  return verdict.shared;
+}
+
+bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
+  if ((w.broad_phase.overlapping >> state & 1U) != 0) return false;
+  auto& near = w.broad_phase.near[state];
+  if (near.empty()) return true;
+  if (options_.learning) {
+    const auto likeliest = std::max_element(
+        near.begin(), near.end(), [&](std::int32_t a, std::int32_t b) { return w.hits[at(a)] < w.hits[at(b)]; });
+    std::swap(near.front(), *likeliest);
+  }
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    if (!collides(at(near[k]), state, w)) continue;
+    w.counters.skipped += static_cast<long>(near.size() - k - 1);
+    return false;
+  }
+  return true;
+}
+
+std::int32_t CheckerCore::first_collision(std::size_t state, Workspace& w) const {
+  auto& near = w.broad_phase.near[state];
+  std::sort(near.begin(), near.end());
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    if (!collides(at(near[k]), state, w)) continue;
+    w.counters.skipped += static_cast<long>(near.size() - k - 1);
+    return near[k];
+  }
+  return -1;
+}
+
+void CheckerCore::pose_links(std::size_t width, int count, Workspace& w) const {
+  const std::size_t links = at(links_) * 12;
+  for (std::size_t group = 0; group * kLanes < at(count); ++group) {
+    w.poser.pose(&w.columns[group * width], &w.links[group * links]);
+  }
+}
+
+// Lanes beyond n repeat the last row.
+void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) const {
+  const std::size_t size = at(links_) * kPoseStride;
+  for (std::size_t state = 0; state < kBlockStates; ++state) {
+    const double* from = links + std::min(state, n - 1) * size;
+    for (std::size_t link = 0; link < at(links_); ++link) {
+      Lanes* to = &w.links[pose_index(at(links_), state / kLanes, link)];
+      for (std::size_t i = 0; i < 12; ++i) to[i][state % kLanes] = from[link * kPoseStride + i];
+    }
+  }
+}
+
+void CheckerCore::find_near(int count, Sought sought, Workspace& w) const {
+  if (options_.bounds) {
+    const bool overlaps = options_.overlaps && sought == Sought::kAnyCollision;
+    broad_phase_->find(w.links.data(), count, {overlaps, options_.boxes}, w.broad_phase);
+  } else {
+    broad_phase_->take_all(count, w.broad_phase);
+  }
+  const auto& found = w.broad_phase;
+  const long overlapping = __builtin_popcount(found.overlapping);
+  long near = 0;
+  for (std::size_t state = 0; state < at(count); ++state) near += static_cast<long>(found.near[state].size());
+  const long pairs = count * static_cast<long>(pairs_.size());
+  w.counters.states += count;
+  w.counters.pairs += pairs;
+  w.counters.overlaps += overlapping;
+  w.counters.boxes += found.boxes_apart;
+  w.counters.skipped += found.skipped;
+  w.counters.bounds += pairs - near - overlapping - found.boxes_apart - found.skipped;
+}
+
+template <class Judge>
+void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std::size_t n, Sought sought, Workspace& w,
+                             Judge judge) const {
+  const std::size_t width = at(kinematics.width());
+  w.columns.resize(kBlockGroups * width);
+  w.poser.begin(kinematics, needed_.data());
+  for (std::size_t row = 0; row < n; row += kBlockStates) {
+    const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
+    for (std::size_t state = 0; state < kBlockStates; ++state) {
+      const double* from = q + (row + std::min(state, count - 1)) * width;
+      Lanes* to = &w.columns[state / kLanes * width];
+      for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = from[c];
+    }
+    pose_links(width, static_cast<int>(count), w);
+    find_near(static_cast<int>(count), sought, w);
+    for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
+  }
+}
+
+template <class Judge>
+void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, Judge judge) const {
+  for (std::size_t row = 0; row < n; row += kBlockStates) {
+    const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
+    load_links(links + row * at(links_) * kPoseStride, count, w);
+    find_near(static_cast<int>(count), Sought::kWhichCollide, w);
+    for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
+  }
+}
+
+void CheckerCore::check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
+                               Workspace& w) const {
+  each_state(kinematics, q, n, Sought::kAnyCollision, w,
+             [&](std::size_t row, std::size_t state) { valid[row] = is_free(state, w); });
+}
+
+void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
+                                   Workspace& w) const {
+  each_state(kinematics, q, n, Sought::kWhichCollide, w,
+             [&](std::size_t row, std::size_t state) { first[row] = first_collision(state, w); });
+}
+
+void CheckerCore::first_collisions(const double* links, std::size_t n, std::int32_t* first, Workspace& w) const {
+  each_state(links, n, w, [&](std::size_t row, std::size_t state) { first[row] = first_collision(state, w); });
+}
+
+void CheckerCore::all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& w) const {
+  std::fill_n(colliding, n * pairs_.size(), std::uint8_t{0});
+  each_state(links, n, w, [&](std::size_t row, std::size_t state) {
+    for (const std::int32_t pair : w.broad_phase.near[state]) {
+      colliding[row * pairs_.size() + at(pair)] = collides(at(pair), state, w);
+    }
+  });
+}
+
+bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0, const double* q1, long steps,
+                                 Workspace& w) const {
+  const std::size_t width = at(kinematics.width());
+  w.columns.resize(kBlockGroups * width);
+  w.poser.begin(kinematics, needed_.data());
+  const auto all_free = [&](long first, long stride, long last) {
+    for (long k = first; k <= last; k += stride * kBlockStates) {
+      const long count = std::min<long>(kBlockStates, (last - k) / stride + 1);
+      for (long state = 0; state < kBlockStates; ++state) {
+        const double t = static_cast<double>(k + stride * std::min(state, count - 1)) / static_cast<double>(steps);
+        Lanes* to = &w.columns[static_cast<std::size_t>(state / kLanes) * width];
+        for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = (1 - t) * q0[c] + t * q1[c];
+      }
+      pose_links(width, static_cast<int>(count), w);
+      find_near(static_cast<int>(count), Sought::kAnyCollision, w);
+      const auto states = static_cast<std::size_t>(count);
+      for (std::size_t state = 0; state < states; ++state) {
+        if (is_free(state, w)) continue;
+        while (++state < states) w.counters.skipped += static_cast<long>(w.broad_phase.near[state].size());
+        return false;
+      }
+    }
+    return true;
+  };
+  if (!all_free(0, steps, steps)) return false;
+  long stride = 1;
+  while (stride < steps) stride *= 2;
+  for (; stride > 1; stride /= 2) {
+    if (!all_free(stride / 2, stride, steps - 1)) return false;
+  }
+  return true;
+}
+
+}  // namespace plannercheck

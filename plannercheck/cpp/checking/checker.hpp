@@ -1,0 +1,105 @@
+// Verdicts for sets of configurations: posing and bounds for blocks of states in lanes, then tests of the pairs left.
+//
+// In: posed links (from the kinematics kernel or given), bodies on links, pairs of bodies. Out: for each configuration
+// whether some pair shares a point, and which. Immutable: each thread brings a workspace, which holds what is learnt.
+// Free of lanes, whose number differs between instruction sets: those are checker.cpp's own.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/sampled_poses.hpp"
+#include "narrow_phase/intersection.hpp"
+#include "robots/kinematics.hpp"
+
+namespace plannercheck {
+
+// Every pair of every state is counted once, by what settled it.
+struct CheckerCounters {
+  long states = 0, pairs = 0;
+  long bounds = 0;                     // balls that do not meet, obstacles' boxes out of reach, what stands still apart
+  long boxes = 0;                      // boxes that a face's plane separates
+  long overlaps = 0;                   // balls inside one body that meet a box inside the other
+  std::array<long, kStages> stages{};  // of the pair test
+  long skipped = 0;                    // the state's verdict was known already
+  PairCounters pair;
+};
+
+struct CheckerOptions {
+  PairOptions pair;
+  bool bounds = true;  // balls and the tree of obstacles
+  bool boxes = true;
+  bool overlaps = true;  // of balls inside bodies with boxes inside others, where any collision will do
+  bool learning = true;  // the pair that collided most often first, where any collision will do
+};
+
+// What a state's verdict depends on: whether any pair shares a point, or which ones do.
+enum class Sought { kAnyCollision, kWhichCollide };
+
+class BroadPhase;
+
+class CheckerCore {
+ public:
+  // `sampled`: states by which it is decided what is tested together; they make no verdict.
+  CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
+              CheckerOptions options, const SampledPoses& sampled);
+
+  // What one thread poses, bounds, learns and counts.
+  struct Workspace;
+  std::shared_ptr<Workspace> new_workspace() const;
+  // What has been counted since the last call.
+  static CheckerCounters take_counters(Workspace& workspace);
+
+  std::size_t body_count() const { return bodies_.size(); }
+  std::size_t pair_count() const { return pairs_.size(); }
+  std::int32_t link_count() const { return links_; }
+
+  // The pose of a body: its link's pose times its placement, the same bits as in every verdict. `links`: the links'
+  // poses, row-major 4x4.
+  Pose body_pose(std::size_t body, const double* links) const;
+
+  // For each of n configurations (n, width): whether no pair shares a point.
+  void check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
+                    Workspace& workspace) const;
+  // The index of the first pair that shares a point, in the order of the table, or −1.
+  void first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
+                        Workspace& workspace) const;
+  // The same for links that are posed already: n times link_count() matrices, row-major 4x4.
+  void first_collisions(const double* links, std::size_t n, std::int32_t* first, Workspace& workspace) const;
+  // The same for every pair: colliding[i * pair_count() + k] for configuration i and pair k.
+  void all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& workspace) const;
+
+  // Whether the states (1 − t) q0 + t q1 at t = 0, 1/steps, …, 1 are all free; coarse to fine, so that a collision is
+  // met early.
+  bool motion_is_free(const Kinematics& kinematics, const double* q0, const double* q1, long steps,
+                      Workspace& workspace) const;
+
+ private:
+  std::vector<MountedBody> bodies_;
+  std::vector<std::array<std::int32_t, 2>> pairs_;  // guest, host
+  std::int32_t links_;
+  std::vector<unsigned char> needed_;  // links that some body of a pair hangs on
+  CheckerOptions options_;
+  std::shared_ptr<const BroadPhase> broad_phase_;
+
+  // Calls judge(row, state of the block) for every row, the block's links posed and its near pairs found.
+  template <class Judge>
+  void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Sought sought, Workspace& workspace,
+                  Judge judge) const;
+  template <class Judge>
+  void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
+
+  void pose_links(std::size_t width, int count, Workspace& workspace) const;
+  void load_links(const double* links, std::size_t n, Workspace& workspace) const;
+  void find_near(int count, Sought sought, Workspace& workspace) const;
+  Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
+  bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
+  bool is_free(std::size_t state, Workspace& workspace) const;
+  std::int32_t first_collision(std::size_t state, Workspace& workspace) const;
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,22 @@
+// Points in groups of neighbours.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "math/vec.hpp"
+
+namespace plannercheck {
+
+// Some of the points: a part of an array of their indices.
+struct IndexRange {
+  std::int32_t *first, *last;
+  std::ptrdiff_t size() const { return last - first; }
+};
+
+// Sorts a range into parts of at most `capacity` points by cutting where they spread most; all parts but the last one
+// are full.
+std::vector<IndexRange> spatial_parts(const std::vector<Vec3>& points, IndexRange range, std::ptrdiff_t capacity);
+
+}  // namespace plannercheck

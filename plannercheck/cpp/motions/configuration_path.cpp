@@ -1,0 +1,195 @@
+#include "motions/configuration_path.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace plannercheck {
+namespace {
+
+using Quaternion = std::array<double, 4>;  // x, y, z, w
+
+std::size_t at_index(std::int32_t column) { return static_cast<std::size_t>(column); }
+
+std::size_t width_of(PartKind kind) {
+  constexpr std::array<std::size_t, 4> widths{2, 4, 4, 7};
+  return widths[static_cast<std::size_t>(kind)];
+}
+
+Quaternion normalised(const double* q) {
+  const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  return {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
+}
+
+Quaternion about_z(double cosine, double sine) {
+  const double half = std::atan2(sine, cosine) / 2;
+  return {0, 0, std::sin(half), std::cos(half)};
+}
+
+Quaternion product(const Quaternion& a, const Quaternion& b) {
+  return {a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+          a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
+}
+
+Quaternion conjugate(const Quaternion& q) { return {-q[0], -q[1], -q[2], q[3]}; }
+
+Vec3 rotated(const Quaternion& q, Vec3 v) {
+  const Vec3 axis{q[0], q[1], q[2]}, c = 2.0 * cross(axis, v);
+  return v + q[3] * c + cross(axis, c);
+}
+
+// The rotation vector of a unit quaternion, the short way.
+Vec3 log_of(Quaternion q) {
+  if (q[3] < 0) q = {-q[0], -q[1], -q[2], -q[3]};
+  const Vec3 v{q[0], q[1], q[2]};
+  const double sine = norm(v);
+  return sine > 0 ? (2 * std::atan2(sine, q[3]) / sine) * v : Vec3{};
+}
+
+Quaternion exp_of(Vec3 turn, double t) {
+  const double angle = norm(turn), half = t * angle / 2;
+  const Vec3 v = angle > 0 ? (std::sin(half) / angle) * turn : Vec3{};
+  return {v.x, v.y, v.z, std::cos(half)};
+}
+
+// Below this angle the closed forms below cancel and their series, to the terms written, err by less than 1e-15.
+constexpr double kSmallAngle = 0.25;
+
+double one_minus_cos(double a) {  // (1 − cos a) / a²
+  const double half = std::sin(a / 2);
+  return a > 0 ? 2 * half * half / (a * a) : 0.5;
+}
+
+double arc_minus_sin(double a) {  // (a − sin a) / a³
+  const double s = a * a;
+  if (a >= kSmallAngle) return (a - std::sin(a)) / (s * a);
+  return 1.0 / 6 - s * (1.0 / 120 - s * (1.0 / 5040 - s * (1.0 / 362880 - s / 39916800)));
+}
+
+double inverse_term(double a) {  // (1 − a/2 · cot(a/2)) / a²
+  const double s = a * a;
+  if (a >= kSmallAngle) return (1 - a / 2 * std::cos(a / 2) / std::sin(a / 2)) / s;
+  return 1.0 / 12 + s * (1.0 / 720 + s * (1.0 / 30240 + s * (1.0 / 1209600 + s / 47900160)));
+}
+
+// Where the twist (turn, slide) has taken the origin at parameter t.
+Vec3 carried(Vec3 turn, double angle, Vec3 slide, double t) {
+  const Vec3 c = cross(turn, slide);
+  return t * (slide + (one_minus_cos(t * angle) * t) * c + (arc_minus_sin(t * angle) * t * t) * cross(turn, c));
+}
+
+// The slide whose twist with this turn carries the origin to `shift` at t = 1.
+Vec3 slide_to(Vec3 shift, Vec3 turn, double angle) {
+  const Vec3 c = cross(turn, shift);
+  return shift - 0.5 * c + inverse_term(angle) * cross(turn, c);
+}
+
+// Position and orientation of a planar or floating joint.
+struct Placed {
+  Vec3 position;
+  Quaternion turn;
+};
+
+Placed placed(PartKind kind, const double* q) {
+  if (kind == PartKind::kPlanar) return {{q[0], q[1], 0}, about_z(q[2], q[3])};
+  return {{q[0], q[1], q[2]}, normalised(q + 3)};
+}
+
+double off_unit_length(const double* q, std::size_t n) {
+  double square = 0;
+  for (std::size_t i = 0; i < n; ++i) square += q[i] * q[i];
+  return std::fabs(std::sqrt(square) - 1);
+}
+
+double excess_length(PartKind kind, const double* q) {
+  const std::size_t skipped = kind == PartKind::kPlanar ? 2 : kind == PartKind::kFree ? 3 : 0;
+  return off_unit_length(q + skipped, width_of(kind) - skipped);
+}
+
+}  // namespace
+
+ConfigurationPath::ConfigurationPath(std::size_t width, std::vector<PathPart> parts)
+    : q0_(width), q1_(width), parts_(std::move(parts)), twists_(parts_.size()) {
+  std::vector<bool> covered(width, false);
+  for (const PathPart& part : parts_) {
+    for (std::size_t k = 0; k < width_of(part.kind); ++k) covered[at_index(part.column) + k] = true;
+  }
+  for (std::size_t c = 0; c < width; ++c) {
+    if (!covered[c]) linear_.push_back(static_cast<std::int32_t>(c));
+  }
+}
+
+void ConfigurationPath::set(const double* q0, const double* q1) {
+  std::copy_n(q0, q0_.size(), q0_.begin());
+  std::copy_n(q1, q1_.size(), q1_.begin());
+  largest_ = off_unit_ = 0;
+  for (std::size_t c = 0; c < q0_.size(); ++c)
+    largest_ = larger(largest_, larger(std::fabs(q0_[c]), std::fabs(q1_[c])));
+  for (std::size_t part = 0; part < parts_.size(); ++part) set_part(part);
+}
+
+void ConfigurationPath::set_part(std::size_t part) {
+  const PathPart& p = parts_[part];
+  const double *a = &q0_[at_index(p.column)], *b = &q1_[at_index(p.column)];
+  off_unit_ = larger(off_unit_, larger(excess_length(p.kind, a), excess_length(p.kind, b)));
+  Twist twist;
+  if (p.kind == PartKind::kCircle) {
+    twist.turn.z = std::atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+  } else if (p.kind == PartKind::kBall) {
+    twist.turn = log_of(product(conjugate(normalised(a)), normalised(b)));
+  } else {
+    const Placed from = placed(p.kind, a), to = placed(p.kind, b);
+    twist.turn = log_of(product(conjugate(from.turn), to.turn));
+    twist.slide = slide_to(rotated(conjugate(from.turn), to.position - from.position), twist.turn, norm(twist.turn));
+  }
+  twist.angle = norm(twist.turn);
+  twists_[part] = twist;
+}
+
+Rate ConfigurationPath::rate(std::int32_t column) const {
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
+    if (parts_[part].column != column) continue;
+    const Twist& twist = twists_[part];
+    const double slide = norm(twist.slide);
+    double extent = 0;
+    if (parts_[part].kind >= PartKind::kPlanar) {
+      extent = norm(placed(parts_[part].kind, &q0_[at_index(column)]).position) + slide;
+    }
+    return {twist.angle, slide, extent};
+  }
+  return {};
+}
+
+void ConfigurationPath::at(const double* t, std::size_t n, std::size_t stride, double* q) const {
+  for (const std::int32_t column : linear_) {
+    const double a = q0_[at_index(column)], b = q1_[at_index(column)];
+    double* out = q + at_index(column) * stride;
+    for (std::size_t i = 0; i < n; ++i) out[i] = (1 - t[i]) * a + t[i] * b;
+  }
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
+    for (std::size_t i = 0; i < n; ++i) part_at(part, t[i], q + at_index(parts_[part].column) * stride + i, stride);
+  }
+}
+
+void ConfigurationPath::part_at(std::size_t part, double t, double* q, std::size_t stride) const {
+  const PathPart& p = parts_[part];
+  const Twist& twist = twists_[part];
+  const double* a = &q0_[at_index(p.column)];
+  const auto put = [&](std::size_t first, std::initializer_list<double> values) {
+    for (const double value : values) q[first++ * stride] = value;
+  };
+  if (p.kind == PartKind::kCircle) {
+    const double angle = std::atan2(a[1], a[0]) + t * twist.turn.z;
+    return put(0, {std::cos(angle), std::sin(angle)});
+  }
+  if (p.kind == PartKind::kBall) {
+    const Quaternion r = product(normalised(a), exp_of(twist.turn, t));
+    return put(0, {r[0], r[1], r[2], r[3]});
+  }
+  const Placed from = placed(p.kind, a);
+  const Vec3 x = from.position + rotated(from.turn, carried(twist.turn, twist.angle, twist.slide, t));
+  const Quaternion r = product(from.turn, exp_of(twist.turn, t));
+  if (p.kind == PartKind::kPlanar) return put(0, {x.x, x.y, r[3] * r[3] - r[2] * r[2], 2 * r[3] * r[2]});
+  put(0, {x.x, x.y, x.z, r[0], r[1], r[2], r[3]});
+}
+
+}  // namespace plannercheck

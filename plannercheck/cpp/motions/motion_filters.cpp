@@ -1,0 +1,186 @@
+#include "motions/motion_filters.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace plannercheck {
+namespace {
+
+using Row = std::array<double, kGridRow>;
+using LaneVector = std::array<Lanes, 3>;
+
+// Row-wise difference of two centres, from a state on.
+LaneVector difference(const double* a, const double* b, std::size_t i) {
+  LaneVector d;
+  for (std::size_t k = 0; k < 3; ++k) d[k] = load_lanes(a + k * kGridRow + i) - load_lanes(b + k * kGridRow + i);
+  return d;
+}
+
+// A vector of the world seen from a frame, whose pose begins at `rows`.
+LaneVector turned_back(const double* rows, const LaneVector& v) {
+  LaneVector out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    out[k] = (load_lanes(rows + k * kGridRow) * v[0] + load_lanes(rows + (k + 4) * kGridRow) * v[1]) +
+             load_lanes(rows + (k + 8) * kGridRow) * v[2];
+  }
+  return out;
+}
+
+// A direction of a frame in the world.
+LaneVector turned(const MotionGrid& grid, std::int32_t frame, std::size_t first, Vec3 d) {
+  if (frame < 0) return {broadcast(d.x), broadcast(d.y), broadcast(d.z)};
+  LaneVector out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double* r = grid.link(frame) + 4 * k * kGridRow + first;
+    out[k] = (load_lanes(r) * d.x + load_lanes(r + kGridRow) * d.y) + load_lanes(r + 2 * kGridRow) * d.z;
+  }
+  return out;
+}
+
+// The least product of a direction with a point of a posed body's box.
+Lanes least_of_box(const Body& body, const std::array<Lanes, 12>& m, const LaneVector& d) {
+  const Vec3 middle = 0.5 * (body.low + body.high), half = 0.5 * (body.high - body.low);
+  Lanes sum = (d[0] * m[3] + d[1] * m[7]) + d[2] * m[11];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Lanes along = (d[0] * m[k] + d[1] * m[k + 4]) + d[2] * m[k + 8];
+    sum = sum + (along * middle[static_cast<int>(k)] - absolute(along) * half[static_cast<int>(k)]);
+  }
+  return sum;
+}
+
+std::array<Lanes, 12> pose_in_lanes(const Pose& pose) {
+  std::array<Lanes, 12> m;
+  for (std::size_t k = 0; k < 12; ++k) m[k] = broadcast(pose.m[k]);
+  return m;
+}
+
+std::array<Lanes, 12> load_pose(const double* rows, std::size_t first) {
+  std::array<Lanes, 12> m;
+  for (std::size_t k = 0; k < 12; ++k) m[k] = load_lanes(rows + k * kGridRow + first);
+  return m;
+}
+
+}  // namespace
+
+std::array<Vec3, 2> MotionFilters::box_around_path(std::int32_t index, std::int32_t chain) const {
+  const double grown = sphere_radius(body(index)) + bulge(curvature(chain)) + slack_;
+  std::array<std::array<double, 3>, 2> box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double* row = grid_.centre(index) + k * kGridRow;
+    const auto [low, high] = std::minmax_element(row, row + grid_.intervals() + 1);
+    box[0][k] = *low - grown, box[1][k] = *high + grown;
+  }
+  return {Vec3{box[0][0], box[0][1], box[0][2]}, Vec3{box[1][0], box[1][1], box[1][2]}};
+}
+
+unsigned MotionFilters::near(const CertifiedPair& pair) const {
+  const double apart = sphere_radius(body(pair.a)) + bulge(pair) + slack_;
+  if (stands_still(pair.b)) {
+    // The transpose of a placement that is off rigid, in place of its inverse.
+    const double turned = 2 * defects_[at(pair.b)] * size_;
+    return chord_meets_box(pair, apart + body(pair.b).swell * kStretch + turned);
+  }
+  const double sum = apart + sphere_radius(body(pair.b));
+  return spheres_come_near(pair, sum) ? chord_meets_sphere(pair, sum) : 0;
+}
+
+// The sphere around a on the chord of its centre, against b's box, in b's frame.
+unsigned MotionFilters::chord_meets_box(const CertifiedPair& pair, double apart) const {
+  const Body& b = body(pair.b);
+  const auto& m = model_.bodies[at(pair.b)].placement.m;
+  const double* c = grid_.centre(pair.a);
+  std::array<Row, 3> seen;
+  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+    const Lanes x = load_lanes(c + i) - m[3], y = load_lanes(c + kGridRow + i) - m[7],
+                z = load_lanes(c + 2 * kGridRow + i) - m[11];
+    for (std::size_t k = 0; k < 3; ++k) store_lanes(&seen[k][i], (m[k] * x + m[k + 4] * y) + m[k + 8] * z);
+  }
+  unsigned open = 0;
+  for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
+    Lanes square{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Lanes from = load_lanes(&seen[k][i]), to = load_lanes(&seen[k][i + 1]);
+      const int axis = static_cast<int>(k);
+      const Lanes beyond = larger(b.low[axis] - larger(from, to), smaller(from, to) - b.high[axis]);
+      const Lanes outside = larger(Lanes{}, beyond);
+      square = square + outside * outside;
+    }
+    open |= bits(square <= broadcast(apart * apart)) << i;
+  }
+  return open & all_intervals();
+}
+
+// Whether the spheres' distance at the states allows them to meet between: the centres approach at most at the speed
+// of both, seen from the frame.
+bool MotionFilters::spheres_come_near(const CertifiedPair& pair, double sum) const {
+  Lanes least = broadcast(std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+    const LaneVector d = difference(grid_.centre(pair.a), grid_.centre(pair.b), i);
+    least = smaller(least, (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
+  }
+  const double reach = sum + speed(pair) * grid_.step() / 2;
+  return bits(least <= broadcast(reach * reach)) != 0;
+}
+
+// With c the difference of the centres in the middle of a chord and d that of its ends, the distance along the chord is
+// at least √(c·c − |c·d|).
+unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum) const {
+  std::array<Row, 3> seen;
+  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+    LaneVector d = difference(grid_.centre(pair.a), grid_.centre(pair.b), i);
+    if (pair.frame >= 0) d = turned_back(grid_.link(pair.frame) + i, d);
+    for (std::size_t k = 0; k < 3; ++k) store_lanes(&seen[k][i], d[k]);
+  }
+  unsigned open = 0;
+  for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
+    Lanes square{}, along{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Lanes from = load_lanes(&seen[k][i]), to = load_lanes(&seen[k][i + 1]), middle = 0.5 * (from + to);
+      square = square + middle * middle;
+      along = along + middle * (to - from);
+    }
+    open |= bits(square - absolute(along) <= broadcast(sum * sum)) << i;
+  }
+  return open & all_intervals();
+}
+
+void MotionFilters::boxes_settle(OpenPair& found, Vec3 direction, double beyond) {
+  const CertifiedPair& p = pair(found.pair);
+  const bool still = stands_still(p.b);
+  const double *a = grid_.poses(p.a), *b = still ? nullptr : grid_.poses(p.b);
+  const auto standing = pose_in_lanes(model_.bodies[at(p.b)].placement);
+  Row gaps;
+  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+    const LaneVector d = turned(grid_, p.frame, i, direction), opposite{-d[0], -d[1], -d[2]};
+    store_lanes(&gaps[i], least_of_box(body(p.a), load_pose(a, i), d) +
+                              least_of_box(body(p.b), still ? standing : load_pose(b, i), opposite));
+  }
+  const Lanes limit = broadcast(apart(p) + beyond);
+  for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
+    const Lanes least = smaller(load_lanes(&gaps[i]), load_lanes(&gaps[i + 1]));
+    found.open &= ~((bits(least > limit) & ((1U << kLanes) - 1)) << i);
+  }
+  const auto deepest =
+      std::min_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(grid_.intervals()) + 1);
+  found.depth = *deepest;
+  found.state = static_cast<std::size_t>(deepest - gaps.begin());
+}
+
+PosedPair MotionFilters::posed(const CertifiedPair& pair, std::size_t state) {
+  return {grid_.pose(pair.a, state), grid_.pose(pair.b, state), grid_.turn(pair.frame, state)};
+}
+
+Vec3 MotionFilters::between(const CertifiedPair& pair, std::size_t state) {
+  const PosedPair p = posed(pair, state);
+  const Body &a = body(pair.a), &b = body(pair.b);
+  const Vec3 c = p.b.rotate_back(p.a.apply(a.centre) - p.b.translation());
+  const auto beyond = [](double x, double low, double high) { return x < low ? x - low : x > high ? x - high : 0; };
+  Vec3 d{beyond(c.x, b.low.x, b.high.x), beyond(c.y, b.low.y, b.high.y), beyond(c.z, b.low.z, b.high.z)};
+  if (norm_1(d) == 0) d = c - b.centre;
+  // Poses may stretch, so its length is taken in the frame, where gaps are compared with metres.
+  const Vec3 seen = p.frame.from_world(p.b.rotate(d));
+  const double length = norm(seen);
+  return length > 0 && std::isfinite(length) ? (1 / length) * seen : Vec3{1, 0, 0};
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,86 @@
+// Bounds that settle intervals of a motion in lanes, and the quantities of a pair that they and the exact steps
+// compare.
+//
+// In: a grid of states, bounds of the bodies' motion, pairs. Out: for a pair the intervals that bounding spheres and
+// boxes leave open, one bit each. Each filter proves the bodies apart all the way over an interval, by the chords of
+// centres or by one direction at both ends (see motion_certifier.hpp); all of them err on the open side.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "motions/motion_certifier.hpp"
+#include "motions/motion_grid.hpp"
+
+namespace plannercheck {
+
+// Bodies' poses are off rigid by 3.6e-6 at most (plannercheck/robots/unit_lengths.py), so they stretch by half of that.
+inline constexpr double kStretch = 1 + 2e-6;
+
+// The sphere around a body's centre.
+inline double sphere_radius(const Body& body) { return (body.radius + body.swell) * kStretch; }
+
+// Intervals of a pair that the filters leave open; the state at which the boxes' gap along a direction is least; and
+// that direction, in the pair's frame, from b to a.
+struct OpenPair {
+  std::int32_t pair;
+  unsigned open;
+  double depth;
+  std::size_t state;
+  Vec3 direction;
+};
+
+class MotionFilters {
+ public:
+  // `defects`: of the placements of bodies that stand still, how far they are off rigid.
+  MotionFilters(const MotionModel& model, const std::vector<double>& defects, MotionGrid& grid,
+                const std::vector<MotionBound>& bounds)
+      : model_(model), defects_(defects), grid_(grid), bounds_(bounds) {}
+
+  // The bound of all rounding, m, and of the coordinates that enter.
+  void set_rounding(double slack, double size) { slack_ = slack, size_ = size; }
+  double slack() const { return slack_; }
+
+  const CertifiedPair& pair(std::int32_t index) const { return model_.pairs[static_cast<std::size_t>(index)]; }
+  const Body& body(std::int32_t index) const { return *model_.bodies[static_cast<std::size_t>(index)].body; }
+  bool stands_still(std::int32_t index) const { return model_.bodies[static_cast<std::size_t>(index)].link < 0; }
+
+  double curvature(std::int32_t chain) const { return chain < 0 ? 0 : bound(chain).curvature; }
+  double speed(const CertifiedPair& pair) const { return speed(pair.chain_a) + speed(pair.chain_b); }
+  // ε: how far points may leave their chords within an interval.
+  double bulge(double curvature) const { return curvature * grid_.step() * grid_.step() / 8; }
+  double bulge(const CertifiedPair& pair) const { return bulge(curvature(pair.chain_a) + curvature(pair.chain_b)); }
+  double swells(const CertifiedPair& pair) const { return (body(pair.a).swell + body(pair.b).swell) * kStretch; }
+  // More than this between the hulls, along a direction at both ends of an interval, settles it.
+  double apart(const CertifiedPair& pair) const { return bulge(pair) + swells(pair) + slack_; }
+
+  unsigned all_intervals() const { return (1U << grid_.intervals()) - 1; }
+
+  // Low and high corner of the box around the whole path of a body, given its chain from the world.
+  std::array<Vec3, 2> box_around_path(std::int32_t body, std::int32_t chain) const;
+  // What bounding spheres leave open: on chords against each other or against the box of a body that stands still.
+  unsigned near(const CertifiedPair& pair) const;
+  // Settles what the bodies' boxes do along a direction of the frame, with `beyond` to spare, and notes where they are
+  // deepest in each other.
+  void boxes_settle(OpenPair& found, Vec3 direction, double beyond = 0);
+  // A direction to begin with, of length 1 up to rounding: the way out of b's box if a's centre is outside, else
+  // between the centres.
+  Vec3 between(const CertifiedPair& pair, std::size_t state);
+  PosedPair posed(const CertifiedPair& pair, std::size_t state);
+
+ private:
+  const MotionModel& model_;
+  const std::vector<double>& defects_;
+  MotionGrid& grid_;
+  const std::vector<MotionBound>& bounds_;
+  double slack_ = 0, size_ = 0;
+
+  const MotionBound& bound(std::int32_t chain) const { return bounds_[static_cast<std::size_t>(chain)]; }
+  double speed(std::int32_t chain) const { return chain < 0 ? 0 : bound(chain).speed; }
+
+  unsigned chord_meets_box(const CertifiedPair& pair, double apart) const;
+  bool spheres_come_near(const CertifiedPair& pair, double sum) const;
+  unsigned chord_meets_sphere(const CertifiedPair& pair, double sum) const;
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,134 @@
+#include "motions/swept_distance.hpp"
+
+#include <algorithm>
+
+namespace plannercheck {
+namespace {
+
+constexpr int kDescentRounds = 48;
+
+// A new difference that is nearer by less than this part does not count as progress.
+constexpr double kDescentProgress = 1e-12;
+
+struct Difference {
+  Vec3 point;  // in the frame
+  double along;
+};
+
+Difference difference_at(const Body& a, const Body& b, const PosedPair& pose, Vec3 direction, PairCounters& counters) {
+  ++counters.guest_queries, ++counters.host_queries;
+  const Vec3 d = pose.frame.to_world(direction);
+  const auto p = static_cast<std::size_t>(extreme(a.inner, -pose.a.rotate_back(d), counters.queries));
+  const auto r = static_cast<std::size_t>(extreme(b.inner, pose.b.rotate_back(d), counters.queries));
+  const Vec3 w = pose.a.apply(a.inner.points[p]) - pose.b.apply(b.inner.points[r]);
+  return {pose.frame.from_world(w), dot(d, w)};
+}
+
+// Up to four points, whose hull is made to hold the point nearest to the origin.
+struct NearSimplex {
+  int count = 0;
+  std::array<Vec3, 4> point;
+};
+
+Vec3 nearest_on_segment(NearSimplex& s, Vec3 a, Vec3 b) {
+  const Vec3 ab = b - a;
+  const double t = -dot(a, ab), square = dot(ab, ab);
+  if (t <= 0) return s = {1, {a}}, a;
+  if (t >= square) return s = {1, {b}}, b;
+  return s = {2, {a, b}}, a + (t / square) * ab;
+}
+
+// Voronoi regions as in Ericson, "Real-Time Collision Detection", section 5.1.5.
+Vec3 nearest_on_triangle(NearSimplex& s, Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 ab = b - a, ac = c - a;
+  const double d1 = -dot(ab, a), d2 = -dot(ac, a), d3 = -dot(ab, b), d4 = -dot(ac, b), d5 = -dot(ab, c),
+               d6 = -dot(ac, c);
+  if (d1 <= 0 && d2 <= 0) return s = {1, {a}}, a;
+  if (d3 >= 0 && d4 <= d3) return s = {1, {b}}, b;
+  if (d6 >= 0 && d5 <= d6) return s = {1, {c}}, c;
+  const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return nearest_on_segment(s, a, b);
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return nearest_on_segment(s, a, c);
+  if (va <= 0 && d4 >= d3 && d5 >= d6) return nearest_on_segment(s, b, c);
+  const double scale = 1 / (va + vb + vc);
+  if (!std::isfinite(scale)) return nearest_on_segment(s, a, b);
+  s = {3, {a, b, c}};
+  return a + (vb * scale) * ab + (vc * scale) * ac;
+}
+
+// The nearest point of a tetrahedron; the origin itself, with all four corners kept, if it is inside.
+Vec3 nearest_on_tetrahedron(NearSimplex& s) {
+  const std::array<Vec3, 4> p = s.point;
+  constexpr std::array<std::array<std::size_t, 4>, 4> faces{{{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}};
+  bool outside = false;
+  double least = 0;
+  Vec3 best;
+  for (const auto& f : faces) {
+    const Vec3 n = cross(p[f[1]] - p[f[0]], p[f[2]] - p[f[0]]);
+    const double origin = -dot(n, p[f[0]]), opposite = dot(n, p[f[3]] - p[f[0]]);
+    if (origin * opposite > 0) continue;
+    NearSimplex face;
+    const Vec3 v = nearest_on_triangle(face, p[f[0]], p[f[1]], p[f[2]]);
+    const double square = dot(v, v);
+    if (outside && square >= least) continue;
+    outside = true, least = square, best = v, s = face;
+  }
+  return outside ? best : Vec3{};
+}
+
+Vec3 nearest(NearSimplex& s) {
+  switch (s.count) {
+    case 1:
+      return s.point[0];
+    case 2:
+      return nearest_on_segment(s, s.point[0], s.point[1]);
+    case 3:
+      return nearest_on_triangle(s, s.point[0], s.point[1], s.point[2]);
+    default:
+      return nearest_on_tetrahedron(s);
+  }
+}
+
+}  // namespace
+
+double gap_along(const Body& a, const Body& b, const PosedPair& pose, Vec3 direction, PairCounters& counters) {
+  return difference_at(a, b, pose, direction, counters).along;
+}
+
+SweptAnswer swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit, Vec3 hint,
+                           PairCounters& counters) {
+  SweptAnswer answer;
+  NearSimplex simplex;
+  Vec3 v = norm_1(hint) > 0 ? hint : Vec3{1, 0, 0};
+  double square = 0;  // |v|² once v is a point of the simplex
+  for (int round = 0; round < kDescentRounds; ++round) {
+    ++counters.rounds;
+    const double length = norm(v);
+    if (!(length > kTrustedLength) || !std::isfinite(length)) return answer;
+    const Vec3 d = (1 / length) * v;
+    Difference lowest = difference_at(a, b, poses[0], d, counters);
+    if (count > 1) {
+      const Difference other = difference_at(a, b, poses[1], d, counters);
+      if (other.along < lowest.along) lowest = other;
+    }
+    if (round == 0 || lowest.along > answer.gap) answer.direction = d, answer.gap = lowest.along;
+    if (lowest.along > limit) {
+      answer.reach = Reach::kApart;
+      return answer;
+    }
+    // The vertex is no nearer to the origin than the simplex: as near as doubles tell.
+    if (simplex.count > 0 && length - lowest.along <= kDescentProgress * length) return answer;
+    simplex.point[static_cast<std::size_t>(simplex.count++)] = lowest.point;
+    v = nearest(simplex);
+    const double now = dot(v, v);
+    if (now <= limit * limit || simplex.count == 4) {
+      answer.reach = Reach::kWithin;
+      return answer;
+    }
+    if (round > 0 && now >= square) return answer;
+    square = now;
+  }
+  return answer;
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,55 @@
+// The distance of two bodies, or of what two bodies sweep between two poses, against a limit.
+//
+// In: both bodies posed once, or at both ends of an interval, together with the frame in which directions are kept.
+// Out: a direction along which the bodies are more than the limit apart at all these poses; or that they are not. Idea:
+// Gilbert, Johnson and Keerthi's descent on the hull of the bodies' differences at all poses, seen from the frame; it
+// ends as soon as a bound of either kind is on one side of the limit. Only the lower bound is relied on for "apart": it
+// is the least product of the direction with a difference, an extreme vertex of each body.
+#pragma once
+
+#include <array>
+
+#include "narrow_phase/pair_frame.hpp"
+
+namespace plannercheck {
+
+// Rotation of the frame in the world, row-major; the identity for the world itself.
+struct FrameTurn {
+  std::array<double, 9> m{1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+  Vec3 to_world(Vec3 v) const {
+    return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[3] * v.x + m[4] * v.y + m[5] * v.z,
+            m[6] * v.x + m[7] * v.y + m[8] * v.z};
+  }
+  Vec3 from_world(Vec3 v) const {
+    return {m[0] * v.x + m[3] * v.y + m[6] * v.z, m[1] * v.x + m[4] * v.y + m[7] * v.z,
+            m[2] * v.x + m[5] * v.y + m[8] * v.z};
+  }
+};
+
+// Both bodies at one parameter.
+struct PosedPair {
+  Pose a, b;
+  FrameTurn frame;
+};
+
+enum class Reach {
+  kApart,   // proved: the hulls are more than the limit apart along `direction`, at every pose that was given
+  kWithin,  // points of the swept differences are within the limit of each other, up to rounding
+  kUnsure,  // doubles do not tell
+};
+
+struct SweptAnswer {
+  Reach reach = Reach::kUnsure;
+  Vec3 direction;  // in the frame, from b to a, of length 1 up to rounding
+  double gap = 0;  // along it, if apart: a lower bound but for the rounding that the limit has to cover
+};
+
+// The vertices of the bodies (without their swells) at `count` poses, 1 or 2, from a direction to begin with.
+SweptAnswer swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit, Vec3 hint,
+                           PairCounters& counters);
+
+// The gap of the vertices along a direction of the frame at one pose.
+double gap_along(const Body& a, const Body& b, const PosedPair& pose, Vec3 direction, PairCounters& counters);
+
+}  // namespace plannercheck

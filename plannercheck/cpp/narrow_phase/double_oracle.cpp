@@ -1,0 +1,39 @@
+#include "narrow_phase/double_oracle.hpp"
+
+#include "narrow_phase/solvers.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Both hierarchies, which answer at once.
+struct AtOnce {
+  bool ask_guest(DoubleOracle<AtOnce>& oracle, Vec3 q) const {
+    const PairFrame& frame = oracle.frame();
+    const std::int32_t v = extreme(frame.guest().inner, frame.guest_direction(q), oracle.counters().queries);
+    return oracle.answer_guest(q, v, frame.guest_vertex(v));
+  }
+
+  bool ask_host(DoubleOracle<AtOnce>& oracle, Vec3 x) const {
+    const PairFrame& frame = oracle.frame();
+    const std::int32_t k = extreme(frame.host().polar, x, oracle.counters().queries);
+    return oracle.answer_host(x, k, frame.polar_point(k));
+  }
+};
+
+}  // namespace
+
+Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters) {
+  const Vec3 x = first_point(frame, guest_vertex);
+  ++counters.host_queries;
+  const std::int32_t k = extreme(frame.host().polar, x, counters.queries);
+  if (frame.contains(dot(frame.polar_point(k), x))) return shared_at(x);
+  AtOnce both;
+  DoubleOracle<AtOnce> oracle(frame, both, counters);
+  oracle.start(guest_vertex, k);
+  for (int round = 0; round < kOracleRounds; ++round) {
+    if (oracle.round()) break;
+  }
+  return oracle.certificate();
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,205 @@
+#include "narrow_phase/exact_stage.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "narrow_phase/support_exact_direction.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Mᵀ d, exactly.
+DyadicVec3 rotate_back_exactly(const Pose& pose, const DyadicVec3& d) {
+  const auto column = [&](std::size_t j) {
+    return Dyadic(pose.m[j]) * d.x + Dyadic(pose.m[j + 4]) * d.y + Dyadic(pose.m[j + 8]) * d.z;
+  };
+  return {column(0), column(1), column(2)};
+}
+
+struct Corner {
+  std::int32_t guest, host;
+  DyadicVec3 point;  // guest vertex − host vertex in the world
+};
+
+struct Nearest {
+  std::vector<Corner> corners;  // the smallest set whose hull holds the nearest point, inside
+  std::vector<Dyadic> weights;
+  DyadicVec3 direction;  // towards the nearest point; 0 if that is the origin
+};
+
+// Candidates for the nearest point of at most four corners' hull: the projection of the origin on the span of some of
+// them, if it lies strictly between these and no other corner is nearer along it. Whichever passes is the nearest
+// point, so the order of trying only matters for speed.
+class Candidates {
+ public:
+  explicit Candidates(const std::vector<Corner>& corners) : corners_(corners) {}
+
+  // Of the sets (bits) that include `needed`, the larger first. One passes: of a smallest set of corners that mixes the
+  // nearest point, affinely independent as it is, the weights are positive and unique (Carathéodory).
+  Nearest run(unsigned needed) {
+    for (int size = static_cast<int>(corners_.size()); size > 0; --size) {
+      for (unsigned set = 1; set < 1U << corners_.size(); ++set) {
+        if ((set & needed) == needed && __builtin_popcount(set) == size && passes(set)) return found(set);
+      }
+    }
+    return {};
+  }
+
+ private:
+  const std::vector<Corner>& corners_;
+  std::vector<Dyadic> weights_;
+  DyadicVec3 direction_;
+
+  bool passes(unsigned set) {
+    std::array<const DyadicVec3*, 4> p{};
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if ((set >> i & 1U) != 0) p[n++] = &corners_[i].point;
+    }
+    const bool inside = n == 1   ? take_point(*p[0])
+                        : n == 2 ? take_segment(*p[0], *p[1])
+                        : n == 3 ? take_triangle(*p[0], *p[1], *p[2])
+                                 : take_tetrahedron(*p[0], *p[1], *p[2], *p[3]);
+    return inside && none_nearer(set, *p[0]);
+  }
+
+  bool take_point(const DyadicVec3& a) {
+    weights_ = {Dyadic(1.0)};
+    direction_ = a;
+    return true;
+  }
+
+  bool take_segment(const DyadicVec3& a, const DyadicVec3& b) {
+    const DyadicVec3 e = b - a;
+    const Dyadic along = -dot(a, e);
+    if (along.sign() <= 0) return false;
+    const Dyadic rest = dot(b, e);
+    if (rest.sign() <= 0) return false;
+    direction_ = rest * a + along * b;
+    weights_ = {rest, along};
+    return true;
+  }
+
+  bool take_triangle(const DyadicVec3& a, const DyadicVec3& b, const DyadicVec3& c) {
+    const DyadicVec3 bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
+    const DyadicVec3 n = ab + bc + ca;  // (b − a) × (c − a)
+    if (is_zero(n)) return false;
+    weights_.clear();
+    for (const DyadicVec3* side : {&bc, &ca, &ab}) {
+      weights_.push_back(dot(n, *side));
+      if (weights_.back().sign() <= 0) return false;
+    }
+    const int side = dot(a, bc).sign();  // = n·a
+    direction_ = side > 0 ? n : side < 0 ? -n : DyadicVec3();
+    return true;
+  }
+
+  // The origin strictly inside: four volumes of one sign.
+  bool take_tetrahedron(const DyadicVec3& a, const DyadicVec3& b, const DyadicVec3& c, const DyadicVec3& d) {
+    const DyadicVec3 cd = cross(c, d), ab = cross(a, b);
+    weights_ = {dot(b, cd), -dot(a, cd), dot(d, ab), -dot(c, ab)};
+    const int sign = weights_[0].sign();
+    for (Dyadic& w : weights_) {
+      if (w.sign() == 0 || w.sign() != sign) return false;
+    }
+    if (sign < 0) {
+      for (Dyadic& w : weights_) w = -w;
+    }
+    direction_ = {};
+    return true;
+  }
+
+  // No corner outside the set is nearer along the direction (which is then that of the nearest point).
+  bool none_nearer(unsigned set, const DyadicVec3& on_plane) const {
+    if (is_zero(direction_) || set + 1 == 1U << corners_.size()) return true;
+    const Dyadic height = dot(direction_, on_plane);
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if ((set >> i & 1U) == 0 && (dot(direction_, corners_[i].point) - height).sign() < 0) return false;
+    }
+    return true;
+  }
+
+  Nearest found(unsigned set) {
+    Nearest out;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      if ((set >> i & 1U) != 0) out.corners.push_back(corners_[i]);
+    }
+    out.weights = std::move(weights_);
+    out.direction = std::move(direction_);
+    return out;
+  }
+};
+
+Corner corner_at(const PosedBody& guest, const PosedBody& host, std::int32_t p, std::int32_t r) {
+  return {p, r,
+          apply_exactly(guest.pose, guest.body->inner.points[at(p)]) -
+              apply_exactly(host.pose, host.body->inner.points[at(r)])};
+}
+
+// The corner of conv(P) − conv(R) that is furthest against the direction.
+Corner furthest_against(const PosedBody& guest, const PosedBody& host, const DyadicVec3& direction) {
+  const FineDirection in_guest(-rotate_back_exactly(guest.pose, direction));
+  const FineDirection in_host(rotate_back_exactly(host.pose, direction));
+  return corner_at(guest, host, extreme(guest.body->inner, in_guest), extreme(host.body->inner, in_host));
+}
+
+// Whether the hulls come within the swell at the nearest point so far.
+bool within(const Nearest& nearest, const Dyadic& square_of_swell) {
+  if (is_zero(nearest.direction)) return true;
+  if (square_of_swell.sign() == 0) return false;
+  const Dyadic height = dot(nearest.direction, nearest.corners[0].point);
+  return (height * height - square_of_swell * dot(nearest.direction, nearest.direction)).sign() <= 0;
+}
+
+// Whether all of the difference lies further along the direction than the swell, its least height being given.
+bool beyond(const Dyadic& height, const DyadicVec3& direction, const Dyadic& square_of_swell) {
+  if (height.sign() <= 0) return false;
+  if (square_of_swell.sign() == 0) return true;
+  return (height * height - square_of_swell * dot(direction, direction)).sign() > 0;
+}
+
+ExactAnswer shared_answer(Nearest& nearest) {
+  ExactAnswer answer;
+  answer.shared = true;
+  answer.count = static_cast<int>(nearest.corners.size());
+  for (std::size_t i = 0; i < nearest.corners.size(); ++i) {
+    answer.guest[i] = nearest.corners[i].guest;
+    answer.host[i] = nearest.corners[i].host;
+    answer.weight[i] = std::move(nearest.weights[i]);
+  }
+  return answer;
+}
+
+Nearest beginning(const PosedBody& guest, const PosedBody& host, const Proximity& start) {
+  std::vector<Corner> corners;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(start.count); ++i)
+    corners.push_back(corner_at(guest, host, start.guest[i], start.host[i]));
+  if (!corners.empty()) return Candidates(corners).run(0);
+  const bool usable = norm_1(start.direction) > 0 && std::isfinite(norm_1(start.direction));
+  Nearest nearest;
+  nearest.direction = DyadicVec3(usable ? start.direction : Vec3{1, 0, 0});
+  return nearest;
+}
+
+}  // namespace
+
+// Ends: unless it answers, a new corner is lower along the direction than the nearest point, which is therefore nearer
+// the next time, and mixed from the new corner among others; and at the true nearest point one of the two tests
+// answers.
+ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, const Proximity& start) {
+  const Dyadic swell = Dyadic(guest.body->swell) + Dyadic(host.body->swell), square = swell * swell;
+  Nearest nearest = beginning(guest, host, start);
+  for (;;) {
+    if (!nearest.corners.empty() && within(nearest, square)) return shared_answer(nearest);
+    Corner corner = furthest_against(guest, host, nearest.direction);
+    if (beyond(dot(nearest.direction, corner.point), nearest.direction, square)) {
+      ExactAnswer answer;
+      answer.direction = std::move(nearest.direction);
+      return answer;
+    }
+    nearest.corners.push_back(std::move(corner));
+    nearest = Candidates(nearest.corners).run(1U << (nearest.corners.size() - 1));
+  }
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,289 @@
+#include "narrow_phase/gjk.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace plannercheck {
+namespace {
+
+constexpr int kGjkRounds = 64;
+
+// All are times the sum of the sizes r_P + r_R + |w|, w = t_P − t_R, and checked by tests/error_bounds/gjk.
+//
+// kDifference: fl(M_P p) − fl(M_R r) + fl(t_P − t_R) errs by 5.2u (r_P + r_R) for the products, u |w| for the
+// translations and 2u of everything for the sums: below 7.2u.
+// kSupport: a direction d in the world, turned into a body's frame, errs by 5.2u |d|. The vertex found and the one that
+// is lowest along d itself both move by as much: 10.4u |d| r. A scan in doubles compares two rounded products, 3u |d| r
+// each by Cauchy-Schwarz (kScanError, by |d|_1, would be 7u). The difference errs as above, evaluating d·w by 3u |d|
+// |w|: 26.6u. The length of d is 1 up to 4.5u; heights are at most the sum of the sizes, so distances take that much
+// more: 31.1u. Swells, given 4u by kSwellAlong, lose 3u to rounding: no more.
+// kVolume: determinants of three corners, times the product of their |.|_1: cross product, product and two sums, 5u.
+//
+// Where lengths are so small that products underflow, all of this errs by kDenormalError at most besides: nine products
+// a body and three of the height, by 2^-1075 each, times entries of the direction.
+constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
+constexpr double kVolume = 16 * 0x1p-53;
+constexpr double kSwellAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
+
+struct Corner {
+  Vec3 difference, guest;  // guest vertex − host vertex relative to both translations; the guest vertex in the world
+  std::int32_t guest_vertex, host_vertex;
+};
+
+struct Simplex {
+  int count = 0;
+  std::array<Corner, 4> corner;
+  std::array<double, 4> weight;
+
+  Vec3 nearest() const {
+    Vec3 sum;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * corner[i].difference;
+    return sum;
+  }
+  Vec3 on_guest() const {
+    Vec3 sum;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * corner[i].guest;
+    return sum;
+  }
+};
+
+// Some corners of a simplex: their differences, in the simplex's order.
+struct CornerFace {
+  unsigned chosen = 0;
+  int count = 0;
+  std::array<Vec3, 4> difference;
+  std::array<double, 4> weight;
+
+  Vec3 nearest() const {
+    Vec3 sum;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * difference[i];
+    return sum;
+  }
+};
+
+// Weights of the projection of the origin on the span of 2, 3 or 4 corners; false unless all are positive.
+bool project(CornerFace& f) {
+  const Vec3 a = f.difference[0], b = f.difference[1];
+  if (f.count == 2) {
+    const Vec3 e = b - a;
+    f.weight = {dot(b, e), -dot(a, e), 0, 0};
+  } else if (f.count == 3) {
+    const Vec3 c = f.difference[2], n = cross(b - a, c - a);
+    f.weight = {dot(n, cross(b, c)), dot(n, cross(c, a)), dot(n, cross(a, b)), 0};
+  } else {
+    const Vec3 c = f.difference[2], d = f.difference[3];
+    f.weight = {dot(b, cross(c, d)), -dot(a, cross(c, d)), dot(a, cross(b, d)), -dot(a, cross(b, c))};
+    if (f.weight[0] < 0) {
+      for (double& w : f.weight) w = -w;
+    }
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(f.count); ++i) {
+    if (!(f.weight[i] > 0)) return false;
+    sum += f.weight[i];
+  }
+  if (!(sum > 0) || !std::isfinite(sum)) return false;
+  for (double& w : f.weight) w /= sum;
+  return true;
+}
+
+void take_corners(const Simplex& all, unsigned chosen, CornerFace& face) {
+  face.chosen = chosen, face.count = 0;
+  for (; chosen != 0; chosen &= chosen - 1) {
+    const auto i = static_cast<std::size_t>(__builtin_ctz(chosen));
+    face.difference[static_cast<std::size_t>(face.count++)] = all.corner[i].difference;
+  }
+}
+
+void keep_corners(const CornerFace& face, Simplex& simplex) {
+  simplex.count = 0;
+  for (unsigned left = face.chosen; left != 0; left &= left - 1) {
+    const auto i = static_cast<std::size_t>(__builtin_ctz(left));
+    simplex.corner[static_cast<std::size_t>(simplex.count++)] = simplex.corner[i];
+  }
+  simplex.weight = face.weight;
+}
+
+// The face that holds the newest corner and the point nearest to the origin, as far as doubles tell: whatever is
+// chosen, its point is a mixture of corners. False if it is no nearer than `square`, which becomes its squared
+// distance.
+bool reduce_to_nearest_face(Simplex& simplex, double& square) {
+  const unsigned newest = 1U << (simplex.count - 1);
+  CornerFace face, best;
+  for (unsigned others = 0; others < newest; ++others) {
+    take_corners(simplex, others | newest, face);
+    if (face.count == 1) {
+      face.weight = {1, 0, 0, 0};
+    } else if (!project(face)) {
+      continue;
+    }
+    const Vec3 v = face.nearest();
+    const double found = face.count == 4 ? 0 : dot(v, v);
+    if (found < square) best = face, square = found;
+  }
+  if (best.count > 0) keep_corners(best, simplex);
+  return best.count > 0;
+}
+
+// Whether four differences, each known up to `error`, surely hold the origin strictly inside: all four determinants
+// that weigh the corners have a sure sign, the same after the alternation. With L the largest |.|_1 a determinant is
+// off by (L + e)³ − L³, if each corner errs by e, which is 0.6 of `error`: below 3 error L² up to e = L / 5, and beyond
+// that 3 error L² is more than the determinant can be, L³.
+bool surely_inside(const Simplex& s, double error) {
+  std::array<Vec3, 4> w;
+  double largest = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    w[i] = s.corner[i].difference;
+    largest = larger(largest, norm_1(w[i]));
+  }
+  const double bound = 3 * error * largest * largest * (1 + 1e-6) + kVolume * largest * largest * largest + 1e-300;
+  const std::array<double, 4> weights{dot(w[1], cross(w[2], w[3])), -dot(w[0], cross(w[2], w[3])),
+                                      dot(w[0], cross(w[1], w[3])), -dot(w[0], cross(w[1], w[2]))};
+  const bool positive = std::all_of(weights.begin(), weights.end(), [&](double x) { return x > bound; });
+  const bool negative = std::all_of(weights.begin(), weights.end(), [&](double x) { return x < -bound; });
+  return positive || negative;
+}
+
+class NearestPoints {
+ public:
+  NearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
+      : guest_(guest), host_(host), counters_(counters), shift_(guest.pose.translation() - host.pose.translation()) {
+    swell_ = guest.body->swell + host.body->swell;
+    const double size = guest.body->reach + host.body->reach + norm_1(shift_);
+    difference_error_ = kDifference * size + kDenormalError;
+    support_error_ = kSupport * size + kDenormalError;
+  }
+
+  Proximity run(Vec3 direction) {
+    Simplex simplex;
+    return with_corners(search(direction, simplex), simplex);
+  }
+
+  HullDistance distance(Vec3 direction, const DistanceGoal& goal) {
+    Simplex simplex;
+    HullDistance out = descend(direction, goal, simplex);
+    out.start.direction = simplex.count > 0 && simplex.count < 4 ? simplex.nearest() : out.direction;
+    out.start = with_corners(out.start, simplex);
+    return out;
+  }
+
+  LowestDifference lowest(Vec3 direction) {
+    const Corner corner = furthest_against(direction);
+    return {dot(direction, corner.difference) - support_error_, corner.guest};
+  }
+
+ private:
+  const PosedBody &guest_, &host_;
+  PairCounters& counters_;
+  Vec3 shift_;
+  double swell_;
+  double difference_error_, support_error_;  // of a difference as a vector; of a height along a direction of length 1
+
+  static Proximity with_corners(Proximity out, const Simplex& simplex) {
+    out.count = simplex.count;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+      out.guest[i] = simplex.corner[i].guest_vertex;
+      out.host[i] = simplex.corner[i].host_vertex;
+    }
+    return out;
+  }
+
+  // Goes on past separating planes, until both bounds meet or doubles make no more progress.
+  HullDistance descend(Vec3 direction, const DistanceGoal& goal, Simplex& simplex) {
+    HullDistance out;
+    out.direction = direction;
+    double square = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < goal.rounds; ++round) {
+      ++counters_.rounds;
+      const double length = norm(direction);
+      if (!(length > kTrustedLength) || !std::isfinite(length)) return out;
+      direction = (1 / length) * direction;
+      const Corner corner = furthest_against(direction);
+      const double height = dot(direction, corner.difference) - support_error_;
+      if (round == 0 || height > out.lower) out.direction = direction;
+      out.lower = larger(out.lower, height);
+      if (goal.met(out)) return out;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+        if (simplex.corner[i].difference == corner.difference) return out;
+      }
+      simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
+      if (!reduce_to_nearest_face(simplex, square)) return --simplex.count, out;
+      if (simplex.count == 4) return out;  // the origin is inside, as far as doubles tell
+      direction = simplex.nearest();
+      out.upper = norm_at_any_scale(direction) + 2 * difference_error_;
+      out.on_guest = simplex.on_guest();
+      out.on_host = out.on_guest - direction;
+      if (goal.met(out)) return out;
+    }
+    return out;
+  }
+
+  Proximity search(Vec3 direction, Simplex& simplex) {
+    Proximity out;
+    double square = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kGjkRounds; ++round) {
+      ++counters_.rounds;
+      const double length = norm(direction);
+      if (!(length > kTrustedLength) || !std::isfinite(length)) return out;
+      direction = (1 / length) * direction;
+      out.direction = direction;
+      const Corner corner = furthest_against(direction);
+      const double height = dot(direction, corner.difference);
+      if (height > swell_ * kSwellAlong + support_error_) {
+        out.answer = Answer::kSeparated;
+        return out;
+      }
+      for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+        if (simplex.corner[i].difference == corner.difference) return out;  // as near as doubles tell
+      }
+      simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
+      if (!reduce_to_nearest_face(simplex, square)) {
+        --simplex.count;  // no progress: as near as doubles tell
+        return out;
+      }
+      const Vec3 v = simplex.nearest();
+      if (shared(simplex, v, out)) return out;
+      if (simplex.count == 4) return out;
+      direction = v;
+    }
+    return out;
+  }
+
+  Corner furthest_against(Vec3 d) {
+    ++counters_.guest_queries, ++counters_.host_queries;
+    const auto p =
+        static_cast<std::size_t>(extreme(guest_.body->inner, -guest_.pose.rotate_back(d), counters_.queries));
+    const auto r = static_cast<std::size_t>(extreme(host_.body->inner, host_.pose.rotate_back(d), counters_.queries));
+    const Vec3 turned = guest_.pose.rotate(guest_.body->inner.points[p]);
+    return {(turned - host_.pose.rotate(host_.body->inner.points[r])) + shift_, turned + guest_.pose.translation(),
+            static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
+  }
+
+  // Mixing four corners errs by 4u of their size besides, and their weights' sum by 4u, which twice kDifference covers.
+  bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
+    const bool within = swell_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ < swell_;
+    if (!within && !(simplex.count == 4 && surely_inside(simplex, difference_error_))) return false;
+    out.answer = Answer::kShared;
+    const double part = swell_ > 0 ? guest_.body->swell / swell_ : 0;
+    out.point = simplex.on_guest() - part * v;
+    return true;
+  }
+};
+
+}  // namespace
+
+Proximity nearest_points(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters) {
+  return NearestPoints(guest, host, counters).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
+}
+
+HullDistance hull_distance(const PosedBody& guest, const PosedBody& host, Vec3 hint, const DistanceGoal& goal,
+                           PairCounters& counters) {
+  return NearestPoints(guest, host, counters).distance(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0}, goal);
+}
+
+LowestDifference lowest_difference(const PosedBody& guest, const PosedBody& host, Vec3 direction,
+                                   PairCounters& counters) {
+  return NearestPoints(guest, host, counters).lowest(direction);
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,59 @@
+// The point of conv(P) − conv(R) nearest to the origin, in doubles, with certificates of its own (Gilbert, Johnson and
+// Keerthi 1988, on the hierarchies' extreme vertices). Needs no interior point, so it serves flat and swollen bodies,
+// and as the second filter after the game: its bounds involve neither facets nor the inverse of a pose.
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "narrow_phase/pair_frame.hpp"
+
+namespace plannercheck {
+
+struct Proximity {
+  Answer answer = Answer::kUndecided;
+  Vec3 direction;      // in the world, from host to guest: of a separating plane, or the best found
+  Vec3 direction_low;  // what double-double adds to it; 0 if found in doubles
+  Vec3 point;          // in the world: of both bodies if they share one
+  // Pairs of vertices whose differences mix the nearest point found, or one of both bodies.
+  int count = 0;
+  std::array<std::int32_t, 4> guest, host;
+};
+
+// The distance of two hulls, swells left out, between proved bounds; m.
+struct HullDistance {
+  double lower = 0, upper = std::numeric_limits<double>::infinity();
+  Vec3 direction;          // in the world, from host to guest, of length 1 up to rounding: that of the lower bound
+  Vec3 on_guest, on_host;  // points in the world that are `upper` apart, up to rounding
+  Proximity start;         // the vertices behind them, for the next stage
+};
+
+// When a distance is known well enough: the bounds are within `relative` of max(lower − swell, least); or the lower one
+// exceeds the limit.
+struct DistanceGoal {
+  double relative, swell, least;
+  double limit = std::numeric_limits<double>::infinity();
+  int rounds = 64;
+
+  bool met(const HullDistance& found) const {
+    return found.lower > limit || found.upper - found.lower <= relative * larger(found.lower - swell, least);
+  }
+};
+
+// The bounds that doubles give.
+HullDistance hull_distance(const PosedBody& guest, const PosedBody& host, Vec3 hint, const DistanceGoal& goal,
+                           PairCounters& counters);
+
+// The difference of vertices that is lowest along a direction of the world of length 1 up to rounding, from host to
+// guest.
+struct LowestDifference {
+  double height;      // along the direction, less what rounding may be
+  Vec3 guest_vertex;  // in the world
+};
+LowestDifference lowest_difference(const PosedBody& guest, const PosedBody& host, Vec3 direction,
+                                   PairCounters& counters);
+
+// `hint`: a world direction to begin with.
+Proximity nearest_points(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters);
+
+}  // namespace plannercheck

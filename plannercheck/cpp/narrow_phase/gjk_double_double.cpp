@@ -1,0 +1,395 @@
+#include "narrow_phase/gjk_double_double.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "narrow_phase/support_exact_direction.hpp"
+
+namespace plannercheck {
+namespace {
+
+constexpr int kDistanceRounds = 256;  // of distances, which have nothing to fall back on
+constexpr int kDouble2Rounds = 32;    // it begins near the end; what is left is decided exactly
+
+// e = kDouble2Error; all lengths are in the unit of the pair, see below. Checked by
+// tests/error_bounds/gjk_double_double.
+//
+// (a) A difference: per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
+//     1 + 2e-6 long), so 3.5e as a vector; t_P − t_R is exact, two more sums: below 5.5e times the size.
+// (b) Support: d turned into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
+//     10.4e |d| r. The vertex is extreme along what was computed, exactly. Evaluating d·w errs by 3e |d| |w|, and w by
+//     (a). All of it: below 19e |d| times the size.
+// (c) Mixing four corners with weights of sum W errs by e for the products, 3e for the sums, besides (a), and W by 3e:
+//     below 13e W times the size.
+// (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations of the products of their
+//     1-norms.
+// Each with room for rounding the bound itself.
+constexpr double kDifference = 16 * kDouble2Error, kSupport = 64 * kDouble2Error, kMixing = 64 * kDouble2Error,
+                 kDeterminant = 32 * kDouble2Error;
+constexpr double kSquares = 32 * kDouble2Error;  // of squares, products of these and their difference: ten operations
+// Of heights and lengths rounded to doubles, with the norms, quotients and sums of weights in doubles: below 8u.
+constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
+
+// The unit is a power of two near the pair's size, into which vertices, translations and swells are scaled before
+// anything else, so that nothing of relevance underflows: what is lost lies below 2^-1022 units. A power beyond
+// kMostScaled is no double; where all lengths are denormal, the size is a small number of units, but one above 2^-75,
+// whose sixth power is far above what underflows, too.
+constexpr int kMostScaled = 1000;
+constexpr double kLargestFineSize = 0x1p1000;
+
+struct FineCorner {
+  std::int32_t guest, host;
+  Double2Vec3 difference;  // guest vertex − host vertex in the world, in units
+};
+
+// The hull of some corners with the weights of its point nearest to the origin.
+struct FineFace {
+  unsigned set = 0;
+  std::array<Double2, 4> weight{};                          // in the order of the corners of the set
+  Double2Vec3 towards;                                      // along the nearest point, of any length
+  double square = std::numeric_limits<double>::infinity();  // of the distance, about
+};
+
+struct FineSimplex {
+  int count = 0;
+  std::array<FineCorner, 4> corner;
+  std::array<Double2, 4> weight{};
+};
+
+Double2Vec3 scaled(const Double2Vec3& v, double power_of_two) {
+  const auto by = [power_of_two](Double2 x) { return Double2{x.high * power_of_two, x.low * power_of_two}; };
+  return {by(v.x), by(v.y), by(v.z)};
+}
+
+Vec3 rounded(const Double2Vec3& v) { return {v.x.high, v.y.high, v.z.high}; }
+
+double power_of_two_below(double x) { return std::ldexp(1.0, std::ilogb(x)); }
+
+bool positive(Double2 x) { return x.high > 0; }
+
+// The projection of the origin on the span of the corners of a set; false unless it lies inside.
+class Projection {
+ public:
+  Projection(const FineSimplex& simplex, unsigned set) {
+    face_.set = set;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+      if ((set >> i & 1U) != 0) p_[n_++] = &simplex.corner[i].difference;
+    }
+  }
+
+  bool run() { return n_ == 1 ? point() : n_ == 2 ? segment() : n_ == 3 ? triangle() : tetrahedron(); }
+  const FineFace& face() const { return face_; }
+
+ private:
+  std::array<const Double2Vec3*, 4> p_{};
+  std::size_t n_ = 0;
+  FineFace face_;
+
+  bool point() {
+    face_.weight[0] = {1, 0};
+    face_.towards = *p_[0];
+    face_.square = dot(rounded(*p_[0]), rounded(*p_[0]));
+    return true;
+  }
+
+  bool segment() {
+    const Double2Vec3 e = *p_[1] - *p_[0];
+    const Double2 along = -dot(*p_[0], e), rest = dot(*p_[1], e);
+    if (!positive(along) || !positive(rest)) return false;
+    face_.weight = {rest, along};
+    face_.towards = rest * *p_[0] + along * *p_[1];
+    const double whole = rest.high + along.high;
+    face_.square = dot(rounded(face_.towards), rounded(face_.towards)) / (whole * whole);
+    return true;
+  }
+
+  bool triangle() {
+    const Double2Vec3 n = cross(*p_[1] - *p_[0], *p_[2] - *p_[0]);
+    face_.weight = {dot(n, cross(*p_[1], *p_[2])), dot(n, cross(*p_[2], *p_[0])), dot(n, cross(*p_[0], *p_[1]))};
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!positive(face_.weight[i])) return false;
+    }
+    const double height = dot(n, *p_[0]).high;
+    face_.towards = height < 0 ? -n : n;
+    face_.square = height * height / dot(rounded(n), rounded(n));
+    return true;
+  }
+
+  bool tetrahedron() {
+    const Double2Vec3 cd = cross(*p_[2], *p_[3]), ab = cross(*p_[0], *p_[1]);
+    face_.weight = {dot(*p_[1], cd), -dot(*p_[0], cd), dot(*p_[3], ab), -dot(*p_[2], ab)};
+    if (face_.weight[0].high < 0) {
+      for (Double2& w : face_.weight) w = -w;
+    }
+    face_.square = 0;
+    return positive(face_.weight[0]) && positive(face_.weight[1]) && positive(face_.weight[2]) &&
+           positive(face_.weight[3]);
+  }
+};
+
+// The nearest of the faces whose sets include `needed`, as far as double-double tells.
+FineFace nearest_face(const FineSimplex& simplex, unsigned needed) {
+  FineFace best;
+  for (unsigned set = 1; set < 1U << simplex.count; ++set) {
+    if ((set & needed) != needed) continue;
+    Projection projection(simplex, set);
+    if (projection.run() && projection.face().square < best.square) best = projection.face();
+  }
+  return best;
+}
+
+class FineNearestPoints {
+ public:
+  FineNearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
+      : guest_(guest), host_(host), counters_(counters) {
+    const Vec3 a = guest.pose.translation(), b = host.pose.translation();
+    const double swell = guest.body->swell + host.body->swell;
+    const double size = (guest.body->reach + host.body->reach) + (norm_1(a - b) + swell);
+    in_range_ = size > 0 && size < kLargestFineSize;
+    if (!in_range_) return;
+    to_units_ = std::ldexp(1.0, std::min(-std::ilogb(size), kMostScaled));
+    size_ = size * to_units_;
+    shift_ = difference(to_units_ * a, to_units_ * b);
+    swell_ = two_sum(guest.body->swell * to_units_, host.body->swell * to_units_);
+  }
+
+  Proximity run(const Proximity& start) {
+    Proximity out = start;
+    out.answer = Answer::kUndecided;
+    if (!in_range_) return out;
+    Double2Vec3 towards = widen(norm_1(start.direction) > 0 ? start.direction : Vec3{1, 0, 0});
+    double square = std::numeric_limits<double>::infinity();
+    load(start);
+    if (simplex_.count > 0 && (!keep_nearest(0, towards, square) || is_shared())) return answer(out, towards);
+    search(towards, square);
+    return answer(out, towards);
+  }
+
+  HullDistance distance(HullDistance found, const DistanceGoal& goal) {
+    if (!in_range_) return found;
+    Double2Vec3 towards = widen(norm_1(found.start.direction) > 0 ? found.start.direction : Vec3{1, 0, 0});
+    double square = std::numeric_limits<double>::infinity();
+    load(found.start);
+    if (simplex_.count > 0 && keep_nearest(0, towards, square)) measure(found);
+    for (int round = 0; round < kDistanceRounds && simplex_.count < 4; ++round) {
+      ++counters_.rounds;
+      const double largest = norm_max(rounded(towards));
+      if (!(largest > 0) || !std::isfinite(largest)) break;
+      towards = scaled(towards, 0.5 / power_of_two_below(largest));
+      const FineCorner corner = furthest_against(towards);
+      raise_lower_bound(found, towards, corner);
+      if (goal.met(found) || holds(corner)) break;
+      simplex_.corner[static_cast<std::size_t>(simplex_.count++)] = corner;
+      if (!keep_nearest(1U << (simplex_.count - 1), towards, square)) break;
+      measure(found);
+    }
+    return found;
+  }
+
+ private:
+  const PosedBody &guest_, &host_;
+  PairCounters& counters_;
+  Double2Vec3 shift_;
+  Double2 swell_{};
+  double to_units_ = 1, size_ = 1;
+  bool in_range_ = false;
+  FineSimplex simplex_;
+  Answer answer_ = Answer::kUndecided;
+
+  // (b), and rounding to doubles.
+  void raise_lower_bound(HullDistance& found, const Double2Vec3& towards, const FineCorner& corner) const {
+    const Vec3 d = rounded(towards);
+    const double height = dot(towards, corner.difference).high / norm(d);
+    const double lower =
+        (height - kHeightRounding * std::fabs(height) - 2 * kSupport * size_) / to_units_ - kDenormalError;
+    if (lower > found.lower) found.lower = lower, found.direction = (1 / norm(d)) * d;
+  }
+
+  // The upper bound from the weights: (c), and rounding to doubles.
+  void measure(HullDistance& found) const {
+    Double2Vec3 mixture{};
+    double whole = 0;
+    Vec3 on_guest, on_host;
+    const double largest = largest_weight();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
+      const Double2 w{simplex_.weight[i].high / largest, simplex_.weight[i].low / largest};
+      const FineCorner& corner = simplex_.corner[i];
+      mixture = mixture + w * corner.difference;
+      whole += w.high;
+      on_guest = on_guest + w.high * guest_.pose.apply(guest_.body->inner.points[at(corner.guest)]);
+      on_host = on_host + w.high * host_.pose.apply(host_.body->inner.points[at(corner.host)]);
+    }
+    const double length = norm_at_any_scale(rounded(mixture)) / whole;
+    const double upper = (length * (1 + kLengthRounding) + kMixing * size_) / to_units_ + kDenormalError;
+    if (!(upper < found.upper)) return;
+    found.upper = upper;
+    found.on_guest = (1 / whole) * on_guest, found.on_host = (1 / whole) * on_host;
+  }
+
+  // Asks for corners until one proves the bodies apart, the corners prove them to meet, or there is no progress.
+  void search(Double2Vec3& towards, double& square) {
+    for (int round = 0; round < kDouble2Rounds && simplex_.count < 4; ++round) {
+      ++counters_.rounds;
+      const double largest = norm_max(rounded(towards));
+      if (!(largest > 0) || !std::isfinite(largest)) return;
+      towards = scaled(towards, 0.5 / power_of_two_below(largest));
+      const FineCorner corner = furthest_against(towards);
+      if (separates(towards, dot(towards, corner.difference))) {
+        answer_ = Answer::kSeparated;
+        return;
+      }
+      if (holds(corner)) return;
+      simplex_.corner[static_cast<std::size_t>(simplex_.count++)] = corner;
+      if (!keep_nearest(1U << (simplex_.count - 1), towards, square) || is_shared()) return;
+    }
+  }
+
+  void load(const Proximity& start) {
+    simplex_.count = start.count;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(start.count); ++i)
+      simplex_.corner[i] = corner_at(start.guest[i], start.host[i]);
+  }
+
+  bool holds(const FineCorner& corner) const {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
+      if (simplex_.corner[i].guest == corner.guest && simplex_.corner[i].host == corner.host) return true;
+    }
+    return false;
+  }
+
+  // Reduces the simplex to the nearest face; false if that is no nearer than before.
+  bool keep_nearest(unsigned needed, Double2Vec3& towards, double& square) {
+    const FineFace face = nearest_face(simplex_, needed);
+    if (!(face.square < square)) return false;
+    square = face.square;
+    if (face.set + 1 != 1U << 4) towards = face.towards;
+    int count = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if ((face.set >> i & 1U) != 0) simplex_.corner[static_cast<std::size_t>(count++)] = simplex_.corner[i];
+    }
+    simplex_.count = count;
+    simplex_.weight = face.weight;
+    return true;
+  }
+
+  FineCorner corner_at(std::int32_t p, std::int32_t r) const {
+    return {p, r, (turn(guest_, p) - turn(host_, r)) + shift_};
+  }
+
+  // M v of a body's vertex, in units.
+  Double2Vec3 turn(const PosedBody& posed, std::int32_t vertex) const {
+    const Vec3 v = to_units_ * posed.body->inner.points[static_cast<std::size_t>(vertex)];
+    const auto& m = posed.pose.m;
+    const auto row = [&](std::size_t i) {
+      return (two_product(m[i], v.x) + two_product(m[i + 1], v.y)) + two_product(m[i + 2], v.z);
+    };
+    return {row(0), row(4), row(8)};
+  }
+
+  // Mᵀ d
+  static Double2Vec3 turn_back(const Pose& pose, const Double2Vec3& d) {
+    const auto& m = pose.m;
+    const auto column = [&](std::size_t j) {
+      return (Double2{m[j], 0} * d.x + Double2{m[j + 4], 0} * d.y) + Double2{m[j + 8], 0} * d.z;
+    };
+    return {column(0), column(1), column(2)};
+  }
+
+  FineCorner furthest_against(const Double2Vec3& d) {
+    ++counters_.guest_queries, ++counters_.host_queries;
+    return corner_at(extreme(guest_.body->inner, FineDirection(-turn_back(guest_.pose, d))),
+                     extreme(host_.body->inner, FineDirection(turn_back(host_.pose, d))));
+  }
+
+  // Whether the height surely exceeds the swell's share |d| swell, given that both are known up to (b).
+  bool separates(const Double2Vec3& d, Double2 height) const {
+    const Double2 above = height - Double2{kSupport * size_ * norm_1(rounded(d)), 0};
+    if (!positive(above)) return false;
+    if (!positive(swell_)) return true;
+    const Double2 square = above * above, least = swell_ * swell_ * dot(d, d);
+    return (square - least).high > kSquares * square.high;
+  }
+
+  bool is_shared() {
+    const bool shared = positive(swell_) ? within_swell() : simplex_.count == 4 && surely_inside();
+    if (shared) answer_ = Answer::kShared;
+    return shared;
+  }
+
+  // Whether the mixture that the weights give surely lies within the swell of the origin: any positive weights will do.
+  bool within_swell() const {
+    Double2Vec3 mixture{};
+    Double2 whole{};
+    const double largest = power_of_two_below(largest_weight());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
+      const Double2 w{simplex_.weight[i].high / largest, simplex_.weight[i].low / largest};
+      mixture = mixture + w * simplex_.corner[i].difference;
+      whole = whole + w;
+    }
+    const Double2 reach = (swell_ - Double2{kMixing * size_, 0}) * whole;
+    if (!positive(reach)) return false;
+    const Double2 square = reach * reach;
+    return (square - dot(mixture, mixture)).high > kSquares * square.high;
+  }
+
+  double largest_weight() const {
+    double largest = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i)
+      largest = larger(largest, simplex_.weight[i].high);
+    return largest;
+  }
+
+  // Whether the four weights, which are determinants, surely are positive.
+  bool surely_inside() const {
+    double largest = 0;
+    for (const FineCorner& corner : simplex_.corner) largest = larger(largest, norm_1(rounded(corner.difference)));
+    const double bound = (3 * kDifference * size_ + kDeterminant * largest) * largest * largest * (1 + 1e-6);
+    for (const Double2& w : simplex_.weight) {
+      if (!(w.high > bound)) return false;
+    }
+    return true;
+  }
+
+  Proximity answer(Proximity out, const Double2Vec3& towards) const {
+    out.answer = answer_;
+    out.direction = rounded(towards);
+    out.direction_low = {towards.x.low, towards.y.low, towards.z.low};
+    out.count = simplex_.count;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
+      out.guest[i] = simplex_.corner[i].guest;
+      out.host[i] = simplex_.corner[i].host;
+    }
+    if (answer_ == Answer::kShared) out.point = shared_point();
+    return out;
+  }
+
+  // On the way from the guest's mixture to the host's, divided as the swells are; rounded.
+  Vec3 shared_point() const {
+    Vec3 on_guest, apart;
+    double whole = 0;
+    const double largest = largest_weight();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
+      const double w = simplex_.weight[i].high / largest;
+      const auto vertex = static_cast<std::size_t>(simplex_.corner[i].guest);
+      on_guest = on_guest + w * guest_.pose.apply(guest_.body->inner.points[vertex]);
+      apart = apart + (w / to_units_) * rounded(simplex_.corner[i].difference);
+      whole += w;
+    }
+    const double part = positive(swell_) ? guest_.body->swell * to_units_ / swell_.high : 0;
+    return (1 / whole) * (on_guest - part * apart);
+  }
+};
+
+}  // namespace
+
+Proximity nearest_points_double2(const PosedBody& guest, const PosedBody& host, const Proximity& start,
+                                 PairCounters& counters) {
+  return FineNearestPoints(guest, host, counters).run(start);
+}
+
+HullDistance hull_distance_double2(const PosedBody& guest, const PosedBody& host, const HullDistance& found,
+                                   const DistanceGoal& goal, PairCounters& counters) {
+  return FineNearestPoints(guest, host, counters).distance(found, goal);
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,16 @@
+// Nearest points as in gjk.hpp, in double-double: decides gaps and depths down to about 2^-92 of the bodies' reach.
+#pragma once
+
+#include "narrow_phase/gjk.hpp"
+
+namespace plannercheck {
+
+// `start`: an undecided answer of `nearest_points`, or just a world direction.
+Proximity nearest_points_double2(const PosedBody& guest, const PosedBody& host, const Proximity& start,
+                                 PairCounters& counters);
+
+// The bounds of a distance that doubles leave too far apart.
+HullDistance hull_distance_double2(const PosedBody& guest, const PosedBody& host, const HullDistance& found,
+                                   const DistanceGoal& goal, PairCounters& counters);
+
+}  // namespace plannercheck

@@ -1,0 +1,159 @@
+#include "narrow_phase/intersection.hpp"
+
+#include <limits>
+
+#include "narrow_phase/facet_planes.hpp"
+
+namespace plannercheck {
+namespace {
+
+PairVerdict exact_verdict(const PosedBody& guest, const PosedBody& host, const Proximity& start) {
+  PairVerdict verdict;
+  verdict.exact = decide_exactly(guest, host, start);
+  verdict.shared = verdict.exact->shared;
+  verdict.stage = Stage::kExact;
+  return verdict;
+}
+
+PairVerdict near_verdict(const Proximity& proximity, Stage stage) {
+  PairVerdict verdict;
+  verdict.proximity = proximity;
+  verdict.shared = proximity.answer == Answer::kShared;
+  verdict.stage = stage;
+  return verdict;
+}
+
+Proximity along(Vec3 direction) {
+  Proximity start;
+  start.direction = direction;
+  return start;
+}
+
+// What needs no polar: the nearest points in doubles and in double-double, then exact arithmetic.
+PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hint, const PairOptions& options,
+                          PairCounters& counters) {
+#ifdef PLANNERCHECK_NO_FALLBACK
+  static_cast<void>(guest), static_cast<void>(host), static_cast<void>(options), static_cast<void>(counters);
+  return near_verdict(along(hint), Stage::kSolver);
+#else
+  Proximity found = along(hint);
+  if (options.nearest_points) {
+    found = nearest_points(guest, host, hint, counters);
+    if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kNearest);
+  }
+  if (!options.warm_start) found = along(found.direction);
+  if (options.double_double) {
+    found = nearest_points_double2(guest, host, found, counters);
+    if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kDouble2);
+  }
+  return exact_verdict(guest, host, options.warm_start ? found : along(found.direction));
+#endif
+}
+
+// What costs a game: the solver, and what is left where no polar hosts or the polar's bound is too wide.
+PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis& axis, const PairOptions& options,
+                   CachedPlane* cache, PairCounters& counters) {
+  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
+  if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
+  const Certificate certificate =
+      options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
+  return concluded(frame, certificate, options, cache, counters);
+}
+
+// Where a separating plane is kept for the next poses of this pair.
+CachedPlane* kept(const Body& host, const PairOptions& options, CachedPlane* cache) {
+  return options.cached_plane && host.has_polar() ? cache : nullptr;
+}
+
+bool plane_holds(const PairFrame& frame, const CachedPlane* cache, PairCounters& counters) {
+  return cache != nullptr && cache->valid && still_separates(frame, cache->q, cache->mixtures, counters);
+}
+
+Certificate by_facets(const PairFrame& frame, const CentreAxis& axis, const PairOptions& options,
+                      PairCounters& counters) {
+  const bool few = has_few_corners(frame.guest()) && has_few_corners(frame.host());
+  return few && options.facet_plane ? facet_plane(frame, axis, counters) : Certificate{};
+}
+
+PairVerdict cached(const CachedPlane& plane) {
+  PairVerdict verdict;
+  verdict.stage = verdict.certificate.stage = Stage::kCachedPlane;
+  verdict.certificate.answer = Answer::kSeparated;
+  verdict.certificate.q = plane.q;
+  return verdict;
+}
+
+double conditioning(const Body& body) {
+  return body.has_polar() ? body.polar_radius * body.radius : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
+  PairVerdict verdict;
+  verdict.certificate = certificate;
+  verdict.shared = certificate.answer == Answer::kShared;
+  verdict.stage = certificate.stage;
+  if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q, certificate.mixtures};
+  return verdict;
+}
+
+// Undecided is what is too close for the polar's bound, or within the swell of separated hulls.
+PairVerdict concluded(const PairFrame& frame, const Certificate& certificate, const PairOptions& options,
+                      CachedPlane* cache, PairCounters& counters) {
+  if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
+  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
+  return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
+}
+
+int choose_host(const Body& a, const Body& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
+
+PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
+                      PairCounters& counters) {
+  CentreAxis axis(guest, host);
+  if (!is_far(axis, options)) return test_close_pair(guest, host, axis, options, cache, counters);
+  cache = kept(*host.body, options, cache);
+  return certified(axis.separated(cache != nullptr), cache);
+}
+
+PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis& axis, const PairOptions& options,
+                            CachedPlane* cache, PairCounters& counters) {
+  if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
+  cache = kept(*host.body, options, cache);
+  std::int32_t lowest = 0;
+  if (options.centre_axis) {
+    if (options.turned_axis) axis.turn();
+    const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, cache);
+  }
+  const PairFrame frame(guest, host);
+  if (plane_holds(frame, cache, counters)) return cached(*cache);
+  const Certificate found = by_facets(frame, axis, options, counters);
+  if (found.answer != Answer::kUndecided) return certified(found, cache);
+  return solved(frame, lowest, axis, options, cache, counters);
+}
+
+PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
+                      PairCounters& counters) {
+  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
+  cache = kept(*host.body, options, cache);
+  if (options.solver != Solver::kExact && plane_holds(frame, cache, counters)) return cached(*cache);
+  CentreAxis axis(guest, host);
+  if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
+  std::int32_t lowest = 0;
+  if (likely && !axis.has_swell()) {
+    lowest = axis.nearly_lowest(counters);
+  } else if (options.centre_axis) {
+    if (options.turned_axis) axis.turn();
+    const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, cache);
+  }
+  const bool tried = guest.body->is_box != 0 && host.body->is_box != 0;  // as boxes
+  if (!likely && !tried) {
+    const Certificate found = by_facets(frame, axis, options, counters);
+    if (found.answer != Answer::kUndecided) return certified(found, cache);
+  }
+  return solved(frame, lowest, axis, options, cache, counters);
+}
+
+}  // namespace plannercheck

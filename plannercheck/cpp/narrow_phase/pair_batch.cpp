@@ -1,0 +1,287 @@
+#include "narrow_phase/pair_batch.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "narrow_phase/centre_axis.hpp"
+#include "narrow_phase/double_oracle.hpp"
+
+namespace plannercheck {
+namespace {
+
+constexpr std::size_t kUnderWay = 8;  // tests at a time (at 100,000 vertices 3 and 4 still wait; 6 to 12 are alike)
+// Of the inner hierarchy and the polar together; fewer stay in the cache (measured).
+constexpr std::size_t kInterleavedVertices = 8000;
+// Poses that differ by so many distances of neighbouring vertices, in parts of the radius, or less, read mostly the
+// same memory: tests one by one find it in the cache, and their cached planes mostly hold. (At 1,000, 10,000 and
+// 100,000 vertices interleaving pays from about 5, 5 and 2 on.)
+constexpr double kWarmDistances = 5;
+
+std::size_t vertices(const Body& guest, const Body& host) {
+  return guest.inner.points.size() + host.polar.points.size();
+}
+
+// Puts the oracle's questions to descents that go step by step.
+struct Later {
+  Descent& descent;
+  Vec3 asked;
+  bool asks_guest = false;
+
+  bool ask_guest(const DoubleOracle<Later>& oracle, Vec3 q) {
+    asked = q, asks_guest = true;
+    descent.start(oracle.frame().guest().inner, oracle.frame().guest_direction(q), oracle.counters().queries);
+    return false;
+  }
+
+  bool ask_host(const DoubleOracle<Later>& oracle, Vec3 x) {
+    asked = x, asks_guest = false;
+    descent.start(oracle.frame().host().polar, x, oracle.counters().queries);
+    return false;
+  }
+};
+
+// A test as in pair_test by the double oracle, of bodies whose balls are not apart. It tries no cached plane: that of
+// other poses hardly ever holds (of 300 random ones two at most).
+class SteppedTest {
+ public:
+  // False if the verdict is there already. `cache`: where a separating plane is kept; may be null.
+  bool begin(std::size_t pair, const PosedBody& guest, const PosedBody& host, const PairOptions& options,
+             CachedPlane* cache, PairCounters& counters) {
+    pair_ = pair, options_ = &options, cache_ = cache, counters_ = &counters;
+    guest_ = guest, host_ = host;
+    if (!options_->centre_axis) return begin_solver(0);
+    axis_.emplace(guest_, host_);
+    if (axis_->centres_share()) return end(axis_->shared_by_centres());
+    if (options_->turned_axis) axis_->turn();
+    ++counters_->guest_queries;
+    return search(Sought::kLowest, guest_.body->inner, axis_->towards_host());
+  }
+
+  // One step of the descent; where it has ended, what its vertex leads to. False when the verdict is there.
+  bool step() { return descent_.step(counters_->queries) || proceed(); }
+
+  std::size_t pair() const { return pair_; }
+  const PairVerdict& verdict() const { return verdict_; }
+
+ private:
+  enum class Sought { kLowest, kHighest, kFirstFacet, kActive };
+
+  const PairOptions* options_ = nullptr;
+  CachedPlane* cache_ = nullptr;
+  PairCounters* counters_ = nullptr;
+  std::size_t pair_ = 0;
+  PosedBody guest_{}, host_{};
+  std::optional<CentreAxis> axis_;
+  std::optional<PairFrame> frame_;
+  Descent descent_;
+  Later later_{descent_, {}};
+  std::optional<DoubleOracle<Later>> oracle_;
+  Sought sought_ = Sought::kLowest;
+  std::int32_t lowest_ = 0;
+  Vec3 of_guest_, first_;
+  int rounds_ = 0;
+  PairVerdict verdict_;
+
+  bool search(Sought sought, const Levels& levels, Vec3 direction) {
+    sought_ = sought;
+    descent_.start(levels, direction, counters_->queries);
+    return true;
+  }
+
+  bool end(const Certificate& certificate) {
+    verdict_ = certified(certificate, cache_);
+    return false;
+  }
+
+  bool proceed() {
+    switch (sought_) {
+      case Sought::kLowest:
+        return after_lowest();
+      case Sought::kHighest:
+        return after_highest();
+      case Sought::kFirstFacet:
+        return after_first_facet();
+      case Sought::kActive:
+        return after_active();
+    }
+    return false;
+  }
+
+  bool after_lowest() {
+    lowest_ = descent_.vertex(), of_guest_ = descent_.point();
+    if (!axis_->is_beyond_centre(of_guest_)) return begin_solver(lowest_);
+    ++counters_->host_queries;
+    return search(Sought::kHighest, host_.body->inner, axis_->towards_guest());
+  }
+
+  bool after_highest() {
+    const Certificate found = axis_->decide(of_guest_, descent_.point(), cache_ != nullptr);
+    return found.answer != Answer::kUndecided ? end(found) : begin_solver(lowest_);
+  }
+
+  bool begin_solver(std::int32_t lowest) {
+    lowest_ = lowest;
+    frame_.emplace(guest_, host_);
+    first_ = first_point(*frame_, lowest);
+    ++counters_->host_queries;
+    return search(Sought::kFirstFacet, host_.body->polar, first_);
+  }
+
+  bool after_first_facet() {
+    if (frame_->contains(dot(descent_.point(), first_))) return end(shared_at(first_));
+    oracle_.emplace(*frame_, later_, *counters_);
+    oracle_->start(lowest_, descent_.vertex());
+    rounds_ = 0;
+    sought_ = Sought::kActive;
+    return ask();
+  }
+
+  bool after_active() {
+    const bool ended = later_.asks_guest ? oracle_->answer_guest(later_.asked, descent_.vertex(),
+                                                                 frame_->guest_point(descent_.point()))
+                                         : oracle_->answer_host(later_.asked, descent_.vertex(), descent_.point());
+    return ended ? conclude() : ask();
+  }
+
+  bool ask() {
+    if (rounds_++ == kOracleRounds) return conclude();
+    oracle_->round();
+    return true;
+  }
+
+  bool conclude() {
+    verdict_ = concluded(*frame_, oracle_->certificate(), *options_, cache_, *counters_);
+    return false;
+  }
+};
+
+bool pays(const Body& guest, const Body& host, const PairOptions& options) {
+  return options.interleaving && options.solver == Solver::kDoubleOracle && host.has_polar() &&
+         vertices(guest, host) >= kInterleavedVertices;
+}
+
+void take_far(std::size_t pair, const CentreAxis& axis, CachedPlane* cache, PairBatch& batch) {
+  if (cache == nullptr) return batch.take_far(pair, axis);
+  batch.take(pair, certified(axis.separated(true), cache));
+}
+
+void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
+                     PairCounters& counters) {
+  for (std::size_t i = 0; i < pairs; ++i) {
+    const PosedBody guest = batch.guest(i), host = batch.host(i);
+    CentreAxis axis(guest, host);
+    if (is_far(axis, options)) {
+      take_far(i, axis, cache, batch);
+    } else {
+      batch.take(i, test_close_pair(guest, host, axis, options, cache, counters));
+    }
+  }
+}
+
+// Whether a pose is about the one before: entries of the rotation and parts of the bodies' size differ by less than
+// `most`. Half of the entries tell that well enough: verdicts do not depend on it.
+class Sequence {
+ public:
+  Sequence(double most, double size) : turned_(most), moved_(most * size) {
+    last_.fill(std::numeric_limits<double>::quiet_NaN());  // the first one follows none
+  }
+
+  bool follows(const Pose& pose) {
+    const auto& m = pose.m;
+    const std::array<double, 6> now{m[1], m[6], m[8], m[3], m[7], m[11]};
+    bool near = true;
+    for (std::size_t i = 0; i < now.size(); ++i) near &= std::fabs(now[i] - last_[i]) < (i < 3 ? turned_ : moved_);
+    last_ = now;
+    return near;
+  }
+
+ private:
+  double turned_, moved_;
+  std::array<double, 6> last_;
+};
+
+class Interleaving {
+ public:
+  Interleaving(const Body& guest, const Body& host, std::size_t pairs, const PairOptions& options, PairBatch& batch,
+               CachedPlane* cache, PairCounters& counters)
+      : pairs_(pairs),
+        options_(options),
+        batch_(batch),
+        counters_(counters),
+        cache_(cache),
+        guests_(kWarmDistances / std::sqrt(static_cast<double>(vertices(guest, host))), guest.radius + host.radius),
+        hosts_(guests_) {}
+
+  void run() {
+    while (count_ < kUnderWay && begin(tests_[count_])) under_way_[count_] = &tests_[count_], ++count_;
+    while (count_ > 0) {
+      for (std::size_t k = 0; k < count_;) turn(k);
+    }
+  }
+
+ private:
+  std::size_t pairs_;
+  const PairOptions& options_;
+  PairBatch& batch_;
+  PairCounters& counters_;
+  std::array<SteppedTest, kUnderWay> tests_;
+  std::array<SteppedTest*, kUnderWay> under_way_{};
+  std::size_t next_ = 0, count_ = 0;
+  CachedPlane* cache_;  // null if none is kept
+  Sequence guests_, hosts_;
+
+  // The next pair that would wait for memory; those before it are done with. False if there is none left.
+  bool begin(SteppedTest& test) {
+    while (next_ < pairs_) {
+      const std::size_t pair = next_++;
+      const PosedBody guest = batch_.guest(pair), host = batch_.host(pair);
+      if (follows(guest, host)) {
+        batch_.take(pair, test_pair(guest, host, options_, cache_, counters_));
+      } else if (!takes_far(pair, guest, host)) {
+        if (test.begin(pair, guest, host, options_, cache_, counters_)) return true;
+        batch_.take(pair, test.verdict());
+      }
+    }
+    return false;
+  }
+
+  // Many are, and take less time than it takes to begin.
+  bool takes_far(std::size_t pair, const PosedBody& guest, const PosedBody& host) {
+    const CentreAxis axis(guest, host);
+    if (!is_far(axis, options_)) return false;
+    take_far(pair, axis, cache_, batch_);
+    return true;
+  }
+
+  bool follows(const PosedBody& guest, const PosedBody& host) {
+    const bool guest_follows = guests_.follows(guest.pose);
+    return hosts_.follows(host.pose) && guest_follows;
+  }
+
+  // A step of the test at k, whose place goes on to the next pair, or to the last test under way.
+  void turn(std::size_t& k) {
+    SteppedTest& test = *under_way_[k];
+    if (!test.step()) {
+      batch_.take(test.pair(), test.verdict());
+      if (!begin(test)) {
+        under_way_[k] = under_way_[--count_];
+        return;
+      }
+    }
+    ++k;
+  }
+};
+
+}  // namespace
+
+void test_pairs(const Body& guest, const Body& host, std::size_t pairs, const PairOptions& options, PairBatch& batch,
+                PairCounters& counters) {
+  CachedPlane plane;
+  CachedPlane* const cache = options.cached_plane && host.has_polar() ? &plane : nullptr;
+  if (!pays(guest, host, options)) return test_one_by_one(pairs, options, cache, batch, counters);
+  Interleaving(guest, host, pairs, options, batch, cache, counters).run();
+}
+
+}  // namespace plannercheck

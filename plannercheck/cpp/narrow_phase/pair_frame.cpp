@@ -1,0 +1,84 @@
+#include "narrow_phase/pair_frame.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Bounds, u = 2^-53, |.| Euclidean, columns of M at most 1 + 2e-6 long, r_P = reach of the guest, w = t_P − t_R,
+// c = the host's centre, δ = ‖M_RᵀM_R − 1‖. Terms of second order are covered by rounding each sum up generously.
+//
+// (a) Relative pose. fl(M_Rᵀ M_P) errs by 3u an entry at most (Cauchy-Schwarz on unit columns), 9u in the Frobenius
+//     norm: 9u r_P. fl(M p) errs by 3u |p| an entry: 5.2u r_P; adding the shift by 2u (r_P + |shift|). The shift: w by
+//     u|w|, M_Rᵀw by 5.2u|w|, subtracting c by 2u (|w| + |c|). And M_R⁻¹ − M_Rᵀ = (1 − M_RᵀM_R) M_R⁻¹, so using the
+//     transpose errs by (1 + 1e-5) δ (r_P + |w|). In all at most 20u (r_P + |w| + |c|) + 1.01 δ (r_P + |w|).
+// (b) Separation by q, |q| <= r_Q (1 + 1e-9). The guest's direction fl(Mᵀq) errs by 5.2u |q|, which moves the least
+//     product by at most 10.4u |q| r_P; a scan may miss it by 14u |q| r_P (kScanError, |.|_1 <= √3 |.|); evaluating q·x
+//     errs by 5.2u |q| |x|. sup over R of q·x is at most 1 + 20u r_Q r_R: polar points err by kPolarError, mixing 8 of
+//     them by 16u: 8u in the sum of the weights, which are multiplied by the inverse of their rounded sum, 8u in the
+//     products and sums. In all r_Q times (30u (r_P + |shift|) + 20u r_R) besides (a).
+// (c) Containment of x: mixing 8 vertices errs by 16u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by
+//     5.2u r_Q |x|, polar points by 4u r_Q |x|, with |x| <= r_P + |shift|: r_Q times 40u (r_P + |shift|) besides (a).
+//     Counted more sharply, as tests/error_bounds/pair_frame does, (b) is 33.6u and (c) 37.2u, (a) included.
+// |shift| <= |w| + |c| up to the rounding above, so one bound serves both. The walk mixes 16 points at a time (32u),
+// moves what it got towards another mixture (3u), and may mix that again: kMixtureError for each of its games.
+constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
+constexpr double kMixtureError = 40 * 0x1p-53;  // of one more mixture of mixtures
+constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by 3.6e-6 at most
+constexpr double kAxisDefect = 8e-6;            // of the products of two of them: M_P and M_R count
+constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
+
+}  // namespace
+
+PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(guest), host_(host) {
+  const auto& r = host.pose.m;
+  const auto& p = guest.pose.m;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      m_[3 * i + j] = (r[i] * p[j] + r[i + 4] * p[j + 4]) + r[i + 8] * p[j + 8];
+    }
+  }
+  const Vec3 w = guest.pose.translation() - host.pose.translation();
+  const Vec3 centre = host.body->centre;
+  shift_ = host.pose.rotate_back(w) - centre;
+  defect_ = rigidity_defect(host.pose) + kDefectRounding;
+  const double reach = guest.body->reach + norm_1(w) + norm_1(centre) + host.body->radius;
+  pose_error_ = reach * (kPairError + 1.01 * defect_);
+  error_ = host.body->polar_radius * pose_error_;
+  swell_ = (guest.body->swell + host.body->swell) * (1 + 1.01 * defect_);
+  mixture_error_ = host.body->polar_radius * reach * kMixtureError;
+}
+
+Vec3 PairFrame::guest_direction(Vec3 q) const {
+  return {-(m_[0] * q.x + m_[3] * q.y + m_[6] * q.z), -(m_[1] * q.x + m_[4] * q.y + m_[7] * q.z),
+          -(m_[2] * q.x + m_[5] * q.y + m_[8] * q.z)};
+}
+
+Vec3 PairFrame::guest_box_point() const {
+  const Vec3 centre = guest_direction(shift_), low = guest().low, high = guest().high;
+  const auto clamped = [](double c, double least, double most) { return smaller(larger(c, least), most); };
+  return map({clamped(centre.x, low.x, high.x), clamped(centre.y, low.y, high.y), clamped(centre.z, low.z, high.z)});
+}
+
+// The axes are the host's own and the columns of M_Rᵀ M_P, which are the guest's but for the poses' defects: any axis
+// separates if the boxes' shadows on it are apart. A shadow is its centre and half its length.
+bool PairFrame::boxes_apart() const {
+  const Body &g = guest(), &h = host();
+  const Vec3 host_half = 0.5 * (h.high - h.low), guest_half = 0.5 * (g.high - g.low);
+  const Vec3 d = map(0.5 * (g.low + g.high)) - (0.5 * (h.low + h.high) - h.centre);
+  const double room = (swell_ + 4 * pose_error_) * kAxisLength + kDenormalError;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t row = 3 * i;
+    const double half = std::fabs(m_[row]) * guest_half.x + std::fabs(m_[row + 1]) * guest_half.y +
+                        std::fabs(m_[row + 2]) * guest_half.z;
+    if (std::fabs(d[static_cast<int>(i)]) > half + host_half[static_cast<int>(i)] + room) return true;
+  }
+  const double skew = kAxisDefect * (guest_half.x + guest_half.y + guest_half.z);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const double half =
+        std::fabs(m_[j]) * host_half.x + std::fabs(m_[j + 3]) * host_half.y + std::fabs(m_[j + 6]) * host_half.z;
+    const double along = m_[j] * d.x + m_[j + 3] * d.y + m_[j + 6] * d.z;
+    if (std::fabs(along) > half + guest_half[static_cast<int>(j)] + skew + room) return true;
+  }
+  return false;
+}
+
+}  // namespace plannercheck

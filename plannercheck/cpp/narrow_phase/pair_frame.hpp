@@ -1,0 +1,100 @@
+// One pair of posed bodies: the frame of the host, the certificates and their proven error bounds.
+//
+// The host R is described by its polar: R = {x : q·x <= 1 for all polar points q}, coordinates in R's frame relative to
+// its centre. The guest P is the hull of vertices M p + t under the relative pose. In that frame the game
+//     v = min over x in P of max over q in conv(polar) of q·x
+// decides: v > 1 is a separation (the plane q·x = 1), v <= 1 a shared point x (Theorem "Polarity of polyhedra" with
+// both polars hidden). Swollen bodies share a point if their hulls come as near as the sum of both swells, in m of the
+// world.
+#pragma once
+
+#include <array>
+
+#include "bodies/body.hpp"
+#include "math/vec.hpp"
+#include "narrow_phase/support.hpp"
+
+namespace plannercheck {
+
+struct PosedBody {
+  const Body* body;
+  Pose pose;
+};
+
+enum class Answer { kSeparated, kShared, kUndecided };
+
+// How the answer was found.
+enum class Stage { kCachedPlane, kCentreAxis, kFacetPlane, kSolver, kNearest, kDouble2, kExact };
+inline constexpr std::size_t kStages = 7;
+
+// In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
+struct Certificate {
+  Answer answer = Answer::kUndecided;
+  Stage stage = Stage::kSolver;
+  Vec3 q, x;
+  long mixtures = 0;  // how deep q and x are mixtures of mixtures; see PairFrame::separates
+};
+
+struct PairCounters {
+  QueryCounters queries;
+  long guest_queries = 0, host_queries = 0, games = 0, rounds = 0;
+};
+
+class PairFrame {
+ public:
+  PairFrame(const PosedBody& guest, const PosedBody& host);
+
+  const Body& guest() const { return *guest_.body; }
+  const Body& host() const { return *host_.body; }
+  const PosedBody& posed_guest() const { return guest_; }
+  const PosedBody& posed_host() const { return host_; }
+
+  Vec3 guest_point(Vec3 in_guest) const { return map(in_guest); }
+  Vec3 guest_vertex(std::int32_t v) const { return map(guest().inner.points[static_cast<std::size_t>(v)]); }
+  Vec3 guest_centre() const { return map(guest().centre); }
+  Vec3 polar_point(std::int32_t k) const { return host().polar.points[static_cast<std::size_t>(k)]; }
+
+  // Of points of the guest: rows of M_Rᵀ M_P, and what is added.
+  const std::array<double, 9>& rotation() const { return m_; }
+  Vec3 shift() const { return shift_; }
+  // At least ‖M_RᵀM_R − 1‖.
+  double defect() const { return defect_; }
+
+  // The point of the guest's box that is nearest to the host's centre, up to rounding: where the bodies overlap most
+  // likely. It is in the box whatever the rounding.
+  Vec3 guest_box_point() const;
+
+  // The direction in the guest's frame along which to look for the vertex with the least q·x.
+  Vec3 guest_direction(Vec3 q) const;
+
+  // Whether a plane along a face of one body's box separates both boxes, whatever the rounding.
+  bool boxes_apart() const;
+
+  // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding: q is
+  // a mixture of at most 8 polar points, or of mixtures of 16, `mixtures` deep. The distance along q is (value − 1) /
+  // |q|.
+  bool separates(Vec3 q, double value, long mixtures = 0) const {
+    return value > 1 + error(mixtures) + (swell_ > 0 ? swell_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
+  }
+  // With value = max over polar points of q·x as found by `extreme`, x a mixture of guest vertices likewise.
+  bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
+
+ private:
+  PosedBody guest_, host_;
+  std::array<double, 9> m_;
+  Vec3 shift_;  // M_Rᵀ (t_P − t_R) − centre
+  double defect_;
+  double pose_error_;  // of a coordinate in this frame, whatever is computed from a few of them
+  double error_, mixture_error_;
+  double swell_;  // of both bodies, rounded up and stretched by what the pose may be off rigid
+
+  double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
+
+  Vec3 map(Vec3 v) const {
+    return {(m_[0] * v.x + m_[1] * v.y) + (m_[2] * v.z + shift_.x),
+            (m_[3] * v.x + m_[4] * v.y) + (m_[5] * v.z + shift_.y),
+            (m_[6] * v.x + m_[7] * v.y) + (m_[8] * v.z + shift_.z)};
+  }
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,253 @@
+#include "narrow_phase/support.hpp"
+
+#include "math/double4.hpp"
+#include "math/predicates.hpp"
+#include "narrow_phase/support_scan.hpp"
+
+namespace plannercheck {
+namespace {
+
+// The difference is rounded (u), the products (u), the sums (2u): |error| <= 4u(1 + …) Σ|terms|; 6u leaves room for
+// the rounding of the bound itself. Products that underflow lose at most 2^-1074 each: below kUnderflow nothing is
+// trusted, exact ties included.
+constexpr double kDifferenceError = 6 * kRoundoff;
+constexpr double kUnderflow = 1e-300;
+
+static_assert(kBlockLanes == kQuad);
+
+struct Beyond {
+  unsigned sure, unsure;
+};
+
+inline Beyond compare_block(const Block& block, Vec3 v, Vec3 u) {
+  const Quad x = (load_quad(block.x.data()) - v.x) * u.x;
+  const Quad y = (load_quad(block.y.data()) - v.y) * u.y;
+  const Quad z = (load_quad(block.z.data()) - v.z) * u.z;
+  const Quad value = (x + y) + z;
+  const Quad error = ((absolute_quad(x) + absolute_quad(y)) + absolute_quad(z)) * kDifferenceError + kUnderflow;
+  return {quad_bits(value > error), quad_bits(absolute_quad(value) <= error)};
+}
+
+constexpr std::int32_t kScannedEntries = 8;  // more are searched by bisection; removed vertices have no more
+
+class WedgeWalk {
+ public:
+  WedgeWalk(const Levels& h, const Stand& stand, Vec3 u, QueryCounters& counters)
+      : h_(h), corner_(stand.point), u_(u), fan_(h.fans[at(stand.fan())]), counters_(counters) {}
+
+  // A vertex beyond the plane through v, at the coarsest level that has one; or -1.
+  std::int32_t run() {
+    std::int32_t wedge = entry();
+    for (;;) {
+      ++counters_.blocks;
+      const WedgeNode& node = h_.wedges[at(wedge)];
+      for (const std::int32_t child : {node.left, node.right}) {
+        if (child >= 0 && compare_along(u_, h_.points[at(child)], corner_) > 0) return child;
+      }
+      if (node.left < 0 && node.right < 0) return -1;
+      wedge = next(node);
+    }
+  }
+
+ private:
+  const Levels& h_;
+  const Vec3 corner_, u_;
+  const WedgeFan& fan_;
+  QueryCounters& counters_;
+
+  // Sign of u's side of the plane through the axis and the normal of the facet v a b; positive: counter-clockwise.
+  int side(std::int32_t a, std::int32_t b) const {
+    return wedge_side(fan_.axis, corner_, h_.points[at(a)], h_.points[at(b)], u_);
+  }
+
+  std::int32_t rim(std::int32_t entry) const { return h_.wedges[at(h_.entries[at(fan_.first_entry + entry)])].rim; }
+
+  // The side of u on the facet clockwise of entry i; the one counter-clockwise is that of entry i + 1.
+  int facet_side(std::int32_t i) const {
+    const std::int32_t count = fan_.entries;
+    return side(rim((i + count - 1) % count), rim(i % count));
+  }
+
+  // The first wedge: the edge between whose two facet normals u lies. Neighbouring normals are less than half a turn
+  // apart, as the axis is inside the cone. The wedge of an edge within a facet is empty: both its sides are 0 for u on
+  // the far side of the axis, too, so it never is taken; where u is on the facet's normal, its neighbours hold u.
+  std::int32_t entry() const {
+    std::int32_t tests = 0;
+    std::int32_t found = fan_.entries > kScannedEntries ? search_entries(&tests) : -1;
+    if (found < 0) found = scan_entries(&tests);
+    counters_.blocks += (tests + kBlockLanes - 1) / kBlockLanes;
+    return h_.entries[at(fan_.first_entry + found)];
+  }
+
+  std::int32_t scan_entries(std::int32_t* tests) const {
+    int clockwise = facet_side(0);
+    *tests += 1;
+    for (std::int32_t i = 0; i < fan_.entries; ++i) {
+      const int counter_clockwise = facet_side(i + 1);
+      *tests += 1;
+      const bool empty = clockwise == 0 && counter_clockwise == 0;
+      if (clockwise >= 0 && counter_clockwise <= 0 && !empty) return i;
+      clockwise = counter_clockwise;
+    }
+    return 0;  // u is the axis: every wedge holds it
+  }
+
+  // By bisection in the half turn from the first normal, or in the other; -1 if the wedge found does not hold u, which
+  // takes u in the plane of the axis and the first normal, or a normal just about opposite to that.
+  std::int32_t search_entries(std::int32_t* tests) const {
+    const bool first_half = facet_side(0) >= 0;
+    std::int32_t low = first_half ? 0 : fan_.first_half - 1, high = first_half ? fan_.first_half : fan_.entries;
+    *tests += 3;
+    for (; high - low > 1; *tests += 1) {
+      const std::int32_t middle = (low + high) / 2;
+      (facet_side(middle) >= 0 ? low : high) = middle;
+    }
+    const int clockwise = facet_side(low), counter_clockwise = facet_side(low + 1);
+    const bool holds = clockwise >= 0 && counter_clockwise <= 0 && (clockwise != 0 || counter_clockwise != 0);
+    return holds ? low : -1;
+  }
+
+  std::int32_t next(const WedgeNode& node) const {
+    if (node.next < 0) return node.next_left;  // the edge vanished into the hole of `left`
+    if (node.left >= 0 && side(node.rim, node.left) > 0) return node.next_left;
+    if (node.right >= 0 && side(node.right, node.rim) < 0) return node.next_right;
+    return node.next;
+  }
+};
+
+// The first vertex of the block beyond the plane through the stand takes its place; false if there is none.
+inline bool advance(const Block& block, Vec3 u, Stand& stand, QueryCounters& counters) {
+  ++counters.blocks;
+  const Beyond beyond = compare_block(block, stand.point, u);
+  for (unsigned open = beyond.sure | beyond.unsure; open != 0; open &= open - 1) {
+    const auto lane = static_cast<std::size_t>(__builtin_ctz(open));
+    if ((beyond.sure >> lane & 1U) == 0) {
+      ++counters.exact;
+      if (compare_along(u, block.point(lane), stand.point) <= 0) continue;
+    }
+    stand = block.stand(lane);
+    return true;
+  }
+  return false;
+}
+
+template <class AnyBlock>
+void ask_for(const AnyBlock& block) {
+  const char* const line = reinterpret_cast<const char*>(&block);
+  __builtin_prefetch(line);
+  __builtin_prefetch(line + sizeof block / 2);
+}
+
+bool scan_chain(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
+  const Block* block = &h.blocks[at(stand.chain)];
+  while (!advance(*block, u, stand, counters)) {
+    if (block++->is_last()) return false;
+  }
+  return true;
+}
+
+bool walk_wedges(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
+  const std::int32_t child = WedgeWalk(h, stand, u, counters).run();
+  if (child >= 0) stand = h.stand(child);
+  return child >= 0;
+}
+
+// The vertex beyond the plane through the stand at the coarsest level that has one takes its place; false if none has.
+bool go_beyond(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
+  if (stand.chain >= 0) return scan_chain(h, u, stand, counters);
+  return stand.is_walked() && walk_wedges(h, u, stand, counters);
+}
+
+// From a vertex that is extreme where it appears to the one that is extreme in the finest level.
+Stand descend(const Levels& h, Stand stand, Vec3 u, QueryCounters& counters) {
+  while (go_beyond(h, u, stand, counters)) {
+  }
+  return stand;
+}
+
+}  // namespace
+
+std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
+  return h.depth > 0 ? stand_at_top(h, u, counters).vertex : extreme_of_top(h, u, counters);
+}
+
+std::int32_t next_beyond(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
+  Stand stand = h.stand(v);
+  return go_beyond(h, u, stand, counters) ? stand.vertex : -1;
+}
+
+std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
+  const std::int32_t first = h.ring_start[at(v)], end = h.ring_start[at(v) + 1];
+  counters.blocks += (end - first + kBlockLanes - 1) / kBlockLanes;
+  std::int32_t best = v;
+  for (std::int32_t i = first; i < end; ++i) {
+    const std::int32_t n = h.rings[at(i)];
+    if (compare_along(u, h.points[at(n)], h.points[at(best)]) > 0) best = n;
+  }
+  return best == v ? -1 : best;
+}
+
+std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
+  if (!h.cells.empty()) return extreme_in_cell(h, h.cells.cell(u), u, counters);
+  if (h.depth == 0) return extreme_of_top(h, u, counters);
+  return descend(h, stand_at_top(h, u, counters), u, counters).vertex;
+}
+
+void Descent::start(const Levels& h, Vec3 u, QueryCounters& counters) {
+  levels_ = &h;
+  direction_ = u;
+  block_ = nullptr;
+  cell_ = nullptr;
+  if (!h.cells.empty()) {
+    cell_ = &h.cells.cell(u);
+    has_asked_ = false;
+    __builtin_prefetch(cell_);
+  } else if (h.depth > 0) {
+    stand_ = stand_at_top(h, u, counters);
+    arrive();
+  } else {
+    stand_at(extreme(h, u, counters));
+  }
+}
+
+void Descent::stand_at(std::int32_t v) { stand_ = {levels_->points[at(v)], v, kNoChain}; }
+
+// First for the cell's blocks, mostly all in its first group; then they are scanned.
+bool Descent::step_in_cell(QueryCounters& counters) {
+  if (!has_asked_) {
+    for (const std::uint16_t block : cell_->first) ask_for(levels_->cells.blocks[block]);
+    has_asked_ = true;
+    return true;
+  }
+  stand_at(extreme_in_cell(*levels_, *cell_, direction_, counters));
+  return false;
+}
+
+void Descent::arrive() {
+  block_ = stand_.chain >= 0 ? &levels_->blocks[at(stand_.chain)] : nullptr;
+  if (block_ != nullptr) ask_for(*block_);
+}
+
+bool Descent::step(QueryCounters& counters) {
+  if (cell_ != nullptr) return step_in_cell(counters);
+  if (block_ == nullptr) {
+    if (!stand_.is_walked() || !walk_wedges(*levels_, direction_, stand_, counters)) return false;
+    arrive();
+    return true;
+  }
+  if (advance(*block_, direction_, stand_, counters)) {
+    arrive();
+    return true;
+  }
+  if (block_->is_last()) return false;
+  ask_for(*++block_);
+  return true;
+}
+
+std::int32_t extreme_from(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
+  for (std::int32_t coarser = v; coarser >= 0; coarser = beyond_in_ring(h, v, u, counters)) v = coarser;
+  if (h.level[at(v)] == h.depth) v = extreme_at_top(h, u, counters);
+  return descend(h, h.stand(v), u, counters).vertex;
+}
+
+}  // namespace plannercheck

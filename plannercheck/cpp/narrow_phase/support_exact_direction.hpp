@@ -1,0 +1,37 @@
+// Extreme vertices along directions that are finer than doubles: in double-double, or exact.
+//
+// Every comparison is exact for the direction given: doubles first, then double-double, then dyadic numbers.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "bodies/hierarchy.hpp"
+#include "math/double_double.hpp"
+#include "math/dyadic.hpp"
+
+namespace plannercheck {
+
+class FineDirection {
+ public:
+  // The direction is the exact sum of its high and low parts, whose entries are below 2: those of one whose largest
+  // entry is at most 1, turned by a pose, which may stretch it by 1e-6, are below √3 (1 + 1e-6).
+  explicit FineDirection(const Double2Vec3& u) : fine_(u), rounded_{u.x.high, u.y.high, u.z.high} {}
+  explicit FineDirection(const DyadicVec3& u) : FineDirection(direction_of(u)) { exact_ = u; }
+
+  // Up to a relative error of 2^-53 an entry.
+  Vec3 rounded() const { return rounded_; }
+
+  // Sign of u · (a − b).
+  int sign(Vec3 a, Vec3 b) const;
+
+ private:
+  Double2Vec3 fine_;
+  Vec3 rounded_;
+  mutable std::optional<DyadicVec3> exact_;  // made when first needed
+};
+
+// Index of a vertex that maximises u·p, exactly.
+std::int32_t extreme(const Levels& hierarchy, const FineDirection& u);
+
+}  // namespace plannercheck

@@ -1,0 +1,175 @@
+#include "planar/checker_2d.hpp"
+
+#include <algorithm>
+
+#include "math/vec.hpp"
+#include "planar/kinematics_2d.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Rounding of a posed circle's centre and of a distance is below 20u of the coordinates' sizes; this is far more. Where
+// squares of lengths underflow it is below kTrustedLength, which radii have on top.
+constexpr double kCircleMargin = 1e-12;
+
+}  // namespace
+
+// kLanes states.
+struct PlanarChecker::Block {
+  struct CircleLanes {
+    Lanes x, y, radius;
+  };
+
+  std::vector<Lanes> columns;
+  std::vector<PlanarLinkLanes> links;
+  std::vector<CircleLanes> circles;
+};
+
+// Lanes beyond n repeat the last row.
+void PlanarChecker::load(const double* q, std::size_t n, Block& block) const {
+  block.columns.resize(width_);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const double* row = q + std::min(lane, n - 1) * width_;
+    for (std::size_t c = 0; c < width_; ++c) block.columns[c][lane] = row[c];
+  }
+}
+
+void PlanarChecker::pose(Block& block) const {
+  pose_planar_links(links_, block.columns, block.links);
+  block.circles.resize(bodies_.size());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const PlanarBody& body = bodies_[b];
+    if (body.link < 0) continue;
+    const PlanarLinkLanes& link = block.links[at(body.link)];
+    Block::CircleLanes& circle = block.circles[b];
+    circle.x = link.x + (link.cos * body.x - link.sin * body.y);
+    circle.y = link.y + (link.sin * body.x + link.cos * body.y);
+    circle.radius = (body.radius + kTrustedLength) + kCircleMargin * (absolute(link.x) + absolute(link.y));
+  }
+}
+
+// The lanes in which the bounds of a pair meet.
+unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Block& block) const {
+  constexpr unsigned kAll = (1U << kLanes) - 1;
+  const PlanarBody &a = bodies_[at(pair[0])], &b = bodies_[at(pair[1])];
+  if (!bounds_ || (a.link < 0 && b.link < 0)) return kAll;
+  Lanes dx, dy, reach;
+  if (a.link >= 0 && b.link >= 0) {
+    const Block::CircleLanes &one = block.circles[at(pair[0])], &two = block.circles[at(pair[1])];
+    dx = one.x - two.x;
+    dy = one.y - two.y;
+    reach = one.radius + two.radius;
+  } else {
+    const Block::CircleLanes& circle = block.circles[at(a.link >= 0 ? pair[0] : pair[1])];
+    const std::array<double, 4>& box = a.link >= 0 ? b.box : a.box;
+    const Lanes zero = broadcast(0);
+    dx = larger(larger(box[0] - circle.x, circle.x - box[2]), zero);
+    dy = larger(larger(box[1] - circle.y, circle.y - box[3]), zero);
+    reach = circle.radius;
+  }
+  const LaneMask apart = dx * dx + dy * dy > reach * reach;
+  return kAll & ~bits(apart);
+}
+
+PosedPolygon PlanarChecker::posed(std::int32_t index, std::size_t state, const Block& block) const {
+  const PlanarBody& body = bodies_[at(index)];
+  if (body.link < 0) return {body.shape, body.pose};
+  const PlanarLinkLanes& link = block.links[at(body.link)];
+  const double c = link.cos[state], s = link.sin[state];
+  return {body.shape, {{c, -s, link.x[state], s, c, link.y[state]}}};
+}
+
+// found(state, pair) for collisions; with `first_only`, for the first pair of each state.
+template <class Found>
+void PlanarChecker::judge(Block& block, std::size_t count, bool first_only, PlanarCheckerCounters& counters,
+                          Found found) const {
+  pose(block);
+  const unsigned all = (1U << count) - 1;
+  unsigned open = all;  // states whose verdict is not known
+  counters.states += static_cast<long>(count);
+  counters.pairs += static_cast<long>(count * pairs_.size());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    if (open == 0) {
+      counters.skipped += static_cast<long>(count * (pairs_.size() - k));
+      return;
+    }
+    const unsigned close = near(pairs_[k], block) & open;
+    counters.skipped += static_cast<long>(count) - __builtin_popcount(open);
+    counters.bounds += __builtin_popcount(open & ~close);
+    for (std::size_t state = 0; state < count; ++state) {
+      if ((close >> state & 1U) == 0) continue;
+      ++counters.tests;
+      const PosedPolygon a = posed(pairs_[k][0], state, block), b = posed(pairs_[k][1], state, block);
+      if (!planar_intersect(a, b, first_, counters.pair)) continue;
+      found(state, k);
+      if (first_only) open &= ~(1U << state);
+    }
+  }
+}
+
+void PlanarChecker::link_poses(const double* q, std::size_t n, double* poses) const {
+  Block block;
+  for (std::size_t row = 0; row < n; row += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
+    load(q + row * width_, count, block);
+    pose(block);
+    for (std::size_t state = 0; state < count; ++state) {
+      for (const PlanarLinkLanes& link : block.links) {
+        const double c = link.cos[state], s = link.sin[state];
+        const double matrix[9] = {c, -s, link.x[state], s, c, link.y[state], 0, 0, 1};
+        poses = std::copy_n(matrix, 9, poses);
+      }
+    }
+  }
+}
+
+void PlanarChecker::first_collisions(const double* q, std::size_t n, std::int32_t* first,
+                                     PlanarCheckerCounters& counters) const {
+  Block block;
+  std::fill_n(first, n, -1);
+  for (std::size_t row = 0; row < n; row += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
+    load(q + row * width_, count, block);
+    judge(block, count, true, counters,
+          [&](std::size_t state, std::size_t k) { first[row + state] = static_cast<std::int32_t>(k); });
+  }
+}
+
+void PlanarChecker::all_collisions(const double* q, std::size_t n, std::uint8_t* colliding,
+                                   PlanarCheckerCounters& counters) const {
+  Block block;
+  std::fill_n(colliding, n * pairs_.size(), std::uint8_t{0});
+  for (std::size_t row = 0; row < n; row += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
+    load(q + row * width_, count, block);
+    judge(block, count, false, counters,
+          [&](std::size_t state, std::size_t k) { colliding[(row + state) * pairs_.size() + k] = 1; });
+  }
+}
+
+bool PlanarChecker::motion_is_free(const double* q0, const double* q1, long steps,
+                                   PlanarCheckerCounters& counters) const {
+  Block block;
+  block.columns.resize(width_);
+  const auto all_free = [&](long first, long stride, long last) {
+    bool free = true;
+    for (long k = first; k <= last && free; k += stride * kLanes) {
+      const long count = std::min<long>(kLanes, (last - k) / stride + 1);
+      for (long lane = 0; lane < kLanes; ++lane) {
+        const double t = static_cast<double>(k + stride * std::min(lane, count - 1)) / static_cast<double>(steps);
+        for (std::size_t c = 0; c < width_; ++c) block.columns[c][lane] = (1 - t) * q0[c] + t * q1[c];
+      }
+      judge(block, static_cast<std::size_t>(count), true, counters, [&](std::size_t, std::size_t) { free = false; });
+    }
+    return free;
+  };
+  if (!all_free(0, steps, steps)) return false;
+  long stride = 1;
+  while (stride < steps) stride *= 2;
+  for (; stride > 1; stride /= 2) {
+    if (!all_free(stride / 2, stride, steps - 1)) return false;
+  }
+  return true;
+}
+
+}  // namespace plannercheck

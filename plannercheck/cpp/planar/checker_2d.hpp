@@ -1,0 +1,85 @@
+// Verdicts for sets of configurations of a planar robot: posing and bounding circles in lanes, then exact pair tests.
+//
+// In: a chain of links, convex polygons on links or in the world, pairs of them, configurations. Out: for each
+// configuration whether some pair shares a point, and which. Immutable; threads may share it. The poses are the same
+// bits on every instruction set. Free of lanes, whose number differs between instruction sets.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "planar/polygon_test.hpp"
+
+namespace plannercheck {
+
+enum class PlanarJoint { kFixed, kRevolute, kFree };
+
+// A link's frame: at `x`, `y` on its parent's (on the world's if there is none), turned by `angle` and by its joint.
+struct PlanarLink {
+  std::int32_t parent = -1;  // an earlier link, or the world
+  PlanarJoint joint = PlanarJoint::kFixed;
+  std::int32_t column = 0;  // of the configuration: an angle, or x, y and an angle for a free joint
+  double x = 0, y = 0, angle = 0;
+};
+
+struct PlanarBody {
+  PlanarPolygon shape;     // not owned
+  std::int32_t link = -1;  // -1: in the world
+  PlanarPose pose;         // in the world, of a body that is on no link
+  double x = 0, y = 0;     // a circle around it in its frame; its radius has room for rounding
+  double radius = 0;
+  std::array<double, 4> box{};  // in the world, of a body that is on no link: least x, y, largest x, y; with room
+};
+
+struct PlanarCheckerCounters {
+  long states = 0, pairs = 0;
+  long bounds = 0;   // pairs whose circles and boxes do not meet
+  long tests = 0;    // pairs given to the algorithm
+  long skipped = 0;  // pairs of states whose verdict was known already
+  PlanarCounters pair;
+};
+
+class PlanarChecker {
+ public:
+  PlanarChecker(std::vector<PlanarLink> links, std::int32_t width, std::vector<PlanarBody> bodies,
+                std::vector<std::array<std::int32_t, 2>> pairs, bool bounds, Precision first)
+      : links_(std::move(links)),
+        width_(static_cast<std::size_t>(width)),
+        bodies_(std::move(bodies)),
+        pairs_(std::move(pairs)),
+        bounds_(bounds),
+        first_(first) {}
+
+  std::size_t width() const { return width_; }
+  std::size_t link_count() const { return links_.size(); }
+  std::size_t pair_count() const { return pairs_.size(); }
+
+  // Poses of all links (n, links, 3, 3) at n configurations (n, width).
+  void link_poses(const double* q, std::size_t n, double* poses) const;
+  // The index of the first pair that shares a point, or -1.
+  void first_collisions(const double* q, std::size_t n, std::int32_t* first, PlanarCheckerCounters& counters) const;
+  // colliding[i * pair_count() + k] for configuration i and pair k.
+  void all_collisions(const double* q, std::size_t n, std::uint8_t* colliding, PlanarCheckerCounters& counters) const;
+  // Whether the states (1 - t) q0 + t q1 at t = 0, 1/steps, ..., 1 are all free; coarse to fine.
+  bool motion_is_free(const double* q0, const double* q1, long steps, PlanarCheckerCounters& counters) const;
+
+ private:
+  struct Block;
+
+  std::vector<PlanarLink> links_;
+  std::size_t width_;
+  std::vector<PlanarBody> bodies_;
+  std::vector<std::array<std::int32_t, 2>> pairs_;
+  bool bounds_;
+  Precision first_;
+
+  void load(const double* q, std::size_t n, Block& block) const;
+  void pose(Block& block) const;
+  unsigned near(const std::array<std::int32_t, 2>& pair, const Block& block) const;
+  PosedPolygon posed(std::int32_t body, std::size_t state, const Block& block) const;
+  template <class Found>
+  void judge(Block& block, std::size_t count, bool first_only, PlanarCheckerCounters& counters, Found found) const;
+};
+
+}  // namespace plannercheck

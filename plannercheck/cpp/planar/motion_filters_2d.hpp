@@ -1,0 +1,16 @@
+// Circles and boxes that settle intervals of a planar motion, in lanes; they err on the open side.
+//
+// In: a grid of states. Out: bit i: whether interval i is left open.
+#pragma once
+
+#include "planar/motion_grid_2d.hpp"
+
+namespace plannercheck {
+
+// Intervals on which a point within `reach` of the chord of a body's centre may be in a box (least x, y, largest x, y).
+unsigned chords_meet_box(const PlanarGrid& grid, std::int32_t body, const std::array<double, 4>& box, double reach);
+
+// Intervals at an end of which the centres of two bodies are no further than `reach` from each other.
+unsigned centres_come_near(const PlanarGrid& grid, std::int32_t a, std::int32_t b, double reach);
+
+}  // namespace plannercheck

@@ -1,0 +1,96 @@
+// Where the walk in the plane starts: at the places of two polygons that face each other, as far as a few vertices
+// tell.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include "planar/polygon_signs.hpp"
+
+namespace plannercheck {
+
+// Vertices of a polygon that are looked at, evenly spread; a power of two. Where a polygon has few, some are repeated.
+inline constexpr std::size_t kPlanarProbes = 16;
+// A polygon of fewer vertices starts at thirds: it takes a round or two from anywhere.
+inline constexpr std::size_t kFewestProbed = 6;
+
+namespace planar_detail {
+
+typedef double Pair __attribute__((vector_size(16)));
+typedef long long PairBits __attribute__((vector_size(16)));
+
+inline std::size_t probe(const PlanarPolygon& polygon, std::size_t k) { return k * polygon.count / kPlanarProbes; }
+
+inline Pair load_vertex(const PlanarPolygon& polygon, std::size_t k) {
+  Pair vertex;
+  std::memcpy(&vertex, polygon.vertices + 2 * k, sizeof vertex);
+  return vertex;
+}
+
+// The mean of four vertices, in the world.
+inline std::array<double, 2> middle(const PosedPolygon& body) {
+  constexpr std::size_t step = kPlanarProbes / 4;
+  Pair sum{};
+  for (std::size_t k = 0; k < kPlanarProbes; k += step) sum += load_vertex(body.shape, probe(body.shape, k));
+  const auto& m = body.pose.m;
+  const double x = sum[0] / 4, y = sum[1] / 4;
+  return {m[0] * x + m[1] * y + m[2], m[3] * x + m[4] * y + m[5]};
+}
+
+// Which probe is furthest along a direction of the world. A product carries its probe in its last bits, so that a
+// maximum is all there is to take; what is not finite gives some probe.
+inline std::size_t furthest_probe(const PosedPolygon& body, double x, double y) {
+  const auto& m = body.pose.m;
+  const Pair along{m[0] * x + m[3] * y, m[1] * x + m[4] * y};
+  std::array<Pair, kPlanarProbes / 2> most;
+  for (std::size_t k = 0; k < kPlanarProbes; k += 2) {
+    const Pair a = along * load_vertex(body.shape, probe(body.shape, k));
+    const Pair b = along * load_vertex(body.shape, probe(body.shape, k + 1));
+    const Pair products = __builtin_shuffle(a, b, PairBits{0, 2}) + __builtin_shuffle(a, b, PairBits{1, 3});
+    const auto tag = static_cast<long long>(k);
+    const PairBits tagged =
+        (reinterpret_cast<PairBits>(products) & ~static_cast<long long>(kPlanarProbes - 1)) | PairBits{tag, tag + 1};
+    most[k / 2] = reinterpret_cast<Pair>(tagged);
+  }
+  for (std::size_t half = kPlanarProbes / 4; half >= 1; half /= 2) {
+    for (std::size_t k = 0; k < half; ++k) most[k] = most[k] > most[k + half] ? most[k] : most[k + half];
+  }
+  const double best = most[0][0] > most[0][1] ? most[0][0] : most[0][1];
+  return std::bit_cast<std::uint64_t>(best) & (kPlanarProbes - 1);
+}
+
+// The probes, or where these are all vertices, the vertices on either side of one.
+inline std::array<std::size_t, 3> probes_around(const PlanarPolygon& polygon, std::size_t k) {
+  const std::size_t n = polygon.count, here = probe(polygon, k);
+  if (n < kPlanarProbes) return {(here == 0 ? n : here) - 1, here, here + 1 == n ? 0 : here + 1};
+  return {probe(polygon, (k + kPlanarProbes - 1) % kPlanarProbes), here, probe(polygon, (k + 1) % kPlanarProbes)};
+}
+
+}  // namespace planar_detail
+
+// Three places of a polygon, in order, from which the walk goes on: right for any three, and soon over for those around
+// the probe that is furthest towards the other polygon.
+struct PlanarStart {
+  std::array<std::size_t, 3> guest, host;
+
+  // Thirds where `first` leaves doubles out.
+  PlanarStart(const PosedPolygon& a, const PosedPolygon& b, Precision first, PlanarCounters& counters)
+      : guest(thirds(a.shape.count)), host(thirds(b.shape.count)) {
+    const bool has_guest = a.shape.count >= kFewestProbed, has_host = b.shape.count >= kFewestProbed;
+    if (first != Precision::kDoubles || !(has_guest || has_host)) return;
+    const auto from = planar_detail::middle(a), to = planar_detail::middle(b);
+    const double x = to[0] - from[0], y = to[1] - from[1];
+    if (has_guest) guest = facing(a, x, y, counters);
+    if (has_host) host = facing(b, -x, -y, counters);
+  }
+
+ private:
+  static std::array<std::size_t, 3> thirds(std::size_t n) { return {0, n / 3, 2 * n / 3}; }
+  static std::array<std::size_t, 3> facing(const PosedPolygon& body, double x, double y, PlanarCounters& counters) {
+    counters.vertices += kPlanarProbes;
+    return planar_detail::probes_around(body.shape, planar_detail::furthest_probe(body, x, y));
+  }
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,108 @@
+// Forward kinematics of batches of configurations, from a flat table of joints.
+//
+// In: a table exported from Pinocchio's Model by plannercheck/robots/kinematics.py (joints with parents before
+// children, links posed on joints), then group configurations. Out: world poses of the links, row-major 3x4, in m.
+// Idea: what depends on no variable is posed once, at construction, by the very same operations; the rest is one pass
+// over the joints that some needed link hangs on. Elementwise operations only: a pose has the same bits for every lane
+// count, batch size and instruction set. Immutable, so any number of threads may share it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace plannercheck {
+
+struct Rigid {
+  double m[12];  // row-major 3x4
+};
+
+// How a joint moves its child. Angles are in rad, in URDF's sense; quaternions are x, y, z, w and are used as they are,
+// not normalised, which is what Pinocchio does.
+enum class JointKind : int {
+  kTurnX,         // angle
+  kTurnY,         // angle
+  kTurnZ,         // angle
+  kTurnAxis,      // angle
+  kUnitTurnX,     // cosine, sine
+  kUnitTurnY,     // cosine, sine
+  kUnitTurnZ,     // cosine, sine
+  kUnitTurnAxis,  // cosine, sine
+  kSlide,         // distance along the axis
+  kPlanar,        // x, y, cosine, sine (about z)
+  kBall,          // quaternion
+  kFree,          // x, y, z, quaternion
+};
+
+// One number that a joint needs: multiplier * q[column] + offset, or offset alone if column is -1 (held).
+struct JointValue {
+  int column;
+  double multiplier;
+  double offset;
+};
+
+struct JointSpec {
+  int parent;  // index of an earlier joint, or -1 for the world
+  JointKind kind;
+  double axis[3];
+  Rigid placement;  // on the parent joint
+  JointValue values[7];
+};
+
+struct LinkSpec {
+  int joint;        // index of a joint, or -1 for the world
+  Rigid placement;  // on that joint
+};
+
+// What a joint or link hangs on: a moving joint; else, if `posed`, something that stands still at `pose`; else the
+// world.
+struct Anchor {
+  int joint;  // among the moving joints, or -1
+  bool posed;
+  Rigid pose;
+};
+
+// What is known of a placement's rotation, to leave out products with exact zeros and ones; kTurnX, kTurnY and kTurnZ
+// keep that axis.
+enum class PlacementForm : int { kTurnX, kTurnY, kTurnZ, kShift, kIdentity, kGeneral };
+
+class Kinematics {
+ public:
+  Kinematics(int width, const std::vector<JointSpec>& joints, const std::vector<LinkSpec>& links);
+
+  int width() const { return width_; }  // of a group configuration
+  int link_count() const { return static_cast<int>(links_.size()); }
+  bool link_is_constant(int link) const { return links_[static_cast<std::size_t>(link)].joint < 0; }
+
+  // Poses of the links for n configurations (n, width) in memory order; out (n, links, 4, 4); a link with
+  // needed[link] == 0 stays as it was. Allocates its scratch.
+  void link_poses_batch(const double* q, long long n, const unsigned char* needed, double* out) const;
+
+  struct Joint {
+    int parent;  // among the moving joints, or -1 if `placement` is in the world
+    JointKind kind;
+    bool held;  // its own values are constants, though its parent moves
+    double axis[3];
+    Rigid placement;
+    PlacementForm form;
+    JointValue values[7];
+    double held_values[7];  // with cosine and sine in place of an angle
+  };
+
+  struct Link {
+    int joint;  // among the moving joints, or -1 if `placement` is in the world
+    Rigid placement;
+    PlacementForm form;
+  };
+
+  const std::vector<Joint>& joints() const { return joints_; }  // only those that move
+  const std::vector<Link>& links() const { return links_; }
+
+ private:
+  Anchor add_joint(const JointSpec& spec, const std::vector<Anchor>& anchors);
+
+  int width_;
+  std::vector<Joint> joints_;
+  std::vector<Link> links_;
+};
+
+}  // namespace plannercheck

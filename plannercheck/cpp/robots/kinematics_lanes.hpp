@@ -1,0 +1,31 @@
+// Forward kinematics of kLanes configurations at once: what kinematics.hpp is made of, for callers that keep lanes.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "math/simd.hpp"
+#include "robots/kinematics.hpp"
+
+namespace plannercheck {
+
+// Poses just the links that its caller needs. A workspace: it keeps its memory.
+class LinkPoser {
+ public:
+  // needed[link] != 0: of all links. The kinematics has to outlive the calls of `pose`.
+  void begin(const Kinematics& kinematics, const unsigned char* needed);
+
+  // q: width() Lanes; out: link_count() * 12 Lanes, row-major 3x4 each, of which only needed links are written.
+  void pose(const Lanes* q, Lanes* out);
+
+ private:
+  const Kinematics* kinematics_ = nullptr;
+  std::vector<int> joints_;  // that some needed link hangs on, parents first
+  std::vector<int> home_;    // by joint: a needed link that is posed as the joint is, or −1
+  std::vector<int> links_;   // needed ones that are not a joint's home
+  std::vector<Lanes> homeless_;
+
+  Lanes* at_joint(int joint, Lanes* out);
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,113 @@
+"""What each stage of a check brings: the checker with one switch off, against the checker with all on.
+
+In: a robot and a scene. Out: a row for each switch and kind of states. Verdicts are the same whatever is off; they are
+compared all the same.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.motions.checker import Checker
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
+
+Floats = NDArray[np.float64]
+
+# Arguments of `Checker`, all True by default, in the order of the stages; those that it has are measured.
+SWITCHES = (
+    "reach",
+    "static_poses",
+    "bounds",
+    "overlaps",
+    "boxes",
+    "learning",
+    "cached_plane",
+    "centre_axis",
+    "turned_axis",
+    "facet_plane",
+    "nearest_points",
+)
+ALL_ON = "all on"
+WALK = "walk for oracle"
+# States a motion, each about as far from the next as a planner's.
+_STATES_A_MOTION = 64
+
+
+@dataclass(frozen=True)
+class SwitchRow:
+    """What one switch brings on one kind of states.
+
+    Attributes:
+        states: "random", or "along motions".
+        off: The switch that is off.
+        microseconds: The least time a state.
+        ratio: That time over that with all on.
+        wrong: Verdicts that differ from those with all on.
+    """
+
+    states: str
+    off: str
+    microseconds: float
+    ratio: float
+    wrong: int
+
+
+def measure(robot: Robot, scene: Scene, states: int, rounds: int, seed: int) -> list[SwitchRow]:
+    """Times checkers with one switch off by turns.
+
+    Args:
+        robot: The robot.
+        scene: The scene.
+        states: How many of each kind.
+        rounds: How often each runs.
+        seed: Of the states.
+
+    Returns:
+        A row for each kind of states and switch, the first of each with all on.
+    """
+    checkers = {off: Checker(robot, scene, **arguments) for off, arguments in _variants().items()}
+    random = robot.random_configurations(states, seed)
+    return [
+        *_rows("random", checkers, random, rounds),
+        *_rows("along motions", checkers, _motions(random), rounds),
+    ]
+
+
+def _variants() -> dict[str, dict[str, Any]]:
+    known = inspect.signature(Checker).parameters
+    variants: dict[str, dict[str, Any]] = {ALL_ON: {}}
+    variants |= {switch: {switch: False} for switch in SWITCHES if switch in known}
+    return variants | {WALK: {"method": "walk"}}
+
+
+def _motions(random: Floats) -> Floats:
+    """As many states on straight motions between random ones."""
+    motions = max(1, len(random) // _STATES_A_MOTION)
+    t = np.linspace(0, 1, _STATES_A_MOTION)[:, None]
+    ends = zip(random[:motions], random[::-1][:motions], strict=True)
+    return np.concatenate([(1 - t) * start + t * end for start, end in ends])[: len(random)]
+
+
+def _rows(states: str, checkers: Mapping[str, Checker], q: Floats, rounds: int) -> list[SwitchRow]:
+    works = {off: partial(checker.check_states, q) for off, checker in checkers.items()}
+    seconds = least_seconds(works, rounds)
+    truth = checkers[ALL_ON].check_states(q)
+    return [
+        SwitchRow(
+            states,
+            off,
+            1e6 * seconds[off] / len(q),
+            seconds[off] / seconds[ALL_ON],
+            int((checker.check_states(q) != truth).sum()),
+        )
+        for off, checker in checkers.items()
+    ]

@@ -1,0 +1,249 @@
+"""The methods that `plannercheck bench states` compares: what builds each, and what it claims.
+
+In: a checker. Out: `Method`s. All judge the same pairs of the same robot; cut-offs, balls, capsules and boxes stand in
+for the robot's bodies only, obstacles stay as they are. How far a stand-in is off is computed from its shape
+(`furthest` of hausdorff.py), as the largest over the bodies that some pair needs.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import Body, Hull
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench import other_libraries as peers
+from plannercheck.evaluation.bench.bounding_volumes import balls_around, box_around, capsule_around
+from plannercheck.evaluation.bench.hausdorff import furthest, furthest_of_balls
+from plannercheck.evaluation.bench.sphere_model import SphereModel
+from plannercheck.evaluation.bench.truncated_hierarchies import inner_levels, outer_levels
+from plannercheck.motions.checker import Checker
+from plannercheck.ompl.joint_space import JointSpace
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl"]
+
+# All but the exact ones, which are always there.
+KINDS: tuple[Kind, ...] = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl")
+
+# Balls a body.
+BALL_COUNTS = (1, 4, 16, 64)
+# States that slower methods judge in a round; their rates are over these.
+_ONE_BY_ONE_STATES, _COAL_STATES, _FCL_STATES = 5000, 1000, 200
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method to build.
+
+    Attributes:
+        name: In tables.
+        kind: What it is.
+        note: What is timed, and how.
+        build: Builds what judges.
+        error: How far the bodies are off at most, m, of what `build` returned; None where nothing is known.
+        judge: Judges states by what `build` returned.
+        states: Most states to judge in a round; None for all.
+        prepare: Makes of configurations what `judge` takes, outside the timing.
+    """
+
+    name: str
+    kind: Kind
+    note: str
+    build: Callable[[], Any]
+    error: Callable[[Any], float | None]
+    judge: Callable[[Any, Any], Bools]
+    states: int | None = None
+    prepare: Callable[[Floats], Any] = np.asarray
+
+
+def methods(checker: Checker, kinds: Iterable[Kind] = KINDS) -> Iterator[Method]:
+    """Methods of some kinds, the exact ones always, and first."""
+    yield from _exact(checker)
+    for kind in kinds:
+        match kind:
+            case "inner" | "outer":
+                yield from _cut_off(checker, kind)
+            case "spheres":
+                yield from (_spheres(checker, count) for count in BALL_COUNTS)
+            case "capsules":
+                yield _wrapped(checker, kind, capsule_around)
+            case "boxes":
+                yield _wrapped(checker, kind, box_around)
+            case "coal":
+                yield from _coal(checker)
+            case "fcl":
+                yield _fcl(checker)
+
+
+def _exact(checker: Checker) -> Iterator[Method]:
+    build = partial(_stand_in_checker, checker, {})
+    batch = Method("plannercheck, batch", "exact", "check_states", build, _none_off, _by_batch)
+    yield batch
+    yield replace(
+        batch,
+        name="plannercheck, one by one",
+        note="is_valid, called from Python",
+        judge=lambda built, rows: np.array([built.is_valid(row) for row in rows], dtype=bool),
+        prepare=list,
+        states=_ONE_BY_ONE_STATES,
+    )
+    if checker.state_validity() is not None and (states := _ompl_states(checker)) is not None:
+        yield replace(
+            batch,
+            name="plannercheck, OMPL callback",
+            note="state_validity() on OMPL states, called from Python",
+            build=lambda: build().state_validity(),
+            judge=lambda built, rows: np.array([built(state) for state in rows], dtype=bool),
+            prepare=states,
+            states=_ONE_BY_ONE_STATES,
+        )
+
+
+def _none_off(built: Any) -> float:
+    return 0.0
+
+
+def _by_batch(built: Any, q: Any) -> Bools:
+    return np.asarray(built.check_states(q))
+
+
+def _ompl_states(checker: Checker) -> Callable[[Floats], Any] | None:
+    """Makes OMPL states of configurations; None for robots that OMPL has no vector space for."""
+    from ompl import base
+
+    try:
+        space = JointSpace(checker.robot)
+    except PlannercheckError:
+        return None
+    if space.continuous.any():
+        return None
+    information = base.SpaceInformation(space.ompl_space())
+    return lambda q: [space.state(information, row) for row in q]
+
+
+def _cut_off(checker: Checker, side: Literal["inner", "outer"]) -> Iterator[Method]:
+    """Stand-ins from each level of the hierarchies; a body with fewer levels stays at its coarsest."""
+    levels_of = inner_levels if side == "inner" else outer_levels
+    levels = {k: levels_of(p) for k, p in _own(checker) if p.dimension == 3 and p.swell == 0}
+    for level in range(1, 1 + max(map(len, levels.values()), default=0)):
+        chosen = {k: found[min(level, len(found)) - 1] for k, found in levels.items() if found}
+        yield Method(
+            f"{side} bodies, level {level}",
+            side,
+            "check_states on the hierarchies' bodies at this level; their preparation counts, not finding them",
+            partial(_stand_in_checker, checker, {k: _as_hull(checker.bodies[k], p) for k, p in chosen.items()}),
+            partial(_hausdorff, checker, chosen, side),
+            _by_batch,
+        )
+
+
+def _own(checker: Checker) -> list[tuple[int, Polytope]]:
+    """The robot's bodies that some pair needs."""
+    own = checker.polytopes[: len(checker.robot.bodies)]
+    return [(k, polytope) for k, polytope in enumerate(own) if polytope is not None]
+
+
+def _as_hull(body: Body, polytope: Polytope) -> Body:
+    return Body(body.name, body.link, body.pose, Hull(polytope.vertices))
+
+
+def _stand_in_checker(checker: Checker, stand_ins: dict[int, Body]) -> Checker:
+    bodies = [stand_ins.get(k, body) for k, body in enumerate(checker.bodies)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of resting pairs, which the exact checker has given
+        return Checker(checker.robot, checker.scene, bodies=bodies)
+
+
+def _hausdorff(checker: Checker, chosen: dict[int, Polytope], side: str, built: Any) -> float:
+    distances = []
+    for k, polytope in chosen.items():
+        body = checker.polytopes[k]
+        assert body is not None
+        inside, around = (polytope, body) if side == "inner" else (body, polytope)
+        distances.append(furthest(around.vertices, inside))
+    return max(distances, default=0.0)
+
+
+def _spheres(checker: Checker, count: int) -> Method:
+    def build() -> SphereModel:
+        return SphereModel(checker, {k: balls_around(polytope, [count])[count] for k, polytope in _own(checker)})
+
+    def error(built: SphereModel) -> float:
+        off = []
+        for k, polytope in _own(checker):
+            balls = built.covers[k]
+            if polytope.dimension == 3:
+                radii = balls[:, 3] - polytope.swell + built.margin
+                off.append(furthest_of_balls(balls[:, :3], radii, polytope))
+            else:
+                off.append(float(balls[:, 3].max()))
+        return max(off, default=0.0)
+
+    note = "native loop in floats, eight states at once, posed by the same kernel"
+    return Method(f"{count} bounding spheres a body", "spheres", note, build, error, _by_batch)
+
+
+def _wrapped(checker: Checker, kind: Literal["capsules", "boxes"], wrap: Callable[[Polytope], Any]) -> Method:
+    def build() -> Checker:
+        stand_ins = {}
+        for k, polytope in _own(checker):
+            body = checker.bodies[k]
+            shape, pose = wrap(polytope)
+            stand_ins[k] = Body(body.name, body.link, _product(body.pose, pose), shape)
+        return _stand_in_checker(checker, stand_ins)
+
+    def error(built: Checker) -> float:
+        off = [_sticks_out(built.polytopes[k], polytope, wrap(polytope)[1]) for k, polytope in _own(checker)]
+        return max(off, default=0.0)
+
+    return Method(f"bounding {kind}", kind, "check_states, one a body", build, error, _by_batch)
+
+
+def _sticks_out(around: Polytope | None, polytope: Polytope, pose: Floats) -> float:
+    """How far a posed body sticks out of a body; for one without volume at most the size."""
+    assert around is not None
+    corners = around.vertices @ pose[:3, :3].T + pose[:3, 3]
+    if polytope.dimension < 3:
+        return float(np.linalg.norm(corners - polytope.vertices.mean(axis=0), axis=1).max() + around.swell)
+    return furthest_of_balls(corners, np.full(len(corners), around.swell - polytope.swell), polytope)
+
+
+def _product(a: Floats, b: Floats) -> Floats:
+    pose = a @ b
+    pose[3] = [0, 0, 0, 1]
+    return pose
+
+
+def _coal(checker: Checker) -> Iterator[Method]:
+    note = "computeCollisions from Python, stopping at the first collision; the error is the tolerance"
+    for tolerance in peers.COAL_TOLERANCES:
+        for name, build in (("AABB tree", peers.coal_with_tree), ("all pairs", peers.coal_all_pairs)):
+            title = f"Pinocchio + coal, {name}, tolerance {tolerance:g}"
+            built = partial(build, checker, tolerance)
+            yield Method(title, "coal", note, built, partial(_stated, tolerance), _by_call, _COAL_STATES)
+
+
+def _fcl(checker: Checker) -> Method:
+    note = "loop in Python over the pairs whose boxes meet"
+    return Method("python-fcl", "fcl", note, partial(peers.fcl, checker), _unknown, _by_call, _FCL_STATES)
+
+
+def _by_call(built: peers.Judge, q: Any) -> Bools:
+    return built(q)
+
+
+def _stated(tolerance: float, built: Any) -> float:
+    return tolerance
+
+
+def _unknown(built: Any) -> None:
+    return None

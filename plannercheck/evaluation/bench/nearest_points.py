@@ -1,0 +1,119 @@
+"""Nearest points of two convex bodies, to count with: of few points each, and by extreme vertices.
+
+In: points, or for each body a function from a direction to its furthest vertex. Out: nearest points as mixtures of
+vertices; whether bodies share a point. In doubles and in plain Python, for the baselines of `bench complexity`: no
+verdict of the library rests on it.
+
+The point nearest to the origin of a hull of points d_k: the weights w >= 0 that minimise |Σ w_k d_k|² + (1 − Σ w_k)²
+are a multiple of those that mix it, because for any sum of weights the first term is least at it (Lawson and Hanson
+1974, non-negative least squares).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.errors import PlannercheckError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+# From a direction (3,) to the furthest vertex (3,).
+Support: TypeAlias = Callable[[Floats], Floats]
+
+# m, for bodies of about 1 m: closer than this is contact. Least squares leave about 1e-13 of a squared distance.
+TOUCHING = 1e-6
+# Near contact, rounding may let rounds go on without progress.
+_MOST_ROUNDS = 100
+
+
+@dataclass(frozen=True, eq=False)
+class Nearest:
+    """The nearest points of two bodies.
+
+    Attributes:
+        first: That of the first body (3,), m.
+        second: That of the second.
+        first_vertices: Positions of the points that `first` mixes: all of them on the tangent plane.
+        second_vertices: The same for `second`.
+    """
+
+    first: Floats
+    second: Floats
+    first_vertices: Ints
+    second_vertices: Ints
+
+    @property
+    def apart(self) -> Floats:
+        """From the second point to the first (3,), m."""
+        return np.asarray(self.first - self.second)
+
+    @property
+    def distance(self) -> float:
+        """Length of `apart`, m."""
+        return float(np.linalg.norm(self.apart))
+
+    @property
+    def is_contact(self) -> bool:
+        """Whether the bodies share a point, as far as doubles can tell."""
+        return self.distance < TOUCHING
+
+
+def nearest_of_few(first: Floats, second: Floats) -> Nearest:
+    """The nearest points of the hulls of few points.
+
+    Args:
+        first: (n, 3), m.
+        second: (k, 3), m.
+    """
+    weights = _weights((first[:, None] - second[None]).reshape(-1, 3)).reshape(len(first), len(second))
+    of_first, of_second = weights.sum(axis=1), weights.sum(axis=0)
+    return Nearest(of_first @ first, of_second @ second, np.flatnonzero(of_first), np.flatnonzero(of_second))
+
+
+def share_a_point(first: Support, second: Support, start: Floats) -> tuple[bool, int]:
+    """Whether two bodies share a point, by Gilbert, Johnson and Keerthi (1988): stops at the first separating plane.
+
+    Args:
+        first: A body.
+        second: Another.
+        start: Direction (3,) to begin with, about from the second to the first.
+
+    Returns:
+        The verdict, and how many rounds of supports it took.
+    """
+    actives = np.zeros((0, 3))
+    apart = start
+    for rounds in range(1, _MOST_ROUNDS + 1):
+        difference = first(-apart) - second(apart)
+        if apart @ difference > 0:
+            return False, rounds
+        actives = np.vstack([actives, difference])
+        weights = _weights(actives)
+        apart = weights @ actives
+        if np.linalg.norm(apart) < TOUCHING:
+            return True, rounds
+        actives = actives[weights > 0]
+    return True, _MOST_ROUNDS
+
+
+def _weights(points: Floats) -> Floats:
+    """Weights of sum 1 that mix the point of a hull nearest to the origin."""
+    rows = np.vstack([points.T, np.ones(len(points))])
+    weights = _optimize().nnls(rows, np.array([0.0, 0.0, 0.0, 1.0]))[0]
+    return np.asarray(weights / weights.sum())
+
+
+@cache
+def _optimize() -> Any:
+    """scipy.optimize, which is an extra."""
+    try:
+        import scipy.optimize
+    except ImportError as error:
+        raise PlannercheckError("bench complexity needs SciPy: pip install 'plannercheck[bench]'") from error
+    return scipy.optimize

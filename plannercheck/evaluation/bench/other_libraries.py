@@ -1,0 +1,159 @@
+"""Other libraries as judges of the same states: Pinocchio with coal, and python-fcl.
+
+In: a checker. Out: functions that judge rows of configurations, True meaning valid, over the checker's pairs, stopping
+at a state's first collision. coal and FCL get the very hulls that the checker tests (and spheres, capsules, cylinders
+and cones as such), contacts switched off. Pinocchio poses for coal; for FCL the checker's batch kernel poses and boxes
+along the world's axes, in numpy, leave out pairs that are far apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.fcl_bodies import FclBodies
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Sphere
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.checker import Checker
+
+Floats = NDArray[np.float64]
+Judge = Callable[[Floats], NDArray[np.bool_]]
+
+# coal's tolerance for GJK in m: its own default and the smallest it takes, and a coarse one.
+COAL_TOLERANCES = (1e-6, 1e-3)
+
+
+def coal_with_tree(checker: Checker, tolerance: float) -> Judge:
+    """Pinocchio's `computeCollisions` with its dynamic AABB tree over all bodies."""
+    import pinocchio as pin
+
+    model, geometry = checker.robot.model, coal_geometry_model(checker)
+    data, geometry_data = model.createData(), coal_geometry_data(geometry, tolerance)
+    tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(model, geometry, geometry_data)
+
+    def judge(q: Floats) -> NDArray[np.bool_]:
+        # The manager does not keep geometry and geometry_data alive: this function does.
+        assert geometry is not None
+        assert geometry_data is not None
+        full = checker.robot.expand(q)
+        return np.array([not pin.computeCollisions(model, data, tree, row, True) for row in full], dtype=bool)
+
+    return judge
+
+
+def coal_all_pairs(checker: Checker, tolerance: float) -> Judge:
+    """Pinocchio's `computeCollisions` pair by pair."""
+    import pinocchio as pin
+
+    model, geometry = checker.robot.model, coal_geometry_model(checker)
+    data, geometry_data = model.createData(), coal_geometry_data(geometry, tolerance)
+
+    def judge(q: Floats) -> NDArray[np.bool_]:
+        full = checker.robot.expand(q)
+        free = [not pin.computeCollisions(model, data, geometry, geometry_data, row, True) for row in full]
+        return np.array(free, dtype=bool)
+
+    return judge
+
+
+def fcl(checker: Checker) -> Judge:
+    """python-fcl pair by pair, on those whose boxes meet."""
+    bodies = FclBodies(
+        [None if p is None else (p.vertices, p.faces) for p in checker.polytopes],
+        [0.0 if p is None else p.swell for p in checker.polytopes],
+    )
+    unknown = [checker.bodies[k].name for k in np.unique(checker.pairs).tolist() if not bodies.known[k]]
+    if unknown:
+        raise PlannercheckError(f"python-fcl has no shape for {', '.join(unknown)}")
+
+    def judge(q: Floats) -> NDArray[np.bool_]:
+        poses = checker.body_poses(q)
+        near = bodies.boxes_meet(poses, checker.pairs)
+        rows = zip(poses, near, strict=True)
+        return np.array([not _any_collides(bodies, pose, checker.pairs[row]) for pose, row in rows], dtype=bool)
+
+    return judge
+
+
+def _any_collides(bodies: FclBodies, poses: Floats, pairs: NDArray[Any]) -> bool:
+    for body in np.unique(pairs).tolist():
+        bodies.place(body, poses[body])
+    return any(bodies.collides(p, r) for p, r in pairs.tolist())
+
+
+def coal_geometry_data(geometry: Any, tolerance: float) -> Any:
+    """Data for collision queries without contacts at one of `COAL_TOLERANCES`, m."""
+    data = geometry.createData()
+    for request in data.collisionRequests:
+        request.enable_contact = False
+        request.gjk_tolerance = tolerance
+    return data
+
+
+def coal_geometry_model(checker: Checker) -> Any:
+    """The checker's bodies and pairs as Pinocchio's geometries, on their links' joints or in the world."""
+    import pinocchio as pin
+
+    geometry = pin.GeometryModel()
+    place: dict[int, int] = {}
+    shapes: dict[int, Any] = {}
+    for k in np.unique(checker.pairs).tolist():
+        body, polytope = checker.bodies[k], checker.polytopes[k]
+        assert polytope is not None
+        if id(polytope) not in shapes:  # equal shapes are one, as in the checker
+            shapes[id(polytope)] = coal_shape(body, polytope)
+        joint, placement = _joint_of(checker, body)
+        item = pin.GeometryObject(f"{k} {body.name}", joint, placement, shapes[id(polytope)])
+        place[k] = geometry.addGeometryObject(item)
+    for a, b in checker.pairs.tolist():
+        geometry.addCollisionPair(pin.CollisionPair(place[a], place[b]))
+    return geometry
+
+
+def _joint_of(checker: Checker, body: Body) -> tuple[int, Any]:
+    """The joint that a body hangs on, 0 for the world, and its placement there."""
+    import pinocchio as pin
+
+    placement = pin.SE3(np.array(body.pose))
+    if body.link is None:
+        return 0, placement
+    model = checker.robot.model
+    frame = model.frames[model.getBodyId(body.link)]
+    return frame.parentJoint, frame.placement * placement
+
+
+def coal_shape(body: Body, polytope: Polytope) -> Any:
+    """The same shape in coal, without a polytope around a curved one."""
+    import coal
+
+    match body.shape:
+        case Box(size=size):
+            return coal.Box(*size)
+        case Sphere(radius=radius):
+            return coal.Sphere(radius)
+        case Cylinder(radius=radius, length=length):
+            return coal.Cylinder(radius, length)
+        case Cone(radius=radius, length=length):
+            return coal.Cone(radius, length)
+        case Capsule(radius=radius, length=length):
+            return coal.Capsule(radius, length)
+    return coal_hull(polytope, body.name)
+
+
+def coal_hull(polytope: Polytope, name: str) -> Any:
+    """A convex hull in coal."""
+    import coal
+
+    if polytope.dimension < 3:  # a segmentation fault in coal 3.0
+        raise PlannercheckError(f"coal has no shape for {name}, which has no volume")
+    points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    points.extend(list(polytope.vertices))
+    triangles.extend([coal.Triangle(*face) for face in polytope.faces.tolist()])
+    try:
+        return coal.Convex(points, triangles)
+    except RuntimeError as error:
+        raise PlannercheckError(f"coal refuses {name}: {error}") from error

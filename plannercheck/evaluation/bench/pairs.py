@@ -1,0 +1,226 @@
+"""Time a pair of bodies against their vertices and the gap between them, beside coal's own C++ loop and python-fcl.
+
+In: numbers of vertices. Out: a row for each method, size and gap. Bodies are round (all points are vertices), poses
+random: a random feature of one at the gap over one of the other. Ours are the core's batch call, each pair cold (no
+cached plane); coal's is `computeCollisions` of a Pinocchio geometry model of as many pairs, without early stop, so that
+no Python counts, each pair cold as well; FCL is called from Python.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.fcl_bodies import load_fcl
+from plannercheck.bodies.intersection import Method, pair_options
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.other_libraries import coal_hull
+from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.evaluation.stress.body_families import family
+from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Posed = tuple[Floats, Floats]
+
+SIZES = (8, 32, 150, 1000, 10_000, 100_000)
+# Relative to the bodies' size of 1 m: far apart, near contact, deep inside each other.
+GAPS = (0.5, 1e-4, -0.3)
+# How many times faster than coal's loop is asked for, by vertices: at the first gap and at the second.
+ASKED = {8: (4, 2), 32: (8, 3), 150: (10, 4), 1000: (15, 5), 10_000: (30, 10), 100_000: (70, 25)}
+_HALF_AXES = np.array([1.0, 0.7, 0.5])
+OURS: tuple[Method, ...] = ("oracle", "walk")
+COAL = "coal, C++ loop"
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Pairs at given poses, ready to be judged by one method.
+
+    Attributes:
+        work: What is timed.
+        verdicts: Reads, from what `work` returned, which pairs share a point.
+    """
+
+    work: Callable[[], Any]
+    verdicts: Callable[[Any], Bools]
+
+    def __call__(self) -> Bools:
+        """The verdicts."""
+        return self.verdicts(self.work())
+
+
+@dataclass(frozen=True)
+class PairRow:
+    """What one method did on pairs of one size at one gap.
+
+    Attributes:
+        vertices: Of each body.
+        gap: Relative to the bodies' size.
+        method: Its name.
+        microseconds: The least time a pair.
+        coal_ratio: coal's time over that; None without coal.
+        asked: The ratio that is asked for; None where none is.
+        wrong: Verdicts that differ from the exact ones.
+        pairs: Pairs in a round.
+    """
+
+    vertices: int
+    gap: float
+    method: str
+    microseconds: float
+    coal_ratio: float | None
+    asked: int | None
+    wrong: int
+    pairs: int
+
+
+def measure(
+    sizes: Sequence[int],
+    pairs: int,
+    rounds: int,
+    skipped: Callable[[str], None] = lambda reason: None,
+    ellipsoids: bool = False,
+) -> list[PairRow]:
+    """Times all methods by turns, size by size.
+
+    Args:
+        sizes: Numbers of vertices, each at least 4.
+        pairs: How many of each size and gap.
+        rounds: How often each method runs.
+        skipped: Is told why a method is left out.
+        ellipsoids: Whether points are on ellipsoids, which balls bound less closely, instead of on spheres.
+
+    Returns:
+        The rows, by size and gap.
+    """
+    rows = []
+    for vertices in sizes:
+        first, second = (family("round", vertices, seed) * (_HALF_AXES if ellipsoids else 1.0) for seed in (1, 2))
+        bodies = Polytope(first), Polytope(second)
+        solids = [Solid("round", p.vertices, np.asarray(p.faces, dtype=np.int64)) for p in bodies]
+        rng = np.random.default_rng(vertices)
+        shapes = _Shapes(bodies, skipped)
+        for gap in GAPS:
+            wished = np.full(pairs, gap * min(solid.size for solid in solids))
+            rows += _measured(bodies, shapes, contact_poses(solids[0], solids[1], wished, rng), gap, rounds)
+    return rows
+
+
+def growth(rows: Sequence[PairRow], method: str, smallest: int = 150) -> float | None:
+    """Time near contact at the most vertices over that at `smallest`; None if either is missing."""
+    near = {row.vertices: row.microseconds for row in rows if row.method == method and row.gap == GAPS[1]}
+    return near[max(near)] / near[smallest] if smallest in near and max(near) > smallest else None
+
+
+class _Shapes:
+    """The two bodies in other libraries, where these are installed and take them."""
+
+    def __init__(self, bodies: tuple[Polytope, Polytope], skipped: Callable[[str], None]) -> None:
+        self.judges: dict[str, Callable[[Posed], Judge]] = {}
+        for name, make in ((COAL, _coal), ("python-fcl", _fcl)):
+            try:
+                self.judges[name] = make(bodies)
+            except (PlannercheckError, ImportError) as error:
+                skipped(f"{name} is left out at {len(bodies[0].vertices)} vertices: {error}")
+
+
+def _measured(
+    bodies: tuple[Polytope, Polytope], shapes: _Shapes, posed: Posed, gap: float, rounds: int
+) -> list[PairRow]:
+    judges = {f"plannercheck, {method}": _ours(bodies, posed, method) for method in OURS}
+    judges |= {name: make(posed) for name, make in shapes.judges.items()}
+    truth = _ours(bodies, posed, "exact")()
+    wrong = {name: int((judge() != truth).sum()) for name, judge in judges.items()}
+    seconds = least_seconds({name: judge.work for name, judge in judges.items()}, rounds)
+    vertices, pairs, coal = len(bodies[0].vertices), len(truth), seconds.get(COAL)
+    return [
+        PairRow(
+            vertices,
+            gap,
+            name,
+            1e6 * spent / pairs,
+            None if coal is None else coal / spent,
+            ASKED[vertices][GAPS.index(gap)] if name in _BEST and vertices in ASKED and gap > 0 else None,
+            wrong[name],
+            pairs,
+        )
+        for name, spent in seconds.items()
+    ]
+
+
+_BEST = f"plannercheck, {OURS[0]}"
+
+
+def _ours(bodies: tuple[Polytope, Polytope], posed: Posed, method: Method) -> Judge:
+    options = pair_options(method, cached_plane=False)
+    p, r = (body.core for body in bodies)
+    return Judge(
+        lambda: core.intersect_batch(p, posed[0], r, posed[1], options),
+        lambda found: np.asarray(found[0]).astype(bool),
+    )
+
+
+def _coal(bodies: tuple[Polytope, Polytope]) -> Callable[[Posed], Judge]:
+    """Pairs of posed bodies in a geometry model without a robot."""
+    import coal
+    import pinocchio as pin
+
+    shapes = [coal_hull(body, "a round body") for body in bodies]
+
+    def posed_judge(posed: Posed) -> Judge:
+        model, geometry = pin.Model(), pin.GeometryModel()
+        for k, poses in enumerate(zip(*posed, strict=True)):
+            pair = [
+                geometry.addGeometryObject(pin.GeometryObject(f"{k} {i}", 0, pin.SE3(pose), shape))
+                for i, (pose, shape) in enumerate(zip(poses, shapes, strict=True))
+            ]
+            geometry.addCollisionPair(pin.CollisionPair(*pair))
+        data, geometry_data = model.createData(), geometry.createData()
+        for request in geometry_data.collisionRequests:
+            request.enable_contact = False
+            request.gjk_initial_guess = coal.GJKInitialGuess.DefaultGuess
+            _start_cold(request)
+        pin.updateGeometryPlacements(model, data, geometry, geometry_data, pin.neutral(model))
+
+        return Judge(
+            lambda: pin.computeCollisions(geometry, geometry_data, False),
+            lambda found: np.array([result.isCollision() for result in geometry_data.collisionResults], dtype=bool),
+        )
+
+    return posed_judge
+
+
+def _start_cold(request: Any) -> None:
+    """Pinocchio keeps each pair's last answer as its next guess: in rounds of the same pairs, that is the answer."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # coal keeps the old switch, and Pinocchio sets it
+        request.enable_cached_gjk_guess = False
+
+
+def _fcl(bodies: tuple[Polytope, Polytope]) -> Callable[[Posed], Judge]:
+    fcl = load_fcl()
+    shapes = []
+    for body in bodies:
+        flat = np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel().tolist()
+        shapes.append(fcl.Convex(body.vertices, len(body.faces), flat))
+    request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
+
+    def posed_judge(posed: Posed) -> Judge:
+        pairs = [
+            [fcl.CollisionObject(s, fcl.Transform(m[:3, :3], m[:3, 3])) for s, m in zip(shapes, poses, strict=True)]
+            for poses in zip(*posed, strict=True)
+        ]
+        return Judge(
+            lambda: [fcl.collide(p, r, request, fcl.CollisionResult()) > 0 for p, r in pairs],
+            lambda found: np.array(found, dtype=bool),
+        )
+
+    return posed_judge

@@ -1,0 +1,120 @@
+"""How a check grows with a scene: boxes near the robot, and thousands more that it cannot reach.
+
+In: a robot and numbers of boxes. Out: a row for each scene, with what its checker takes in memory. As many boxes are
+near the robot in every scene: the rest stands a good deal further away than the robot reaches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.evaluation.bench.build_cost import Built, built, resident_bytes
+from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.motions.checker import Checker
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
+
+Floats = NDArray[np.float64]
+
+# Boxes near the robot, in every scene.
+NEAR = 100
+# Most times the cost of the smallest scene that are asked for.
+ASKED = 3.0
+# m: where boxes stand, as distances from the base, and their edges. The shipped arms reach 1.3 m.
+_NEAR_DISTANCES, _FAR_DISTANCES = (0.4, 1.2), (4.0, 20.0)
+_EDGES = (0.03, 0.1)
+
+
+@dataclass(frozen=True)
+class ScaleRow:
+    """What a scene of boxes costs.
+
+    Attributes:
+        boxes: In the scene.
+        pairs: A state.
+        microseconds: The least time a state.
+        ratio: That time over that of the first scene.
+        preparation: Seconds to build the checker, without the disk cache.
+        resident: Bytes that building it took; None where the system does not tell.
+        prepared: Bytes of the prepared bodies, equal ones once.
+        bytes_a_vertex: Those of the robot's bodies by their vertices.
+        process: Bytes of the whole process after it was built, libraries and all; None where the system does not tell.
+    """
+
+    boxes: int
+    pairs: int
+    microseconds: float
+    ratio: float
+    preparation: float
+    resident: int | None
+    prepared: int
+    bytes_a_vertex: float
+    process: int | None
+
+
+def measure(robot: Robot, boxes: Sequence[int], states: int, rounds: int, seed: int) -> list[ScaleRow]:
+    """Times the scenes by turns.
+
+    Args:
+        robot: The robot.
+        boxes: In each scene; the first `NEAR` of them are near the robot.
+        states: Random configurations to check.
+        rounds: How often each scene runs.
+        seed: Of boxes and states.
+
+    Returns:
+        A row a scene.
+    """
+    q = robot.random_configurations(states, seed)
+    made: dict[str, Built[Checker]] = {}
+    processes = []
+    for count in boxes:
+        made[str(count)] = built(partial(Checker, robot, boxes_around(count, seed)))
+        processes.append(resident_bytes())
+    works = {name: partial(item.value.check_states, q) for name, item in made.items()}
+    spent = [seconds / len(q) for seconds in least_seconds(works, rounds).values()]
+    rows = zip(boxes, made.values(), spent, processes, strict=True)
+    return [_row(count, item, seconds, spent[0], process) for count, item, seconds, process in rows]
+
+
+def boxes_around(count: int, seed: int) -> Scene:
+    """A scene of `count` boxes: those beyond the first `NEAR` are out of reach."""
+    rng = np.random.default_rng(seed)
+    scene = Scene(f"{count} boxes")
+    for k in range(count):
+        low, high = _NEAR_DISTANCES if k < NEAR else _FAR_DISTANCES
+        direction = rng.normal(size=3)
+        place = direction / np.linalg.norm(direction) * rng.uniform(low, high)
+        pose = np.eye(4)
+        pose[:3, :3] = _rotation(rng)
+        pose[:3, 3] = place
+        scene.add_box(f"box {k}", tuple(rng.uniform(*_EDGES, 3)), pose)
+    return scene
+
+
+def _rotation(rng: np.random.Generator) -> Floats:
+    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
+    q = q * np.sign(np.diag(r))
+    return np.asarray(q * np.sign(np.linalg.det(q)))
+
+
+def _row(count: int, item: Built[Checker], seconds: float, first: float, process: int | None) -> ScaleRow:
+    checker = item.value
+    own = {id(p): p for p in checker.prepared[: len(checker.robot.bodies)] if p is not None}.values()
+    every = {id(p): p for p in checker.prepared if p is not None}.values()
+    return ScaleRow(
+        count,
+        len(checker.pairs),
+        1e6 * seconds,
+        seconds / first,
+        item.seconds,
+        item.resident,
+        sum(p.nbytes for p in every),
+        sum(p.nbytes for p in own) / sum(len(p.vertices) for p in own),
+        process,
+    )

@@ -1,0 +1,154 @@
+"""Run time against error on the states of a robot in a scene, for all methods of methods.py.
+
+In: a checker, configurations. Out: a row a method. Truth are the exact verdicts; a method is wrong in a state that it
+calls free and that collides ("false free"), or the other way round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.build_cost import built
+from plannercheck.evaluation.bench.methods import Method
+from plannercheck.evaluation.bench.timing import least_seconds, seconds_of
+from plannercheck.motions.checker import Checker
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+Report = Callable[[str], None]
+
+# Seconds that a method works at a time, and into how many parts its states are split for that at most.
+_PART = 2e-3
+_MOST_PARTS = 32
+
+
+@dataclass(frozen=True)
+class StateRow:
+    """What one method did on one robot in one scene.
+
+    Attributes:
+        robot: Its name.
+        scene: Its name.
+        pairs: Pairs of bodies a state.
+        method: Its name.
+        kind: What it is (methods.py).
+        states: States judged in a round.
+        valid: Part of them that is valid, exactly.
+        microseconds: The least time a state.
+        ratio: That time over that of `check_states`.
+        false_free: Part of the states that it calls free though they collide.
+        false_collision: Part of the states that it calls colliding though they are free.
+        error: How far its bodies are off at most, m: computed for stand-ins, stated for coal; None where unknown.
+        resident: Bytes that building it took; None where the system does not tell.
+        preparation: Seconds that building it took, without the disk cache.
+        note: What was timed, and how.
+    """
+
+    robot: str
+    scene: str
+    pairs: int
+    method: str
+    kind: str
+    states: int
+    valid: float
+    microseconds: float
+    ratio: float
+    false_free: float
+    false_collision: float
+    error: float | None
+    resident: int | None
+    preparation: float
+    note: str
+
+
+@dataclass(frozen=True)
+class _Ready:
+    """A method that is built and warm.
+
+    Attributes:
+        method: Which.
+        works: Judge its states, in parts.
+        states: How many.
+        verdicts: Of them.
+        error: See `StateRow`, as the following.
+        resident: Bytes.
+        preparation: Seconds.
+    """
+
+    method: Method
+    works: Sequence[Callable[[], Bools]]
+    states: int
+    verdicts: Bools
+    error: float | None
+    resident: int | None
+    preparation: float
+
+
+def measure(
+    checker: Checker, methods: Sequence[Method], q: Floats, rounds: int, skipped: Report = lambda reason: None
+) -> list[StateRow]:
+    """Times all methods by turns.
+
+    Args:
+        checker: The exact one.
+        methods: What to compare; the first is what others' ratios are to.
+        q: Configurations (n, nq); slow methods judge the first of them.
+        rounds: How often each runs.
+        skipped: Is told why a method is left out: a library is not installed, or has no shape for a body.
+
+    Returns:
+        A row for each method that could be built.
+    """
+    ready = [found for method in methods if (found := _ready(method, q, skipped)) is not None]
+    seconds = least_seconds({item.method.name: item.works for item in ready}, rounds)
+    truth = checker.check_states(q)
+    each = [seconds[item.method.name] / item.states for item in ready]
+    return [_row(checker, item, truth, spent, each[0]) for item, spent in zip(ready, each, strict=True)]
+
+
+def _ready(method: Method, q: Floats, skipped: Report) -> _Ready | None:
+    try:
+        made = built(method.build)
+        rows = np.ascontiguousarray(q[: method.states])
+        prepared = method.prepare(rows)
+        verdicts = method.judge(made.value, prepared)
+        spent = seconds_of(lambda: method.judge(made.value, prepared))
+    except (PlannercheckError, ImportError) as error:
+        skipped(f"{method.name} is left out: {error}")
+        return None
+
+    works = [partial(method.judge, made.value, method.prepare(part)) for part in _parts(rows, spent)]
+    return _Ready(method, works, len(rows), verdicts, method.error(made.value), made.resident, made.seconds)
+
+
+def _parts(rows: Floats, seconds: float) -> list[Floats]:
+    """Of rows that take some seconds, so that each takes about as long as those of other methods."""
+    return np.array_split(rows, int(np.clip(round(seconds / _PART), 1, min(_MOST_PARTS, len(rows)))))
+
+
+def _row(checker: Checker, item: _Ready, truth: Bools, seconds: float, first: float) -> StateRow:
+    right = truth[: item.states]
+    return StateRow(
+        checker.robot.name,
+        checker.scene.name,
+        len(checker.pairs),
+        item.method.name,
+        item.method.kind,
+        item.states,
+        float(right.mean()),
+        1e6 * seconds,
+        seconds / first,
+        float((item.verdicts & ~right).mean()),
+        float((~item.verdicts & right).mean()),
+        item.error,
+        item.resident,
+        item.preparation,
+        item.method.note,
+    )

@@ -1,0 +1,233 @@
+"""Poses that put two convex bodies at a wished gap, a feature of one over a feature of the other.
+
+In: two bodies with outward triangles, a number of poses, gaps in metres. Out: poses (k, 4, 4) for both.
+
+The idea: choose a vertex, edge or facet of each with a direction in its normal cone, turn the bodies so that
+the two directions are opposite, spin about them at random, and lay a point of one feature over a point of
+the other. Then the plane between the features separates the bodies exactly by the gap (up to the rounding of
+the pose); below zero they overlap by at most that much.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies import exact_reference as exact
+
+Points = NDArray[np.float64]
+Faces = NDArray[np.int64]
+
+VERTEX, EDGE, FACET = range(3)
+# Directions taken at once against all vertices, to bound memory.
+BLOCK = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A convex body whose features can be laid upon each other.
+
+    Attributes:
+        name: What it is, e.g. "cone 100".
+        vertices: Hull vertices, (n, 3), m.
+        faces: Outward triangles, (m, 3) indices.
+    """
+
+    name: str
+    vertices: Points
+    faces: Faces
+
+    @cached_property
+    def normals(self) -> Points:
+        """Unit outward normals of the triangles, (m, 3)."""
+        a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+        normals = np.cross(b - a, c - a)
+        lengths = np.linalg.norm(normals, axis=1)[:, None]
+        return np.asarray(np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0))
+
+    @cached_property
+    def across(self) -> Faces:
+        """The triangle beyond each triangle's edge from corner k to corner k + 1, (m, 3)."""
+        n = len(self.vertices)
+        forward = self.faces * n + np.roll(self.faces, -1, axis=1)
+        backward = np.roll(self.faces, -1, axis=1) * n + self.faces
+        order = np.argsort(forward.ravel())
+        found = order[np.searchsorted(forward.ravel(), backward.ravel(), sorter=order)]
+        return found.reshape(-1, 3) // 3
+
+    @cached_property
+    def vertex_normals(self) -> Points:
+        """A direction strictly inside each vertex's normal cone, (n, 3), not normalised."""
+        sums = np.zeros_like(self.vertices)
+        np.add.at(sums, self.faces.ravel(), np.repeat(self.normals, 3, axis=0))
+        return sums
+
+    @cached_property
+    def centroid(self) -> Points:
+        """The centre of volume, (3,), m."""
+        middle = self.vertices.mean(axis=0)
+        corners = self.vertices[self.faces] - middle
+        volumes = np.linalg.det(corners)
+        return np.asarray(middle + volumes @ corners.sum(axis=1) / (4 * volumes.sum()))
+
+    @cached_property
+    def size(self) -> float:
+        """The longest edge of the axis-aligned box, m."""
+        return float(np.ptp(self.vertices, axis=0).max())
+
+    @cached_property
+    def width(self) -> float:
+        """The least extent along a facet's normal, m: at least the true width, and equal to it for a box.
+
+        0 for bodies without facets, swollen or not.
+        """
+        if len(self.faces) == 0:
+            return 0.0
+        directions = np.unique(np.round(self.normals[np.any(self.normals != 0, axis=1)], 6), axis=0)
+        some = directions[:: max(1, len(directions) // 2000)]
+        blocks = np.array_split(some, 1 + len(some) // BLOCK)
+        return float(min(np.ptp(block @ self.vertices.T, axis=1).min() for block in blocks))
+
+
+def contact_poses(p: Solid, r: Solid, gaps: Points, rng: np.random.Generator) -> tuple[Points, Points]:
+    """Poses at given gaps, of random features and directions.
+
+    Args:
+        p: The first body.
+        r: The second body.
+        gaps: Wished gaps, (k,), m; below 0 the bodies overlap.
+        rng: Random numbers.
+
+    Returns:
+        Poses of p and of r, (k, 4, 4) each; r is up to 1 m away from the origin.
+    """
+    k = len(gaps)
+    point_p, normal_p = random_features(p, k, rng)
+    point_r, normal_r = random_features(r, k, rng)
+    direction = random_directions(k, rng)
+    pose_p, pose_r = identities(k), identities(k)
+    pose_p[:, :3, :3] = turns_onto(normal_p, -direction, rng)
+    pose_r[:, :3, :3] = turns_onto(normal_r, direction, rng)
+    pose_r[:, :3, 3] = rng.uniform(-1, 1, size=(k, 3))
+    touch = pose_r[:, :3, 3] + turned(pose_r, point_r)
+    pose_p[:, :3, 3] = touch + gaps[:, None] * direction - turned(pose_p, point_p)
+    return pose_p, pose_r
+
+
+def random_poses(p: Solid, r: Solid, k: int, rng: np.random.Generator) -> tuple[Points, Points]:
+    """Poses at random distances, of which about half collide for round bodies; (k, 4, 4) each, m."""
+    pose_p, pose_r = identities(k), identities(k)
+    pose_p[:, :3, :3] = turns_onto(random_directions(k, rng), random_directions(k, rng), rng)
+    pose_r[:, :3, :3] = turns_onto(random_directions(k, rng), random_directions(k, rng), rng)
+    pose_r[:, :3, 3] = rng.uniform(-1, 1, size=(k, 3))
+    centre_p, centre_r = p.vertices.mean(axis=0), r.vertices.mean(axis=0)
+    apart = random_directions(k, rng) * rng.uniform(0, 0.6 * (p.size + r.size), size=(k, 1))
+    pose_p[:, :3, 3] = pose_r[:, :3, 3] + turned(pose_r, centre_r) - turned(pose_p, centre_p) + apart
+    return pose_p, pose_r
+
+
+def dyadic_poses(p: Solid, r: Solid, k: int, rng: np.random.Generator) -> tuple[Points, Points]:
+    """Poses (k, 4, 4) without rounding: quarter turns, a vertex of p on a vertex or an edge's middle of r, m.
+
+    Bodies with short coordinates touch exactly, or miss or overlap by a few units in the last place.
+    """
+    pose_p, pose_r = identities(k), identities(k)
+    pose_p[:, :3, :3] = quarter_turns(k, rng)
+    pose_r[:, :3, :3] = quarter_turns(k, rng)
+    corners = r.faces[rng.integers(0, len(r.faces), k)]
+    second = np.where(rng.integers(0, 2, k) == 0, corners[:, 0], corners[:, 1])
+    target = turned(pose_r, (r.vertices[corners[:, 0]] + r.vertices[second]) / 2)
+    offset = target - turned(pose_p, p.vertices[rng.integers(0, len(p.vertices), k)])
+    pose_p[:, :3, 3] = offset + rng.integers(-1, 2, size=(k, 3)) * np.spacing(np.abs(offset))
+    return pose_p, pose_r
+
+
+def quarter_turns(k: int, rng: np.random.Generator) -> Points:
+    """Rotations (k, 3, 3) that permute the axes."""
+    turns = np.eye(3)[rng.permuted(np.tile(np.arange(3), (k, 1)), axis=1)] * rng.choice([-1, 1], (k, 3, 1))
+    turns[np.linalg.det(turns) < 0, 0] *= -1
+    return np.asarray(turns)
+
+
+def random_features(solid: Solid, k: int, rng: np.random.Generator) -> tuple[Points, Points]:
+    """Points (k, 3) on random vertices, edges and facets; unit directions (k, 3) in their normal cones."""
+    face = rng.choice(np.flatnonzero(np.any(solid.normals != 0, axis=1)), k)
+    kind = rng.integers(0, 3, k)
+    weights = rng.dirichlet(np.ones(3), k)
+    weights[kind == VERTEX] = [1, 0, 0]
+    weights[kind == EDGE, 2] = 0
+    weights /= weights.sum(axis=1)[:, None]
+    corners = solid.faces[face]
+    points = np.einsum("kc,kcx->kx", weights, solid.vertices[corners])
+    lean = rng.uniform(0, 1, size=(k, 1))
+    at_vertex = lean * solid.normals[face] + (1 - lean) * unit(solid.vertex_normals[corners[:, 0]])
+    at_edge = lean * solid.normals[face] + (1 - lean) * solid.normals[solid.across[face, 0]]
+    by_kind = np.stack([at_vertex, at_edge, solid.normals[face]])
+    return points, unit(by_kind[kind, np.arange(k)])
+
+
+def random_directions(k: int, rng: np.random.Generator) -> Points:
+    """Unit vectors, (k, 3)."""
+    return unit(rng.normal(size=(k, 3)))
+
+
+def turns_onto(source: Points, target: Points, rng: np.random.Generator) -> Points:
+    """Rotations (k, 3, 3) that take unit vectors (k, 3) to others, spun at random about the target."""
+    spin = rng.uniform(0, 2 * np.pi, len(source))
+    cos, sin, zero, one = np.cos(spin), np.sin(spin), np.zeros_like(spin), np.ones_like(spin)
+    about = np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, one], axis=1).reshape(-1, 3, 3)
+    turns: Points = frames(target) @ about @ np.swapaxes(frames(source), 1, 2)
+    return turns
+
+
+def frames(axis: Points) -> Points:
+    """Rotations (k, 3, 3) whose third column is a unit vector."""
+    away = np.eye(3)[np.argmin(np.abs(axis), axis=1)]
+    first = unit(np.cross(away, axis))
+    return np.stack([first, np.cross(axis, first), axis], axis=2)
+
+
+def identities(k: int) -> Points:
+    """K identity poses, (k, 4, 4)."""
+    return np.tile(np.eye(4), (k, 1, 1))
+
+
+def turned(poses: Points, points: Points) -> Points:
+    """Points (k, 3) or (3,) under the rotations of poses."""
+    return np.asarray(np.einsum("kij,kj->ki", poses[:, :3, :3], np.broadcast_to(points, (len(poses), 3))))
+
+
+def unit(vectors: Points) -> Points:
+    """Vectors (k, 3) of length 1."""
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1)[:, None])
+
+
+def differ_from_contact(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap: float) -> bool:
+    """Whether two bodies are further than a gap apart, or overlap by more than about that much, m.
+
+    Shrinking p towards its centroid moves its supporting planes by at most the gap; so if that separates
+    colliding bodies, they overlap by at most the gap. No plane lies nearer to the centroid than a quarter of
+    the width, so each moves by a fair part of the gap; for a long body that part is small, therefore the overlap
+    along the facets' normals has to exceed the gap as well.
+    """
+    if not exact.intersects(p.vertices, r.vertices, pose_p, pose_r):
+        return exact.distance(p.vertices, r.vertices, pose_p, pose_r) > gap
+    arms = p.vertices - p.centroid
+    part = min(1.0, gap / np.linalg.norm(arms, axis=1).max())
+    if overlap_along_facets(p, r, pose_p, pose_r) <= gap:
+        return False
+    return exact.intersects(p.vertices - part * arms, r.vertices, pose_p, pose_r)
+
+
+def overlap_along_facets(p: Solid, r: Solid, pose_p: Points, pose_r: Points) -> float:
+    """The least overlap of two bodies along a normal of a facet of either, m: at least their depth."""
+    first, second = (s.vertices @ pose[:3, :3].T + pose[:3, 3] for s, pose in ((p, pose_p), (r, pose_r)))
+    overlaps = []
+    for solid, pose in ((p, pose_p), (r, pose_r)):
+        normals = unit(solid.normals[np.any(solid.normals != 0, axis=1)] @ pose[:3, :3].T)
+        for directions in (normals, -normals):
+            overlaps.append((directions @ first.T).max(axis=1) - (directions @ second.T).min(axis=1))
+    return float(np.concatenate(overlaps).min())

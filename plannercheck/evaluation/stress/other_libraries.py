@@ -1,0 +1,122 @@
+"""FCL and coal on the pairs of the stress suite, for comparison: neither claims to be exact.
+
+In: a draw. Out: what each says of every pair, if it has a shape for both bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol
+
+import numpy as np
+
+from plannercheck.bodies.fcl_bodies import load_fcl
+from plannercheck.evaluation.stress.random_cases import Draw
+from plannercheck.evaluation.stress.sample_bodies import Specimen
+
+
+class Peer(Protocol):
+    """Another library."""
+
+    name: str
+
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
+        """Its verdicts from a pair on, "exception" where it throws, "unfit" where it has no shape for a body."""
+        ...
+
+
+class Fcl:
+    """python-fcl, by its own defaults."""
+
+    name = "fcl"
+
+    def __init__(self) -> None:
+        """Raises PlannercheckError if python-fcl is not installed."""
+        self._fcl = load_fcl()
+        self._request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
+
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
+        """See `Peer`."""
+        return _outcomes(drawn, first, self._shape, self._collide)
+
+    def _shape(self, body: Specimen) -> Any:
+        if body.swell:
+            return _swollen_shape(body, self._fcl.Sphere, self._fcl.Capsule)
+        if body.polytope.dimension < 3:
+            return None
+        faces = body.polytope.faces
+        # FCL wants one flat list: for each face its number of corners, then the corners.
+        flat = np.column_stack([np.full(len(faces), 3), faces]).ravel().tolist()
+        return self._fcl.Convex(body.vertices, len(faces), flat)
+
+    def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
+        placed = [
+            self._fcl.CollisionObject(shape, self._fcl.Transform(pose[:3, :3], pose[:3, 3]))
+            for shape, pose in ((p, pose_p), (r, pose_r))
+        ]
+        return bool(self._fcl.collide(*placed, self._request, self._fcl.CollisionResult()))
+
+
+class Coal:
+    """coal, by its own defaults."""
+
+    name = "coal"
+
+    def __init__(self) -> None:
+        import coal
+
+        self._coal = coal
+        self._request = coal.CollisionRequest()
+
+    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
+        """See `Peer`."""
+        return _outcomes(drawn, first, self._shape, self._collide)
+
+    def _shape(self, body: Specimen) -> Any:
+        if body.swell:
+            return _swollen_shape(body, self._coal.Sphere, self._coal.Capsule)
+        if body.polytope.dimension < 3:
+            return None
+        points, triangles = self._coal.StdVec_Vec3s(), self._coal.StdVec_Triangle()
+        points.extend(list(body.vertices))
+        triangles.extend([self._coal.Triangle(*face) for face in body.polytope.faces.tolist()])
+        return self._coal.Convex(points, triangles)
+
+    def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
+        placed = (self._coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (pose_p, pose_r))
+        tf_p, tf_r = placed
+        result = self._coal.CollisionResult()
+        self._coal.collide(p, tf_p, r, tf_r, self._request, result)
+        return bool(result.isCollision())
+
+
+def _swollen_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Callable[[float, float], Any]) -> Any:
+    """A sphere or capsule about the origin; None for anything else."""
+    low, high = body.vertices[0], body.vertices[-1]
+    if body.polytope.dimension > 1 or (low + high).any() or low[:2].any():
+        return None
+    return sphere(body.swell) if body.polytope.dimension == 0 else capsule(body.swell, 2 * abs(float(low[2])))
+
+
+def _outcomes(
+    drawn: Draw, first: int, shape_of: Callable[[Specimen], Any], collide: Callable[[Any, Any, Any, Any], bool]
+) -> Iterator[bool | str]:
+    p, r = (_shape(shape_of, body) for body in (drawn.p, drawn.r))
+    failed = next((reason for reason in ("unfit", "exception") if reason in (p, r)), None)
+    for a, b in zip(drawn.poses_p[first:], drawn.poses_r[first:], strict=True):
+        yield failed or _outcome(collide, p, a, r, b)
+
+
+def _shape(shape_of: Callable[[Specimen], Any], body: Specimen) -> Any:
+    """The peer's shape, or why there is none."""
+    try:
+        return shape_of(body) or "unfit"
+    except Exception:
+        return "exception"
+
+
+def _outcome(collide: Callable[[Any, Any, Any, Any], bool], p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool | str:
+    try:
+        return collide(p, pose_p, r, pose_r)
+    except Exception:
+        return "exception"

@@ -1,0 +1,282 @@
+"""The stress run: every verdict on random draws held against proofs in exact arithmetic, in which the core has no part.
+
+In: how many pairs, a seed, peers, processes. Out: a `StressTally`: wrong verdicts, exceptions and timeouts of every
+contestant by family and gap; and a shrunk case for each of the first failures of ours. What is found depends on the
+seed and the number of pairs alone.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import threading
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies import exact_reference as exact
+from plannercheck.bodies.certificates import SharedPoint
+from plannercheck.bodies.intersection import METHODS, Method, certify, pair_options
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.stress.failing_cases import Case, shrunk
+from plannercheck.evaluation.stress.oracle import Oracle
+from plannercheck.evaluation.stress.other_libraries import Peer
+from plannercheck.evaluation.stress.random_cases import GAPS, Draw, numbered_draw
+from plannercheck.evaluation.stress.sample_bodies import Specimen
+from plannercheck.evaluation.stress.supervised_process import Supervised
+
+Flags = NDArray[np.bool_]
+Outcome = bool | str  # a verdict, or the kind of failure
+
+WRONG, EXCEPTION, TIMEOUT, UNFIT = "wrong", "exception", "timeout", "unfit"
+FAILURES = (WRONG, EXCEPTION, TIMEOUT)
+# Longest time for one query, s: a thousand times what any should take.
+QUERY_LIMIT = 1.0
+# Every so many draws the oracle's proofs are held against all vertices, and against another oracle.
+THOROUGH_DRAWS = 8
+# Every so many draws the core's certificates are asked for and proved by the oracle; and, of one pair of these draws,
+# by the package's own `verify`.
+CERTIFIED_DRAWS = 4
+# Draws that a process judges at a time.
+CHUNK = 40
+CERTIFICATE = "certificate"
+OURS = (*METHODS, CERTIFICATE)
+ORACLE = "oracle of the run"  # in the list of times; a method is called oracle, too
+# Failures that are shrunk and kept; more of the same say nothing new.
+KEPT = 20
+
+Key = tuple[str, str, bool]  # family, gap, whether the bodies share a point
+
+
+@dataclass
+class StressTally:
+    """What a run found.
+
+    Attributes:
+        pairs: By family, gap and truth.
+        failures: By contestant, kind of failure, family, gap and truth.
+        unfit: Pairs that a peer has no shape for, by contestant and family, gap and truth.
+        refused: Bodies that could not be prepared, by message.
+        by_integers: Pairs that the compiled oracle found no proof for, so that Python's integers decided.
+        cases: Failures of ours, shrunk.
+        seconds: Spent by each contestant.
+    """
+
+    pairs: Counter[Key] = field(default_factory=Counter)
+    failures: Counter[tuple[str, str, Key]] = field(default_factory=Counter)
+    unfit: Counter[tuple[str, Key]] = field(default_factory=Counter)
+    refused: Counter[str] = field(default_factory=Counter)
+    by_integers: int = 0
+    cases: list[Case] = field(default_factory=list)
+    seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float))
+
+    def merge(self, other: StressTally) -> None:
+        """Adds what was found after this."""
+        self.pairs.update(other.pairs)
+        self.failures.update(other.failures)
+        self.unfit.update(other.unfit)
+        self.refused.update(other.refused)
+        self.by_integers += other.by_integers
+        self.cases += other.cases[: max(0, KEPT - len(self.cases))]
+        for who, spent in other.seconds.items():
+            self.seconds[who] += spent
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing of ours failed."""
+        ours = any(count for (who, _, _), count in self.failures.items() if who in OURS)
+        return not ours and not self.refused
+
+    def add(self, who: str, key: Key, outcome: Outcome) -> bool:
+        """Counts an outcome of a contestant; whether it is a failure."""
+        if outcome == UNFIT:
+            self.unfit[who, key] += 1
+            return False
+        kind = outcome if isinstance(outcome, str) else WRONG
+        failed = outcome is not key[2]
+        self.failures[who, kind, key] += failed
+        return failed
+
+
+def run(
+    pairs: int,
+    seed: int,
+    peers: Sequence[Peer] = (),
+    progress: Callable[[StressTally], object] | None = None,
+    processes: int = 1,
+) -> StressTally:
+    """Runs the suite.
+
+    Args:
+        pairs: How many to decide at least.
+        seed: Of the random numbers; a run with more pairs starts with those of a shorter one.
+        peers: Other libraries to be counted, too.
+        progress: Called after each draw, or some of them.
+        processes: How many to use.
+
+    Returns:
+        The tally.
+    """
+    tally = StressTally()
+    with contextlib.ExitStack() as stack:
+        pool = stack.enter_context(ProcessPoolExecutor(processes)) if processes > 1 else None
+        first = 0
+        while (left := pairs - tally.pairs.total()) > 0:  # more than once where bodies are refused
+            past = first + -(-left // len(GAPS))
+            for found in _judged(pool, seed, first, past, peers):
+                tally.merge(found)
+                if progress is not None:
+                    progress(tally)
+            first = past
+    return tally
+
+
+def _judged(
+    pool: ProcessPoolExecutor | None, seed: int, first: int, past: int, peers: Sequence[Peer]
+) -> Iterator[StressTally]:
+    """The tallies of draws with numbers from `first` on, in their order."""
+    size = 1 if pool is None else CHUNK
+    starts = range(first, past, size)
+    ends = [min(start + size, past) for start in starts]
+    chunks = itertools.repeat(seed), starts, ends, itertools.repeat(peers)
+    return map(judge_draws, *chunks) if pool is None else pool.map(judge_draws, *chunks)
+
+
+def judge_draws(seed: int, first: int, past: int, peers: Sequence[Peer]) -> StressTally:
+    """What is found on the draws of a seed with numbers from `first` to before `past`."""
+    tally = StressTally()
+    for number in range(first, past):
+        try:
+            drawn = numbered_draw(seed, number)
+        except PlannercheckError as error:
+            tally.refused.update([_reason(error)])
+            continue
+        judge(drawn, tally, peers, number)
+    return tally
+
+
+def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], number: int) -> None:
+    """Counts all outcomes on one draw, the `number`-th."""
+    started = time.perf_counter()
+    oracle = Oracle(drawn)
+    truth, by_integers = oracle.truth(thorough=number % THOROUGH_DRAWS == 0)
+    tally.seconds[ORACLE] += time.perf_counter() - started
+    tally.by_integers += by_integers
+    keys = [(drawn.family, gap, shared) for gap, shared in zip(GAPS, truth, strict=True)]
+    tally.pairs.update(keys)
+    for method in METHODS:
+        started = time.perf_counter()
+        outcomes = _outcomes(drawn, method)
+        tally.seconds[method] += time.perf_counter() - started
+        for k, outcome in enumerate(outcomes):
+            if tally.add(method, keys[k], outcome) and len(tally.cases) < KEPT:
+                tally.cases.append(_kept(drawn, k, method))
+    others: dict[str, Callable[[Draw], Iterable[Outcome]]] = {peer.name: Supervised(peer).outcomes for peer in peers}
+    if number % CERTIFIED_DRAWS == 0:
+        others[CERTIFICATE] = lambda drawn: _certified(drawn, oracle, number)
+    for name, ask in others.items():
+        started = time.perf_counter()
+        outcomes = list(ask(drawn))
+        tally.seconds[name] += time.perf_counter() - started
+        for key, outcome in zip(keys, outcomes, strict=True):
+            tally.add(name, key, outcome)
+
+
+def _reason(error: PlannercheckError) -> str:
+    """An error's words without what it says of the body in question."""
+    return str(error).partition(": ")[2] or str(error)
+
+
+def _certified(drawn: Draw, oracle: Oracle, number: int) -> list[Outcome]:
+    """What the core's certificates prove."""
+    outcomes = [_proved(oracle, k) for k in range(len(GAPS))]
+    k = number // CERTIFIED_DRAWS % len(GAPS)
+    if outcomes[k] != _verified(drawn, k):
+        outcomes[k] = EXCEPTION
+    return outcomes
+
+
+def _proved(oracle: Oracle, k: int) -> Outcome:
+    try:
+        shared = oracle.certified(k)
+    except Exception:
+        return EXCEPTION
+    return EXCEPTION if shared is None else shared
+
+
+def _verified(drawn: Draw, k: int) -> Outcome:
+    try:
+        certificate = certify(drawn.p.polytope, drawn.r.polytope, drawn.poses_p[k], drawn.poses_r[k])
+        return isinstance(certificate, SharedPoint) if certificate.verify() else EXCEPTION
+    except Exception:
+        return EXCEPTION
+
+
+def _outcomes(drawn: Draw, method: Method) -> list[Outcome]:
+    """Our outcomes; one by one if all together take too long or throw."""
+    together = _ask(drawn, method, slice(None), QUERY_LIMIT * len(GAPS))
+    if together.seconds < QUERY_LIMIT and not together.failure:
+        return list(together.verdicts)
+    single = (_ask(drawn, method, slice(k, k + 1), QUERY_LIMIT) for k in range(len(GAPS)))
+    return [answer.failure or answer.verdicts[0] for answer in single]
+
+
+@dataclass
+class _Answer:
+    verdicts: list[bool] = field(default_factory=list)
+    failure: str = ""
+    seconds: float = 0.0
+
+
+def _ask(drawn: Draw, method: Method, some: slice, limit: float) -> _Answer:
+    """Verdicts on some poses, from a thread that is left behind when it takes too long."""
+    answer = _Answer(failure=TIMEOUT)
+
+    def work() -> None:
+        started = time.perf_counter()
+        try:
+            p, r = drawn.p.polytope.core, drawn.r.polytope.core
+            found = core.intersect_batch(p, drawn.poses_p[some], r, drawn.poses_r[some], pair_options(method))
+            answer.verdicts, answer.failure = found[0].astype(bool).tolist(), ""
+        except Exception:
+            answer.failure = EXCEPTION
+        answer.seconds = time.perf_counter() - started
+
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    thread.join(limit)
+    return _Answer(list(answer.verdicts), answer.failure, answer.seconds)
+
+
+def _kept(drawn: Draw, k: int, method: Method) -> Case:
+    p, r = drawn.p, drawn.r
+    name = f"{method}, gap {list(GAPS)[k]}, {drawn.label}"
+    case = Case(name, (p.vertices, r.vertices, drawn.poses_p[k], drawn.poses_r[k]), (p.swell, r.swell))
+    return shrunk(case, lambda smaller: fails(smaller, method))
+
+
+def fails(case: Case, method: Method) -> bool:
+    """Whether a method errs on a case; one that can't be prepared does not count.
+
+    Args:
+        case: Two posed bodies.
+        method: See `plannercheck.bodies.intersection.pair_options`.
+
+    Returns:
+        True if the verdict is wrong, or there is none in time.
+    """
+    p, r, pose_p, pose_r = case.bodies
+    try:
+        bodies = [Polytope(v, swell=s) for v, s in zip((p, r), case.swells, strict=True)]
+    except PlannercheckError:
+        return False
+    first, second = (Specimen("case", body, 1.0) for body in bodies)
+    answer = _ask(Draw("", "", first, second, pose_p[None], pose_r[None]), method, slice(None), QUERY_LIMIT)
+    return bool(answer.failure) or answer.verdicts[0] != exact.intersects(*case.bodies, *case.swells)

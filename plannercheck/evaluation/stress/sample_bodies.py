@@ -1,0 +1,152 @@
+"""Bodies to be laid upon each other: prepared, with points on their border and the directions that face outward there.
+
+In: a family, a number of vertices, a size, a swell. Out: a `Specimen`, of any dimension.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.evaluation.stress.body_families import FAMILIES, MESHES, THIN_FAMILIES, mesh_points
+from plannercheck.evaluation.stress.contact_poses import Points, random_directions, unit
+
+Indices = NDArray[np.int64]
+
+# Families of hulls, and swollen ones: the family that is swollen, and the swell over the size.
+HULLS = (*FAMILIES, "mesh", *THIN_FAMILIES)
+SWOLLEN: dict[str, tuple[str, float]] = {
+    "sphere": ("point", 0.5),
+    "capsule": ("segment", 0.1),
+    "rounded plate": ("plate", 0.01),
+    "rounded box": ("box", 0.1),
+    "rounded hull": ("round", 1e-6),
+}
+# How a feature is chosen: the vertex extreme along a random direction, or a corner, an edge or the inside of a facet.
+_EXTREME, _CORNER, _EDGE = range(3)
+_KINDS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Specimen:
+    """A prepared body.
+
+    Attributes:
+        family: One of HULLS or SWOLLEN, or what else it is.
+        polytope: The body.
+        size: Its greatest extent along an axis, swell included, m; of a point 1.
+    """
+
+    family: str
+    polytope: Polytope
+    size: float
+
+    @property
+    def vertices(self) -> Points:
+        """Of the hull, (n, 3), m."""
+        return self.polytope.vertices
+
+    @property
+    def swell(self) -> float:
+        """All points within this distance of the hull belong to the body, m."""
+        return self.polytope.swell
+
+    def support(self, directions: Points) -> Points:
+        """The hull's vertex that is about furthest along each direction (k, 3); (k, 3), m."""
+        return np.asarray(self.vertices[np.argmax(directions @ self.vertices.T, axis=1)])
+
+    def features(self, k: int, rng: np.random.Generator) -> tuple[Points, Points]:
+        """Points (k, 3) of the hull's border, m, and unit directions (k, 3) along which they are about extreme."""
+        directions = random_directions(k, rng)
+        points = self.support(directions)
+        kinds = rng.integers(0, _KINDS, k)
+        facing = np.flatnonzero(kinds != _EXTREME)
+        if self.polytope.dimension > 0 and len(facing):
+            weights = _weights(kinds[facing], rng)
+            corners, normals = self._facets(len(facing), rng)
+            points[facing] = np.einsum("kc,kcx->kx", weights, corners)
+            directions[facing] = normals
+        return points, directions
+
+    def _facets(self, k: int, rng: np.random.Generator) -> tuple[Points, Points]:
+        """Corners (k, 3, 3) of random facets, and their unit outward normals (k, 3)."""
+        if self.polytope.dimension == 3:
+            corners = self.vertices[self._sound_faces[rng.integers(0, len(self._sound_faces), k)]]
+            return corners, unit(_normals(corners))
+        chosen = rng.permuted(np.tile(np.arange(len(self.vertices)), (k, 1)), axis=1)
+        if self.polytope.dimension == 1:
+            along = self.vertices[1] - self.vertices[0]
+            return self.vertices[np.pad(chosen, ((0, 0), (0, 1)), mode="edge")], unit(
+                np.cross(along / np.abs(along).max(), random_directions(k, rng))
+            )
+        return self.vertices[chosen[:, :3]], rng.choice([-1.0, 1.0], (k, 1)) * self._plane_normal
+
+    @cached_property
+    def _sound_faces(self) -> NDArray[np.int32]:
+        """Triangles that doubles can tell a normal of."""
+        faces = self.polytope.faces
+        sound = faces[np.any(_normals(self.vertices[faces]) != 0, axis=1)]
+        return sound if len(sound) else faces[:1]
+
+    @cached_property
+    def _plane_normal(self) -> Points:
+        arms = (self.vertices - self.vertices[0]) / self.size
+        return np.asarray(np.linalg.svd(arms)[2][2])
+
+
+def _normals(corners: Points) -> Points:
+    """Normals (k, 3) of triangles (k, 3, 3), not normalised but of a size that does not underflow."""
+    arms = corners[:, 1:] - corners[:, :1]
+    longest = np.abs(arms).max(axis=(1, 2), keepdims=True)
+    arms = arms / np.where(longest > 0, longest, 1)
+    normals = np.cross(arms[:, 0], arms[:, 1])
+    largest = np.abs(normals).max(axis=1, keepdims=True)
+    return np.asarray(normals / np.where(largest > 0, largest, 1))
+
+
+def _weights(kinds: Indices, rng: np.random.Generator) -> Points:
+    weights = rng.dirichlet(np.ones(3), len(kinds))
+    weights[kinds == _CORNER] = [1, 0, 0]
+    weights[kinds == _EDGE, 2] = 0
+    return np.asarray(weights / weights.sum(axis=1)[:, None])
+
+
+def specimen(family: str, n: int, size: float, rng: np.random.Generator) -> Specimen:
+    """A random body of a family.
+
+    Args:
+        family: One of HULLS or SWOLLEN.
+        n: About how many points, at least 8.
+        size: About how large, m.
+        rng: Random numbers.
+
+    Returns:
+        The prepared body.
+    """
+    base, swell = SWOLLEN.get(family, (family, 0.0))
+    return prepared(family, base_points(base, n, rng) * size, swell * size)
+
+
+def base_points(family: str, n: int, rng: np.random.Generator) -> Points:
+    """Points (about n, 3) of one of HULLS, about 1 m across."""
+    if family == "mesh":
+        return mesh_hull(MESHES[int(rng.integers(len(MESHES)))])
+    return (FAMILIES.get(family) or THIN_FAMILIES[family])(n, rng)
+
+
+def prepared(family: str, points: Points, swell: float = 0.0) -> Specimen:
+    """The specimen of points (n, 3), m."""
+    polytope = Polytope(points, swell=swell, name=family)
+    extent = float(np.ptp(polytope.vertices, axis=0).max()) + 2 * swell
+    return Specimen(family, polytope, extent if extent > 0 else 1.0)
+
+
+@lru_cache
+def mesh_hull(name: str) -> Points:
+    """The hull vertices of a robot's mesh, about 1 m across."""
+    points = mesh_points(name)
+    return np.asarray(Polytope(points / np.ptp(points, axis=0).max()).vertices)

@@ -1,0 +1,62 @@
+"""A peer in processes of its own: libccd, which FCL asks, loops for ever on some pairs, and no thread can be stopped.
+
+In: a peer, a draw. Out: its outcomes, "timeout" where it does not come back; the next process goes on behind that pair.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+
+from plannercheck.evaluation.stress.other_libraries import Peer
+from plannercheck.evaluation.stress.random_cases import Draw
+
+# Longest time for one pair, s: thousands of times what FCL and coal take; preparing the bodies is part of the first.
+PAIR_LIMIT = 2.0
+
+_CODES: dict[bool | str, bytes] = {False: b"0", True: b"1", "exception": b"e", "unfit": b"u"}
+_OUTCOMES = {code: outcome for outcome, code in _CODES.items()}
+
+
+class Supervised:
+    """A peer that can be stopped."""
+
+    def __init__(self, peer: Peer, limit: float = PAIR_LIMIT) -> None:
+        """Waits no longer than `limit` s for a pair."""
+        self.name = peer.name
+        self._peer, self._limit = peer, limit
+
+    def outcomes(self, drawn: Draw) -> list[bool | str]:
+        """See `Peer`."""
+        count, found = len(drawn.poses_p), list[bool | str]()
+        while len(found) < count:
+            found += self._some(drawn, len(found))
+            if len(found) < count:
+                found.append("timeout")
+        return found
+
+    def _some(self, drawn: Draw, first: int) -> list[bool | str]:
+        """Outcomes from a pair on, up to the first that takes too long."""
+        read, write = os.pipe()
+        child = os.fork()
+        if child == 0:
+            self._work(drawn, first, write)
+        os.close(write)
+        found: list[bool | str] = []
+        try:
+            while select.select([read], [], [], self._limit)[0] and (code := os.read(read, 1)):
+                found.append(_OUTCOMES[code])
+        finally:
+            os.close(read)
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+        return found
+
+    def _work(self, drawn: Draw, first: int, write: int) -> None:
+        """In the child: one byte an outcome, then the end, whatever happens."""
+        try:
+            for outcome in self._peer.outcomes(drawn, first):
+                os.write(write, _CODES[outcome])
+        finally:
+            os._exit(0)

@@ -1,0 +1,74 @@
+"""Accepted motions collide nowhere: at their ends, in contacts by construction, at states all along.
+
+In: a draw with the answers to its motions. Out: faults.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.evaluation.stress_motions.draws import Draw
+from plannercheck.evaluation.stress_motions.outcomes import COLLISION, FREE, Answers, Judged, said, states_on, valid
+from plannercheck.evaluation.stress_motions.subjects import Subject
+
+Floats = NDArray[np.float64]
+
+# States of an accepted motion: evenly spread with a random start, and at both sides of the contact so far off.
+_SPREAD = 16
+_ASIDE = np.concatenate([-(10.0 ** -np.arange(1.0, 10.0, 2)), [0.0], 10.0 ** -np.arange(1.0, 10.0, 2)])
+# Of so many accepted motions of a draw the least clearance is searched for: states at first, then rounds of so many
+# within the two steps around the least.
+_SEARCHED, _FIRST_STATES, _ROUNDS, _STATES = 8, 17, 4, 9
+
+
+def ends_and_contacts(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
+    """Both ends as they were given, and the state of the contact, alone and in company."""
+    motions, free = draw.motions, np.flatnonzero(answers == FREE)
+    for name, q in (("start", motions.q0), ("end", motions.q1)):
+        for row in free[~valid(used, q[free])].tolist() if len(free) else []:
+            judged.add(COLLISION, row, f"its {name} collides")
+    _, first = np.unique(motions.through, axis=0, return_index=True)
+    known = first[motions.touching[first]]
+    if not len(known):
+        return
+    in_company = said(used, motions.through[known])
+    for row, answer in zip(known.tolist(), in_company.tolist(), strict=True):
+        if answer == 1 or said(used, motions.through[row][None])[0] == 1:
+            judged.add(COLLISION, row, "a state in contact by construction is called valid")
+
+
+def sampled(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
+    """States all along, and close to the contact."""
+    free = np.flatnonzero(answers == FREE)
+    states = [states_on(draw, used, row, _parameters(draw.motions.at[row], rng)) for row in free.tolist()]
+    if not states:
+        return
+    judged.counts["sampled states"] += sum(len(part) for part in states)
+    owners = np.repeat(free, [len(part) for part in states])
+    colliding = ~valid(used, np.vstack(states))
+    for row in np.unique(owners[colliding]).tolist():
+        judged.add(COLLISION, row, "a state on it collides")
+
+
+def _parameters(at: float, rng: np.random.Generator) -> Floats:
+    spread = (np.arange(_SPREAD) + rng.random()) / _SPREAD
+    return np.asarray(np.clip(np.concatenate([spread, at + _ASIDE, [0.0, 1.0]]), 0, 1))
+
+
+def least_clearances(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
+    """A search for the state of least clearance, which must not collide."""
+    free = np.flatnonzero(answers == FREE)
+    chosen = rng.permutation(free)[:_SEARCHED]
+    low, high = np.zeros(len(chosen)), np.ones(len(chosen))
+    for step in range(_ROUNDS if len(chosen) else 0):
+        k = _STATES if step else _FIRST_STATES
+        parameters = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, k)
+        states = [states_on(draw, used, row, t) for row, t in zip(chosen.tolist(), parameters, strict=True)]
+        judged.counts["sampled states"] += len(chosen) * k
+        clearances = used.clearances(np.vstack(states)).reshape(len(chosen), k)
+        found = np.argmin(clearances, axis=1)
+        for row in chosen[(clearances <= used.padding).any(axis=1)].tolist():
+            judged.add(COLLISION, row, "the state of least clearance collides")
+        rows = np.arange(len(chosen))
+        low, high = parameters[rows, np.maximum(found - 1, 0)], parameters[rows, np.minimum(found + 1, k - 1)]

@@ -1,0 +1,146 @@
+"""Contact by construction: a state is chosen first, then a body is put where it touches the robot there.
+
+In: a posed robot, a shape, a depth. Out: the shape's pose at which it shares a point with a body of the robot at just
+that state, or misses it by as much; and how the point moves against it, so that motions can be laid along the contact
+as well as across it.
+
+A vertex of one body, moved towards the middle of the other by the depth, is a point of both: convexity says so,
+whatever the shapes. A gap is kept along the normal that supports both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import Shape, hull_and_swell
+from plannercheck.evaluation.stress.contact_poses import random_directions, turns_onto
+from plannercheck.evaluation.stress_motions.recipes import shape_of
+
+Floats = NDArray[np.float64]
+
+# Depths of contacts and widths of gaps, m, as powers of ten.
+DEPTHS, _GAPS = (-6.0, -2.0), (-3.9, -0.5)
+# Contacts in so many cases on a facet of a box, else at any vertex; vertices of a facet are level up to this part.
+_ON_FACETS, _FLAT = 0.4, 1e-12
+# Shapes: this many in six touch, the others miss.
+_TOUCHING = 4 / 6
+
+
+@dataclass(frozen=True, eq=False)
+class Extent:
+    """A shape as the hull of points, all within a distance of it.
+
+    Attributes:
+        vertices: (n, 3), m.
+        swell: m.
+    """
+
+    vertices: Floats
+    swell: float
+
+    def furthest(self, direction: Floats, rng: np.random.Generator | None = None) -> Floats:
+        """The vertex (3,) that is furthest along a unit direction; any point of a facet, if one is."""
+        along = self.vertices @ direction
+        vertex = self.vertices[int(np.argmax(along))]
+        if rng is not None:
+            facet = self.vertices[along >= along.max() - _FLAT * (1 + np.abs(along).max())]
+            vertex = rng.dirichlet(np.ones(len(facet))) @ facet
+        return np.asarray(vertex)
+
+
+def extent_of(shape: Shape) -> Extent:
+    """The extent of a shape as checkers take it."""
+    vertices, _, swell = hull_and_swell(shape)
+    return Extent(np.asarray(vertices), float(swell))
+
+
+def random_shape(rng: np.random.Generator, large: bool = False) -> list[Any]:
+    """A shape's recipe: boxes, balls, thin walls, needles, bodies of 1 mm, hulls; or large boxes."""
+    if large:
+        return ["box", [_size(rng, -1, 1) for _ in range(3)]]
+    kind = rng.integers(8)
+    if kind == 0:
+        return ["sphere", _size(rng, -3, -0.7)]
+    if kind == 1:
+        return ["capsule", _size(rng, -3, -1), _size(rng, -2, 0)]
+    if kind == 2:
+        return ["hull", (rng.normal(size=(int(rng.integers(4, 12)), 3)) * _size(rng, -3, -0.7)).tolist()]
+    if kind == 3:
+        return ["box", [1e-3, 1e-3, 1e-3]]
+    if kind == 4:
+        return ["box", [_size(rng, -4, -3), _size(rng, -4, -3), _size(rng, -1, 0)]]
+    if kind == 5:
+        return ["box", [_size(rng, -4.5, -2), *rng.uniform(0.05, 1.0, 2).tolist()]]
+    return ["box", [_size(rng, -2.5, -0.5) for _ in range(3)]]
+
+
+def _size(rng: np.random.Generator, least: float, largest: float) -> float:
+    return float(10.0 ** rng.uniform(least, largest))
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Where a shape touches a body of the robot, or just misses it.
+
+    Attributes:
+        pose: (4, 4) of the shape in the world at the chosen state, m.
+        foot: (3,) the vertex of the shape, in its own frame, whose ball is laid upon the body.
+        point: (3,) of the body, in the world.
+        normal: (3,) out of the body there.
+        touches: Whether they share a point.
+    """
+
+    pose: Floats
+    foot: Floats
+    point: Floats
+    normal: Floats
+    touches: bool
+
+    def pose_on(self, link: Floats) -> Floats:
+        """(4, 4) of the shape on a link at a pose (4, 4), which may be a little off rigid: the foot stays put."""
+        apart = np.linalg.solve(link[:3, :3], np.column_stack([self.pose[:3, :3], self._foot_in_world - link[:3, 3]]))
+        left, _, right = np.linalg.svd(apart[:, :3])
+        pose = np.eye(4)
+        pose[:3, :3] = left @ right
+        pose[:3, 3] = apart[:, 3] - pose[:3, :3] @ self.foot
+        return pose
+
+    @property
+    def _foot_in_world(self) -> Floats:
+        return np.asarray(self.pose[:3, :3] @ self.foot + self.pose[:3, 3])
+
+
+def random_contact(
+    body: Extent,
+    pose: Floats,
+    shape: list[Any],
+    rng: np.random.Generator,
+    depths: tuple[float, float] = DEPTHS,
+) -> Contact:
+    """A shape laid upon a body at a pose (4, 4), as deep as powers of ten between `depths` say, in m."""
+    other = extent_of(shape_of(shape))
+    direction = random_directions(1, rng)[0]
+    if rng.random() < _ON_FACETS:
+        direction = rng.choice([-1.0, 1.0]) * np.eye(3)[int(rng.integers(3))]
+    normal = np.linalg.inv(pose[:3, :3]).T @ direction  # of a pose that may be a little off rigid
+    normal /= np.linalg.norm(normal)
+    turn = turns_onto(random_directions(1, rng), random_directions(1, rng), rng)[0]
+    # Poses off rigid stretch what vertices span, not the balls around them.
+    point = pose[:3, :3] @ body.furthest(direction, rng) + pose[:3, 3] + body.swell * normal
+    local = other.furthest(turn.T @ -normal)
+    foot = turn @ local - other.swell * normal
+    placed = np.eye(4)
+    placed[:3, :3] = turn
+    touches = bool(rng.random() < _TOUCHING)
+    if touches:
+        middle = pose[:3, :3] @ body.vertices.mean(axis=0) + pose[:3, 3]
+        inward = middle - point
+        depth = min(10.0 ** rng.uniform(*depths), 0.5 * float(np.linalg.norm(inward)))
+        placed[:3, 3] = point + depth * inward / max(float(np.linalg.norm(inward)), 1e-300) - foot
+    else:
+        placed[:3, 3] = point + 10.0 ** rng.uniform(*_GAPS) * normal - foot
+    return Contact(placed, local, point, normal, touches)

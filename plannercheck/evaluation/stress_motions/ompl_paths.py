@@ -1,0 +1,69 @@
+"""Whether a motion that is proved is the one that OMPL makes: the same states between the same ends.
+
+In: random numbers. Out: a `Judged`. OMPL interpolates in its own space; the links are held against those on the motion
+that the checker judges, joint by joint and mimics included.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from ompl import base
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.stress_motions.draws import FAMILIES
+from plannercheck.evaluation.stress_motions.outcomes import ASTRAY, Judged
+from plannercheck.evaluation.stress_motions.recipes import robot_of
+from plannercheck.evaluation.stress_motions.subjects import SpaceSubject
+from plannercheck.evaluation.stress_motions.trees import random_tree
+from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.robots.robot import Robot
+
+Floats = NDArray[np.float64]
+
+OMPL_FAMILY = "ompl"
+_MOTIONS, _STATES = 40, 5
+# Links agree up to this, m per m.
+_SAME = 1e-9
+
+
+def judge_ompl_paths(rng: np.random.Generator) -> Judged:
+    """A tree with mimics, as OMPL moves it and as it is proved."""
+    judged = Judged()
+    recipe = random_tree(FAMILIES["mimic"], rng)
+    recipe["bodies"].append({"link": "base", "shape": ["sphere", 0.1], "pose": np.eye(4).tolist()})
+    robot = robot_of(recipe)
+    judged.counts["motions"] += _MOTIONS
+    try:
+        space = JointSpace(robot)
+    except PlannercheckError:  # says which joint OMPL has no space for
+        judged.counts["declined"] += _MOTIONS
+        return judged
+    subject = SpaceSubject(recipe, robot)
+    q0, q1 = (robot.random_configurations(_MOTIONS, rng) for _ in range(2))
+    parameters = rng.random(_STATES)
+    for row in range(_MOTIONS):
+        theirs = _interpolated(space, q0[row], q1[row], parameters)
+        ours = subject.states(q0[row], q1[row], parameters)
+        if _apart(robot, ours, theirs) > _SAME:
+            judged.add(ASTRAY, -1, f"OMPL goes another way from {q0[row].tolist()} to {q1[row].tolist()}")
+    return judged
+
+
+def _interpolated(space: JointSpace, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+    """(k, nq) as OMPL interpolates."""
+    made = space.ompl_space()
+    information = base.SpaceInformation(made)
+    start, end = space.state(information, q0), space.state(information, q1)
+    between = space.state(information, q0)
+    out = []
+    for t in parameters.tolist():
+        made.interpolate(start, end, t, between)
+        out.append(space.read(between))
+    return np.array(out)
+
+
+def _apart(robot: Robot, a: Floats, b: Floats) -> float:
+    """How far links are apart at most, over their distance from the origin."""
+    first, second = robot.link_poses(a), robot.link_poses(b)
+    return float(np.abs(first - second).max() / (1 + np.abs(first).max()))

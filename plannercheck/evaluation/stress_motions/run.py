@@ -1,0 +1,211 @@
+"""The stress of motions: random draws, each judged by itself, in any number of processes.
+
+In: how many motions, a seed. Out: a `MotionTally` by family, and the failures as cases. Every draw has random numbers
+of its own, so that what is found does not depend on how many processes share the work.
+"""
+
+from __future__ import annotations
+
+import itertools
+import multiprocessing
+import os
+import time
+import warnings
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of
+from plannercheck.evaluation.stress_motions.draws import FAMILIES, MOTIONS, Draw, shipped_draw, shipped_robot, tree_draw
+from plannercheck.evaluation.stress_motions.judges import judge
+from plannercheck.evaluation.stress_motions.ompl_paths import OMPL_FAMILY, judge_ompl_paths
+from plannercheck.evaluation.stress_motions.outcomes import EXCEPTION, Fault, Judged
+from plannercheck.evaluation.stress_motions.planar_draws import CURVES, PLANAR_FAMILIES, planar_draw
+from plannercheck.evaluation.stress_motions.recipes import Recipe, planar_robot_of, robot_of
+from plannercheck.evaluation.stress_motions.subjects import Subject, subject_of
+from plannercheck.evaluation.stress_motions.unposed_robots import UNPOSED, judge_unposed
+
+# Families and how often they are drawn. Those of which a draw is costly, or small, are rarer.
+WEIGHTS: dict[str, float] = {
+    "tree": 0.2,
+    "chain": 0.1,
+    "turns": 0.1,
+    "placed": 0.16,
+    "mimic": 0.08,
+    "off unit": 0.04,
+    "far ends": 0.06,
+    "shipped": 0.04,
+    "plane chain": 0.1,
+    "plane swing": 0.04,
+    "plane shipped": 0.03,
+    "plane curves": 0.04,
+    OMPL_FAMILY: 0.02,
+    UNPOSED: 0.01,
+}
+FAMILY_NAMES = tuple(WEIGHTS)
+_SPECIAL: dict[str, Callable[[np.random.Generator], Judged]] = {
+    OMPL_FAMILY: judge_ompl_paths,
+    UNPOSED: judge_unposed,
+}
+# About how many motions a draw has; those of other families have MOTIONS.
+_SIZES = {"plane curves": CURVES, OMPL_FAMILY: 40, UNPOSED: 10}
+# Failures that are kept; more of the same say nothing new.
+KEPT = 20
+# Random numbers of a draw: what it is, and how it is judged.
+_DRAWN, _JUDGED = 0, 1
+
+
+@dataclass
+class MotionTally:
+    """What a run found.
+
+    Attributes:
+        counts: By family and what was counted: motions, free, refused, declined, sharp, sampled states, verified.
+        faults: By family and kind.
+        cases: The first failures.
+        first: By kind of fault, after how many motions it was found first.
+        draws: How many were judged.
+        seconds: By family, of processes' time.
+    """
+
+    counts: dict[str, Counter[str]] = field(default_factory=lambda: defaultdict(Counter))
+    faults: dict[str, Counter[str]] = field(default_factory=lambda: defaultdict(Counter))
+    cases: list[MotionCase] = field(default_factory=list)
+    first: dict[str, int] = field(default_factory=dict)
+    draws: int = 0
+    seconds: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+
+    @property
+    def motions(self) -> int:
+        """All that were judged."""
+        return sum(count["motions"] for count in self.counts.values())
+
+    @property
+    def failures(self) -> int:
+        """All faults."""
+        return sum(count.total() for count in self.faults.values())
+
+    def add(self, outcome: Outcome) -> None:
+        """Adds a draw's."""
+        self.draws += 1
+        self.counts[outcome.family].update(outcome.counts)
+        self.faults[outcome.family].update(outcome.faults)
+        self.seconds[outcome.family] += outcome.seconds
+        self.cases += outcome.cases[: KEPT - len(self.cases)]
+        for kind in outcome.faults:
+            self.first.setdefault(kind, self.motions)
+
+
+class Outcome(NamedTuple):
+    """What a draw found, as it goes from process to process."""
+
+    number: int
+    family: str
+    counts: Counter[str]
+    faults: Counter[str]
+    cases: list[MotionCase]
+    seconds: float
+
+
+class Task(NamedTuple):
+    """A draw to be made and judged."""
+
+    seed: int
+    number: int
+    family: str
+    verified: int
+
+
+def run(
+    motions: int,
+    seed: int,
+    verified: int = 0,
+    processes: int = 1,
+    families: tuple[str, ...] = FAMILY_NAMES,
+    progress: Callable[[MotionTally], object] | None = None,
+) -> MotionTally:
+    """Runs the suite.
+
+    Args:
+        motions: How many to judge at least.
+        seed: Of the random numbers.
+        verified: How many of the accepted motions to prove and verify, about.
+        processes: How many share the work; what is found does not depend on it.
+        families: Of FAMILY_NAMES.
+        progress: Called after each draw.
+
+    Returns:
+        The tally.
+    """
+    tally = MotionTally()
+    each = 0 if verified == 0 else -(-verified * MOTIONS // motions)
+    for outcome in _outcomes(list(tasks(motions, seed, each, families)), processes):
+        tally.add(outcome)
+        if progress is not None:
+            progress(tally)
+    return tally
+
+
+def tasks(motions: int, seed: int, verified: int, families: tuple[str, ...]) -> Iterator[Task]:
+    """Draws that have about so many motions together."""
+    weights = np.array([WEIGHTS[family] for family in families])
+    planned = 0
+    for number in itertools.count():
+        if planned >= motions:
+            break
+        family = str(np.random.default_rng([seed, number, _DRAWN]).choice(families, p=weights / weights.sum()))
+        planned += _SIZES.get(family, MOTIONS)
+        yield Task(seed, number, family, verified)
+
+
+def _outcomes(work: list[Task], processes: int) -> Iterator[Outcome]:
+    """In the order of the draws."""
+    os.environ["PLANNERCHECK_CACHE"] = "0"  # millions of bodies that no one will meet again
+    if processes == 1:
+        yield from map(outcome_of, work)
+        return
+    with multiprocessing.get_context("spawn").Pool(processes) as pool:
+        yield from pool.imap(outcome_of, work)
+
+
+def outcome_of(task: Task) -> Outcome:
+    """Makes and judges a draw; an exception is a fault, too."""
+    began = time.process_time()
+    rng = np.random.default_rng([task.seed, task.number, _DRAWN, _JUDGED])
+    drawn: Draw | None = None
+    try:
+        warnings.simplefilter("ignore", RuntimeWarning)  # of bodies that touch for ever
+        if task.family in _SPECIAL:
+            judged = _SPECIAL[task.family](rng)
+        else:
+            drawn = draw(task.family, rng)
+            judged = judge(drawn, _builder(drawn.recipe), rng, task.verified)
+    except Exception as error:
+        judged = Judged(faults=[Fault(EXCEPTION, -1, repr(error))])
+    kinds: dict[str, Fault] = {}
+    for fault in judged.faults:
+        kinds.setdefault(fault.kind, fault)
+    label = f"seed {task.seed}, draw {task.number}, {task.family}"
+    cases = [case_of(f"{label}: {fault.what}", drawn, fault) for fault in kinds.values()]
+    faults = Counter(fault.kind for fault in judged.faults)
+    return Outcome(task.number, task.family, judged.counts, faults, cases, time.process_time() - began)
+
+
+def draw(family: str, rng: np.random.Generator) -> Draw:
+    """A random draw of a family."""
+    if family in PLANAR_FAMILIES:
+        return planar_draw(family, rng)
+    return tree_draw(family, rng) if family in FAMILIES else shipped_draw(family, rng)
+
+
+def _builder(recipe: Recipe) -> Callable[[], Subject]:
+    """Makes new checkers of one robot."""
+    robot: object
+    if recipe["kind"] == "plane":
+        robot = planar_robot_of(recipe)
+    else:
+        robot = shipped_robot(recipe["shipped"], recipe["whole"]) if recipe["shipped"] else robot_of(recipe)
+    return lambda: subject_of(recipe, robot)

@@ -1,0 +1,203 @@
+"""A checker as the motion stress asks it: the same questions in space and in the plane.
+
+In: a recipe. Out: a `Subject`: verdicts of motions alone, together and explained, states on them, clearances. What the
+clearances come from shares nothing with what proves motions.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.evaluation.stress_motions.recipes import (
+    PlaneRecipe,
+    Recipe,
+    SpaceRecipe,
+    planar_checker,
+    space_checker,
+)
+from plannercheck.motions.certifier import Passage
+from plannercheck.planar.checker import Checker as PlanarChecker
+from plannercheck.planar.robot import Robot as PlanarRobot
+from plannercheck.proofs import Proof
+from plannercheck.robots.robot import Robot
+
+Floats: TypeAlias = NDArray[np.float64]
+Bools: TypeAlias = NDArray[np.bool_]
+
+# Pairs of edges taken at once, to bound memory.
+_BLOCK = 256
+
+
+class Subject(Protocol):
+    """A checker, asked about motions between configurations (n, nq)."""
+
+    robot: Any
+    checker: Any
+    padding: float
+
+    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int = 1) -> Bools:
+        """(n,) whether motions are free, asked all together."""
+
+    def check_one(self, q0: Floats, q1: Floats, tolerance: float) -> bool:
+        """Whether one motion (nq,) to (nq,) is free."""
+
+    def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
+        """What `explain_motion` is made of, without the search for the first collision."""
+
+    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
+        """The `MotionVerdict` of one motion."""
+
+    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+        """(k, nq) of one motion at parameters (k,)."""
+
+    def clearances(self, q: Floats) -> Floats:
+        """(n,) least distances at configurations (n, nq), m; at most 0 where they collide."""
+
+    def placed(self, q: Floats) -> Floats:
+        """(n, links, …) poses of the links at configurations (n, nq)."""
+
+    def slack(self, q0: Floats, q1: Floats) -> float:
+        """How far beyond the tolerance a motion may be refused, m: of curves, what their pieces may be off."""
+
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
+        """A proof, or None, for each motion."""
+
+
+class SpaceSubject:
+    """A checker in space."""
+
+    def __init__(self, recipe: SpaceRecipe, robot: Robot | None = None) -> None:
+        """Builds a new checker; `robot` if it was built already."""
+        self.checker = space_checker(recipe, robot)
+        self.robot, self.padding = self.checker.robot, float(recipe["padding"])
+
+    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int = 1) -> Bools:
+        """See `Subject`."""
+        return self.checker.check_motions(q0, q1, tolerance=tolerance, threads=threads)
+
+    def check_one(self, q0: Floats, q1: Floats, tolerance: float) -> bool:
+        """See `Subject`."""
+        return self.checker.check_motion(q0, q1, tolerance=tolerance)
+
+    def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
+        """See `Subject`."""
+        (start,), (end,) = self.checker._motion_ends(q0[None], q1[None])
+        return self.checker.motion_certifier.passage(start, end, tolerance, proofs, q1)
+
+    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
+        """See `Subject`."""
+        return self.checker.explain_motion(q0, q1, tolerance=tolerance)
+
+    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+        """See `Subject`."""
+        (start,), (end,) = self.checker._motion_ends(q0[None], q1[None])
+        return self.checker.motion_certifier.states(start, end, parameters)
+
+    def clearances(self, q: Floats) -> Floats:
+        """See `Subject`."""
+        return self.checker.clearances(q)
+
+    def placed(self, q: Floats) -> Floats:
+        """See `Subject`."""
+        return self.robot.link_poses(q)
+
+    def slack(self, q0: Floats, q1: Floats) -> float:
+        """See `Subject`."""
+        return 0.0
+
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
+        """See `Subject`."""
+        return self.checker.certify_motions(q0, q1, tolerance)
+
+
+class PlaneSubject:
+    """A checker in the plane, and how the root moves."""
+
+    padding = 0.0
+
+    def __init__(self, recipe: PlaneRecipe, robot: PlanarRobot | None = None) -> None:
+        """Builds a new checker; `robot` if it was built already."""
+        self.checker: PlanarChecker = planar_checker(recipe, robot)
+        self.robot = self.checker.robot
+        self._curve: Any = recipe["curve"]
+        self._radius = recipe["radius"]
+
+    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int = 1) -> Bools:
+        """See `Subject`."""
+        return self.checker.check_motions(
+            q0, q1, None, tolerance, threads, curve=self._curve, turning_radius=self._radius
+        )
+
+    def check_one(self, q0: Floats, q1: Floats, tolerance: float) -> bool:
+        """See `Subject`."""
+        return self.checker.check_motion(q0, q1, None, tolerance, curve=self._curve, turning_radius=self._radius)
+
+    def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
+        """See `Subject`."""
+        start, end, pieces = self._motion(q0, q1)
+        return self.checker.motion_certifier.passage(start, end, tolerance, proofs, pieces, q1)
+
+    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
+        """See `Subject`."""
+        return self.checker.explain_motion(q0, q1, tolerance, curve=self._curve, turning_radius=self._radius)
+
+    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+        """See `Subject`."""
+        start, end, pieces = self._motion(q0, q1)
+        return self.checker.motion_certifier.states(start, end, parameters, pieces)
+
+    def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats, Floats]:
+        (start,), (end,), _ = self.checker._motion_ends(q0[None], q1[None], self._curve)
+        return start, end, self.checker._pieces(start, end, self._curve, self._radius)
+
+    def clearances(self, q: Floats) -> Floats:
+        """See `Subject`."""
+        checker = self.checker
+        poses = checker.body_poses(q)
+        least = np.full(len(q), np.inf)
+        placed = [
+            body.vertices @ poses[:, k, :2, :2].transpose(0, 2, 1) + poses[:, k, None, :2, 2]
+            for k, body in enumerate(checker.bodies)
+        ]
+        for a, b in checker.pairs.tolist():
+            least = np.minimum(least, _corner_distances(placed[a], placed[b]))
+        return np.where(checker.check_states(q), least, np.minimum(least, 0.0))
+
+    def placed(self, q: Floats) -> Floats:
+        """See `Subject`."""
+        return self.robot.link_poses(q)
+
+    def slack(self, q0: Floats, q1: Floats) -> float:
+        """See `Subject`."""
+        _, _, pieces = self._motion(q0, q1)
+        return 4 * float(pieces[:, -1].max(initial=0.0))
+
+    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
+        """See `Subject`."""
+        return self.checker.certify_motions(q0, q1, tolerance, curve=self._curve, turning_radius=self._radius)
+
+
+def _corner_distances(a: Floats, b: Floats) -> Floats:
+    """(n,) least distances of corners of polygons (n, k, 2), (n, l, 2) to the other's edges, either way, m.
+
+    This is the distance of two that do not overlap.
+    """
+    parts = [slice(first, first + _BLOCK) for first in range(0, len(a), _BLOCK)]
+    found = [np.minimum(_to_edges(a[part], b[part]), _to_edges(b[part], a[part])) for part in parts]
+    return np.concatenate([np.zeros(0), *found])
+
+
+def _to_edges(points: Floats, polygon: Floats) -> Floats:
+    edges = np.roll(polygon, -1, axis=1) - polygon
+    offsets = points[:, :, None] - polygon[:, None]
+    squares = (edges**2).sum(axis=2)[:, None]
+    part = np.clip((offsets * edges[:, None]).sum(axis=3) / np.where(squares > 0, squares, 1), 0, 1)
+    return np.asarray(np.linalg.norm(offsets - part[..., None] * edges[:, None], axis=3).min(axis=(1, 2)))
+
+
+def subject_of(recipe: Recipe, robot: Any = None) -> Subject:
+    """A subject with a new checker; `robot` if it was built already."""
+    return SpaceSubject(recipe, robot) if recipe["kind"] == "space" else PlaneSubject(recipe, robot)

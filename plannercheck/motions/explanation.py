@@ -1,0 +1,94 @@
+"""One motion explained: how far it is proved free, where it collides first, by which pair, and the certificates.
+
+In: a checker, a motion. Out: a `MotionVerdict`. The certifier says where the motion comes within the tolerance; from
+there on states are checked exactly for the first that collides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.checking.verdicts import MotionProof, MotionVerdict, PairVerdict
+from plannercheck.motions.certifier import Passage, Proof
+from plannercheck.proofs.proof import Proof as WholeProof
+
+Floats = NDArray[np.float64]
+States: TypeAlias = Callable[[Floats], Floats]
+
+# States that are looked at for a collision where a motion is no longer proved free: so many over the rest of it, and
+# so many close by, at distances that grow from the least one (parameters).
+_SPREAD = 2000
+_CLOSE = 200
+_LEAST_STEP = 1e-9
+
+# The first colliding parameter is narrowed down until it stands still in doubles, or so many times.
+_MOST_HALVINGS = 60
+
+
+def explained_motion(
+    checker: AnyChecker,
+    passage: Passage,
+    states: States,
+    tolerance: float,
+    prover: Callable[[], WholeProof | None] | None = None,
+) -> MotionVerdict:
+    """The verdict of a motion.
+
+    Args:
+        checker: The checker, in space or in the plane.
+        passage: What its certifier says.
+        states: Gives states (k, nq) of the motion at parameters (k,).
+        tolerance: m.
+        prover: Gives the proof that anyone can check, if the motion is free.
+
+    Returns:
+        The verdict.
+    """
+    named = tuple(_named(checker, proof) for proof in passage.proofs)
+    if passage.free:
+        return MotionVerdict(True, tolerance, 1.0, None, None, None, named, prover)
+    collides_at = _first_collision(checker, states, passage)
+    pair = _stopping_pair(checker, states, passage, collides_at)
+    return MotionVerdict(False, tolerance, passage.free_until, collides_at, passage.near, pair, named)
+
+
+def _first_collision(checker: AnyChecker, states: States, passage: Passage) -> float | None:
+    """The first parameter that is found to collide."""
+    begin = passage.free_until
+    close = begin + np.geomspace(_LEAST_STEP, 1.0, _CLOSE)
+    parameters = np.unique(np.concatenate([[begin, passage.near, 1.0], np.linspace(begin, 1.0, _SPREAD), close]))
+    parameters = parameters[(parameters >= begin) & (parameters <= 1)]
+    colliding = np.flatnonzero(~checker.check_states(states(parameters)))
+    if not len(colliding):
+        return None
+    first = int(colliding[0])
+    low, high = float(parameters[max(first - 1, 0)]), float(parameters[first])
+    for _ in range(_MOST_HALVINGS):
+        middle = (low + high) / 2
+        if not low < middle < high:
+            break
+        if checker.check_states(states(np.array([middle])))[0]:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _stopping_pair(checker: AnyChecker, states: States, passage: Passage, collides_at: float | None) -> PairVerdict:
+    state = states(np.array([passage.near if collides_at is None else collides_at]))[0]
+    if collides_at is not None:
+        return checker.explain(state).collisions[0]
+    return checker.explain_pair(passage.pair, state)
+
+
+def _named(checker: AnyChecker, proof: Proof) -> MotionProof:
+    first, second = checker.pair_names(proof.pair)
+    a, b = (int(k) for k in checker.pairs[proof.pair])
+    frame = None if proof.frame < 0 else checker.robot.link_names[proof.frame]
+    normal = -proof.direction if proof.flipped else proof.direction
+    return MotionProof(first, second, a, b, proof.start, proof.end, frame, normal, proof.gap, proof.bulge)

@@ -1,0 +1,343 @@
+"""Chains of joints with lever arms: what a motion moves two bodies against each other by.
+
+In: a robot, bodies, pairs. Out: `MotionChains`: for each pair a frame between its bodies, and for each body the joints
+from that frame to it, each with a bound of how far the body's points get from the joint's axis at any configuration.
+
+The arms. A point of a joint's axis stays where it is on both links that the joint connects. So from the body outwards:
+its points are within D(c) of a point c on the first axis; a point c' on the next axis is on the same link as c, so the
+body's points are within D(c) + |c - c'| of it, and their distance from that axis is at most D(c) plus that of c. Both
+bounds are taken at their least over a few points of each axis, at one configuration: lengths within a link do not
+change. A joint without an axis has one point, its origin.
+
+What slides. Joints that slide are at rest at that configuration, so the origins of the links before and after them
+coincide there, and at any other are as far apart as the joint has slid, its extent over the motion. That comes on top
+of each length that leads over the joint. A joint's own arm is counted from the origin of the link after it, about which
+it turns. If the body is beyond that link, no length leads over the joint itself; if the body is on the other side
+(the frame is the one that hangs on the joint), it does, and its own extent counts as well.
+
+The frame. Any link on the way from one body to the other will do; the certificate's error is the sum of both sides',
+and grows with the joints of a side one by one (cpp/motions/motion_bounds.hpp), so a frame in the middle is best. The
+link is taken for which it is least if all joints turn at the same rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import Body, hull_and_swell
+from plannercheck.motions.joint_drives import Spread, defect, drives, spread
+from plannercheck.robots.configurations import ConfigurationMap
+from plannercheck.robots.kinematics import JointTable, joint_placements
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# The kernel's kind of a prismatic joint (JointKind in cpp/robots/kinematics.hpp); what takes several numbers comes
+# after it.
+_SLIDE = 8
+
+# Bodies are off rigid by 3.6e-6 at most (robots/unit_lengths.py), so lengths stretch by half of that; and they are
+# rounded.
+_STRETCH = 1 + 2e-6
+
+# Points of an axis that are tried: the feet of the origins of this many joints before and after it on the way.
+_NEIGHBOURS = 3
+
+
+class Entry(NamedTuple):
+    """A joint of a chain.
+
+    Attributes:
+        joint: Index into the table's joints.
+        arm: How far the body's points get from its axis, but for what `slides` slide, m.
+        slides: Joints that slide and lie between the body and the link after this one: this one itself, too, if it
+            slides and is crossed from the child's side.
+    """
+
+    joint: int
+    arm: float
+    slides: tuple[int, ...]
+
+
+class ChainedPair(NamedTuple):
+    """Two bodies and how they move against each other.
+
+    Attributes:
+        first: A body that moves.
+        second: The other.
+        frame: Index of the link in whose frame both are seen, -1 for the world.
+        chains: Of the first and the second body from the frame; -1 for a body that stands still in it.
+    """
+
+    first: int
+    second: int
+    frame: int
+    chains: tuple[int, int]
+
+
+@dataclass(frozen=True)
+class MotionChains:
+    """What the certifier needs to know of a robot's joints.
+
+    Attributes:
+        pairs: One for each of the given pairs.
+        chains: Entries, from the frame to the body.
+        drives: (joints, 2) kind (turn, slide, or part) and column of each of the table's joints.
+        factors: (joints, 2) multiplier and offset of its value.
+        parts: (parts, 2) kind and first column of what is no single number.
+        defect: How far all placements and held joints together are off rigid, norm of M^T M - 1.
+        leverage: Sum of all multipliers.
+        depth: How many quaternions, cosines and sines of a configuration are on one chain at most.
+        spread: How far from the world's origin joints and links may be.
+    """
+
+    pairs: tuple[ChainedPair, ...]
+    chains: tuple[tuple[Entry, ...], ...]
+    drives: Ints
+    factors: Floats
+    parts: Ints
+    defect: float
+    leverage: float
+    depth: int
+    spread: Spread
+
+    def arrays(self) -> tuple[NDArray[np.generic], ...]:
+        """Pairs, drives, factors, first entries, entries, arms, slides, parts: what the core takes."""
+        entries = [entry for chain in self.chains for entry in chain]
+        slides = np.cumsum([0, *(len(entry.slides) for entry in entries)])
+        rows = [(e.joint, first, past) for e, first, past in zip(entries, slides[:-1], slides[1:], strict=True)]
+        return (
+            np.array([(p.first, p.second, p.frame, *p.chains) for p in self.pairs], dtype=np.int32).reshape(-1, 5),
+            self.drives,
+            self.factors,
+            np.cumsum([0, *(len(chain) for chain in self.chains)]).astype(np.int32),
+            np.array(rows, dtype=np.int32).reshape(-1, 3),
+            np.array([entry.arm for entry in entries], dtype=np.float64),
+            np.array([joint for entry in entries for joint in entry.slides], dtype=np.int32),
+            self.parts,
+        )
+
+
+def motion_chains(
+    model: pin.Model,
+    configurations: ConfigurationMap,
+    table: JointTable,
+    frames: Sequence[int],
+    bodies: Sequence[Body],
+    links: Sequence[int],
+    pairs: NDArray[np.int64],
+    excess: float,
+) -> MotionChains:
+    """Digests a robot and pairs.
+
+    Args:
+        model: Pinocchio's.
+        configurations: Where the numbers in Pinocchio's q come from.
+        table: The kernel's.
+        frames: Pinocchio's frames of the links.
+        bodies: All bodies.
+        links: Each body's link, -1 if the body stands still whatever the joints do.
+        pairs: (k, 2) of bodies, of which the first moves.
+        excess: How far polytopes of curved shapes stick out, as a part of the radius.
+
+    Returns:
+        The chains.
+    """
+    tree = _Tree(model, configurations, table, frames)
+    builder = _Builder(tree, bodies, links, excess)
+    chained = tuple(builder.pair(int(a), int(b)) for a, b in pairs)
+    return MotionChains(
+        chained,
+        tuple(builder.chains),
+        *drives(table),
+        defect(table),
+        float(max(1.0, np.abs(table.multipliers).sum())),
+        configurations.lengths.depth,
+        spread(table),
+    )
+
+
+class _Axis(NamedTuple):
+    """Where a joint turns about at the configuration that is looked at.
+
+    Attributes:
+        origin: (3,) m.
+        direction: (3,) unit vector; None for a joint that turns about its origin.
+    """
+
+    origin: Floats
+    direction: Floats | None
+
+    def foot(self, point: Floats) -> Floats:
+        """The axis's point nearest to another."""
+        if self.direction is None:
+            return self.origin
+        return self.origin + float((point - self.origin) @ self.direction) * self.direction
+
+    def distance(self, points: Floats) -> Floats:
+        """(n,) of points (n, 3) from the axis, m."""
+        offsets = points - self.origin
+        if self.direction is None:
+            return np.asarray(np.linalg.norm(offsets, axis=1))
+        return np.asarray(np.linalg.norm(np.cross(offsets, self.direction), axis=1))
+
+
+class _Tree:
+    """Joints and links at one configuration: moving joints at rest, the others where they are held."""
+
+    def __init__(
+        self, model: pin.Model, configurations: ConfigurationMap, table: JointTable, frames: Sequence[int]
+    ) -> None:
+        joints = joint_placements(model, _at_rest(model, configurations, table))
+        links = [model.frames[frame] for frame in frames]
+        self.table = table
+        self.parents: list[int] = table.parents.tolist()
+        self.moves: list[bool] = [bool(row.any()) for row in table.columns >= 0]
+        self.slides = [self.moves[j] and kind >= _SLIDE and kind != 10 for j, kind in enumerate(table.kinds.tolist())]
+        self.turns = [self.moves[j] and kind != _SLIDE for j, kind in enumerate(table.kinds.tolist())]
+        self.axes = [_axis(table, j, joints[j + 1]) for j in range(len(self.parents))]
+        self.link_poses = np.reshape(
+            [(joints[link.parentJoint] * link.placement).homogeneous for link in links], (-1, 4, 4)
+        )
+        self.link_joints = table.link_joints.tolist()
+        self.link_on = {joint: link for link, joint in reversed(list(enumerate(self.link_joints)))}
+        self.link_on[-1] = -1
+
+    def way(self, start: int, end: int) -> tuple[list[int], list[int]]:
+        """The moving joints between links on two joints, and the joints that the links before each are on.
+
+        The second list has one more: the joint of the link after the last. -1 is the world.
+        """
+        up, down = self._ancestors(start), self._ancestors(end)
+        while up and down and up[-1] == down[-1]:
+            up.pop()
+            down.pop()
+        rising = [(joint, self.parents[joint]) for joint in up if self.moves[joint]]
+        falling = [(joint, joint) for joint in reversed(down) if self.moves[joint]]
+        joints = [joint for joint, _ in rising + falling]
+        return joints, [start] + [after for _, after in rising + falling]
+
+    def carries(self, joint: int, last: int) -> bool:
+        """Whether what is on joint `last` hangs on a joint."""
+        return joint in self._ancestors(last)
+
+    def _ancestors(self, joint: int) -> list[int]:
+        found = []
+        while joint >= 0:
+            found.append(joint)
+            joint = self.parents[joint]
+        return found
+
+
+def _at_rest(model: pin.Model, configurations: ConfigurationMap, table: JointTable) -> Floats:
+    """Pinocchio's configuration in which moving joints do nothing and held ones are where they are held."""
+    q, neutral = configurations.expand(np.zeros((1, configurations.width)))[0], pin.neutral(model)
+    for i, columns in enumerate(table.columns, start=1):
+        if (columns >= 0).any():
+            entries = slice(model.idx_qs[i], model.idx_qs[i] + model.nqs[i])
+            q[entries] = neutral[entries]
+    return np.asarray(q)
+
+
+def _axis(table: JointTable, joint: int, pose: pin.SE3) -> _Axis:
+    kind = int(table.kinds[joint])
+    if kind > _SLIDE:
+        return _Axis(pose.translation.copy(), None)
+    direction = pose.rotation @ table.axes[joint]
+    return _Axis(pose.translation.copy(), direction / np.linalg.norm(direction))
+
+
+class _Builder:
+    """Chains of pairs; what bodies share is computed once."""
+
+    def __init__(self, tree: _Tree, bodies: Sequence[Body], links: Sequence[int], excess: float) -> None:
+        self._tree, self._bodies, self._links, self._excess = tree, bodies, links, excess
+        self._arms: dict[tuple[int, tuple[int, ...]], tuple[Entry, ...]] = {}
+        self._index: dict[tuple[Entry, ...], int] = {}
+        self._points: dict[int, tuple[Floats, float]] = {}
+        self.chains: list[tuple[Entry, ...]] = []
+
+    def pair(self, first: int, second: int) -> ChainedPair:
+        """The frame and chains of a pair."""
+        tree, links = self._tree, self._links
+        start = tree.link_joints[links[first]]
+        end = tree.link_joints[links[second]] if links[second] >= 0 else -1
+        joints, stations = tree.way(start, end)
+        rising = next((k for k, joint in enumerate(joints) if not tree.carries(joint, start)), len(joints))
+        mine = self._entries(first, joints, rising)
+        if links[second] < 0:
+            return ChainedPair(first, second, -1, (self._chain(mine), -1))
+        theirs = self._entries(second, joints[::-1], len(joints) - rising)
+        bulges = [_bulge(mine[:k]) + _bulge(theirs[: len(joints) - k]) for k in range(len(stations))]
+        usable = [k for k, joint in enumerate(stations) if joint in tree.link_on]
+        best = min(usable, key=lambda k: bulges[k])
+        frame = tree.link_on[stations[best]]
+        return ChainedPair(first, second, frame, (self._chain(mine[:best]), self._chain(theirs[: len(joints) - best])))
+
+    def _chain(self, entries: tuple[Entry, ...]) -> int:
+        """The index of a chain; its entries are given from the body outwards."""
+        if not entries:
+            return -1
+        if entries not in self._index:
+            self._index[entries] = len(self.chains)
+            self.chains.append(entries[::-1])
+        return self._index[entries]
+
+    def _entries(self, body: int, joints: Sequence[int], rising: int) -> tuple[Entry, ...]:
+        key = (body, tuple(joints))
+        if key not in self._arms:
+            self._arms[key] = self._compute(body, joints, rising)
+        return self._arms[key]
+
+    def _compute(self, body: int, joints: Sequence[int], rising: int) -> tuple[Entry, ...]:
+        """Entries from the body outwards; it hangs on the first `rising` joints, the others are crossed from below."""
+        tree = self._tree
+        points, swell = self._vertices(body)
+        slides: tuple[int, ...] = ()
+        known: tuple[Floats, Floats] | None = None  # points c of the last axis, and D(c)
+        entries = []
+        for k, joint in enumerate(joints):
+            axis = tree.axes[joint]
+            if tree.turns[joint]:
+                feet = self._feet(axis, [tree.axes[j] for j in joints[max(k - _NEIGHBOURS, 0) : k + _NEIGHBOURS + 1]])
+                feet = np.vstack([feet, axis.foot(points.mean(axis=0))])
+                if known is None:
+                    arm = float(axis.distance(points).max()) + swell
+                    reach = np.linalg.norm(points[:, None] - feet, axis=2).max(axis=0) + swell
+                else:
+                    arm = float((known[1] + axis.distance(known[0])).min())
+                    reach = (known[1][:, None] + np.linalg.norm(known[0][:, None] - feet, axis=2)).min(axis=0)
+                known = feet, reach
+                from_child = k >= rising and tree.slides[joint]
+                entries.append(Entry(joint, arm * _STRETCH, (*slides, joint) if from_child else slides))
+            else:
+                entries.append(Entry(joint, 0.0, ()))
+            if tree.slides[joint]:
+                slides = (*slides, joint)
+        return tuple(entries)
+
+    @staticmethod
+    def _feet(axis: _Axis, others: Sequence[_Axis]) -> Floats:
+        return np.array([axis.foot(other.origin) for other in others])
+
+    def _vertices(self, body: int) -> tuple[Floats, float]:
+        """Vertices in the world at rest (n, 3), and the swell, m."""
+        if body not in self._points:
+            item = self._bodies[body]
+            vertices, _, swell = hull_and_swell(item.shape, self._excess)
+            pose = np.asarray(item.pose)
+            if self._links[body] >= 0:
+                pose = self._tree.link_poses[self._links[body]] @ pose
+            self._points[body] = vertices @ pose[:3, :3].T + pose[:3, 3], float(swell)
+        return self._points[body]
+
+
+def _bulge(entries: Sequence[Entry]) -> float:
+    """The bound of cpp/motions/motion_bounds.hpp if all joints turn by 1 rad; entries from the body outwards."""
+    return sum(entry.arm * (1 + 2 * (len(entries) - 1 - k)) for k, entry in enumerate(entries))

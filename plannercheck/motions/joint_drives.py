@@ -1,0 +1,102 @@
+"""What drives the joints of a motion, and how far they are off rigid.
+
+In: the kernel's joint table. Out: for each joint the column of the configuration that moves it and how, the columns
+that belong together as a circle, a quaternion or a pose, the defect of all that no motion changes, and how far joints
+and links are from the world's origin.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.robots.kinematics import JointTable
+from plannercheck.robots.unit_lengths import DEFECT_PARTS
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp).
+_LAST_TURN, _LAST_UNIT_TURN, _SLIDE = 3, 7, 8
+
+# DriveKind in cpp/motions/motion_bounds.hpp and PartKind in cpp/motions/configuration_path.hpp, by the kernel's kind.
+_TURN_DRIVE, _SLIDE_DRIVE, _PART_DRIVE = 0, 1, 2
+_CIRCLE = 0
+_PARTS = {9: 1 + 1, 10: 1, 11: 3}
+
+# Where the numbers of a joint are that are of length 1, by the kernel's kind: cosine and sine, or a quaternion.
+_UNIT_NUMBERS = {**dict.fromkeys(range(_LAST_TURN + 1, _LAST_UNIT_TURN + 1), (0, 2)), 9: (2, 4), 10: (0, 4), 11: (3, 7)}
+
+# How many of a joint's first numbers are lengths, and how far a motion may go between two of them, as a part of the
+# larger: a slide goes straight; a pose follows a screw of at most half a turn, on which the distance from the start
+# only grows, up to that of the ends.
+_LENGTHS = {_SLIDE: (1, 1.0), 9: (2, 3.0), 11: (3, 3.0)}
+
+
+class Spread(NamedTuple):
+    """How far from the world's origin joints and links may be on a motion, whatever the angles are.
+
+    Attributes:
+        extent: With all columns at 0, m.
+        travel: (width,) how much more for each unit of a column, at the end where it is larger, m.
+        joints: On the longest chain.
+    """
+
+    extent: float
+    travel: Floats
+    joints: int
+
+
+def spread(table: JointTable) -> Spread:
+    """Of a robot's chains: lengths of placements, added up from the world."""
+    extents, counts = [0.0], [0]  # the world's, at -1, comes first
+    travel = np.zeros(table.width)
+    lengths = np.linalg.norm(table.placements[:, :, 3], axis=1).tolist()
+    for j, (parent, kind) in enumerate(zip(table.parents.tolist(), table.kinds.tolist(), strict=True)):
+        count, part = _LENGTHS.get(kind, (0, 0.0))
+        columns, multipliers = table.columns[j, :count], np.abs(table.multipliers[j, :count])
+        np.add.at(travel, columns[columns >= 0], part * multipliers[columns >= 0])
+        extents.append(extents[parent + 1] + lengths[j] + float(np.abs(table.offsets[j, :count]).sum()))
+        counts.append(counts[parent + 1] + 1)
+    ends = np.linalg.norm(table.link_placements[:, :, 3], axis=1).tolist()
+    on_links = (extents[j + 1] + end for j, end in zip(table.link_joints.tolist(), ends, strict=True))
+    return Spread(max(*extents, *on_links), travel, max(counts))
+
+
+def drives(table: JointTable) -> tuple[Ints, Floats, Ints]:
+    """Kinds and columns (joints, 2), multipliers and offsets (joints, 2), and parts (parts, 2), see `MotionChains`."""
+    listed, parts = [], {}
+    for kind, columns in zip(table.kinds.tolist(), table.columns.tolist(), strict=True):
+        column = columns[0]
+        if kind <= _LAST_TURN or kind == _SLIDE or column < 0:
+            listed.append((_SLIDE_DRIVE if kind == _SLIDE else _TURN_DRIVE, column))
+            continue
+        listed.append((_PART_DRIVE, column))
+        parts[column] = _CIRCLE if kind <= _LAST_UNIT_TURN else _PARTS[kind]
+    factors = np.stack([table.multipliers[:, 0], table.offsets[:, 0]], axis=1)
+    by_column = sorted(parts.items())
+    return (
+        np.array(listed, dtype=np.int32).reshape(-1, 2),
+        np.ascontiguousarray(factors),
+        np.array([(part, column) for column, part in by_column], dtype=np.int32).reshape(-1, 2),
+    )
+
+
+def defect(table: JointTable) -> float:
+    """Of all placements, axes and held joints together, with room for rounding."""
+    turns = np.concatenate([table.placements[:, :, :3], table.link_placements[:, :, :3]])
+    off = np.linalg.norm(np.swapaxes(turns, 1, 2) @ turns - np.eye(3), axis=(1, 2)).sum()
+    axes = np.linalg.norm(table.axes, axis=1)
+    return float(off + np.abs(axes[axes > 0] - 1).sum() + _held_defect(table)) * 2
+
+
+def _held_defect(table: JointTable) -> float:
+    """Of joints that are held at a quaternion or the like off length 1."""
+    total = 0.0
+    for kind, columns, offsets in zip(table.kinds.tolist(), table.columns, table.offsets, strict=True):
+        start, stop = _UNIT_NUMBERS.get(kind, (0, 0))
+        if stop > start and columns[start] < 0:
+            total += DEFECT_PARTS[stop - start] * abs(float(np.linalg.norm(offsets[start:stop])) - 1)
+    return total

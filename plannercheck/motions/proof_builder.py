@@ -1,0 +1,185 @@
+"""Builds proofs of motions in space: a few entries for each pair, found in doubles and from the certifier's planes.
+
+In: a checker, a motion that its certifier proves free. Out: a `Proof`. Balls around bodies that are far apart take one
+entry; planes are taken from what the certifier notes down, each for as long as it holds: an interval is halved until
+one plane does. Whether an entry holds is asked of the verifier's own check, so that few proofs are refused later; an
+entry that nothing is found for is written down all the same, with the certifier's plane, for the verifier to refuse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.certificates import Separation
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.optional_imports import extra_module
+from plannercheck.motions.certifier import Passage
+from plannercheck.motions.certifier import Proof as Plane
+from plannercheck.proofs.proof import WORLD, Entry, Hashes, Model, Motion, Proof
+
+if TYPE_CHECKING:
+    from plannercheck.motions.checker import Checker
+    from plannercheck.proofs.entries import EntryChecker
+
+Floats = NDArray[np.float64]
+
+# Intervals are halved this often in search of one that a plane or balls keep apart.
+_DEEPEST = 14
+# From so many halvings on, intervals are cut where planes end: one plane may hold just up to there.
+_BY_PLANES = 7
+
+# Halvings that the verifier may take within an entry: a longer entry takes it more time than several short ones.
+_WITHIN = 2
+
+# What computed states and poses may be off by besides the bound of kinematics, in parts of the robot's size: rounding
+# of states, of bodies' placements, and what numbers off unit length do.
+_ROUNDING = 2.0**-44
+_OFF_UNIT = 12.0
+
+
+class Builder:
+    """Builds proofs for one checker."""
+
+    def __init__(self, checker: Checker) -> None:
+        """Digests the checker.
+
+        Raises:
+            PlannercheckError: If python-flint is not installed.
+        """
+        extra_module("flint", "proofs", "proofs of motions")
+        from plannercheck.motions.proof_model import space_model
+        from plannercheck.proofs.well_formed import hashes_of
+
+        self._checker = checker
+        self._model: Model = space_model(checker)
+        self._hashes: Hashes = hashes_of(self._model)
+        self._size = _size(self._model)
+
+    def proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Proof | None:
+        """The proof of one motion, None if the certifier does not find it free.
+
+        Args:
+            start: (nq,) validated.
+            end: (nq,) the short way round.
+            asked_end: (nq,) as it was asked for.
+            tolerance: m.
+        """
+        passage = self._passage(start, end, asked_end, tolerance)
+        if passage is None:
+            return None
+        margin = self._margin(start, end, asked_end)
+        motion = Motion(*(tuple(q.tolist()) for q in (start, end, asked_end)))
+        names = self._checker.robot.name, self._checker.scene.name
+        empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
+        resting = _resting_directions(self._checker, passage.proofs, start)
+        entries = _entries(empty, passage.proofs, resting)
+        return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
+
+    def _passage(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Passage | None:
+        """What the certifier notes down of all pairs, if the motion is free and so much can be noted down."""
+        try:
+            passage = self._checker.motion_certifier.passage(start, end, tolerance, True, asked_end)
+        except PlannercheckError:  # rounding is no small part of so small a tolerance
+            return None
+        return passage if passage.free and passage.proved_until == 1.0 else None
+
+    def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
+        ends = np.stack([start, end, asked_end])
+        error = 2 * self._checker.robot.kinematic_error_within(ends.min(axis=0), ends.max(axis=0))  # of two bodies
+        largest = float(np.abs(ends[:2]).max(initial=0.0))  # of the states in between; the asked end's is in the error
+        units = self._checker.robot.configuration_map.units
+        off = max((abs(float(np.linalg.norm(q[a:b])) - 1) for q in (start, end) for a, b in units), default=0.0)
+        leverage = sum(abs(factor) for joint in self._model.joints for factor in joint.multipliers)
+        part = _ROUNDING + _OFF_UNIT * off + 16 * 2.0**-53 * leverage * (1 + largest)
+        return error + part * (1 + self._size)
+
+
+def _size(model: Model) -> float:
+    """How far the robot reaches, m: the sum of the lengths along its longest chain, and of its bodies."""
+    reach: list[float] = []
+    for joint in model.joints:
+        before = reach[joint.parent] if joint.parent >= 0 else 0.0
+        reach.append(before + float(np.linalg.norm(np.reshape(joint.placement, (3, 4))[:, 3])))
+    bodies = (
+        np.linalg.norm(np.reshape(b.pose, (3, 4))[:, 3]) + np.linalg.norm(b.centre) + b.reach for b in model.bodies
+    )
+    return max(reach, default=0.0) + float(max(bodies, default=0.0))
+
+
+def _resting_directions(checker: Checker, planes: Sequence[Plane], q: Floats) -> dict[int, tuple[float, ...]]:
+    """By pair of which the certifier notes nothing, as neither body moves: a direction between them in the world."""
+    moving = {plane.pair for plane in planes}
+    found = {k: checker.explain_pair(k, q).certificate for k in range(len(checker.pairs)) if k not in moving}
+    return {k: tuple(c.normal.tolist()) for k, c in found.items() if isinstance(c, Separation)}
+
+
+def _entries(empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[float, ...]]) -> tuple[Entry, ...]:
+    import flint
+
+    from plannercheck.proofs.entries import EntryChecker
+    from plannercheck.proofs.faults import UnprovedError
+
+    assert isinstance(empty.model, Model)
+    of_pair: dict[int, list[Plane]] = {}
+    for plane in planes:
+        of_pair.setdefault(plane.pair, []).append(plane)
+    bits, flint.ctx.prec = flint.ctx.prec, 64
+    try:
+        checker = EntryChecker(empty)
+        return tuple(
+            entry
+            for pair in range(len(empty.model.pairs))
+            for entry in _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair)).over(0.0, 1.0, 0)
+        )
+    except UnprovedError:  # a motion that the verifier can't know: its refusal will say why
+        return ()
+    finally:
+        flint.ctx.prec = bits
+
+
+class _PairEntries:
+    """The entries of one pair."""
+
+    def __init__(
+        self, checker: EntryChecker, pair: int, planes: Sequence[Plane], resting: tuple[float, ...] | None
+    ) -> None:
+        self._checker, self._pair, self._resting = checker, pair, resting
+        self._planes = sorted(planes, key=lambda plane: plane.start)
+        self._lost = False
+
+    def over(self, start: float, end: float, depth: int) -> list[Entry]:
+        """What keeps the pair apart from start to end."""
+        candidates = self._candidates(start, end)
+        if self._lost:
+            return candidates[-1:]
+        for entry in candidates:
+            if self._checker.holds(entry, _WITHIN):
+                return [entry]
+        if depth >= _DEEPEST:
+            self._lost = True  # the proof will be refused: the rest is not worth the search
+            return candidates[-1:]
+        cut = self._cut(start, end, depth)
+        return self.over(start, cut, depth + 1) + self.over(cut, end, depth + 1)
+
+    def _cut(self, start: float, end: float, depth: int) -> float:
+        """In the middle; of short intervals where one of the certifier's planes ends and the next begins."""
+        middle = (start + end) / 2
+        ends = [plane.end for plane in self._planes if start < plane.end < end] if depth >= _BY_PLANES else []
+        return min(ends, key=lambda t: abs(t - middle), default=middle)
+
+    def _candidates(self, start: float, end: float) -> list[Entry]:
+        """Balls, then the plane of the certifier in the middle."""
+        out = [Entry(self._pair, start, end, "balls")]
+        middle = (start + end) / 2
+        for plane in self._planes:
+            if plane.start <= middle <= plane.end:
+                normal = -plane.direction if plane.flipped else plane.direction
+                out.append(Entry(self._pair, start, end, "plane", plane.frame, tuple(normal.tolist())))
+                break
+        if self._resting is not None:
+            out.append(Entry(self._pair, start, end, "plane", WORLD, self._resting))
+        return out

@@ -1,0 +1,186 @@
+"""Whether the model in a proof is that of a robot's and a scene's files.
+
+In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names the first difference.
+
+The joints, their placements, axes and who follows whom are compared with what `urdf_joints.py` reads from the URDF, to
+1e-12. Bodies, the pair table, and which column is which joint's are compared bit for bit with what plannercheck itself
+loads (meshes have many formats, SRDFs and groups many rules): for these its loader is trusted, its kinematics and its
+verdicts are not. Where the joints outside the group are held is part of the claim: it is in the proof, not in the URDF.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.motions.checker import Checker
+from plannercheck.motions.proof_model import space_model
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.proof import WORLD, Joint, Model, PosedBody
+from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
+from plannercheck.robots.description import description_of
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
+
+Floats = NDArray[np.float64]
+
+# By the URDF's type, what a joint may be in a proof.
+_KINDS = {
+    "revolute": ("turn",),
+    "continuous": ("turn", "circle"),
+    "prismatic": ("slide",),
+    "planar": ("planar",),
+    "floating": ("free",),
+}
+
+# Largest difference that is rounding: of placements' numbers, of axes, of multipliers.
+_AGREEMENT = 1e-12
+
+
+def confirm_model(model: Model, robot: str, scene: str | None) -> None:
+    """Compares a model with files.
+
+    Args:
+        model: Of a proof in space, well-formed.
+        robot: Name of a shipped robot, or a robot YAML or URDF file.
+        scene: Name of a shipped scene, or a scene file; None for the empty one.
+
+    Raises:
+        UnprovedError: If they differ.
+        PlannercheckError: If a file can't be read.
+    """
+    description = description_of(robot)
+    whole = description.joints is None and description.group is None
+    _TreeComparison(model, read_tree(description.urdf), description.floating, whole).run()
+    loaded = Robot.load(robot)
+    known = space_model(Checker(loaded, Scene("empty") if scene is None else Scene.load(scene)))
+    _compare_columns(model, known)
+    _compare_bodies(model, known)
+
+
+class _TreeComparison:
+    """The joints and links of a model beside those of a URDF."""
+
+    def __init__(self, model: Model, tree: UrdfTree, floating: bool, whole: bool) -> None:
+        self._model, self._tree, self._floating, self._whole = model, tree, floating, whole
+        self._joints = {joint.name: k for k, joint in enumerate(model.joints)}
+
+    def run(self) -> None:
+        """Raises at the first difference."""
+        names = {link.name for link in self._model.links}
+        if names != set(self._tree.links):
+            raise UnprovedError(
+                f"links of the proof and of the URDF differ: {sorted(names ^ set(self._tree.links))[:3]}"
+            )
+        for link in self._model.links:
+            joint, placement = self._place(link.name)
+            self._compare(f"link {link.name}", link.joint, link.placement, joint, placement)
+        moving = {joint.name for joint in self._tree.above.values() if joint.kind != "fixed"}
+        known = moving | ({self._model.joints[0].name} if self._floating and self._model.joints else set())
+        if set(self._joints) != known:
+            raise UnprovedError(f"joints of the proof and of the URDF differ: {sorted(set(self._joints) ^ known)[:3]}")
+        if self._floating:
+            root = self._model.joints[0]
+            self._compare(f"joint {root.name}", root.parent, root.placement, WORLD, np.eye(4))
+        for found in self._tree.above.values():
+            if found.kind != "fixed":
+                self._compare_joint(self._model.joints[self._joints[found.name]], found)
+
+    def _place(self, link: str) -> tuple[int, Floats]:
+        """The moving joint that a link is on, by index, and its placement there."""
+        placement = np.eye(4)
+        while link in self._tree.above:
+            above = self._tree.above[link]
+            if above.kind != "fixed":
+                return self._joints.get(above.name, WORLD), placement
+            link, placement = above.parent, above.placement @ placement
+        return (0 if self._floating else WORLD), placement
+
+    def _compare(self, what: str, joint: int, rows: tuple[float, ...], on: int, placement: Floats) -> None:
+        difference = np.abs(np.reshape(rows, (3, 4)) - placement[:3])
+        scale = max(1.0, float(np.abs(placement[:3, 3]).max()))
+        if joint != on or not difference.max() <= _AGREEMENT * scale:
+            raise UnprovedError(f"{what} is not where the URDF has it: off by {difference.max():.3g}")
+
+    def _compare_joint(self, joint: Joint, found: UrdfJoint) -> None:
+        on, placement = self._place(found.parent)
+        self._compare(f"joint {joint.name}", joint.parent, joint.placement, on, placement @ found.placement)
+        if joint.kind not in _KINDS.get(found.kind, ()):
+            raise UnprovedError(f"joint {joint.name} is of kind {joint.kind!r}, in the URDF {found.kind!r}")
+        sign = self._sign(joint, found) if joint.kind in ("turn", "slide", "circle") else 1.0
+        if max(joint.columns) >= 0:
+            self._compare_value(joint, found, sign)
+
+    def _sign(self, joint: Joint, found: UrdfJoint) -> float:
+        """-1 for a joint that is given about the opposite axis, so that its value's sign has to be opposite, too."""
+        for sign in (1.0, -1.0):
+            if np.abs(sign * np.array(joint.axis) - found.axis).max() <= _AGREEMENT:
+                return sign
+        raise UnprovedError(f"joint {joint.name} has the axis {list(joint.axis)}, in the URDF {found.axis.tolist()}")
+
+    def _compare_value(self, joint: Joint, found: UrdfJoint, sign: float) -> None:
+        """A joint is its column, or what it follows, times a number and plus another."""
+        expected: tuple[float, ...] = (1.0,) * len(joint.multipliers)
+        given = joint.multipliers
+        if joint.kind == "circle":
+            expected = (1.0, sign)
+        elif joint.kind in ("turn", "slide"):
+            factor, offset = (1.0, 0.0) if self._whole else self._followed(found)
+            expected, given = (sign * factor, sign * offset), (joint.multipliers[0], joint.offsets[0])
+        if max(abs(a - b) for a, b in zip(expected, given, strict=True)) > _AGREEMENT * max(1.0, *map(abs, expected)):
+            raise UnprovedError(f"joint {joint.name} takes its value by {given}, by the URDF it is {expected}")
+
+    def _followed(self, found: UrdfJoint) -> tuple[float, float]:
+        """Multiplier and offset by which a joint follows the one that its column is of; 1 and 0 for its own."""
+        factor, offset = 1.0, 0.0
+        column = self._model.joints[self._joints[found.name]].columns[0]
+        joints = {joint.name: joint for joint in self._tree.above.values()}
+        for _ in joints:
+            if found.mimic is None:
+                break
+            leader, multiplier, shift = found.mimic
+            if leader not in joints or self._model.joints[self._joints[leader]].columns[0] != column:
+                raise UnprovedError(f"joint {found.name} does not follow {leader}, as the URDF says")
+            factor, offset, found = factor * multiplier, factor * shift + offset, joints[leader]
+        return factor, offset
+
+
+def _compare_columns(model: Model, loaded: Model) -> None:
+    """A configuration has to mean what it means to the checker: which joint a number moves, and which none does."""
+    for joint, other in zip(model.joints, loaded.joints, strict=False):  # as many, by the URDF
+        given, known = ((each.name, each.kind, each.columns) for each in (joint, other))
+        if given != known:
+            raise UnprovedError(
+                f"joint {joint.name} takes the columns {joint.columns}, in the files {known} is in its place"
+            )
+    if len(model.joints) != len(loaded.joints):
+        raise UnprovedError(f"the proof has {len(model.joints)} joints, in the files there are {len(loaded.joints)}")
+    if (model.columns, model.whole_turns) != (loaded.columns, loaded.whole_turns):
+        raise UnprovedError(
+            f"configurations have {model.columns} numbers, whole turns at {model.whole_turns}; in the files "
+            f"{loaded.columns}, and at {loaded.whole_turns}"
+        )
+
+
+def _compare_bodies(model: Model, loaded: Model) -> None:
+    known = {_key(loaded, body): index for index, body in enumerate(loaded.bodies)}
+    found = []
+    for body in model.bodies:
+        index = known.get(_key(model, body))
+        if index is None:
+            raise UnprovedError(f"body {body.name} ({body.label}) is not in the files, or stands elsewhere")
+        found.append(index)
+        other = loaded.bodies[index]
+        same = np.array_equal(body.vertices, other.vertices)
+        if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
+            raise UnprovedError(f"body {body.name} ({body.label}) has another shape than in the files")
+    # By index: a part of an obstacle may have the name of a link's geometry.
+    proved = {frozenset((found[a], found[b])) for a, b in model.pairs}
+    missing = [pair for pair in loaded.pairs if frozenset(pair) not in proved]
+    if missing:
+        names = tuple(f"{loaded.bodies[k].name} ({loaded.bodies[k].label})" for k in missing[0])
+        raise UnprovedError(f"{len(missing)} pairs of the checker's table are not in the proof: {names}")
+
+
+def _key(model: Model, body: PosedBody) -> tuple[str, str, str, tuple[float, ...]]:
+    return body.name, body.label, "" if body.link == WORLD else model.links[body.link].name, body.pose

@@ -1,0 +1,228 @@
+"""Sampled motions: states along a straight segment, dense enough that no link point moves further than asked for.
+
+In: a robot, segments of configurations. Out: whether all sampled states are valid. The bound sums, over the joints, how
+far a point can be moved by one unit of the joint: the longest way from the joint to any body it carries.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import DEFAULT_EXCESS, hull_and_swell
+from plannercheck.common.angles import nearest_turns
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.configurations import NO_LIMIT
+from plannercheck.robots.robot import Robot
+
+if TYPE_CHECKING:
+    from plannercheck.motions.checker import Checker
+
+Floats = NDArray[np.float64]
+
+# Between two states no link point moves further than this, in m: far below the 3 to 11 cm that planners use by default.
+DEFAULT_RESOLUTION = 1e-3
+
+# More states than this are a mistake in the motion or the resolution: at 5 µs each they would take over an hour.
+MOST_STEPS = 10**9
+
+# States per batch: enough to fill the lanes many times, few enough to stop early.
+_BATCH = 4096
+
+
+class MotionSampler:
+    """Interpolates motions of one robot and says how many states a motion needs."""
+
+    def __init__(self, robot: Robot, excess: float = DEFAULT_EXCESS) -> None:
+        """Computes the lever arms of the robot's joints; `excess` as the checker's."""
+        self._robot, self._excess = robot, excess
+        self._positions = np.maximum(_limits(robot.model), np.abs(robot.expand(robot.reference)))
+        self._levers = lever_arms(robot, self._positions, excess)
+        self._sliding = _sliding_columns(robot)
+        self._turning = np.flatnonzero(robot.configuration_map.turning_columns())
+        self.is_vector_space = len(robot.joint_names) == robot.nq  # one number a joint: angles and lengths
+        self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
+
+    def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
+        """How many steps each motion (n, nq) to (n, nq) needs: no link point moves over `resolution` m in one."""
+        if resolution is None:
+            resolution = DEFAULT_RESOLUTION
+        if not (np.isfinite(resolution) and resolution > 0):
+            raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
+        if self._robot.group is not None and not self.is_vector_space:
+            raise PlannercheckError(
+                f"motions of the group {self._robot.group!r} can't be sampled: a joint takes several numbers; "
+                "choose a group without it, or the whole robot"
+            )
+        way = self._way(q0, q1)
+        with np.errstate(over="ignore"):  # infinitely many are too many, too
+            steps = np.maximum(1, np.ceil(way / resolution))
+        if not (steps <= MOST_STEPS).all():
+            raise PlannercheckError(
+                f"motion {int(np.argmax(way))} may move link points {way.max():.3g} m, more than {MOST_STEPS:g} "
+                f"steps of {resolution:g} m: choose a coarser resolution or a shorter motion"
+            )
+        return steps.astype(np.int64)
+
+    @property
+    def whole_turns(self) -> NDArray[np.int64]:
+        """Columns that are angles of which a whole turn changes nothing, so that motions take the short way."""
+        return self._turning
+
+    def short_way(self, q0: Floats, q1: Floats) -> Floats:
+        """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; the same if they are."""
+        if not len(self._turning):
+            return q1
+        given = q1[..., self._turning]
+        near = nearest_turns(q0[..., self._turning], given)
+        if near is given:
+            return q1
+        ends = q1.copy()
+        ends[..., self._turning] = near
+        return ends
+
+    def _way(self, q0: Floats, q1: Floats) -> Floats:
+        """(n,) m: no link point travels further on these motions."""
+        levers = self._levers_within(q0, q1)
+        if self._column_levers is not None:
+            columns = self._column_levers if levers is self._levers else _column_levers(self._robot, levers)
+            return np.asarray(np.abs(q1 - q0) @ columns)
+        model = self._robot.model
+        moved = np.array([pin.difference(model, a, b) for a, b in zip(q0, q1, strict=True)]).reshape(-1, model.nv)
+        return np.asarray(np.abs(moved) @ levers)
+
+    def _levers_within(self, q0: Floats, q1: Floats) -> Floats:
+        """The lever arms; longer than usual if a sliding joint of the group goes beyond its limits."""
+        if not len(self._sliding):
+            return self._levers
+        taken = np.abs(self._robot.expand(np.concatenate([q0, q1]))).max(axis=0, initial=0)
+        if (taken[self._sliding] <= self._positions[self._sliding]).all():
+            return self._levers
+        return lever_arms(self._robot, np.maximum(self._positions, taken), self._excess)
+
+    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+        """States (k, nq) of one motion at parameters (k,) in [0, 1]; both ends are met exactly."""
+        if self.is_vector_space:
+            states = (1 - parameters)[:, None] * q0 + parameters[:, None] * q1
+        else:
+            model = self._robot.model
+            states = np.array([pin.interpolate(model, q0, q1, float(t)) for t in parameters])
+        states[parameters == 0] = q0
+        states[parameters == 1] = q1
+        return states
+
+    def check(self, checker: Checker, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.bool_]:
+        """Whether all sampled states of each motion (n, nq) to (n, nq) are valid, by batches of states."""
+        steps = self.steps(q0, q1, resolution)
+        return np.array(
+            [self._is_free(checker, a, b, int(k)) for a, b, k in zip(q0, q1, steps, strict=True)], dtype=bool
+        )
+
+    def _is_free(self, checker: Checker, q0: Floats, q1: Floats, steps: int) -> bool:
+        parameters = coarse_to_fine(steps)
+        for first in range(0, len(parameters), _BATCH):
+            if not checker.check_states(self.states(q0, q1, parameters[first : first + _BATCH])).all():
+                return False
+        return True
+
+
+def _column_levers(robot: Robot, levers: Floats) -> Floats:
+    """(nq,) how far a point of any body moves at most for one unit of each column, mimic joints included.
+
+    Each column is an angle or a length, and joints follow it linearly, so one step a column tells.
+    """
+    step, base = 0.5, np.zeros(robot.nq)
+    full = np.atleast_2d(robot.expand(base + step * np.eye(robot.nq)))
+    moved = np.array([pin.difference(robot.model, robot.expand(base), row) for row in full])
+    return np.abs(moved / step).reshape(robot.nq, -1) @ levers
+
+
+def coarse_to_fine(steps: int) -> Floats:
+    """The parameters 0, 1, 1/2, 1/4, 3/4, … of all multiples of 1/steps: a collision is met early."""
+    order = [np.array([0, steps])]
+    stride = 1 << max(steps - 1, 0).bit_length()
+    while stride > 1:
+        order.append(np.arange(stride // 2, steps, stride))
+        stride //= 2
+    return np.concatenate(order) / steps
+
+
+def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) -> Floats:
+    """How far a point of any body moves at most for one unit of each of Pinocchio's velocities.
+
+    Args:
+        robot: The robot.
+        positions: (full nq,) how far from 0 each number of Pinocchio's configurations gets at most; sliding joints
+            carry what hangs on them that far away.
+        excess: How far polytopes of cylinders and cones stick out, as a part of the radius.
+
+    Returns:
+        (nv,) m for angles in rad (m per rad), 1 for lengths. The way from a joint to a body is bounded by the sum of
+        the lengths between the joints, sliding joints at these positions.
+    """
+    model = robot.model
+    reach = np.zeros(model.njoints)  # of what a joint carries, from the joint's own frame
+    for body in robot.bodies:
+        if body.link is None:
+            continue
+        frame = model.frames[model.getBodyId(body.link)]
+        hull, _, swell = hull_and_swell(body.shape, excess)
+        points = hull @ body.pose[:3, :3].T + body.pose[:3, 3]
+        on_joint = points @ frame.placement.rotation.T + frame.placement.translation
+        furthest = float(np.linalg.norm(on_joint, axis=1).max()) + swell
+        reach[frame.parentJoint] = max(reach[frame.parentJoint], furthest)
+    for joint in range(model.njoints - 1, 0, -1):
+        parent = model.parents[joint]
+        carried = (
+            reach[joint]
+            + float(positions[_sliding_part(model, joint)].sum())
+            + float(np.linalg.norm(model.jointPlacements[joint].translation))
+        )
+        reach[parent] = max(reach[parent], carried)
+    return np.concatenate([_joint_levers(model, joint, reach[joint]) for joint in range(1, model.njoints)])
+
+
+# The lengths at the front of a joint's numbers where it turns as well. On its way, a screw of at most half a turn, its
+# origin stays within half the ends' distance d of their middle m; and |m| + d / 2 is no more than the sum of the larger
+# of both ends' numbers. So levers are measured at the ends.
+_SCREWS = {"JointModelPlanar": 2, "JointModelFreeFlyer": 3}
+
+
+def _slides(model: pin.Model, joint: int) -> bool:
+    """Whether a joint is prismatic, along an axis of its own or of the frame."""
+    name = str(model.joints[joint].shortname())
+    return name not in _SCREWS and name.startswith(("JointModelP", "JointModelMimicP"))
+
+
+def _sliding_part(model: pin.Model, joint: int) -> slice:
+    """The numbers of Pinocchio's configurations that are lengths along which a joint slides; may be none."""
+    first = model.idx_qs[joint]
+    lengths = 1 if _slides(model, joint) else _SCREWS.get(str(model.joints[joint].shortname()), 0)
+    return slice(first, first + lengths)
+
+
+def _sliding_columns(robot: Robot) -> NDArray[np.int64]:
+    """Numbers of Pinocchio's configurations that are lengths and that the group moves."""
+    model = robot.model
+    lengths = [np.arange(model.nq)[_sliding_part(model, joint)] for joint in range(1, model.njoints)]
+    low, high = (robot.expand(row) for row in robot.random_configurations(2, seed=0))
+    return np.intersect1d(np.concatenate([*lengths, np.zeros(0, dtype=np.int64)]), np.flatnonzero(low != high))
+
+
+def _limits(model: pin.Model) -> Floats:
+    """(full nq,) the limit that is further from 0; 0 where there is none."""
+    limits = np.abs([model.lowerPositionLimit, model.upperPositionLimit])
+    return np.asarray(np.where(limits < NO_LIMIT, limits, 0.0).max(axis=0))
+
+
+def _joint_levers(model: pin.Model, joint: int, reach: float) -> Floats:
+    """(nv of the joint,) metres per unit of velocity."""
+    name, count = model.joints[joint].shortname(), model.nvs[joint]
+    if name == "JointModelFreeFlyer":
+        return np.array([1.0, 1.0, 1.0, reach, reach, reach])
+    if name == "JointModelPlanar":
+        return np.array([1.0, 1.0, reach])
+    return np.full(count, 1.0 if _slides(model, joint) else reach)

@@ -1,0 +1,101 @@
+"""Qhull through SciPy: convex hulls and halfspace intersections in any dimension, in doubles.
+
+In: points (n, d), or halfspaces with a point strictly inside. Out: facets as simplices with outward unit normals, or
+vertices. Rounded, so what comes out only guides; verdicts are proved from the given numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.errors import PlannercheckError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class FlatError(PlannercheckError):
+    """Points that span no volume, up to rounding, so that qhull finds no hull."""
+
+
+@dataclass(frozen=True)
+class Hull(OwnsArrays):
+    """A hull's boundary, triangulated.
+
+    Attributes:
+        simplices: (m, d) indices into the points.
+        normals: Outward unit normals (m, d).
+        offsets: (m,): the facet's plane is normals · x = offsets.
+        vertices: Indices of the extreme points, sorted.
+    """
+
+    simplices: Ints
+    normals: Floats
+    offsets: Floats
+    vertices: Ints
+
+
+def spatial() -> Any:
+    """scipy.spatial, or an error that says how to get it."""
+    try:
+        import scipy.spatial
+    except ImportError as error:
+        raise PlannercheckError("pc.ndim needs SciPy: pip install 'plannercheck[ndim]'") from error
+    return scipy.spatial
+
+
+def convex_hull(points: Floats) -> Hull:
+    """The hull of points.
+
+    Args:
+        points: (n, d) with d at least 2.
+
+    Returns:
+        Its triangulated boundary. Raises FlatError if they span no volume.
+    """
+    if len(points) <= points.shape[1]:
+        raise FlatError(f"{len(points)} points span no volume in dimension {points.shape[1]}")
+    if points.shape[1] == 1:
+        return _interval(points[:, 0])
+    library = spatial()
+    try:
+        hull = library.ConvexHull(points)
+    except library.QhullError as error:
+        raise FlatError(f"qhull finds no hull: {str(error).splitlines()[0]}") from error
+    equations = np.asarray(hull.equations, dtype=np.float64)
+    simplices = np.asarray(hull.simplices, dtype=np.int32)
+    return Hull(simplices, equations[:, :-1].copy(), -equations[:, -1], np.unique(simplices))
+
+
+def _interval(values: Floats) -> Hull:
+    low, high = int(values.argmin()), int(values.argmax())
+    if values[low] == values[high]:
+        raise FlatError("the points are all the same")
+    ends = np.array([[low], [high]], dtype=np.int32)
+    return Hull(ends, np.array([[-1.0], [1.0]]), np.array([-values[low], values[high]]), np.unique(ends))
+
+
+def halfspace_vertices(normals: Floats, offsets: Floats, inside: Floats) -> Floats:
+    """The vertices of a bounded intersection of halfspaces normals · x ≤ offsets.
+
+    Args:
+        normals: (m, d).
+        offsets: (m,).
+        inside: A point strictly inside (d,).
+
+    Returns:
+        (k, d), rounded. Raises FlatError if qhull finds none.
+    """
+    polars = normals / (offsets - normals @ inside)[:, None]
+    hull = convex_hull(polars)
+    if not (hull.offsets > 0).all():
+        raise PlannercheckError("the halfspaces bound no polytope: their intersection is unbounded")
+    found = hull.normals / hull.offsets[:, None]
+    scale = np.abs(found).max()
+    _, first = np.unique(np.round(found / scale, 12), axis=0, return_index=True)
+    return np.asarray(found[np.sort(first)] + inside)

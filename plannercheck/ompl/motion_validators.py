@@ -1,0 +1,231 @@
+"""OMPL's motion validators: motions proved free by one call of the core, or sampled.
+
+In: a checker, its OMPL space. Out: `motion_validator`. Motions are proved free unless a resolution is given: then they
+are sampled, so densely that no point moves further than it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from ompl import base
+
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.motions.certifier import DEFAULT_TOLERANCE
+from plannercheck.motions.checker import Checker
+from plannercheck.motions.sampling import coarse_to_fine
+from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
+from plannercheck.planar.checker import Checker as PlanarChecker
+from plannercheck.planar.motion_certifier import STRAIGHT
+
+Floats = NDArray[np.float64]
+
+# Either kind of space: reads and writes states, and says how they differ.
+Space: TypeAlias = JointSpace | PlanarSpace
+
+# A curved motion is checked coarse to fine, so that a collision is met early: first this many states, then twice as
+# many each time.
+_FIRST_STATES = 8
+
+
+class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bindings are untyped
+    """What all validators share.
+
+    The counters are kept here: `SpaceInformation.getCheckedMotionCount` asks OMPL's own, which stay 0.
+    """
+
+    def __init__(self, information: Any, space: Space) -> None:
+        """Holds the space, but not the SpaceInformation, which holds this."""
+        super().__init__(information)
+        self._space = space
+        self.resetMotionCounter()
+
+    def _is_free(self, s1: Any, s2: Any) -> bool:
+        raise NotImplementedError
+
+    def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
+        """Whether the motion is free, the last valid place on it, and the configuration there."""
+        raise NotImplementedError
+
+    def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
+        """Whether the motion between two states is free, both ends included."""
+        free = self._is_free(s1, s2)
+        self._count(free)
+        return free
+
+    def checkMotionWithLastValid(self, s1: Any, s2: Any, last_valid: Any = None) -> tuple[bool, float]:  # noqa: N802
+        """The same, and how far the motion is free.
+
+        Args:
+            s1: Start.
+            s2: End.
+            last_valid: A state that receives the last one known free, or, sampled, the last one before the first
+                collision; None for none.
+
+        Returns:
+            Whether the motion is free, and the last valid state's place between 0 and 1 (0 also if the start
+            collides).
+        """
+        free, last, q = self._last_valid(s1, s2)
+        if last_valid is not None:
+            self._space.write(last_valid, q)
+        self._count(free)
+        return free, last
+
+    def getValidMotionCount(self) -> int:  # noqa: N802
+        """Motions found free since the counters were reset."""
+        return self._valid
+
+    def getInvalidMotionCount(self) -> int:  # noqa: N802
+        """Motions found colliding since the counters were reset."""
+        return self._invalid
+
+    def getCheckedMotionCount(self) -> int:  # noqa: N802
+        """All motions checked since the counters were reset."""
+        return self._valid + self._invalid
+
+    def getValidMotionFraction(self) -> float:  # noqa: N802
+        """Free motions as a part of all; 0 if there were none."""
+        return self._valid / max(self.getCheckedMotionCount(), 1)
+
+    def resetMotionCounter(self) -> None:  # noqa: N802
+        """Sets the counters to 0."""
+        self._valid = self._invalid = 0
+
+    def _count(self, free: bool) -> None:
+        if free:
+            self._valid += 1
+        else:
+            self._invalid += 1
+
+
+class ProvedMotions(_CountingValidator):
+    """Motions in space, each proved free by one call of the core."""
+
+    def __init__(self, information: Any, checker: Checker, space: JointSpace, tolerance: float) -> None:
+        """Takes the checker's certifier; `tolerance` as for `Checker.check_motion`, m."""
+        super().__init__(information, space)
+        self._joints, self._tolerance = space, tolerance
+        self._certifier = checker.motion_certifier
+        plain_numbers = not space.continuous.any()
+        self._proved = self._certifier.motion_validity(tolerance) if plain_numbers else self._read_and_proved
+
+    def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
+        """Whether the motion between two states is free, both ends included."""
+        free = self._proved(s1, s2)  # what planners wait for: no more calls than that
+        if free:
+            self._valid += 1
+        else:
+            self._invalid += 1
+        return free
+
+    def _ends(self, s1: Any, s2: Any) -> tuple[list[float], list[float]]:
+        q0 = self._joints.read(s1)
+        return q0, self._joints.end(q0, self._joints.read(s2))
+
+    def _read_and_proved(self, s1: Any, s2: Any) -> bool:
+        return self._certifier.is_free(*self._ends(s1, s2), self._tolerance)
+
+    def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
+        q0, q1 = (np.array(q) for q in self._ends(s1, s2))
+        passage = self._certifier.passage(q0, q1, self._tolerance)
+        state = self._certifier.states(q0, q1, np.array([passage.free_until]))[0]
+        return passage.free, passage.free_until, state
+
+
+class ProvedPlanarMotions(_CountingValidator):
+    """Motions in the plane, straight or on curves, each proved free by one call of the core."""
+
+    def __init__(self, information: Any, checker: PlanarChecker, space: PlanarSpace, tolerance: float) -> None:
+        """Takes the checker's certifier; `tolerance` as for `Checker.check_motion`, m."""
+        super().__init__(information, space)
+        self._plane, self._tolerance, self._sampler = space, tolerance, checker.motion_sampler
+        self._certifier = checker.motion_certifier
+
+    def _motion(self, s1: Any, s2: Any) -> tuple[Floats, Floats, Floats]:
+        """Both ends, and the pieces of a curve between them."""
+        q0, q1 = np.array(self._plane.read(s1)), np.array(self._plane.read(s2))
+        curves, end = self._plane.curves, self._sampler.short_way(q0, q1)
+        if curves is None:
+            return q0, end, STRAIGHT
+        end[2] = q1[2]  # to the bit: of two curves of one length rounding may choose
+        return q0, end, curves.pieces(q0, end, self._sampler.reach)
+
+    def _is_free(self, s1: Any, s2: Any) -> bool:
+        q0, q1, pieces = self._motion(s1, s2)
+        return self._certifier.is_free(q0, q1, self._tolerance, pieces)
+
+    def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
+        q0, q1, pieces = self._motion(s1, s2)
+        passage = self._certifier.passage(q0, q1, self._tolerance, pieces=pieces)
+        state = self._certifier.states(q0, q1, np.array([passage.free_until]), pieces)[0]
+        return passage.free, passage.free_until, state
+
+
+class SampledMotions(_CountingValidator):
+    """Motions in space or in the plane, judged at sampled states."""
+
+    def __init__(self, information: Any, checker: AnyChecker, space: Space, resolution: float | None) -> None:
+        """Holds the checker; `resolution` as for its `check_motion`, m."""
+        super().__init__(information, space)
+        self._checker, self._resolution, self._sampler = checker, resolution, checker.motion_sampler
+
+    def _is_free(self, s1: Any, s2: Any) -> bool:
+        if self._space.is_straight:
+            return self._checker.check_motion(*self._ends(s1, s2), self._resolution)
+        steps = self._space.curve_steps(s1, s2, self._sampler, self._resolution)
+        parameters = coarse_to_fine(steps)
+        done, size = 0, _FIRST_STATES
+        while done < len(parameters):
+            states = self._space.curve_states(s1, s2, parameters[done : done + size])
+            if not self._checker.check_states(states).all():
+                return False
+            done, size = done + size, 2 * size
+        return True
+
+    def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
+        states = self._states(s1, s2)
+        colliding = np.flatnonzero(~self._checker.check_states(states))
+        last = len(states) - 1 if len(colliding) == 0 else max(int(colliding[0]) - 1, 0)
+        return len(colliding) == 0, last / (len(states) - 1), states[last]
+
+    def _states(self, s1: Any, s2: Any) -> Floats:
+        """The sampled states (k, nq) of a motion, both ends included."""
+        if not self._space.is_straight:
+            return sampled_curve(self._space, s1, s2, self._sampler, self._resolution)
+        q0, q1 = self._ends(s1, s2)
+        steps = int(self._sampler.steps(q0[None], q1[None], self._resolution)[0])
+        return np.asarray(self._sampler.states(q0, q1, np.arange(steps + 1) / steps))
+
+    def _ends(self, s1: Any, s2: Any) -> tuple[Floats, Floats]:
+        """Both ends; angles of the second on the short way from the first, as OMPL interpolates."""
+        q0, q1 = np.array(self._space.read(s1)), np.array(self._space.read(s2))
+        return q0, self._sampler.short_way(q0, q1)
+
+
+def motion_validator(
+    information: Any,
+    checker: AnyChecker,
+    space: Space,
+    resolution: float | None = None,
+    tolerance: float = DEFAULT_TOLERANCE,
+) -> ProvedMotions | ProvedPlanarMotions | SampledMotions:
+    """The validator for a checker.
+
+    Args:
+        information: OMPL's SpaceInformation.
+        checker: Who judges motions.
+        space: The checker's robot's.
+        resolution: None to prove motions free; else to sample them, as for `check_motion`, m.
+        tolerance: Of proofs, as for `Checker.check_motion`, m.
+    """
+    if resolution is None and isinstance(checker, Checker):
+        assert isinstance(space, JointSpace)
+        return ProvedMotions(information, checker, space, tolerance)
+    if resolution is None and isinstance(checker, PlanarChecker):
+        assert isinstance(space, PlanarSpace)
+        return ProvedPlanarMotions(information, checker, space, tolerance)
+    return SampledMotions(information, checker, space, resolution)

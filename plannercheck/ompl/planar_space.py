@@ -1,0 +1,154 @@
+"""A planar robot's configuration space as OMPL has it.
+
+In: a planar robot, and how its root moves. Out: `PlanarSpace`: an OMPL state space, and how its states become
+configurations and back. The root is an SE2, Dubins or Reeds-Shepp space; with joints, the space is a compound of the
+root and one part a joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from ompl import base
+
+from plannercheck.common.angles import nearest_turns, wrapped
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.ompl.joint_space import bounded_space
+from plannercheck.planar.curves import Curve, Curves, check_curve
+from plannercheck.planar.motion_sampling import MotionSampler
+from plannercheck.planar.robot import Robot
+from plannercheck.planar.spare_states import SpareStates
+
+Floats = NDArray[np.float64]
+
+
+class PlanarSpace:
+    """The configuration space of a planar robot.
+
+    Attributes:
+        continuous: (nq,) which numbers are angles without limits.
+        is_straight: Whether motions are straight, number by number; else the root follows curves.
+        curves: These curves, taken apart; None if motions are straight.
+    """
+
+    def __init__(self, robot: Robot, curve: Curve = "straight", turning_radius: float | None = None) -> None:
+        """Looks at the robot.
+
+        Args:
+            robot: With limits of x and y if its root is free.
+            curve: How the root moves.
+            turning_radius: Of curves, m.
+        """
+        _check(robot, curve, turning_radius)
+        self._curve, self._radius = curve, turning_radius
+        self.is_straight = curve == "straight"
+        self.curves = Curves(curve, turning_radius) if turning_radius is not None else None
+        self._free = robot.is_free
+        self._lower, self._upper = robot.lower, robot.upper
+        self._width = robot.nq
+        self._first = 3 if robot.is_free else 0  # number of the first joint
+        self._is_root_alone = robot.is_free and robot.nq == 3
+        self.continuous = robot.angles
+        self._space: Any = None
+        self._spare: SpareStates | None = None
+
+    def ompl_space(self) -> Any:
+        """A new OMPL state space."""
+        self._space = self._root() if self._is_root_alone else self._compound()
+        self._spare = SpareStates(self._space, 1)
+        return self._space
+
+    def _root(self) -> Any:
+        made = {
+            "straight": base.SE2StateSpace,
+            "dubins": lambda: base.DubinsStateSpace(self._radius),
+            "reeds_shepp": lambda: base.ReedsSheppStateSpace(self._radius),
+        }
+        root = made[self._curve]()
+        bounds = base.RealVectorBounds(2)
+        for k in range(2):
+            bounds.setLow(k, float(self._lower[k]))
+            bounds.setHigh(k, float(self._upper[k]))
+        root.setBounds(bounds)
+        return root
+
+    def _compound(self) -> Any:
+        space = base.CompoundStateSpace()
+        if self._free:
+            space.addSubspace(self._root(), 1.0)
+        for k in range(self._first, self._width):
+            limits = self._lower[k : k + 1], self._upper[k : k + 1]
+            space.addSubspace(base.SO2StateSpace() if self.continuous[k] else bounded_space(*limits), 1.0)
+        return space
+
+    def read(self, state: Any) -> list[float]:
+        """The configuration of an OMPL state, nq numbers."""
+        if self._is_root_alone:
+            return [state.getX(), state.getY(), state.getYaw()]
+        values = [state[0].getX(), state[0].getY(), state[0].getYaw()] if self._free else []
+        for k in range(self._first, self._width):
+            part = state[k - self._first + self._free]
+            values.append(part.value if self.continuous[k] else part[0])
+        return values
+
+    def write(self, state: Any, q: Sequence[float] | Floats) -> None:
+        """Sets an OMPL state to a configuration (nq,); free angles are brought to [-pi, pi)."""
+        if self._free:
+            root = state if self._is_root_alone else state[0]
+            root.setX(float(q[0]))
+            root.setY(float(q[1]))
+            root.setYaw(float(wrapped(np.asarray(q[2]))))
+        for k in range(self._first, self._width):
+            part = state[k - self._first + self._free]
+            if self.continuous[k]:
+                part.value = float(wrapped(np.asarray(q[k])))
+            else:
+                part[0] = float(q[k])
+
+    def differences(self, q0: Floats, q1: Floats) -> Floats:
+        """From configurations (…, nq) to others, number by number; free angles take the short way."""
+        return np.where(self.continuous, nearest_turns(q0, q1), q1) - q0
+
+    def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
+        """A new OMPL state of a configuration (nq,)."""
+        state = information.allocState()
+        self.write(state, q)
+        return state
+
+    def curve_steps(self, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> int:
+        """How many steps a curved motion needs: no point moves over `resolution` m in one."""
+        assert self.curves is not None
+        q0 = np.array(self.read(s1))
+        way = self.curves.way(q0, q0 + self.differences(q0, np.array(self.read(s2))), sampler)
+        return int(sampler.steps_of_way(np.array([way]), resolution)[0])
+
+    def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
+        """The states (k, nq) of a motion at parameters (k,) in [0, 1], as OMPL interpolates."""
+        assert self._spare is not None  # states come from `ompl_space`
+        rows = []
+        with self._spare.taken() as (between,):
+            for t in parameters.tolist():
+                self._space.interpolate(s1, s2, t, between)
+                rows.append(self.read(between))
+        return np.array(rows)
+
+
+def sampled_curve(space: PlanarSpace, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> Floats:
+    """States (k, nq) of a curved motion so close that no point moves over `resolution` m, both ends included."""
+    steps = space.curve_steps(s1, s2, sampler, resolution)
+    return space.curve_states(s1, s2, np.arange(steps + 1) / steps)
+
+
+def _check(robot: Robot, curve: Curve, turning_radius: float | None) -> None:
+    check_curve(robot, curve, turning_radius)
+    if robot.is_free and not np.isfinite([*robot.lower[:2], *robot.upper[:2]]).all():
+        raise PlannercheckError(
+            f"x and y of {robot.name!r} have no limits, planning needs them: give the scene bounds, "
+            "or the robot (robot.within)"
+        )
+    for name, low, high in zip(robot.joint_names, robot.lower, robot.upper, strict=True):
+        if np.isinf(low) != np.isinf(high):
+            raise PlannercheckError(f"joint {name!r} of {robot.name!r} needs both limits or none")

@@ -1,0 +1,265 @@
+"""Planning with OMPL: a checker as the judge of states and motions.
+
+In: a checker. Out: `setup`, an OMPL SimpleSetup with the robot's joint space and validators, and `plan`,
+which runs a planner from a start to a goal.
+
+Bounded joints are real numbers, continuous joints of a planning group are angles (SO2). Motions are proved free unless
+a resolution is given: see motion_validators.py.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from ompl import base, geometric, util
+
+from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.silence import Silence
+from plannercheck.motions.certifier import DEFAULT_TOLERANCE
+from plannercheck.motions.checker import Checker
+from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
+from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.motion_validators import Space, motion_validator
+from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
+from plannercheck.ompl.plans import Plan, joint_length
+from plannercheck.ompl.start_and_goal import checked_end, judged
+from plannercheck.ompl.state_validators import ExactStates
+from plannercheck.planar.checker import Checker as PlanarChecker
+from plannercheck.planar.curves import Curve
+
+Floats = NDArray[np.float64]
+
+# About this long is a found path shortened at most, s: most of the gain comes in the first half second.
+SIMPLIFICATION_TIME = 1.0
+
+
+# Longest motion that a planner tries at once, rad. OMPL's default, a fifth of the space's extent, is 2.6 rad
+# for seven joints: most such motions collide, and checking them to a millimetre is wasted.
+LONGEST_MOTION = 0.5
+
+# OMPL says nothing on the console while it plans: results and reasons are returned.
+_SILENCE = Silence(util.getLogLevel, util.setLogLevel, util.LOG_NONE)
+
+
+def setup(
+    checker: AnyChecker,
+    resolution: float | None = None,
+    tolerance: float = DEFAULT_TOLERANCE,
+    *,
+    curve: Curve = "straight",
+    turning_radius: float | None = None,
+) -> Any:
+    """Makes an OMPL SimpleSetup for a checker's robot.
+
+    OMPL's messages below warnings are switched off; `ompl.util.setLogLevel` brings them back.
+
+    Args:
+        checker: Who judges states and motions, in space or in the plane.
+        resolution: None to prove motions free. Else they are sampled, and no point of the robot moves further than this
+            between two checked states, m.
+        tolerance: A motion that comes within this of a collision may be refused by the proof, m.
+        curve: How a planar robot's root moves: "straight" (SE(2)), "dubins" (forwards) or "reeds_shepp" (either way).
+        turning_radius: Of the two latter, m.
+
+    Returns:
+        An `ompl.geometric.SimpleSetup` with space, state and motion validators set.
+
+    Raises:
+        PlannercheckError: If a joint is neither bounded nor continuous, or takes several numbers.
+    """
+    if util.getLogLevel().value < util.LOG_WARN.value:
+        util.setLogLevel(util.LOG_WARN)
+    return _setup(checker, space_of(checker, curve, turning_radius), resolution, tolerance)
+
+
+def space_of(
+    checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None, held: Sequence[Floats] = ()
+) -> Space:
+    """The space in which a checker's robot is planned for; arguments as for `setup`, `held` as for `JointSpace`."""
+    if isinstance(checker, PlanarChecker):
+        return PlanarSpace(checker.robot, curve, turning_radius)
+    if curve != "straight" or turning_radius is not None:
+        raise PlannercheckError("curves and turning radii are for planar robots")
+    return JointSpace(checker.robot, *held)  # type: ignore[arg-type]  # the other kind of checker
+
+
+def clearance_objective(checker: AnyChecker, setup: Any, resolution: float = CLEARANCE_RESOLUTION) -> Any:
+    """An objective for paths whose least clearance is as great as possible; see clearance.py.
+
+    Args:
+        checker: Who measures clearances; in space.
+        setup: What `setup` made for it. `setup.setOptimizationObjective(objective)` puts the objective to use.
+        resolution: Between states at which a motion's clearance is measured, in the space's distance (rad).
+
+    Returns:
+        An `ompl.base.OptimizationObjective`.
+
+    Raises:
+        PlannercheckError: If the checker is planar.
+    """
+    space = space_of(checker)
+    if not isinstance(checker, Checker):
+        raise PlannercheckError("clearances are measured in space only, not for planar robots")
+    return MaxMinClearance(setup.getSpaceInformation(), checker, space, resolution)
+
+
+def _setup(checker: AnyChecker, space: Space, resolution: float | None, tolerance: float) -> Any:
+    for name, length in (("resolution", resolution), ("tolerance", tolerance)):
+        if length is not None and not (np.isfinite(length) and length > 0):
+            raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
+    setup = geometric.SimpleSetup(space.ompl_space())
+    information = setup.getSpaceInformation()
+    setup.setStateValidityChecker(_state_validity(information, checker, space))
+    information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))
+    return setup
+
+
+def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
+    """OMPL's judge of states, with clearances in space."""
+    if isinstance(checker, Checker):
+        assert isinstance(space, JointSpace)
+        return ExactStates(information, checker, space)
+    read, is_valid = space.read, checker.is_valid
+    return lambda state: is_valid(np.array(read(state)))
+
+
+@cache
+def planner_names() -> tuple[str, ...]:
+    """Names of the planners that OMPL's bindings offer."""
+    found = [name for name in dir(geometric) if _is_planner(getattr(geometric, name))]
+    return tuple(sorted(found))
+
+
+def _is_planner(item: Any) -> bool:
+    return isinstance(item, type) and issubclass(item, base.Planner)
+
+
+def plan(
+    checker: AnyChecker,
+    start: ArrayLike,
+    goal: ArrayLike,
+    planner: str = "RRTConnect",
+    time_limit: float = 10.0,
+    simplify: bool = True,
+    seed: int | None = None,
+    resolution: float | None = None,
+    longest_motion: float | None = None,
+    curve: Curve = "straight",
+    turning_radius: float | None = None,
+) -> Plan:
+    """Plans from one configuration to another.
+
+    Args:
+        checker: Who judges states and motions.
+        start: (nq,) rad and m.
+        goal: (nq,) rad and m.
+        planner: One of `planner_names()`.
+        time_limit: For the search, s; shortening comes on top, about `SIMPLIFICATION_TIME`.
+        simplify: Whether to shorten the path.
+        seed: Of OMPL's random numbers, 1 or more, for a search that can be repeated; None for a different one
+            each time.
+        resolution: As for `setup`.
+        longest_motion: How far a planner with a range extends at once, in the space's distance (rad); 0 leaves it to
+            OMPL, as None does in the plane; None is `LONGEST_MOTION` in space.
+        curve: As for `setup`.
+        turning_radius: As for `setup`.
+
+    Returns:
+        The plan; curved motions are given as states between which no point moves over 1 cm, or the resolution. If
+        start or goal collide or are beyond the limits, it is unsolved and `reason` says why.
+    """
+    if planner not in planner_names():
+        raise unknown_name("planner", planner, planner_names())
+    if not (np.isfinite(time_limit) and time_limit > 0):
+        raise PlannercheckError(f"time_limit must be a positive time in s, not {time_limit!r}")
+    if longest_motion is None:
+        longest_motion = 0 if isinstance(checker, PlanarChecker) else LONGEST_MOTION
+    if not (np.isfinite(longest_motion) and longest_motion >= 0):
+        raise PlannercheckError(f"longest_motion must be a length in rad or 0, not {longest_motion!r}")
+    ends = {name: checked_end(checker, q, name) for name, q in (("start", start), ("goal", goal))}
+    reasons = [judged(checker, q).reason(name) for name, q in ends.items()]
+    if any(reasons):
+        return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
+    space = space_of(checker, curve, turning_radius, tuple(ends.values()))
+    with _SILENCE():
+        _seed(seed)
+        setup = _setup(checker, space, resolution, DEFAULT_TOLERANCE)
+        information = setup.getSpaceInformation()
+        setup.setStartAndGoalStates(*(space.state(information, q) for q in ends.values()))
+        setup.setPlanner(_planner(planner, information, longest_motion))
+        return _search(setup, space, checker, planner, time_limit, simplify, resolution)
+
+
+def _planner(name: str, information: Any, longest_motion: float) -> Any:
+    planner = getattr(geometric, name)(information)
+    if longest_motion and hasattr(planner, "setRange"):
+        planner.setRange(longest_motion)
+    return planner
+
+
+def _search(
+    setup: Any,
+    space: Space,
+    checker: AnyChecker,
+    planner: str,
+    time_limit: float,
+    simplify: bool,
+    resolution: float | None,
+) -> Plan:
+    robot = checker.robot
+    began = time.perf_counter()
+    status = setup.solve(base.timedPlannerTerminationCondition(time_limit))
+    found = time.perf_counter()
+    if not setup.haveExactSolutionPath():
+        reason = f"{planner} found no path in {found - began:.1f} s: {status.asString()}"
+        return _unsolved(robot, planner, found - began, reason)
+    solution = _shortened(setup) if simplify else setup.getSolutionPath()  # it owns its states
+    spent = time.perf_counter() - found
+    path = _configurations(space, list(solution.getStates()), checker, resolution)
+    return Plan(
+        solved=True,
+        path=path,
+        length=joint_length(path, space.differences),
+        time=found - began,
+        simplification_time=spent,
+        planner=planner,
+        joint_names=robot.joint_names,
+    )
+
+
+def _configurations(space: Space, states: list[Any], checker: AnyChecker, resolution: float | None) -> Floats:
+    """The path (k, nq) along OMPL states; where motions are curved, with states between them."""
+    if space.is_straight:
+        return np.array([space.read(state) for state in states])
+    curves = (sampled_curve(space, a, b, checker.motion_sampler, resolution) for a, b in pairwise(states))
+    return np.concatenate([[space.read(states[0])], *(curve[1:] for curve in curves)])
+
+
+def _shortened(setup: Any) -> Any:
+    """The found path, shortened; as it was found if OMPL calls the shorter one invalid."""
+    found = setup.getSolutionPath()
+    shorter = geometric.PathGeometric(found)
+    limit = base.timedPlannerTerminationCondition(SIMPLIFICATION_TIME)
+    # The flag would have every step of the simplification run at least once, however long that takes.
+    kept = setup.getPathSimplifier().simplify(shorter, limit, atLeastOnce=False)
+    return shorter if kept else found
+
+
+def _unsolved(robot: AnyRobot, planner: str, spent: float, reason: str) -> Plan:
+    return Plan(False, np.empty((0, robot.nq)), 0.0, spent, 0.0, planner, reason, robot.joint_names)
+
+
+def _seed(seed: int | None) -> None:
+    """Seeds OMPL's random numbers; it warns, wrongly for a fresh planner, if there have been some already."""
+    if seed is None:
+        return
+    if seed < 1:
+        raise PlannercheckError(f"seed must be at least 1, not {seed}")
+    util.RNG.setSeed(seed)

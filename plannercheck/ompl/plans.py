@@ -1,0 +1,112 @@
+"""Plans: what a planner found, in memory and in files.
+
+In: a path of configurations and how it was found. Out: `Plan`, and JSON (all of it), npy or csv (the path
+alone, readable by `plannercheck validate`).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.checked_yaml import BROKEN_FILE
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.escaping import csv_cell
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan(OwnsArrays):
+    """What a planner found between two configurations.
+
+    Attributes:
+        solved: Whether the path leads from the start to the goal.
+        path: (k, nq) configurations, joined by straight motions; (0, nq) if there is none. rad and m.
+        length: Of the path, joint by joint combined as a Euclidean length, rad (and m, for prismatic joints).
+        time: Spent on the search, s.
+        simplification_time: Spent on shortening the path afterwards, s.
+        planner: The planner's name.
+        reason: Why there is no path; empty if solved.
+        joint_names: Of the path's columns.
+    """
+
+    solved: bool
+    path: Floats
+    length: float
+    time: float
+    simplification_time: float
+    planner: str
+    reason: str = ""
+    joint_names: tuple[str, ...] = field(default=())
+
+    def save(self, path: str | Path) -> None:
+        """Writes the plan; the suffix tells the format: .json, or the path alone as .npy or .csv."""
+        path = Path(path)
+        check_suffix(path)
+        written_aside(path, lambda aside: _WRITERS[path.suffix](self, aside))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Plan:
+        """Reads a plan from JSON, with the same numbers."""
+        try:
+            values = json.loads(Path(path).read_text(encoding="utf-8"))
+            width = len(values["joint_names"])
+            values["path"] = np.array(values["path"], dtype=np.float64).reshape(-1, width)
+            values["joint_names"] = tuple(values["joint_names"])
+            return cls(**values)
+        except BROKEN_FILE as error:
+            raise PlannercheckError(f"file {str(path)!r} is no plan in JSON: {error!s:.200}") from None
+
+
+def check_suffix(path: Path) -> None:
+    """Raises unless the suffix is that of a format in which plans are written."""
+    if path.suffix not in _WRITERS:
+        raise unknown_name("format of a plan", path.suffix, _WRITERS)
+
+
+def joint_length(path: Floats, differences: Callable[[Floats, Floats], Floats]) -> float:
+    """The length of a path (k, nq).
+
+    Args:
+        path: Its configurations.
+        differences: From configurations (n, nq) to others, joint by joint.
+
+    Returns:
+        The sum of the Euclidean lengths of its steps.
+    """
+    return float(np.linalg.norm(differences(path[:-1], path[1:]), axis=1).sum()) if len(path) > 1 else 0.0
+
+
+def _write_json(plan: Plan, path: Path) -> None:
+    values: dict[str, Any] = {
+        **asdict(plan),
+        "path": plan.path.tolist(),
+        "joint_names": list(plan.joint_names),
+    }
+    path.write_text(json.dumps(values, indent=1) + "\n", encoding="utf-8")
+
+
+def _write_npy(plan: Plan, path: Path) -> None:
+    with path.open("wb") as file:
+        np.save(file, plan.path)
+
+
+def _write_csv(plan: Plan, path: Path) -> None:
+    lines = [",".join(map(csv_cell, plan.joint_names)), *(",".join(map(repr, row)) for row in plan.path.tolist())]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+_WRITERS: dict[str, Callable[[Plan, Path], None]] = {
+    ".json": _write_json,
+    ".npy": _write_npy,
+    ".csv": _write_csv,
+}

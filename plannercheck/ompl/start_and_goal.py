@@ -1,0 +1,70 @@
+"""What keeps a planner from starting or ending at a configuration.
+
+In: a checker and a configuration. Out: `EndState`: limits exceeded and colliding pairs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checking.input_hints import degrees_hint
+from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.common.errors import PlannercheckError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EndState:
+    """A start or goal, judged.
+
+    Attributes:
+        beyond: A text for each joint limit that is exceeded.
+        pairs: Links with the links or obstacles they collide with, in the order of the checker's pair table.
+        hint: What the numbers look like; empty if like themselves.
+    """
+
+    beyond: tuple[str, ...]
+    pairs: tuple[tuple[str, str], ...]
+    hint: str = ""
+
+    @property
+    def accepted(self) -> bool:
+        """Whether planning may start or end here."""
+        return not self.beyond and not self.pairs
+
+    def reason(self, name: str) -> str:
+        """Why it is not accepted, in words that call it by a name; empty if it is."""
+        parts = [f"{name} is beyond the limits: {', '.join(self.beyond)}"] if self.beyond else []
+        parts += [self.hint] if self.hint else []
+        collisions = ", ".join(f"{first} with {second}" for first, second in self.pairs)
+        return "; ".join(parts + ([f"{name} collides: {collisions}"] if self.pairs else []))
+
+
+def judged(checker: AnyChecker, q: Floats) -> EndState:
+    """Judges a configuration (nq,)."""
+    robot = checker.robot
+    beyond = [
+        f"{_column_name(robot, k)} is {q[k]:.6g}, not in [{robot.lower[k]:.6g}, {robot.upper[k]:.6g}]"
+        for k in np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()
+    ]
+    collisions = () if checker.is_valid(q) else checker.explain(q).collisions
+    pairs = dict.fromkeys((v.first, v.second) for v in collisions)
+    return EndState(tuple(beyond), tuple(pairs), degrees_hint(robot, q))
+
+
+def checked_end(checker: AnyChecker, q: ArrayLike, name: str) -> Floats:
+    """One configuration (nq,), or an error that calls it by its name."""
+    if np.ndim(q) != 1:
+        raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {np.shape(q)}")
+    try:
+        return np.asarray(checker.robot.check_configurations(q)[0])
+    except PlannercheckError as error:
+        raise PlannercheckError(f"{name}: {error}") from None
+
+
+def _column_name(robot: AnyRobot, k: int) -> str:
+    return robot.joint_names[k] if len(robot.joint_names) == robot.nq else f"column {k}"

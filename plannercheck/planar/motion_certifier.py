@@ -1,0 +1,131 @@
+"""Planar motions that are proved free: the checker's bodies and pairs for the certifier (motion_certifier_2d.hpp).
+
+In: what a planar checker gives its core, motions as both ends and, for curves, their pieces. Out: whether they are
+free, how far, and what proves it. What is proved covers the rounding of configurations and poses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.common.core import core
+from plannercheck.motions.certifier import Passage, Proof, check_tolerance, imprecise
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+# PlanarPiece in cpp/planar/motion_bounds_2d.hpp: parameters from and to, origin, way, heading, turn, arm, slip.
+PIECE_NUMBERS = 11
+STRAIGHT: Floats = np.zeros((0, PIECE_NUMBERS))
+
+# PlanarAnswer in cpp/planar/motion_certifier_2d.hpp.
+_FREE, _IMPRECISE = 0, 2
+
+
+class MotionCertifier:
+    """Judges motions of one planar robot among given pairs of bodies. Immutable, so threads may share it."""
+
+    def __init__(self, *arguments: Any) -> None:
+        """Takes what the core's PlanarChecker takes, up to the pairs."""
+        self._core = core.PlanarCertifier(*arguments)
+        self._frames = self._core.frames().tolist()
+
+    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int, given: Floats | None = None) -> Bools:
+        """Whether each straight motion (n, nq) to (n, nq) is free.
+
+        Args:
+            q0: Starts, validated.
+            q1: Ends; angles go from one number to the other.
+            tolerance: m.
+            threads: How many to use.
+            given: Ends before whole turns were taken off their angles, which rounds these; None if none were.
+
+        Returns:
+            (n,) True means proved free, False that some pair comes within the tolerance.
+        """
+        check_tolerance(tolerance)
+        answers = np.asarray(self._core.check(q0, q1, q1 if given is None else given, tolerance, threads))
+        if (answers == _IMPRECISE).any():
+            raise imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
+        return np.asarray(answers == _FREE)
+
+    def is_free(
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        tolerance: float,
+        pieces: Floats = STRAIGHT,
+        given: Floats | None = None,
+    ) -> bool:
+        """Whether one motion is free.
+
+        Args:
+            q0: (nq,) start.
+            q1: (nq,) end.
+            tolerance: m.
+            pieces: (k, 11) of a curve, as `Curves.pieces` gives them; none for a straight motion.
+            given: As for `check`.
+
+        Returns:
+            True means proved free.
+        """
+        check_tolerance(tolerance)
+        start, end = (np.asarray(q, dtype=np.float64) for q in (q0, q1))
+        answer = self._core.check_pieces(start, end, end if given is None else given, pieces, tolerance)
+        if answer == _IMPRECISE:
+            raise imprecise(0, tolerance)
+        return bool(answer == _FREE)
+
+    def passage(
+        self,
+        q0: Floats,
+        q1: Floats,
+        tolerance: float,
+        proofs: bool = False,
+        pieces: Floats = STRAIGHT,
+        given: Floats | None = None,
+    ) -> Passage:
+        """How far one motion is free, looked at from its start.
+
+        Args:
+            q0: (nq,) start, validated.
+            q1: (nq,) end.
+            tolerance: m.
+            proofs: Whether to give those of all pairs.
+            pieces: As for `is_free`.
+            given: As for `check`.
+
+        Returns:
+            The passage.
+        """
+        check_tolerance(tolerance)
+        asked = q0, q1, q1 if given is None else given, pieces, tolerance
+        answer, until, near, pair = self._core.explain(*asked, False)[:4]
+        if answer == _IMPRECISE:
+            raise imprecise(0, tolerance)
+        free = answer == _FREE
+        found = Passage(True, 1.0, -1.0, -1) if free else Passage(False, until, near, pair)
+        if not proofs:
+            return found
+        answer, reached, _, _, *listed = self._core.explain(*asked, True)
+        kept = tuple(proof for proof in self._proofs(*listed) if free or proof.start < found.free_until)
+        return found._replace(proofs=kept, proved_until=min(found.free_until, 1.0 if answer == _FREE else reached))
+
+    def states(self, q0: Floats, q1: Floats, parameters: Floats, pieces: Floats = STRAIGHT) -> Floats:
+        """(k, nq) of one motion at parameters (k,) in [0, 1]."""
+        return np.asarray(self._core.states(q0, q1, pieces, parameters))
+
+    def statistics(self) -> dict[str, Any]:
+        """Counters of all calls so far."""
+        return dict(self._core.statistics())
+
+    def _proofs(self, pairs: Any, intervals: Floats, directions: Floats, gaps: Floats) -> Sequence[Proof]:
+        rows = zip(pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True)
+        return [
+            Proof(k, start, end, self._frames[k], False, direction, gap, bulge)
+            for k, (start, end), direction, (gap, bulge) in rows
+        ]

@@ -1,0 +1,44 @@
+"""Whether the model in a proof in the plane is that of a robot's and a scene's files.
+
+In: a well-formed model, a robot, a scene. Out: nothing, or an `UnprovedError` that names what differs. The files are
+those of plannercheck, whose loader is trusted with all of it; its kinematics and its verdicts are not.
+"""
+
+from __future__ import annotations
+
+from plannercheck.planar.checker import Checker
+from plannercheck.planar.proof_builder import planar_model
+from plannercheck.planar.robot import Robot
+from plannercheck.planar.scene import Scene
+from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.hashing import content_hash
+from plannercheck.proofs.planar_proof import PlanarModel
+
+
+def confirm_model(model: PlanarModel, robot: str, scene: str | None) -> None:
+    """Compares a model with files, bit for bit; the circles around bodies, which were checked, may be others.
+
+    Args:
+        model: Of a proof in the plane, well-formed.
+        robot: Name of a shipped planar robot, or a YAML file.
+        scene: Name of a shipped planar scene, or a scene file; None for the empty one.
+
+    Raises:
+        UnprovedError: If they differ.
+        PlannercheckError: If a file can't be read.
+    """
+    loaded = planar_model(Checker(Robot.load(robot), Scene("empty") if scene is None else Scene.load(scene)))
+    for name, given, known in zip(("links", "bodies", "configurations"), _parts(model), _parts(loaded), strict=True):
+        if given != known:
+            raise UnprovedError(f"the {name} of the proof are not those of the files")
+    missing = {frozenset(pair) for pair in loaded.pairs} - {frozenset(pair) for pair in model.pairs}
+    if missing:
+        raise UnprovedError(
+            f"{len(missing)} pairs of the checker's table are not in the proof: {sorted(min(missing, key=sorted))}"
+        )
+
+
+def _parts(model: PlanarModel) -> tuple[str, str, str]:
+    """Of all that has to be the same, hashes; of bodies in their order, which pairs count on."""
+    bodies = [(body.name, body.label, body.link, body.pose, body.vertices) for body in model.bodies]
+    return content_hash(model.links), content_hash(bodies), content_hash(model.columns, model.whole_turns)

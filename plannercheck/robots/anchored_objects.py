@@ -1,0 +1,159 @@
+"""Places objects whose pose a file gives in a link's frame, or in the world though a link carries them.
+
+In: a robot, and objects with anchors. Out: the same objects in the world, or on their links. As in MoveIt
+(`PlanningScene::processCollisionObjectAdd` and `processAttachedCollisionObjectMsg`, which ask `getFrameTransform` of
+the scene's current state), this happens once, at the state that came with the object: an obstacle posed in a hand's
+frame stands still from then on. The state has to give every joint that the place depends on; nothing is made up for one
+that it lacks. The robot's root is at the identity, since moved virtual joints are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.bodies.objects import Anchor, SceneObject, StatedJoints
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.robots.configurations import followed, joint_width
+
+if TYPE_CHECKING:
+    from plannercheck.robots.robot import Robot
+    from plannercheck.scenes.scene import Scene
+
+Floats = NDArray[np.float64]
+
+
+def place_objects(robot: Robot, scene: Scene) -> None:
+    """Gives all objects of a scene their places, which then has no anchors any more.
+
+    Args:
+        robot: Its links are frames.
+        scene: Changed in place.
+
+    Raises:
+        PlannercheckError: If a frame is unknown, if the state does not say where it is, or if the robot has a link of
+            the same name as a frame that the file took for another.
+    """
+    _check_planning_frame(robot, scene)
+    items = (*scene.objects, *scene.attached)
+    for item in items:
+        if item.frame and item.frame in robot.link_names:
+            raise PlannercheckError(
+                f"object {item.name!r}: frame {item.frame!r} is one of the scene's, but also a link of "
+                f"{robot.name!r}, which MoveIt would take: rename one of them"
+            )
+    scene.placed(placed(robot, [item for item in items if item.anchor is not None]))
+
+
+def placed(robot: Robot, items: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
+    """The objects in the world or on their links; those without anchors as they are."""
+    states = _States(robot)
+    return tuple(item if item.anchor is None else _placed(robot, item, item.anchor, states) for item in items)
+
+
+def _placed(robot: Robot, item: SceneObject, anchor: Anchor, states: _States) -> SceneObject:
+    if item.link is not None and item.link not in robot.link_names:
+        raise unknown_name(f"link that carries {item.name!r}", item.link, robot.link_names)
+    if anchor.frame and anchor.frame not in robot.link_names:
+        raise unknown_name(f"frame of object {item.name!r}", anchor.frame, (*anchor.known, *robot.link_names))
+    _check_state(robot, item, anchor)
+    pose = states.pose(anchor.frame, anchor.state) @ item.pose
+    if item.link is not None:
+        pose = inverse(states.pose(item.link, anchor.state)) @ pose
+    return item.moved(pose)
+
+
+class _States:
+    """Poses of links at states; the robot is posed once for each."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._poses: list[tuple[StatedJoints, Floats]] = []
+
+    def pose(self, frame: str, state: StatedJoints) -> Floats:
+        """(4, 4) of a link in the world, m; of the world itself, the identity."""
+        if not frame:
+            return np.eye(4)
+        known = [poses for other, poses in self._poses if other == state]
+        if not known:
+            known = [_link_poses(self._robot, state)]
+            self._poses.append((state, known[0]))
+        return np.asarray(known[0][self._robot.link_index(frame)])
+
+
+def _link_poses(robot: Robot, state: StatedJoints) -> Floats:
+    """(links, 4, 4) at a state, m; what it does not say is as the robot has it, but the root is at the identity."""
+    model, neutral = robot.model, pin.neutral(robot.model)
+    values: dict[str, float | list[float]] = {}
+    for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
+        if joint_width(joint) > 1 and _is_at_identity(robot, name, state):
+            values[name] = neutral[joint.idx_q : joint.idx_q + joint.nq].tolist()
+        elif joint_width(joint) == 1 and name in state.values:
+            values[name] = state.values[name]
+    posed = robot.holding(values)
+    return posed.link_poses(posed.reference)
+
+
+def _is_at_identity(robot: Robot, joint: str, state: StatedJoints) -> bool:
+    """Whether a joint of several degrees of freedom is: if the state says so, or if it is the robot's root."""
+    return joint in state.identities or robot.model.parents[robot.model.getJointId(joint)] == 0
+
+
+def _check_state(robot: Robot, item: SceneObject, anchor: Anchor) -> None:
+    """Raises if the place depends on a joint that the state does not give."""
+    moving = set(_joints_of(robot, anchor.frame)) ^ set(_joints_of(robot, item.link))
+    lacking = [name for name in list(robot.model.names)[1:] if name in moving and not _is_given(robot, name, anchor)]
+    if lacking:
+        where = f"frame {anchor.frame!r}" if anchor.frame else "the planning frame"
+        carrier = "" if item.link is None else f" and carried by {item.link!r}"
+        raise PlannercheckError(
+            f"object {item.name!r} is posed in {where}{carrier}, and the robot_state gives no value for "
+            f"{', '.join(lacking)}, which says where that is: give it in joint_state, or pose the object in "
+            f"{'the planning frame' if item.link is None else f'the frame of {item.link!r}'}"
+        )
+
+
+def _joints_of(robot: Robot, link: str | None) -> list[str]:
+    """The joints between the world and a link; none for the world itself."""
+    if not link:
+        return []
+    model, found = robot.model, []
+    joint = model.frames[robot.frames[robot.link_index(link)]].parentJoint
+    while joint:
+        found.append(str(model.names[joint]))
+        joint = model.parents[joint]
+    return found
+
+
+def _is_given(robot: Robot, joint: str, anchor: Anchor) -> bool:
+    if joint_width(robot.model.joints[robot.model.getJointId(joint)]) > 1:
+        return _is_at_identity(robot, joint, anchor.state)
+    return followed(joint, robot.mimics, anchor.state.values)[0] in anchor.state.values
+
+
+def _check_planning_frame(robot: Robot, scene: Scene) -> None:
+    """Raises if the scene's planning frame is a link of the robot, but neither its root nor always where that is."""
+    planning = scene.frames.planning
+    if planning in robot.link_tree.parents and not _is_at_root(robot, planning):
+        raise PlannercheckError(
+            f"the scene's planning frame (child_frame_id of its fixed_frame_transforms) is {planning!r}, a link of "
+            f"{robot.name!r}, but not its root: MoveIt's is the root link or the parent of the virtual joint"
+        )
+
+
+def _is_at_root(robot: Robot, link: str) -> bool:
+    """Whether a link is fixed to the root with the same frame, e.g. base_link of a URDF that begins with world."""
+    frame = robot.model.frames[robot.frames[robot.link_index(link)]]
+    return frame.parentJoint == 0 and np.array_equal(frame.placement.homogeneous, np.eye(4))
+
+
+def inverse(pose: Floats) -> Floats:
+    """Of a rigid transform (4, 4)."""
+    out = np.eye(4)
+    out[:3, :3] = pose[:3, :3].T
+    out[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return out

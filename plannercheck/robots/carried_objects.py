@@ -1,0 +1,68 @@
+"""Objects that a robot's links carry: which of its links they are tested against.
+
+In: a robot's links and bodies, attached objects of a scene. Out: the pairs that carried bodies add to the robot's self
+pairs. As in MoveIt, a carried object is tested against all links but the one that carries it and
+its touch links, and against all other carried objects but those on the same link and those that either names as one of
+its touch links.
+"""
+
+from __future__ import annotations
+
+import itertools
+import warnings
+from collections.abc import Sequence
+
+from plannercheck.bodies.objects import SceneObject
+from plannercheck.bodies.shapes import Body
+from plannercheck.common.errors import PlannercheckError, unknown_name
+
+
+def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[Body]) -> None:
+    """Raises for unknown links and names that are taken, warns of touch links that nothing is called.
+
+    Args:
+        objects: Attached ones.
+        links: The robot's.
+        bodies: The robot's own.
+    """
+    taken = {*links, *(body.name for body in bodies)}
+    names = {item.name for item in objects}
+    for item in objects:
+        if item.link not in links:
+            raise unknown_name(f"link that carries {item.name!r}", str(item.link), links)
+        for name in (item.name, *(body.name for body in item.bodies)):
+            if name in taken:
+                raise PlannercheckError(f"attached object {item.name!r}: a link or body of the robot is named {name!r}")
+        unknown = [link for link in item.touch_links if link not in links and link not in names]
+        if unknown:
+            warnings.warn(
+                f"touch links {', '.join(unknown)} of {item.name!r} are no links of the robot, left out",
+                RuntimeWarning,
+                stacklevel=2,
+            )
+
+
+def carried_pairs(objects: Sequence[SceneObject], bodies: Sequence[Body]) -> list[tuple[int, int]]:
+    """Index pairs that carried bodies add to a robot's self pairs.
+
+    Args:
+        objects: Attached ones.
+        bodies: The robot's own; those of the objects follow them, object by object.
+
+    Returns:
+        Pairs with links, then pairs among the objects.
+    """
+    owners = [item for item in objects for _ in item.bodies]
+    first = len(bodies)
+    with_links = [
+        (k, first + i)
+        for i, item in enumerate(owners)
+        for k, body in enumerate(bodies)
+        if body.link != item.link and body.link not in item.touch_links
+    ]
+    among = [
+        (first + i, first + j)
+        for (i, a), (j, b) in itertools.combinations(enumerate(owners), 2)
+        if a.link != b.link and a.name not in b.touch_links and b.name not in a.touch_links
+    ]
+    return with_links + among

@@ -1,0 +1,273 @@
+"""Configurations of a planning group and Pinocchio's full ones.
+
+In: a Pinocchio model, the joints of a group, the values at which all others are held, and who mimics whom.
+Out: `ConfigurationMap`, which knows the group's joints and limits and says of each number in Pinocchio's q
+where it comes from: a column of the group's configuration (times a multiplier plus an offset) or a constant;
+and whether it is that value or its cosine or sine, since a continuous joint is one angle in a group and two
+numbers in Pinocchio's q.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.common.arrays import OwnsArrays, contiguous
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.robots.unit_lengths import UnitLengths, unit_lengths
+from plannercheck.robots.urdf import Mimic
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+PLAIN, COSINE, SINE = 0, 1, 2
+
+# Pinocchio marks a missing limit by the largest double.
+NO_LIMIT = 1e300
+
+# Range in m from which positions without limits are sampled.
+_UNLIMITED_RANGE = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class ConfigurationMap(OwnsArrays):
+    """How a group's configuration becomes Pinocchio's.
+
+    Attributes:
+        joint_names: The joints of the group, in its order.
+        lower: (nq,) lower limits in rad or m, -inf where there is none.
+        upper: (nq,) upper limits.
+        columns: (full nq,) column of the group's configuration that gives each number of Pinocchio's q, -1 if
+            held.
+        multipliers: (full nq,) applied to the column's value.
+        offsets: (full nq,) added to it; the held value itself where there is no column.
+        roles: (full nq,) PLAIN for the value itself, COSINE or SINE of it.
+        lengths: Of the columns that form unit vectors: quaternions, cosine and sine.
+    """
+
+    joint_names: tuple[str, ...]
+    lower: Floats
+    upper: Floats
+    columns: Ints
+    multipliers: Floats
+    offsets: Floats
+    roles: Ints
+    lengths: UnitLengths
+
+    @property
+    def units(self) -> tuple[tuple[int, int], ...]:
+        """(start, stop) of columns that form a unit vector."""
+        return self.lengths.columns
+
+    @property
+    def width(self) -> int:
+        """Numbers in a configuration of the group."""
+        return len(self.lower)
+
+    def expand(self, q: Floats) -> Floats:
+        """Group configurations (n, nq) to Pinocchio's (n, full nq)."""
+        full = np.broadcast_to(self.offsets, (len(q), len(self.offsets))).copy()
+        free = self.columns >= 0
+        full[:, free] += self.multipliers[free] * q[:, self.columns[free]]
+        for role, function in ((COSINE, np.cos), (SINE, np.sin)):
+            full[:, self.roles == role] = function(full[:, self.roles == role])
+        return full
+
+    def checked(self, q: ArrayLike) -> Floats:
+        """Validates configurations.
+
+        Args:
+            q: (nq,) or (n, nq), rad and m.
+
+        Returns:
+            (n, nq) float64 in C order, n = 1 for a single one.
+        """
+        try:
+            array = contiguous(q)
+        except (TypeError, ValueError, OverflowError):
+            raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}") from None
+        if array.ndim not in (1, 2) or array.shape[-1] != self.width:
+            raise PlannercheckError(
+                f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "
+                f"the joints are {', '.join(self.joint_names)}"
+            )
+        rows = np.atleast_2d(array)  # not reshaped: a robot without joints has configurations of no numbers
+        _check_finite(rows)
+        if self.lengths.columns:
+            self.lengths.check(rows)
+        return rows
+
+    def random(self, n: int, seed: int | np.random.Generator | None) -> Floats:
+        """Uniform configurations (n, nq) within the limits.
+
+        Joints without limits: angles in [-pi, pi), positions within 1 m of zero, unit vectors uniform on
+        their sphere.
+        """
+        generator = np.random.default_rng(seed)
+        low, high = self.sampled_range()
+        q = generator.uniform(low, high, size=(n, self.width))
+        for start, stop in self.units:
+            unit = generator.standard_normal((n, stop - start))
+            q[:, start:stop] = unit / np.linalg.norm(unit, axis=1, keepdims=True)
+        return q
+
+    def sampled_range(self) -> tuple[Floats, Floats]:
+        """(nq,) least and largest number of `random`: the limits, and where there are none, a finite range."""
+        turning = np.isinf(self.lower) & (self.roles_of_columns() != PLAIN)
+        unlimited = np.where(turning, math.pi, _UNLIMITED_RANGE)
+        low = np.where(np.isinf(self.lower), np.minimum(self.upper - 2 * unlimited, -unlimited), self.lower)
+        high = np.where(np.isinf(self.upper), np.maximum(low + 2 * unlimited, unlimited), self.upper)
+        return low, high
+
+    def turning_columns(self) -> NDArray[np.bool_]:
+        """(nq,) columns that a whole turn does not change: continuous joints, unless a joint follows otherwise.
+
+        Followers turn whole turns, too, if they are continuous and their multiplier is a whole number; one of half the
+        speed, or one that slides, is elsewhere after a turn of its leader.
+        """
+        free = np.isinf(self.lower) & np.isinf(self.upper)
+        whole = (self.roles != PLAIN) & (self.multipliers == np.round(self.multipliers))
+        used = np.bincount(self.columns[self.columns >= 0], minlength=self.width)
+        good = np.bincount(self.columns[(self.columns >= 0) & whole], minlength=self.width)
+        return np.asarray(free & (used == good))
+
+    def roles_of_columns(self) -> Ints:
+        """(nq,) a role in which each column of the group's configuration is used."""
+        roles = np.zeros(self.width, dtype=np.int32)
+        free = self.columns >= 0
+        np.maximum.at(roles, self.columns[free], self.roles[free])
+        return roles
+
+
+def whole_robot(model: pin.Model) -> ConfigurationMap:
+    """The map of a robot without a group: Pinocchio's own q, mimic joints independent."""
+    full = model.nq
+    lower, upper = _limits(model)
+    zeros = np.zeros(full)
+    roles = np.zeros(full, dtype=np.int32)
+    columns = np.arange(full, dtype=np.int32)
+    lengths = unit_lengths(model, columns.tolist(), zeros, [False] * full)
+    return ConfigurationMap(tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, lengths)
+
+
+def planning_group(
+    model: pin.Model, joints: Sequence[str], values: Mapping[str, Floats], mimics: Mapping[str, Mimic]
+) -> ConfigurationMap:
+    """The map of a planning group.
+
+    Args:
+        model: Pinocchio's.
+        joints: Names of the group's joints, none of which mimics another.
+        values: For every joint the value at which it is held if it is not in the group; a continuous joint's
+            is an angle.
+        mimics: Joints that follow others.
+
+    Returns:
+        The map; a continuous joint takes one column, the others as many as Pinocchio gives them.
+    """
+    full = model.nq
+    columns, multipliers = np.full(full, -1, dtype=np.int32), np.zeros(full)
+    offsets, roles = np.zeros(full), np.zeros(full, dtype=np.int32)
+    starts, limits = _group_columns(model, joints)
+    for joint in _joints(model):
+        name = model.names[joint.id]
+        leader, multiplier, offset = followed(name, mimics, starts)
+        entries = slice(joint.idx_q, joint.idx_q + joint.nq)
+        if is_continuous(joint):
+            roles[entries] = (COSINE, SINE)
+        if leader in starts:
+            steps = np.zeros(joint.nq) if is_continuous(joint) else np.arange(joint.nq)
+            columns[entries] = starts[leader] + steps
+            multipliers[entries], offsets[entries] = multiplier, offset
+        else:
+            offsets[entries] = values[name]
+    lower, upper = (np.array([pair[side] for pair in limits]) for side in (0, 1))
+    lengths = unit_lengths(model, columns.tolist(), offsets, (roles != PLAIN).tolist())
+    return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, lengths)
+
+
+def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> tuple[str, float, float]:
+    """Which joint gives a joint's value.
+
+    Args:
+        name: Of the joint.
+        mimics: Joints that follow others.
+        known: Joints whose value is known, so that it need not be followed further.
+
+    Returns:
+        (leader, multiplier, offset), over mimics of mimics; the joint itself with 1, 0 if it follows none.
+    """
+    multiplier, offset = 1.0, 0.0
+    for _ in range(len(mimics) + 1):
+        if name in known or name not in mimics:
+            return name, multiplier, offset
+        mimic = mimics[name]
+        multiplier, offset = multiplier * mimic.multiplier, multiplier * mimic.offset + offset
+        name = mimic.leader
+    raise PlannercheckError(f"joint {name!r} mimics itself over other joints")
+
+
+def joint_width(joint: pin.JointModel) -> int:
+    """Numbers that a joint takes in a group: one for a continuous joint."""
+    return 1 if is_continuous(joint) else int(joint.nq)
+
+
+def is_continuous(joint: pin.JointModel) -> bool:
+    """Whether Pinocchio keeps this joint as cosine and sine of one angle."""
+    return str(joint.shortname()).startswith("JointModelRUB") or "RevoluteUnbounded" in joint.shortname()
+
+
+def joint_by_name(model: pin.Model, name: str) -> pin.JointModel:
+    """The joint of that name, or an error that lists the valid ones."""
+    names = list(model.names)[1:]
+    if name not in names:
+        raise unknown_name("joint", name, names)
+    return model.joints[model.getJointId(name)]
+
+
+def joint_limits(model: pin.Model, joint: pin.JointModel) -> list[tuple[float, float]]:
+    """(lower, upper) of each number that a joint takes in a group; infinite for a continuous joint."""
+    if is_continuous(joint):
+        return [(-math.inf, math.inf)]
+    entries = slice(joint.idx_q, joint.idx_q + joint.nq)
+    lower, upper = _limits(model)
+    return list(zip(lower[entries].tolist(), upper[entries].tolist(), strict=True))
+
+
+def _joints(model: pin.Model) -> Iterator[pin.JointModel]:
+    return (model.joints[i] for i in range(1, model.njoints))
+
+
+def _limits(model: pin.Model) -> tuple[Floats, Floats]:
+    lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
+    lower[lower < -NO_LIMIT], upper[upper > NO_LIMIT] = -np.inf, np.inf
+    return lower, upper
+
+
+def _group_columns(model: pin.Model, joints: Sequence[str]) -> tuple[dict[str, int], list[tuple[float, float]]]:
+    """First column of each joint, and limits of all columns."""
+    starts: dict[str, int] = {}
+    limits: list[tuple[float, float]] = []
+    for name in joints:
+        joint = joint_by_name(model, name)
+        starts[name] = len(limits)
+        limits += joint_limits(model, joint)
+    return starts, limits
+
+
+# Beyond this, products of poses could overflow; no joint gets there.
+LARGEST_VALUE = 1e15
+
+
+def _check_finite(rows: Floats) -> None:
+    usable = np.abs(rows) <= LARGEST_VALUE  # false for NaN
+    if not usable.all():
+        row = int(np.flatnonzero(~usable.all(axis=1))[0])
+        raise PlannercheckError(
+            f"configurations must be finite (and at most {LARGEST_VALUE:g}); row {row} is {rows[row].tolist()}"
+        )

@@ -1,0 +1,68 @@
+"""Robots whose concave links are made of convex pieces.
+
+In: a robot's bodies, their pairs, the meshes they come from, options. Out: the same with each chosen mesh replaced by
+its pieces, bodies named "body/piece 0" and so on, and every pair by all pairs of pieces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.bodies.convex_decomposition import Decomposition, Pieces, hull_volume, pieces_of
+from plannercheck.bodies.shapes import Body, Hull
+from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.common.errors import unknown_name
+
+Pairs = NDArray[np.int64]
+
+# A hull that is larger than its mesh by less than this part is not worth pieces, unless its link is named.
+LEAST_EXCESS = 0.05
+
+
+def decomposed(
+    bodies: tuple[Body, ...], pairs: Pairs, geometry: pin.GeometryModel, options: Decomposition
+) -> tuple[tuple[Body, ...], Pairs, Mapping[str, Pieces]]:
+    """Replaces bodies by their pieces.
+
+    Args:
+        bodies: In the order of the geometries.
+        pairs: (k, 2) of bodies.
+        geometry: Pinocchio's.
+        options: Which and how.
+
+    Returns:
+        Bodies, pairs of them, and the pieces by name of the body they stand for.
+    """
+    known = {str(body.link) for body in bodies}
+    for link in options.links or ():
+        if link not in known:
+            raise unknown_name("link to decompose", link, sorted(known))
+    found: dict[str, Pieces] = {}
+    parts: list[list[Body]] = []
+    for body, each in zip(bodies, geometry.geometryObjects, strict=True):
+        mesh = _chosen_mesh(body, each, options)
+        pieces = None if mesh is None else pieces_of(mesh, options, f"body {body.name!r}")
+        parts.append([body] if pieces is None or len(pieces.points) < 2 else _bodies(body, pieces))
+        if pieces is not None and len(pieces.points) > 1:
+            found[body.name] = pieces
+    first = np.cumsum([0, *(len(each) for each in parts)])
+    new = [(i, j) for a, b in pairs.tolist() for i in range(*first[a : a + 2]) for j in range(*first[b : b + 2])]
+    return tuple(b for each in parts for b in each), np.array(new, dtype=np.int64).reshape(-1, 2), found
+
+
+def _chosen_mesh(body: Body, geometry: pin.GeometryObject, options: Decomposition) -> TriangleMesh | None:
+    """A body's mesh, if it is to be decomposed."""
+    if not isinstance(body.shape, Hull) or (options.links is not None and body.link not in options.links):
+        return None
+    mesh = triangles_of_coal(geometry.geometry)
+    if mesh is None or options.links is not None:
+        return mesh
+    return mesh if mesh.volume is None or hull_volume(mesh.points) > (1 + LEAST_EXCESS) * mesh.volume else None
+
+
+def _bodies(body: Body, pieces: Pieces) -> list[Body]:
+    return [Body(f"{body.name}/piece {k}", body.link, body.pose, Hull(p)) for k, p in enumerate(pieces.points)]

@@ -1,0 +1,220 @@
+"""Reads robot descriptions: robots/<name>.yaml.
+
+In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, with paths resolved. Keys:
+
+    name: panda                # default: the file's name
+    urdf: panda.urdf           # from this file's folder, or else from example-robot-data's share folder
+    srdf: panda.srdf           # optional, same; then self pairs are those that Pinocchio keeps with it
+    package_dirs: [meshes]     # optional, where package:// starts, besides that share folder
+    floating: false            # optional, whether the root link is free
+    group: arm                 # an SRDF group, or {name: arm, joints: [joint1, ...]}; default: all joints
+    reference: {joint1: 0.5}   # optional, values of joints in rad or m; those of others are neutral
+    held: {finger: 0.04}       # optional, the same for joints outside the group
+    convex_decomposition:      # optional, makes links of convex pieces by CoACD (pip install 'plannercheck[coacd]')
+      links: [link3, link4]    # optional, default: all whose hulls are more than 5 % larger than their meshes
+      threshold: 0.05          # optional, concavity that a piece may have; small ones make many pieces
+      most_pieces: 16          # optional, of one mesh
+      slack: 0.001             # optional, m: pieces grow by so much to hold the mesh, see
+      bodies/convex_decomposition.py
+    disabled_pairs:            # optional, links that are not tested against each other, and why
+      - reason: adjacent
+        pairs: [[link1, link2], ...]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from plannercheck.bodies.convex_decomposition import Decomposition
+from plannercheck.checking.input_hints import xacro_hint
+from plannercheck.common.checked_yaml import (
+    check_keys,
+    mapping,
+    number,
+    parse_yaml,
+    read_bytes,
+    required,
+    sequence,
+    text,
+    within,
+)
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.package_data import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
+
+_KEYS = (
+    "name",
+    "urdf",
+    "srdf",
+    "package_dirs",
+    "floating",
+    "group",
+    "reference",
+    "held",
+    "convex_decomposition",
+    "disabled_pairs",
+)
+
+
+@dataclass(frozen=True)
+class DisabledPair:
+    """Two links that are not tested against each other.
+
+    Attributes:
+        link_a: One link.
+        link_b: The other.
+        reason: Why, e.g. "adjacent".
+    """
+
+    link_a: str
+    link_b: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """What a robot's YAML file says, paths resolved.
+
+    Attributes:
+        name: The robot's.
+        urdf: Path of its URDF.
+        srdf: Path of its SRDF, if any.
+        package_dirs: Where package:// paths start.
+        floating: Whether the root link is free.
+        group: Name of the planning group; None for the whole robot.
+        joints: The group's joints in order; None if the SRDF tells.
+        values: Joint values of the reference state and of held joints, by name, rad or m.
+        disabled_pairs: Self pairs of links that are left out.
+        decomposition: Which links to make of convex pieces, if any.
+    """
+
+    name: str
+    urdf: Path
+    srdf: Path | None = None
+    package_dirs: tuple[Path, ...] = ()
+    floating: bool = False
+    group: str | None = None
+    joints: tuple[str, ...] | None = None
+    values: Mapping[str, Any] = field(default_factory=dict)
+    disabled_pairs: tuple[DisabledPair, ...] = ()
+    decomposition: Decomposition | None = None
+
+
+def shipped_robots() -> list[str]:
+    """Names of the robots in space that come with plannercheck; planar ones have functions of their own."""
+    return sorted(path.stem for path in shipped_folder("robots").glob("*.yaml") if not is_planar_file(path))
+
+
+def find_description(name_or_path: str | Path) -> Path:
+    """The YAML file of a shipped robot's name, or the path itself."""
+    path = Path(name_or_path)
+    if path.suffix in (".yaml", ".yml", ".urdf"):
+        if not is_file(path):
+            raise PlannercheckError(f"robot file {path} does not exist")
+        return path
+    if path.suffix == ".xacro":
+        raise PlannercheckError(f"robot file {path}: {xacro_hint(path) or 'does not exist'}")
+    shipped = shipped_folder("robots") / f"{name_or_path}.yaml"
+    if not is_file(shipped) and (path.suffix or (is_file(path) or is_folder(path))):
+        raise PlannercheckError(f"robot {str(name_or_path)!r} must be a shipped robot's name, a YAML or a URDF file")
+    if not is_file(shipped):
+        raise unknown_name("robot", str(name_or_path), shipped_robots())
+    return shipped
+
+
+def description_of(name_or_path: str | Path) -> RobotDescription:
+    """What the YAML of a robot says, or of a URDF alone, that there is none."""
+    path = find_description(name_or_path)
+    if path.suffix == ".urdf":
+        return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
+    with within(f"robot file {path}"):
+        return read_description(path)
+
+
+def read_description(path: Path) -> RobotDescription:
+    """Reads a robot's YAML file.
+
+    Args:
+        path: Of the file.
+
+    Returns:
+        What it says.
+    """
+    content = parse_yaml(read_bytes(path))
+    if "objects" in content:
+        raise PlannercheckError("is a scene, not a robot")
+    check_keys(content, _KEYS)
+    folders = (example_robot_data(), path.parent)
+    group, joints = _group(content.get("group"))
+    return RobotDescription(
+        name=text(content.get("name", path.stem), "name"),
+        urdf=_resolve(text(required(content, "urdf"), "urdf"), folders),
+        srdf=_resolve(text(content["srdf"], "srdf"), folders) if content.get("srdf") else None,
+        package_dirs=(*_package_dirs(content, path.parent), example_robot_data()),
+        floating=_switch(content.get("floating", False)),
+        group=group,
+        joints=joints,
+        values={**mapping(content.get("reference"), "reference"), **mapping(content.get("held"), "held")},
+        disabled_pairs=_disabled_pairs(content.get("disabled_pairs")),
+        decomposition=_decomposition(content.get("convex_decomposition")),
+    )
+
+
+def _decomposition(value: Any) -> Decomposition | None:
+    if value is None or value is False:
+        return None
+    with within("convex_decomposition"):
+        options = {} if value is True else mapping(value, "it")
+        check_keys(options, ("links", "threshold", "most_pieces", "slack", "seed"))
+        links = [text(link, "links") for link in sequence(options.get("links"), "links")] or None
+        sizes = {key: number(options[key], key) for key in ("threshold", "slack") if key in options}
+        counts = {key: int(number(options[key], key)) for key in ("most_pieces", "seed") if key in options}
+        return Decomposition(None if links is None else tuple(links), **sizes, **counts)  # type: ignore[arg-type]
+
+
+def _resolve(name: str, folders: tuple[Path, Path]) -> Path:
+    """A file in example-robot-data or beside the YAML; the latter wins, and is what errors name."""
+    shared, beside = (folder / name for folder in folders)
+    return shared if is_file(shared) and not is_file(beside) else beside
+
+
+def _package_dirs(content: dict[str, Any], folder: Path) -> list[Path]:
+    names = sequence(content.get("package_dirs"), "package_dirs")
+    return [folder / text(name, "package_dirs") for name in names]
+
+
+def _switch(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise PlannercheckError(f"'floating' must be true or false, not {value!r:.60}")
+    return value
+
+
+def _group(value: Any) -> tuple[str | None, tuple[str, ...] | None]:
+    """The group's name, and its joints unless the SRDF tells."""
+    if value is None or isinstance(value, str):
+        return value, None
+    with within("group"):
+        group = mapping(value, "an SRDF group's name or {name: ..., joints: [...]}: it")
+        check_keys(group, ("name", "joints"))
+        joints = sequence(required(group, "joints"), "joints")
+        return text(group.get("name", "group"), "name"), tuple(text(joint, "joints") for joint in joints)
+
+
+def _disabled_pairs(value: Any) -> tuple[DisabledPair, ...]:
+    disabled: list[DisabledPair] = []
+    for index, item in enumerate(sequence(value, "disabled_pairs")):
+        with within(f"disabled_pairs, item {index + 1}"):
+            block = mapping(item, "it")
+            check_keys(block, ("reason", "pairs"))
+            reason = text(required(block, "reason"), "reason")
+            disabled += [_disabled_pair(pair, reason) for pair in sequence(required(block, "pairs"), "pairs")]
+    return tuple(disabled)
+
+
+def _disabled_pair(value: Any, reason: str) -> DisabledPair:
+    links = [text(link, "pairs") for link in sequence(value, "a pair")]
+    if len(links) != 2:
+        raise PlannercheckError(f"a pair must be two links, not {links}")
+    return DisabledPair(links[0], links[1], reason)

@@ -1,0 +1,230 @@
+"""Exports Pinocchio's model as the compiled kernel's joint table, and holds the kernel against Pinocchio.
+
+In: a Pinocchio model, the map from group to full configurations, the frames of the links. Out: the compiled
+`Kinematics`, which poses kLanes configurations at once; None if a joint is of a kind that the table cannot
+say. Also Pinocchio's own poses, which are the truth to compare with and the way for such robots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.common.arrays import read_only
+from plannercheck.common.core import core
+from plannercheck.robots.configurations import COSINE, ConfigurationMap
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp), by Pinocchio's name without "JointModel".
+_TURNS = {"RX": 0, "RY": 1, "RZ": 2, "RevoluteUnaligned": 3}
+_UNIT_TURNS = {"RUBX": 0, "RUBY": 1, "RUBZ": 2, "RevoluteUnboundedUnaligned": 3}
+_UNIT_TURN_OFFSET = 4
+_SLIDES = ("PX", "PY", "PZ", "PrismaticUnaligned")
+_SLIDE = 8
+_OTHERS = {"Planar": 9, "Spherical": 10, "FreeFlyer": 11}
+_UNALIGNED = 3
+
+# What a moving joint does to its frame with one number: turns it about its origin, or slides it.
+TURNS, SLIDE = frozenset(_TURNS.values()), _SLIDE
+
+# Most numbers that a joint takes in Pinocchio's q.
+_MOST_VALUES = 7
+
+# Largest difference to Pinocchio's poses that is rounding: of rotations, and of positions per metre of reach.
+AGREEMENT = 1e-12
+_CHECKED_CONFIGURATIONS = 8
+
+# Up to this many degrees of freedom Pinocchio's own `Data` is used: it then has less than 70 MB.
+_MOST_FOR_DATA = 100
+
+
+class JointTable(NamedTuple):
+    """What the compiled kernel works with, in the order in which it takes it.
+
+    Attributes:
+        width: Numbers in a configuration.
+        parents: (joints,) an earlier joint each, -1 for the world.
+        kinds: (joints,) JointKind of cpp/robots/kinematics.hpp.
+        axes: (joints, 3).
+        placements: (joints, 3, 4) on the parents, m.
+        columns: (joints, 7) column of the configuration for each number that the joint takes, -1 if held.
+        multipliers: (joints, 7) applied to the column's value.
+        offsets: (joints, 7) added to it.
+        link_joints: (links,) the joint that each link is on, -1 for the world.
+        link_placements: (links, 3, 4) on that joint, m.
+    """
+
+    width: int
+    parents: Ints
+    kinds: Ints
+    axes: Floats
+    placements: Floats
+    columns: Ints
+    multipliers: Floats
+    offsets: Floats
+    link_joints: Ints
+    link_placements: Floats
+
+
+def joint_table(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> JointTable | None:
+    """The kernel's table of a group.
+
+    Args:
+        model: Pinocchio's.
+        configurations: Where the numbers in Pinocchio's q come from.
+        frames: Pinocchio's frames of the links.
+
+    Returns:
+        The table, or None if the model has a joint that the kernel does not know.
+    """
+    joints = [_joint_row(model, model.joints[i], configurations) for i in range(1, model.njoints)]
+    if any(row is None for row in joints):
+        return None
+    kinds, axes, columns, multipliers, offsets = zip(*joints, strict=True) if joints else ((), (), (), (), ())
+    link_frames = [model.frames[i] for i in frames]
+    table = JointTable(
+        configurations.width,
+        np.array([model.parents[i] - 1 for i in range(1, model.njoints)], dtype=np.int32),
+        np.array(kinds, dtype=np.int32),
+        np.reshape(axes, (-1, 3)).astype(np.float64),
+        _placements([model.jointPlacements[i] for i in range(1, model.njoints)]),
+        np.reshape(columns, (-1, _MOST_VALUES)).astype(np.int32),
+        np.reshape(multipliers, (-1, _MOST_VALUES)).astype(np.float64),
+        np.reshape(offsets, (-1, _MOST_VALUES)).astype(np.float64),
+        np.array([frame.parentJoint - 1 for frame in link_frames], dtype=np.int32),
+        _placements([frame.placement for frame in link_frames]),
+    )
+    for array in table[1:]:
+        read_only(array)
+    return table
+
+
+def compiled_kinematics(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> Any | None:
+    """Builds the compiled kinematics of a group; arguments as of `joint_table`.
+
+    Returns:
+        A `core.Kinematics`, or None if the model has a joint that the kernel does not know.
+    """
+    table = joint_table(model, configurations, frames)
+    return None if table is None else core.Kinematics(*table)
+
+
+def pinocchio_poses(model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int], q: Floats) -> Floats:
+    """World poses of the links by Pinocchio itself.
+
+    Args:
+        model: Pinocchio's.
+        configurations: Where the numbers in Pinocchio's q come from.
+        frames: Pinocchio's frames of the links.
+        q: (n, nq) group configurations.
+
+    Returns:
+        (n, links, 4, 4), m.
+    """
+    poser = _posed_with_data if model.nv <= _MOST_FOR_DATA else _posed_by_joints
+    poses = np.empty((len(q), len(frames), 4, 4))
+    for row, placements in zip(poses, poser(model, frames, configurations.expand(q)), strict=True):
+        for link, placement in enumerate(placements):
+            row[link] = placement.homogeneous
+    return poses
+
+
+def _posed_with_data(model: pin.Model, frames: Sequence[int], rows: Floats) -> Iterator[list[Any]]:
+    """The frames' placements in the world at each of Pinocchio's configurations (n, nq)."""
+    data = model.createData()
+    for q in rows:
+        pin.framesForwardKinematics(model, data, q)
+        yield [data.oMf[frame] for frame in frames]
+
+
+def _posed_by_joints(model: pin.Model, frames: Sequence[int], rows: Floats) -> Iterator[list[Any]]:
+    """The same by the same products, without Pinocchio's `Data`, which has tables of nv^3 numbers: 60 GB for 1,000."""
+    for q in rows:
+        joints = joint_placements(model, q)
+        yield [joints[model.frames[frame].parentJoint] * model.frames[frame].placement for frame in frames]
+
+
+def joint_placements(model: pin.Model, q: Floats) -> list[Any]:
+    """Where Pinocchio has the joints of a model of any size.
+
+    Args:
+        model: Pinocchio's.
+        q: Its configuration (nq,).
+
+    Returns:
+        A placement in the world (pin.SE3) for each of its joints, the universe first; the same bits as `Data.oMi`.
+    """
+    placed = [pin.SE3.Identity()]
+    for joint, parent, placement in list(zip(model.joints, model.parents, model.jointPlacements, strict=True))[1:]:
+        data = joint.createData()
+        joint.calc(data, q)
+        local = placement * data.M
+        placed.append(placed[parent] * local if parent > 0 else local)
+    return placed
+
+
+def disagreement(kinematics: Any, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> float:
+    """Largest difference between the kernel's and Pinocchio's poses on a few random configurations.
+
+    Positions count relative to the reach, if that is more than 1 m.
+    """
+    q = configurations.random(_CHECKED_CONFIGURATIONS, seed=0)
+    theirs = pinocchio_poses(model, configurations, frames, q)
+    ours = kinematics.link_poses(q, np.ones(len(frames), dtype=np.uint8))
+    reach = max(1.0, float(np.abs(theirs[..., 3]).max(initial=0.0)))
+    scale = np.array([1.0, 1.0, 1.0, reach])
+    return float((np.abs(ours - theirs) / scale).max(initial=0.0))
+
+
+def _joint_row(model: pin.Model, joint: pin.JointModel, configurations: ConfigurationMap) -> Any | None:
+    """(kind, axis, columns, multipliers, offsets) of one joint, None if the kernel does not know it."""
+    kind = _kind_of(str(joint.shortname()).removeprefix("JointModel"))
+    if kind is None:
+        return None
+    axis = _axis_of(joint)
+    entries = np.arange(joint.idx_q, joint.idx_q + joint.nq)
+    if configurations.roles[entries[0]] == COSINE:  # one angle in place of cosine and sine
+        kind, entries = kind - _UNIT_TURN_OFFSET, entries[:1]
+    padding = _MOST_VALUES - len(entries)
+    columns = np.pad(configurations.columns[entries], (0, padding), constant_values=-1)
+    multipliers = np.pad(configurations.multipliers[entries], (0, padding))
+    offsets = np.pad(configurations.offsets[entries], (0, padding))
+    return _aligned(kind, axis, columns, multipliers, offsets)
+
+
+def _kind_of(name: str) -> int | None:
+    if name in _TURNS:
+        return _TURNS[name]
+    if name in _UNIT_TURNS:
+        return _UNIT_TURNS[name] + _UNIT_TURN_OFFSET
+    return _SLIDE if name in _SLIDES else _OTHERS.get(name)
+
+
+def _axis_of(joint: pin.JointModel) -> Floats:
+    """The joint's axis, from its motion subspace; zeros for joints of more than one degree of freedom."""
+    if joint.nv != 1:
+        return np.zeros(3)
+    data = joint.createData()
+    joint.calc(data, np.eye(1, joint.idx_q + joint.nq, joint.idx_q)[0])
+    linear, angular = np.reshape(data.S, (2, 3))
+    return np.asarray(linear + angular, dtype=np.float64)
+
+
+def _aligned(kind: int, axis: Floats, columns: Any, multipliers: Floats, offsets: Floats) -> Any:
+    """Turns about -x, -y or -z become turns about x, y or z by the opposite angle, which is cheaper."""
+    negative = np.flatnonzero(axis == -1.0)
+    if kind % _UNIT_TURN_OFFSET != _UNALIGNED or kind >= _SLIDE or len(negative) == 0 or np.abs(axis).sum() != 1.0:
+        return kind, axis, columns, multipliers, offsets
+    sign = np.ones(_MOST_VALUES)
+    sign[0 if kind < _UNIT_TURN_OFFSET else 1] = -1.0  # the angle, or the sine
+    return kind - _UNALIGNED + int(negative[0]), -axis, columns, sign * multipliers, sign * offsets
+
+
+def _placements(placements: Sequence[Any]) -> Floats:
+    return np.ascontiguousarray(np.reshape([p.homogeneous[:3] for p in placements], (-1, 3, 4)), dtype=np.float64)

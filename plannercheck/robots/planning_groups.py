@@ -1,0 +1,78 @@
+"""The joints of a planning group, in order.
+
+In: an explicit list of joints, or the name of an SRDF group. Out: names of joints that move on their own: no
+fixed or virtual ones, and none that mimics another, for those follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import pinocchio as pin
+
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.robots.configurations import followed, joint_by_name, joint_width
+from plannercheck.robots.srdf import group_joints, virtual_joints
+from plannercheck.robots.urdf import LinkTree, Mimic, mimic_joints
+
+
+def usable_mimics(model: pin.Model, urdf: Path) -> dict[str, Mimic]:
+    """Mimic joints of the URDF whose leader moves; both must be joints of one value."""
+    names = set(model.names)
+    mimics = {name: mimic for name, mimic in mimic_joints(urdf).items() if name in names and mimic.leader in names}
+    for name in mimics:
+        followed(name, mimics, ())  # raises if they go in a circle
+        if joint_width(joint_by_name(model, name)) != 1 or joint_width(joint_by_name(model, mimics[name].leader)) != 1:
+            raise PlannercheckError(f"joint {name!r} mimics {mimics[name].leader!r}: both must be joints of one value")
+    return mimics
+
+
+def explicit_group(model: pin.Model, joints: Sequence[str], mimics: Mapping[str, Mimic]) -> tuple[str, ...]:
+    """Joints as listed, checked.
+
+    Args:
+        model: Pinocchio's.
+        joints: Names in order.
+        mimics: Joints that follow others, which may not be listed.
+
+    Returns:
+        The same names.
+    """
+    for name in joints:
+        joint_by_name(model, name)
+        if name in mimics:
+            raise PlannercheckError(
+                f"group joint {name!r} mimics {mimics[name].leader!r}: list that one, the other follows"
+            )
+    if len(set(joints)) != len(joints) or not joints:
+        raise PlannercheckError(f"a group must list each of its joints once, not {list(joints)}")
+    return tuple(joints)
+
+
+def srdf_group(
+    model: pin.Model, srdf: Element | None, name: str, tree: LinkTree, mimics: Mapping[str, Mimic]
+) -> tuple[str, ...]:
+    """The moving joints of an SRDF group, in document order.
+
+    Args:
+        model: Pinocchio's.
+        srdf: The SRDF, None if there is none.
+        name: Of the group.
+        tree: Links and joints of the URDF.
+        mimics: Joints that follow others.
+
+    Returns:
+        Names of joints.
+    """
+    moving = list(model.names)[1:]
+    joints = group_joints(srdf, name, tree)
+    resting = set(tree.joints.values()) | (virtual_joints(srdf) if srdf is not None else set())
+    for joint in joints:
+        if joint not in moving and joint not in resting:
+            raise unknown_name(f"joint of group {name!r}", joint, moving)
+    own = tuple(joint for joint in joints if joint in moving and joint not in mimics)
+    if not own:
+        raise PlannercheckError(f"planning group {name!r} has no joint that moves")
+    return own

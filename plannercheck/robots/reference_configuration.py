@@ -1,0 +1,113 @@
+"""The state at which joints are held, and the group's reference configuration.
+
+In: values of some joints as a user gives them (by name, or an array in Pinocchio's order). Out: checked
+values, then one for every joint: the given one; else, if it mimics a joint, what that implies; else the value
+within its limits that is nearest to Pinocchio's neutral one. A continuous joint's value is one angle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.configurations import followed, is_continuous, joint_by_name, joint_limits, joint_width
+from plannercheck.robots.urdf import Mimic
+
+Floats = NDArray[np.float64]
+
+# Rounding of limits that were written with six digits, in rad or m.
+_LIMIT_SLACK = 1e-6
+
+
+def given_values(model: pin.Model, reference: Mapping[str, Any] | Sequence[float] | Floats | None) -> dict[str, Floats]:
+    """Values of a reference state by joint name, within the limits.
+
+    Args:
+        model: Pinocchio's.
+        reference: Values by joint name, or an array (full nq,) in Pinocchio's order; rad and m.
+
+    Returns:
+        (width,) values of each joint given, an angle for a continuous joint.
+    """
+    if reference is None:
+        return {}
+    given = reference if isinstance(reference, Mapping) else _split(model, reference)
+    values = checked_values(model, given)
+    for name, value in values.items():
+        _check_limits(model, name, value)
+    return values
+
+
+def checked_values(model: pin.Model, given: Mapping[str, Any]) -> dict[str, Floats]:
+    """Values by joint name as arrays, of the right length and finite; limits are not looked at."""
+    values = {}
+    for name, value in given.items():
+        width = joint_width(joint_by_name(model, name))
+        try:
+            array = np.atleast_1d(np.array(value, dtype=np.float64))
+        except (TypeError, ValueError, OverflowError):
+            array = np.array([math.nan])
+        if array.shape != (width,) or not np.isfinite(array).all():
+            raise PlannercheckError(f"joint {name!r} needs {width} finite value{'s' * (width > 1)}, not {value!r:.80}")
+        values[name] = array
+    return values
+
+
+def all_values(model: pin.Model, given: Mapping[str, Floats], mimics: Mapping[str, Mimic]) -> dict[str, Floats]:
+    """A value for every joint of the model: given, implied by the joint it mimics, or neutral."""
+    neutral = pin.neutral(model)
+    values = {}
+    for name in list(model.names)[1:]:
+        leader, multiplier, offset = followed(name, mimics, given)
+        value = given[leader] if leader in given else _neutral_value(model, leader, neutral)
+        values[name] = value if leader == name else multiplier * value + offset
+    return values
+
+
+def reference_of(model: pin.Model, joints: Sequence[str] | None, values: Mapping[str, Floats]) -> Floats:
+    """The reference configuration (nq,) of a group, or Pinocchio's full one if there is none."""
+    if joints is not None:
+        return np.concatenate([np.atleast_1d(values[name]) for name in joints])
+    parts = [np.zeros(0)]
+    for name in list(model.names)[1:]:
+        value = values[name]
+        continuous = is_continuous(joint_by_name(model, name))
+        parts.append(np.array([np.cos(value[0]), np.sin(value[0])]) if continuous else value)
+    return np.concatenate(parts)
+
+
+def _neutral_value(model: pin.Model, name: str, neutral: Floats) -> Floats:
+    joint = joint_by_name(model, name)
+    if is_continuous(joint):
+        return np.zeros(1)
+    lower, upper = zip(*joint_limits(model, joint), strict=True)
+    return np.clip(neutral[joint.idx_q : joint.idx_q + joint.nq], lower, upper)
+
+
+def _split(model: pin.Model, q: Sequence[float] | Floats) -> dict[str, Floats]:
+    """A full configuration by joint name."""
+    full = np.asarray(q, dtype=np.float64)
+    if full.shape != (model.nq,):
+        raise PlannercheckError(
+            f"a reference array must be Pinocchio's full configuration ({model.nq},), not {full.shape}"
+        )
+    values = {}
+    for name in list(model.names)[1:]:
+        joint = joint_by_name(model, name)
+        own = full[joint.idx_q : joint.idx_q + joint.nq]
+        values[name] = np.array([math.atan2(own[1], own[0])]) if is_continuous(joint) else own
+    return values
+
+
+def _check_limits(model: pin.Model, name: str, value: Floats) -> None:
+    for number, (lower, upper) in zip(value.tolist(), joint_limits(model, joint_by_name(model, name)), strict=True):
+        if not lower - _LIMIT_SLACK <= number <= upper + _LIMIT_SLACK:
+            raise PlannercheckError(
+                f"reference of joint {name!r} is {number!r}, beyond its limits {lower!r} to {upper!r}"
+            )

@@ -1,0 +1,451 @@
+"""A robot: links with collision bodies, a planning group, and forward kinematics.
+
+In: a URDF with its meshes, optionally an SRDF, or a description from robots/. Out: `Robot`, immutable, which
+knows its group's joints and limits, poses its links, and says which of its bodies are tested against each
+other. Pinocchio reads and models; the compiled kernel poses batches and is held against Pinocchio once, when
+the robot is loaded.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
+from plannercheck.bodies.objects import SceneObject
+from plannercheck.bodies.shapes import Body
+from plannercheck.common.arrays import read_only
+from plannercheck.common.checked_yaml import within
+from plannercheck.common.errors import unknown_name
+from plannercheck.robots.anchored_objects import placed
+from plannercheck.robots.carried_objects import carried_pairs, check_objects
+from plannercheck.robots.configurations import ConfigurationMap, followed, planning_group, whole_robot
+from plannercheck.robots.decomposed_links import decomposed
+from plannercheck.robots.description import DisabledPair, RobotDescription, description_of, find_description
+from plannercheck.robots.kinematic_error import KinematicRounding
+from plannercheck.robots.kinematics import (
+    AGREEMENT,
+    JointTable,
+    compiled_kinematics,
+    disagreement,
+    joint_table,
+    pinocchio_poses,
+)
+from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
+from plannercheck.robots.reference_configuration import all_values, checked_values, given_values, reference_of
+from plannercheck.robots.self_pairs import self_pairs
+from plannercheck.robots.srdf import group_state, read_srdf, warn_of_unheeded
+from plannercheck.robots.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
+
+Floats = NDArray[np.float64]
+Reference = Mapping[str, Any] | Sequence[float] | Floats | str | None
+
+_SAMPLES = 32  # configurations of `sampled_link_poses`: four of the blocks of eight that are judged at a time
+
+
+class Robot:
+    """A robot, posed by configurations of its planning group.
+
+    Build one with `Robot.load` or `Robot.from_urdf`. Configurations are in Pinocchio's order, or, with a
+    planning group, in the group's order; all other joints are held.
+
+    Attributes:
+        name: The robot's name.
+        group: Name of the planning group; None for the whole robot.
+        joint_names: Joints of the group (one column each; without a group, as many as Pinocchio has numbers
+            for them).
+        link_names: The URDF's links in the order of Pinocchio's body frames.
+        bodies: Collision bodies in the order of Pinocchio's geometries, then those of carried objects.
+        self_pairs: (k, 2) indices into bodies: what is tested for self-collision.
+        carried: Objects that links carry.
+        pieces: Of the bodies that were decomposed, by the name of the body.
+        disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
+        reference: (nq,) the group's reference configuration, rad and m.
+        model: Pinocchio's model.
+        kinematics: The compiled kinematics; None if Pinocchio itself has to pose.
+    """
+
+    def __init__(
+        self,
+        *,
+        name: str,
+        model: pin.Model,
+        tree: LinkTree,
+        bodies: tuple[Body, ...],
+        pairs: NDArray[np.int64],
+        disabled_pairs: tuple[DisabledPair, ...],
+        mimics: Mapping[str, Mimic],
+        values: Mapping[str, Floats],
+        group: str | None,
+        joints: tuple[str, ...] | None,
+        carried: tuple[SceneObject, ...] = (),
+        pieces: Mapping[str, Pieces] | None = None,
+    ) -> None:
+        self.name = name
+        self.model = model
+        self._tree = tree
+        self._own_bodies, self._own_pairs = bodies, read_only(pairs)
+        self.pieces = dict(pieces or {})
+        self._carry(carried)
+        self.disabled_pairs = disabled_pairs
+        self.group = group
+        self._mimics = mimics
+        self._values = values
+        self._joints = joints
+        everywhere = all_values(model, values, mimics)
+        self._map = whole_robot(model) if joints is None else planning_group(model, joints, everywhere, mimics)
+        self.reference = read_only(reference_of(model, joints, everywhere))
+        self.kinematics = self._checked_kinematics()
+
+    @classmethod
+    def load(cls, name_or_path: str | Path, decomposition: Decomposition | None = None) -> Robot:
+        """Loads a robot.
+
+        Args:
+            name_or_path: A name from robots/ such as "panda", or the path of a YAML description or of a URDF.
+            decomposition: Makes concave links of convex pieces, with CoACD; None does what the YAML says.
+
+        Returns:
+            The robot.
+        """
+        path = find_description(name_or_path)
+        description = description_of(path)
+        if decomposition is not None:
+            description = replace(description, decomposition=decomposition)
+        with contextlib.nullcontext() if path.suffix == ".urdf" else within(f"robot file {path}"):
+            return cls.from_description(description)
+
+    @classmethod
+    def from_urdf(
+        cls,
+        urdf: str | Path,
+        srdf: str | Path | None = None,
+        package_dirs: str | Path | Sequence[str | Path] = (),
+        group: str | Sequence[str] | None = None,
+        reference: Reference = None,
+        *,
+        floating: bool = False,
+        decomposition: Decomposition | None = None,
+    ) -> Robot:
+        """Builds a robot from a URDF.
+
+        Args:
+            urdf: Path of the URDF.
+            srdf: Path of an SRDF, for self pairs, groups and states.
+            package_dirs: Folders in which the URDF's package:// paths start.
+            group: An SRDF group or joint names in order; None for Pinocchio's own q.
+            reference: The state at which joints outside the group are held: values by joint name (others
+                neutral), an array in Pinocchio's order, or the name of an SRDF group state. Default: within
+                its limits, the nearest to Pinocchio's neutral configuration. rad and m.
+            floating: Whether the root link is free to move.
+            decomposition: Makes concave links of convex pieces, with CoACD; None takes their hulls.
+
+        Returns:
+            The robot.
+        """
+        name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
+        description = RobotDescription(
+            name="",
+            urdf=Path(urdf),
+            srdf=None if srdf is None else Path(srdf),
+            package_dirs=tuple(Path(folder) for folder in _listed(package_dirs)),
+            floating=floating,
+            group=name,
+            joints=joints,
+            decomposition=decomposition,
+        )
+        return cls.from_description(description, reference)
+
+    @classmethod
+    def from_description(cls, description: RobotDescription, reference: Reference = None) -> Robot:
+        """Builds a robot from what its YAML says; `reference` as for `from_urdf`, if it does not say one."""
+        model = read_model(description.urdf, description.floating)
+        geometry = read_geometry(model, description.urdf, description.package_dirs)
+        tree = link_tree(model)
+        bodies = bodies_of(model, geometry)
+        mimics = usable_mimics(model, description.urdf)
+        semantics = read_srdf(description.srdf) if description.srdf else None
+        if semantics is not None and description.srdf is not None:
+            warn_of_unheeded(semantics, description.srdf, tree)
+        if isinstance(reference, str):
+            reference = group_state(semantics, reference, model.names)
+        joints = None
+        if description.joints is not None:
+            joints = explicit_group(model, description.joints, mimics)
+        elif description.group is not None:
+            joints = srdf_group(model, semantics, description.group, tree, mimics)
+        pairs = self_pairs(geometry, bodies, description.srdf, tree, description.disabled_pairs)
+        pieces: Mapping[str, Pieces] = {}
+        if description.decomposition is not None:
+            bodies, pairs, pieces = decomposed(bodies, pairs, geometry, description.decomposition)
+        return cls(
+            name=description.name or model.name,
+            model=model,
+            tree=tree,
+            bodies=bodies,
+            pairs=pairs,
+            pieces=pieces,
+            disabled_pairs=description.disabled_pairs,
+            mimics=mimics,
+            values=given_values(model, description.values or reference),
+            group=description.group,
+            joints=joints,
+        )
+
+    @property
+    def nq(self) -> int:
+        """Numbers in a configuration."""
+        return self._map.width
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints of the group, in order."""
+        return self._map.joint_names
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """The URDF's links in the order of Pinocchio's body frames."""
+        return self._tree.names
+
+    @property
+    def lower(self) -> Floats:
+        """(nq,) lower limits in rad or m; -inf for continuous joints of a group."""
+        return self._map.lower.copy()
+
+    @property
+    def upper(self) -> Floats:
+        """(nq,) upper limits in rad or m; inf for continuous joints of a group."""
+        return self._map.upper.copy()
+
+    def link_index(self, name: str) -> int:
+        """Index into link_names."""
+        if name not in self._link_indices:
+            raise unknown_name("link", name, self.link_names)
+        return self._link_indices[name]
+
+    def random_configurations(self, n: int, seed: int | np.random.Generator | None = None) -> Floats:
+        """Samples uniformly within the limits.
+
+        Args:
+            n: How many.
+            seed: Of the generator, or a generator.
+
+        Returns:
+            (n, nq), rad and m. Continuous joints are in [-pi, pi), unlimited positions within 1 m of zero.
+        """
+        return self._map.random(n, seed)
+
+    def check_configurations(self, q: ArrayLike) -> Floats:
+        """Validates configurations: numbers, width, finite, unit quaternions. Limits are not looked at.
+
+        Args:
+            q: (nq,) or (n, nq).
+
+        Returns:
+            (n, nq) float64 in C order, n = 1 for a single one.
+        """
+        return self._map.checked(q)
+
+    def expand(self, q: ArrayLike) -> Floats:
+        """Fills in the held joints.
+
+        Args:
+            q: (nq,) or (n, nq) configurations of the group.
+
+        Returns:
+            (full nq,) or (n, full nq), Pinocchio's configurations.
+        """
+        full = self._map.expand(self._map.checked(q))
+        return full[0] if np.ndim(q) == 1 else full
+
+    def link_poses(self, q: ArrayLike) -> Floats:
+        """World poses of all links.
+
+        Args:
+            q: (nq,) or (n, nq) configurations of the group.
+
+        Returns:
+            (links, 4, 4) or (n, links, 4, 4), m, in the order of link_names. The same bits for a
+            configuration alone or in a batch, on every instruction set.
+        """
+        rows = self._map.checked(q)
+        if self.kinematics is None:
+            poses = pinocchio_poses(self.model, self._map, self._tree.frames, rows)
+        else:
+            poses = self.kinematics.link_poses(rows, np.ones(len(self.link_names), dtype=np.uint8))
+        return poses[0] if np.ndim(q) == 1 else poses
+
+    def pinocchio_link_poses(self, q: ArrayLike) -> Floats:
+        """World poses of all links by Pinocchio itself; arguments and result as of link_poses."""
+        poses = pinocchio_poses(self.model, self._map, self._tree.frames, self._map.checked(q))
+        return poses[0] if np.ndim(q) == 1 else poses
+
+    @cached_property
+    def sampled_link_poses(self) -> Floats:
+        """(k, links, 4, 4) at a few random configurations, m: they show what a checker had better test together."""
+        return read_only(np.ascontiguousarray(self.link_poses(self.random_configurations(_SAMPLES, 0))))
+
+    @cached_property
+    def kinematic_error(self) -> float:
+        """No rounding of forward kinematics moves a point of a body further than this, m (proven).
+
+        For configurations within the limits (where there are none, within the range that is sampled). Infinite
+        if Pinocchio itself has to pose: nothing is proven then.
+        """
+        return self.kinematic_error_within(*self._map.sampled_range())
+
+    def kinematic_error_at(self, q: ArrayLike) -> float:
+        """The same bound at one configuration (nq,), which may be beyond the limits; m."""
+        row = self._map.checked(q)[0]
+        return self.kinematic_error_within(row, row)
+
+    def kinematic_error_within(self, lower: Floats, upper: Floats) -> float:
+        """The same bound for all configurations from `lower` to `upper`, (nq,) each; m."""
+        return float("inf") if self._rounding is None else self._rounding.bound(lower, upper)
+
+    @cached_property
+    def joint_table(self) -> JointTable | None:
+        """The compiled kinematics' table; None if it does not know some joint."""
+        return joint_table(self.model, self._map, self._tree.frames)
+
+    @property
+    def configuration_map(self) -> ConfigurationMap:
+        """Where the numbers in Pinocchio's q come from."""
+        return self._map
+
+    @property
+    def link_tree(self) -> LinkTree:
+        """How the links hang together."""
+        return self._tree
+
+    @property
+    def mimics(self) -> Mapping[str, Mimic]:
+        """The joints that follow others, by name."""
+        return self._mimics
+
+    @property
+    def frames(self) -> Sequence[int]:
+        """Pinocchio's frames of the links, in the order of link_names."""
+        return self._tree.frames
+
+    @cached_property
+    def _rounding(self) -> KinematicRounding | None:
+        table = self.joint_table
+        if table is None or self.kinematics is None:
+            return None
+        moving = [body for body in self.bodies if body.link is not None]
+        return KinematicRounding(table, moving, [self.link_index(str(body.link)) for body in moving])
+
+    def holding(self, values: Mapping[str, float | Sequence[float]]) -> Robot:
+        """The same robot with joints held elsewhere (or, for joints of the group, another reference).
+
+        Args:
+            values: By joint name, in rad or m; they may be beyond the joints' limits. Joints that follow them do so,
+                wherever they were held before, unless they are given, too.
+
+        Returns:
+            A new robot with the same bodies and group.
+        """
+        given = checked_values(self.model, values)
+        kept = {
+            name: value for name, value in self._values.items() if followed(name, self._mimics, given)[0] not in given
+        }
+        return self._changed(values={**kept, **given})
+
+    def with_group(self, joints: Sequence[str], name: str = "group") -> Robot:
+        """The same robot with another planning group; the joints outside it stay at the reference.
+
+        Args:
+            joints: Names in order.
+            name: Of the group.
+
+        Returns:
+            A new robot with the same bodies.
+        """
+        return self._changed(group=name, joints=explicit_group(self.model, joints, self._mimics))
+
+    def carrying(self, objects: Iterable[SceneObject]) -> Robot:
+        """The same robot, whose links carry other objects than now.
+
+        Args:
+            objects: Attached ones, see `Scene.attach`; none for the robot alone.
+
+        Returns:
+            A robot that shares everything else with this one.
+        """
+        other = copy.copy(self)
+        for name in ("kinematic_error", "_rounding"):  # they depend on the bodies
+            other.__dict__.pop(name, None)
+        other._carry(placed(self, objects))
+        return other
+
+    def _carry(self, objects: tuple[SceneObject, ...]) -> None:
+        check_objects(objects, self.link_names, self._own_bodies)
+        self.carried = objects
+        self.bodies = (*self._own_bodies, *(body for item in objects for body in item.bodies))
+        more = carried_pairs(objects, self._own_bodies)
+        self.self_pairs = read_only(np.concatenate([self._own_pairs, np.array(more, dtype=np.int64).reshape(-1, 2)]))
+
+    def __repr__(self) -> str:
+        group = f"group {self.group!r}, " if self.group else ""
+        return f"Robot({self.name!r}, {group}nq={self.nq}, {len(self.bodies)} bodies)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _build, (self._arguments(),)
+
+    def _arguments(self) -> dict[str, Any]:
+        return {
+            "name": self.name,
+            "model": self.model,
+            "tree": self._tree,
+            "bodies": self._own_bodies,
+            "pairs": self._own_pairs,
+            "carried": self.carried,
+            "pieces": self.pieces,
+            "disabled_pairs": self.disabled_pairs,
+            "mimics": self._mimics,
+            "values": self._values,
+            "group": self.group,
+            "joints": self._joints,
+        }
+
+    def _changed(self, **changes: Any) -> Robot:
+        return Robot(**{**self._arguments(), **changes})
+
+    @cached_property
+    def _link_indices(self) -> dict[str, int]:
+        return {name: index for index, name in enumerate(self.link_names)}
+
+    def _checked_kinematics(self) -> Any | None:
+        """The compiled kinematics if Pinocchio agrees with it."""
+        kinematics = compiled_kinematics(self.model, self._map, self._tree.frames)
+        if kinematics is None:
+            return None
+        difference = disagreement(kinematics, self.model, self._map, self._tree.frames)
+        if difference <= AGREEMENT:
+            return kinematics
+        warnings.warn(
+            f"robot {self.name!r}: the compiled kinematics differs from Pinocchio by {difference:.3g}; "
+            "posing with Pinocchio instead, which is slower",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+        return None
+
+
+def _listed(folders: str | Path | Sequence[str | Path]) -> Sequence[str | Path]:
+    return [folders] if isinstance(folders, str | Path) else folders
+
+
+def _build(arguments: dict[str, Any]) -> Robot:
+    return Robot(**arguments)

@@ -1,0 +1,89 @@
+"""Which of a robot's bodies are tested against each other.
+
+In: Pinocchio's geometries, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's
+bodies. With an SRDF they are exactly those that Pinocchio keeps: all pairs on different joints less the
+disabled. Without one, adjacent links are left out too. Pairs that a robot's YAML disables are left out in
+either case.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import Body
+from plannercheck.common.errors import unknown_name
+from plannercheck.robots.description import DisabledPair
+from plannercheck.robots.srdf import disabled_collisions, disabled_link_names, read_srdf
+from plannercheck.robots.urdf import LinkTree
+
+
+def self_pairs(
+    geometry: pin.GeometryModel,
+    bodies: tuple[Body, ...],
+    srdf: Path | None,
+    tree: LinkTree,
+    disabled: Iterable[DisabledPair],
+) -> NDArray[np.int64]:
+    """Index pairs (k, 2) into the robot's bodies, in Pinocchio's order.
+
+    Pinocchio itself looks through all pairs for each that it adds or removes; of a thousand links there are half a
+    million. So the same table is made here, from arrays.
+    """
+    joints = np.array([each.parentJoint for each in geometry.geometryObjects], dtype=np.int64)
+    first, second = np.triu_indices(len(bodies), 1)
+    apart = joints[first] != joints[second]
+    first, second = first[apart], second[apart]
+    kept = np.ones(len(first), dtype=bool)
+    if srdf is not None:
+        named = (frozenset((pair.link_a, pair.link_b)) for pair in disabled_collisions(read_srdf(srdf)))
+        kept &= ~_of_links(first, second, bodies, named)
+        if kept.all():
+            warnings.warn(
+                f"SRDF {srdf} disables no pair of links{_of_another(srdf, tree)}: adjacent ones, which usually touch, "
+                "are tested as well",
+                RuntimeWarning,
+                stacklevel=5,
+            )
+    left_out = _disabled_links(disabled, tree)
+    if srdf is None:
+        left_out |= {frozenset(pair) for pair in tree.parents.items()}
+    kept &= ~_of_links(first, second, bodies, left_out)
+    return np.stack([first[kept], second[kept]], axis=1)
+
+
+def _of_links(
+    first: NDArray[np.int64],
+    second: NDArray[np.int64],
+    bodies: tuple[Body, ...],
+    links: Iterable[frozenset[str | None]],
+) -> NDArray[np.bool_]:
+    """(k,) which pairs of bodies are of one of these pairs of links."""
+    names = [body.link for body in bodies]
+    number = {name: k for k, name in enumerate(dict.fromkeys(names))}
+    listed = [sorted(number[name] for name in pair) for pair in links if pair <= number.keys() and len(pair) == 2]
+    codes = np.array([low * len(number) + high for low, high in listed], dtype=np.int64)
+    of_body = np.array([number[name] for name in names], dtype=np.int64)
+    low, high = np.sort([of_body[first], of_body[second]], axis=0)
+    return np.asarray(np.isin(low * len(number) + high, codes))
+
+
+def _of_another(srdf: Path, tree: LinkTree) -> str:
+    """Words if an SRDF speaks of other links than the robot has."""
+    unknown = [name for name in disabled_link_names(read_srdf(srdf)) if name not in tree.names]
+    return f" of this robot, but of {', '.join(unknown[:3])}, which it has not" if unknown else ""
+
+
+def _disabled_links(disabled: Iterable[DisabledPair], tree: LinkTree) -> set[frozenset[str | None]]:
+    pairs: set[frozenset[str | None]] = set()
+    for pair in disabled:
+        for link in (pair.link_a, pair.link_b):
+            if link not in tree.names:
+                raise unknown_name("link in disabled_pairs", link, tree.names)
+        pairs.add(frozenset((pair.link_a, pair.link_b)))
+    return pairs

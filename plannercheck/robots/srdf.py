@@ -1,0 +1,191 @@
+"""Reads what an SRDF says: planning groups and named states.
+
+In: an SRDF and the tree of links. Out: for each group the joints that move it, in document order, and group
+states. Which pairs are tested is left to Pinocchio; what it passes over without a word is said here.
+"""
+
+from __future__ import annotations
+
+import difflib
+import warnings
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Container
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
+from plannercheck.common.package_data import is_file
+from plannercheck.robots.description import DisabledPair
+from plannercheck.robots.urdf import LinkTree
+
+# Elements of newer SRDFs that change which pairs are tested and that Pinocchio passes over.
+_UNREAD = ("disable_default_collisions", "enable_collisions")
+
+
+def read_srdf(path: Path) -> Element:
+    """Parses an SRDF.
+
+    Args:
+        path: Of the file.
+
+    Returns:
+        Its root element.
+    """
+    if not is_file(path):
+        raise PlannercheckError(f"SRDF {path} does not exist")
+    check_xml(path, "SRDF")
+    try:
+        return ElementTree.parse(path).getroot()
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
+        raise PlannercheckError(f"SRDF {path} does not parse: {error}") from None
+
+
+def group_names(root: Element) -> list[str]:
+    """The SRDF's planning groups."""
+    return [group.get("name", "") for group in root.findall("group")]
+
+
+def disabled_link_names(root: Element) -> list[str]:
+    """The links that it says may touch, each once."""
+    pairs = root.findall("disable_collisions")
+    return list(dict.fromkeys(pair.get(key, "") for pair in pairs for key in ("link1", "link2")))
+
+
+def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
+    """The joints of a planning group.
+
+    Args:
+        root: The SRDF, None if there is none.
+        name: Of the group.
+        tree: Links and joints of the URDF.
+
+    Returns:
+        Joint names in document order, each once: joints as listed, the parent joints of links, the joints of
+        chains from base to tip, and those of subgroups. Fixed and virtual joints are among them.
+    """
+    if root is None:
+        joints = ", ".join(tree.joints[link] for link in tree.parents)
+        raise PlannercheckError(
+            f"planning group {name!r}: without an SRDF, a group must be a list of joints, some of {joints}"
+        )
+    return _Groups(root, tree).joints(name, ())
+
+
+class _Groups:
+    """The groups of an SRDF, each resolved once: one that is named again and again costs nothing more."""
+
+    def __init__(self, root: Element, tree: LinkTree) -> None:
+        self._root, self._tree = root, tree
+        self._groups = {group.get("name"): group for group in reversed(root.findall("group"))}
+        self._known: dict[str, list[str]] = {}
+
+    def joints(self, name: str, outer: tuple[str, ...]) -> list[str]:
+        """Names of a group's joints, each once, in the order of the document."""
+        if name in self._known:
+            return self._known[name]
+        if name in outer:
+            raise PlannercheckError(f"SRDF group {name!r} contains itself: {' > '.join((*outer, name))}")
+        if len(outer) >= INPUT_LIMITS.depth:
+            raise PlannercheckError(
+                f"SRDF group {name!r} is nested deeper than {INPUT_LIMITS.depth} levels (INPUT_LIMITS.depth)"
+            )
+        if name not in self._groups:
+            raise unknown_name("planning group", name, group_names(self._root))
+        found: dict[str, None] = {}
+        for part in self._groups[name]:
+            inside = part.tag == "group"
+            part_name = part.get("name", "")
+            joints = self.joints(part_name, (*outer, name)) if inside else _joints_of_part(part, self._tree)
+            found |= dict.fromkeys(joints)
+        self._known[name] = list(found)
+        return self._known[name]
+
+
+def _joints_of_part(part: Element, tree: LinkTree) -> list[str]:
+    """The joints that a joint, link or chain of a group names."""
+    name = part.get("name", "")
+    if part.tag == "joint":
+        return [name]
+    if part.tag == "link":
+        return [tree.joints[_known_link(name, tree)]]
+    if part.tag == "chain":
+        return _chain(part.get("base_link", ""), part.get("tip_link", ""), tree)
+    return []
+
+
+def _chain(base: str, tip: str, tree: LinkTree) -> list[str]:
+    """Joints from base to tip, over their common ancestor if the base is none."""
+    up_from_tip, up_from_base = (_ancestry(_known_link(link, tree), tree) for link in (tip, base))
+    shared = next((link for link in up_from_base if link in up_from_tip), None)
+    if shared is None:
+        raise PlannercheckError(f"SRDF chain from {base!r} to {tip!r}: no path of joints between them")
+    rising = up_from_base[: up_from_base.index(shared)]
+    falling = up_from_tip[: up_from_tip.index(shared)]
+    return [tree.joints[link] for link in rising + falling[::-1]]
+
+
+def _ancestry(link: str, tree: LinkTree) -> list[str]:
+    """The link, its parent, and so on to the root."""
+    line = [link]
+    while line[-1] in tree.parents:
+        line.append(tree.parents[line[-1]])
+    return line
+
+
+def _known_link(name: str, tree: LinkTree) -> str:
+    if name not in tree.names:
+        raise unknown_name("link", name, tree.names)
+    return name
+
+
+def disabled_collisions(root: Element) -> list[DisabledPair]:
+    """The pairs of links that an SRDF disables, with the reasons it gives."""
+    pairs = (dict(each.attrib) for each in root.findall("disable_collisions"))
+    return [DisabledPair(p.get("link1", ""), p.get("link2", ""), p.get("reason", "")) for p in pairs]
+
+
+def warn_of_unheeded(root: Element, path: Path, tree: LinkTree) -> None:
+    """Warns of links that the URDF does not know, as MoveIt does, and of elements that Pinocchio does not read."""
+    named = (link for pair in disabled_collisions(root) for link in (pair.link_a, pair.link_b))
+    unknown = sorted(set(named).difference(tree.names))
+    if unknown:
+        close = [match for name in unknown[:1] for match in difflib.get_close_matches(name, tree.names, 1)]
+        hint = f" (did you mean {close[0]!r} by {unknown[0]!r}?)" if close else ""
+        warnings.warn(
+            f"SRDF {path} disables collisions of links that the URDF does not know: {', '.join(unknown)}{hint}; "
+            "these entries change nothing",
+            RuntimeWarning,
+            stacklevel=5,
+        )
+    unread = sorted({each.tag for each in root if each.tag in _UNREAD})
+    if unread:
+        warnings.warn(
+            f"SRDF {path}: {', '.join(unread)} are not read, only disable_collisions are", RuntimeWarning, stacklevel=5
+        )
+
+
+def virtual_joints(root: Element) -> set[str]:
+    """Names of the SRDF's virtual joints, which no URDF knows."""
+    return {joint.get("name", "") for joint in root.findall("virtual_joint")}
+
+
+def group_state(root: Element | None, name: str, joints: Container[str]) -> dict[str, list[float]]:
+    """A named state.
+
+    Args:
+        root: The SRDF, None if there is none.
+        name: Of the group state.
+        joints: Those of the model; others, such as virtual ones, are ignored.
+
+    Returns:
+        Joint values by joint name, rad or m.
+    """
+    if root is None:
+        raise PlannercheckError(f"group state {name!r}: there is no SRDF to take it from")
+    states = root.findall("group_state")
+    state = next((s for s in states if s.get("name") == name), None)
+    if state is None:
+        raise unknown_name("group state", name, (s.get("name", "") for s in states))
+    values = {joint.get("name", ""): joint.get("value", "") for joint in state.iter("joint")}
+    return {joint: [float(v) for v in value.split()] for joint, value in values.items() if joint in joints}

@@ -1,0 +1,170 @@
+"""MotionBenchMaker problem sets: numbered pairs of a planning scene and a motion-plan request.
+
+In: a folder, or a .tar.bz2 (.tar, .tar.gz, ...) of one, with scene0001.yaml, request0001.yaml, and so on.
+Out: one `Problem` after another, in the order of their names.
+"""
+
+from __future__ import annotations
+
+import re
+import tarfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.checked_yaml import BROKEN_FILE, parse_yaml, read_bytes, within
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.input_limits import INPUT_LIMITS
+from plannercheck.common.package_data import is_folder
+from plannercheck.scenes.moveit_request import MotionRequest, motion_request
+from plannercheck.scenes.moveit_scene import attach_from_state, planning_scene
+from plannercheck.scenes.scene import Scene
+
+# What names a file's role and number in a problem set.
+_MEMBER = re.compile(r"(scene|request)(\d+)\.ya?ml")
+
+
+@dataclass(frozen=True)
+class Problem(OwnsArrays):
+    """One planning problem.
+
+    Attributes:
+        name: The set's and the problem's, e.g. "cage_panda/0001".
+        scene: The obstacles.
+        joint_names: The joints that the goal constrains: the planning group's.
+        start: (nq,) in the order of `joint_names`, rad or m.
+        goals: Each (nq,), at least one.
+        held: Value by name of the start state's other joints, as given.
+        group: The group's name in the request.
+    """
+
+    name: str
+    scene: Scene
+    joint_names: tuple[str, ...]
+    start: NDArray[np.float64]
+    goals: tuple[NDArray[np.float64], ...]
+    held: dict[str, float]
+    group: str
+
+    @property
+    def goal(self) -> NDArray[np.float64]:
+        """The first goal (nq,)."""
+        return self.goals[0]
+
+
+@dataclass(frozen=True)
+class ProblemSet:
+    """The problems of a set, read one by one when iterated.
+
+    Attributes:
+        name: The set's.
+        members: (scene, request) file names by problem number.
+    """
+
+    name: str
+    members: dict[str, tuple[str, str]]
+    _read: Callable[[str], bytes]
+    _folder: Path
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+    def __iter__(self) -> Iterator[Problem]:
+        return (self.problem(number) for number in self.members)
+
+    def problem(self, number: str) -> Problem:
+        """Reads one problem, by its number as in the files' names, e.g. "0001"."""
+        scene_file, request_file = self.members[number]
+        with within(f"{self.name}, {scene_file}"):
+            scene = planning_scene(parse_yaml(self._read(scene_file)), self._folder / Path(scene_file).parent)
+        with within(f"{self.name}, {request_file}"):
+            request = motion_request(parse_yaml(self._read(request_file)))
+            name = f"{self.name}/{number}"
+            scene.name = scene.name or name
+            with within("start_state"):
+                attach_from_state(scene, request.state, self._folder / Path(request_file).parent)
+            return _problem(name, scene, request)
+
+
+def load_problems(path: str | Path) -> ProblemSet:
+    """Opens a problem set.
+
+    Args:
+        path: The folder, one that holds just it, or a tar archive.
+
+    Returns:
+        The set: it has a length, and gives its problems when iterated.
+    """
+    path = Path(path)
+    if is_folder(path):
+        names = [str(p.relative_to(path)) for p in sorted(path.rglob("*.yaml"))]
+        return _problem_set(path, names, lambda name: read_bytes(path / name), path)
+    contents = _archive(path)
+    return _problem_set(path, sorted(contents), contents.__getitem__, path.parent)
+
+
+def _archive(path: Path) -> dict[str, bytes]:
+    """The YAML files of a tar archive by name."""
+    try:
+        with within(f"problem set {str(path)!r}"), tarfile.open(path) as archive:
+            return _members(archive)
+    except PlannercheckError:
+        raise
+    except BROKEN_FILE as error:
+        raise PlannercheckError(
+            f"problem set {str(path)!r} is neither a folder nor a readable tar archive: {error!s:.200}"
+        ) from None
+
+
+def _members(archive: tarfile.TarFile) -> dict[str, bytes]:
+    """The scenes and requests, read as the archive is unpacked: what one takes is known before it is read."""
+    contents: dict[str, bytes] = {}
+    seen = 0
+    for member in archive:
+        seen += member.size  # also what is skipped has to be unpacked
+        if seen > INPUT_LIMITS.archive_bytes:
+            raise PlannercheckError(
+                f"the archive unpacks to more than {INPUT_LIMITS.archive_bytes} bytes (INPUT_LIMITS.archive_bytes)"
+            )
+        if member.isfile() and _MEMBER.fullmatch(PurePosixPath(member.name).name):
+            file = archive.extractfile(member)
+            contents[member.name] = b"" if file is None else file.read()
+    return contents
+
+
+def _problem_set(path: Path, names: list[str], read: Callable[[str], bytes], folder: Path) -> ProblemSet:
+    """Pairs the scenes with the requests."""
+    found: dict[str, dict[str, str]] = {}
+    sets = set()
+    for name in names:
+        match = _MEMBER.fullmatch(PurePosixPath(name).name)
+        if match:
+            sets.add(PurePosixPath(name).parent)
+            found.setdefault(match[2], {})[match[1]] = name
+    if len(sets) != 1:
+        listed = ", ".join(sorted(map(str, sets))) or "none with scene0001.yaml and request0001.yaml"
+        raise PlannercheckError(f"{str(path)!r} must hold one problem set; found are {listed}")
+    alone = [next(iter(files.values())) for files in found.values() if len(files) == 1]
+    if alone:
+        raise PlannercheckError(f"{str(path)!r}: {alone[0]} has no counterpart, each scene needs a request")
+    members = {number: (files["scene"], files["request"]) for number, files in sorted(found.items())}
+    name = sets.pop().name or path.resolve().name.split(".")[0]
+    return ProblemSet(name, members, read, folder)
+
+
+def _problem(name: str, scene: Scene, request: MotionRequest) -> Problem:
+    """Splits the start state into the joints that the goals constrain and the ones that are held."""
+    joints = tuple(request.goals[0])
+    for k, goal in enumerate(request.goals):
+        if set(goal) != set(joints):
+            raise PlannercheckError(f"goal {k} constrains {', '.join(goal)}, goal 0 {', '.join(joints)}")
+    missing = [joint for joint in joints if joint not in request.start]
+    if missing:
+        raise PlannercheckError(f"the start state has no value for {', '.join(missing)}")
+    start, *goals = (np.array([state[j] for j in joints]) for state in (request.start, *request.goals))
+    held = {joint: value for joint, value in request.start.items() if joint not in joints}
+    return Problem(name, scene, joints, start, tuple(goals), held, request.group)

@@ -1,0 +1,105 @@
+"""Objects that a MoveIt robot state attaches to links.
+
+In: `attached_collision_objects` of a parsed robot state, and the scene it belongs to. Out: the scene with them.
+
+As MoveIt has it (`PlanningScene::processAttachedCollisionObjectMsg`): an object without shapes is the one of that name
+in the world, attached where it stands; one with shapes takes the place of an object of that name. Its pose is relative
+to the frame that its header names: the link itself, as MoveIt writes it, another link, a fixed frame, or another
+object's; then it is known once there is a robot to pose, at the state's joint values.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+from plannercheck.bodies.objects import Anchor, SceneObject, StatedJoints, scene_object
+from plannercheck.common.checked_yaml import Node, check_keys, mapping, required, sequence, text, within
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.scenes.moveit_frames import find_frame
+from plannercheck.scenes.moveit_objects import FindMesh, ObjectMessage, read_object
+from plannercheck.scenes.scene import Scene
+
+# The fields of moveit_msgs/AttachedCollisionObject; how hands let go and what objects weigh is accepted and not read.
+_KEYS = ("link_name", "object", "touch_links", "detach_posture", "weight")
+
+
+@dataclass(frozen=True)
+class AttachedMessage:
+    """An attached object as a message has it.
+
+    Attributes:
+        link: That carries it.
+        touch_links: That it may touch.
+        object: What is attached; without parts, an object of the world.
+        state: The joints of the state that attaches it.
+    """
+
+    link: str
+    touch_links: tuple[str, ...]
+    object: ObjectMessage
+    state: StatedJoints
+
+
+def read_attached(state: Node, joints: StatedJoints, find_mesh: FindMesh) -> list[AttachedMessage]:
+    """Reads what a robot state with these joints attaches."""
+    found: list[AttachedMessage] = []
+    for k, item in enumerate(sequence(state.get("attached_collision_objects"), "'attached_collision_objects'")):
+        with within(f"attached object {k}"):
+            node = mapping(item, "it")
+            check_keys(node, _KEYS)
+            link = text(required(node, "link_name"), "link_name")
+            touched = tuple(text(name, "touch_links") for name in sequence(node.get("touch_links"), "'touch_links'"))
+            read = read_object(mapping(required(node, "object"), "'object'"), find_mesh)
+            if any(other.object.name == read.name for other in found):
+                raise PlannercheckError(f"{read.name!r} is attached twice")
+            found.append(AttachedMessage(link, touched, read, joints))
+    return found
+
+
+def attach_with_shapes(scene: Scene, messages: list[AttachedMessage]) -> None:
+    """Attaches objects that have shapes of their own, each in the place of what the scene calls so."""
+    for message in messages:
+        if message.object.parts:
+            item = _posed(scene, message)
+            if item.name in {other.name for other in (*scene.objects, *scene.attached)}:
+                scene.remove(item.name)
+            scene.put(item)
+
+
+def attach_from_world(scene: Scene, messages: list[AttachedMessage]) -> None:
+    """Attaches objects of the world where they stand; those that are attached already stay as they are."""
+    attached = {item.name for item in scene.attached}
+    for message in messages:
+        name = message.object.name
+        if message.object.parts or name in attached:
+            continue
+        if name not in scene.object_names:
+            raise unknown_name("object to attach, without shapes of its own,", name, scene.object_names)
+        item = scene.object(name)
+        with within(f"attached object {name!r}"):
+            anchor = item.anchor or Anchor("", message.state)
+            if anchor.state != message.state:
+                raise PlannercheckError("is placed at another robot state: give one robot_state to both")
+        scene.remove(name)
+        carried = item.attached(message.link, item.pose, message.touch_links)
+        scene.put(dataclasses.replace(carried, anchor=anchor, frame=item.frame))
+
+
+def _posed(scene: Scene, message: AttachedMessage) -> SceneObject:
+    """The object on its link, or with an anchor."""
+    read = message.object
+    item = dataclasses.replace(scene_object(read.name, read.parts, read.pose), subframes=read.subframes)
+    with within(f"attached object {read.name!r}"):
+        if not read.frame:
+            raise PlannercheckError(
+                f"its header names no frame: give header.frame_id, {message.link!r} if its pose is on that link"
+            )
+        if read.frame == message.link:
+            return item.attached(message.link, read.pose, message.touch_links)
+        frame = find_frame(scene, read.frame, message.state)
+    held = frame.holds(item)
+    on_own_link = frame.anchor is not None and frame.anchor.frame == message.link
+    anchor = None if on_own_link else frame.anchor or Anchor("", message.state)
+    carried = held.attached(message.link, held.pose, message.touch_links)
+    return dataclasses.replace(carried, anchor=anchor, frame=frame.name)

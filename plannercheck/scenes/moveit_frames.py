@@ -1,0 +1,137 @@
+"""Frames of a MoveIt planning scene: which there are, and where what is posed in one is.
+
+In: `fixed_frame_transforms` of a parsed planning scene, and the scene as far as it is built. Out: `SceneFrames`, and
+objects with their place in the world, or with an anchor where only a robot knows it.
+
+MoveIt's own sources say how this goes: `Transforms::copyTransforms` and `setTransform` (moveit_core, transforms.cpp)
+put the frame's name into header.frame_id and the planning frame into child_frame_id, and the transform takes points of
+that frame to the planning frame; `PlanningScene::getFrameTransform` and `RobotState::getFrameInfo` drop leading slashes
+and then look among: the planning frame, links, attached objects and their subframes ("object/subframe"), objects of the
+world and their subframes, fixed frames. Links are not known here, so a name that is none of the others is kept as a
+link's, and a checker refuses what turns out to be a link after all.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.objects import Anchor, SceneFrames, SceneObject, StatedJoints
+from plannercheck.common.checked_yaml import Node, check_keys, mapping, required, sequence, within
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.scenes.moveit_messages import frame_name, header_frame, transform
+from plannercheck.scenes.scene import Scene
+
+Matrix = NDArray[np.float64]
+
+# What robowflex and MotionBenchMaker mean by a message without a header: they leave out headers of this frame.
+_DEFAULT = "world"
+
+
+def scene_frames(document: Node) -> SceneFrames:
+    """The planning frame and the fixed frames of a planning scene."""
+    planning = ""
+    fixed: dict[str, Matrix] = {}
+    for k, item in enumerate(sequence(document.get("fixed_frame_transforms"), "'fixed_frame_transforms'")):
+        with within(f"fixed_frame_transforms {k}"):
+            node = mapping(item, "it")
+            check_keys(node, ("header", "child_frame_id", "transform"))
+            name = header_frame(node) or _DEFAULT
+            target = frame_name(required(node, "child_frame_id"), "child_frame_id")
+            if not target or planning not in ("", target):
+                raise PlannercheckError(
+                    f"child_frame_id is {target!r}, but all have to name the planning frame"
+                    f"{f', which others call {planning!r}' if planning else ''}; the frame that a transform places "
+                    "is header.frame_id"
+                )
+            planning = target
+            pose = transform(mapping(required(node, "transform"), "'transform'"))
+            if not np.array_equal(fixed.setdefault(name, pose), pose):
+                raise PlannercheckError(f"frame {name!r} has another transform already")
+    if not np.array_equal(fixed.pop(planning, np.eye(4)), np.eye(4)):
+        raise PlannercheckError(f"fixed_frame_transforms: the planning frame {planning!r} must be at the identity")
+    return SceneFrames(planning, fixed)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a frame is.
+
+    Attributes:
+        anchor: The link on which it is, and the robot state; None for the world.
+        pose: (4, 4) in the world or on that link, m.
+        name: As the file has it, if it is a fixed frame or an object's.
+    """
+
+    anchor: Anchor | None
+    pose: Matrix
+    name: str = ""
+
+    def holds(self, item: SceneObject) -> SceneObject:
+        """The object, whose pose is given in this frame, in the world or with an anchor."""
+        return dataclasses.replace(item.moved(self.pose @ item.pose), anchor=self.anchor, frame=self.name)
+
+
+def find_frame(scene: Scene, name: str, state: StatedJoints, later: Collection[str] = ()) -> Frame:
+    """Finds a frame among all but links; any other name is taken for a link's.
+
+    Args:
+        scene: With its frames, and the objects that come before.
+        name: Of the frame, without leading slashes; "" if a header names none.
+        state: The joints at which links are to be posed.
+        later: Names of objects that come after.
+
+    Returns:
+        The frame.
+
+    Raises:
+        PlannercheckError: If it belongs to an object that comes later, or if no name could mean two frames.
+    """
+    frames = scene.frames
+    if name in _planning_names(frames):
+        return Frame(None, np.eye(4))
+    if not name:
+        raise PlannercheckError(
+            f"its header names no frame, which could be {_DEFAULT!r} or the planning frame {frames.planning!r}: name it"
+        )
+    for item in (*scene.attached, *scene.objects):
+        if name == item.name:
+            return _frame_of(item, np.eye(4), state, name)
+    for item in (*scene.attached, *scene.objects):
+        subframe = item.subframes.get(name.removeprefix(f"{item.name}/"))
+        if subframe is not None and name.startswith(f"{item.name}/"):
+            return _frame_of(item, subframe, state, name)
+    if name in frames.fixed:
+        return Frame(None, frames.fixed[name], name)
+    if any(name == other or name.startswith(f"{other}/") for other in later):
+        raise PlannercheckError(f"frame {name!r} is of an object that comes later: put that object before this one")
+    return Frame(Anchor(name, state, _known(scene)), np.eye(4))
+
+
+def _planning_names(frames: SceneFrames) -> set[str]:
+    """What the planning frame may be called: by no name, if that could not be another frame."""
+    names = {frames.planning or _DEFAULT}
+    world = frames.fixed.get(_DEFAULT)
+    return names if world is not None and not np.array_equal(world, np.eye(4)) else names | {""}
+
+
+def _frame_of(item: SceneObject, subframe: Matrix, state: StatedJoints, name: str) -> Frame:
+    """An object's frame, or a subframe of it, as it is at the object's own state, or at the given one."""
+    if item.anchor is None:
+        return Frame(None if item.link is None else Anchor(item.link, state), item.pose @ subframe, name)
+    if item.anchor.state != state:
+        raise PlannercheckError(
+            f"frame {name!r} is of an object that is placed at another robot state: give one robot_state to both"
+        )
+    return Frame(item.anchor, item.pose @ subframe, name)
+
+
+def _known(scene: Scene) -> tuple[str, ...]:
+    """Names of all frames that a scene knows besides links."""
+    names: Iterable[str] = (scene.frames.planning or _DEFAULT, *scene.frames.fixed)
+    objects = (*scene.objects, *scene.attached)
+    return (*names, *(f"{item.name}{sub}" for item in objects for sub in ("", *(f"/{s}" for s in item.subframes))))

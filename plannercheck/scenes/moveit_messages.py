@@ -1,0 +1,68 @@
+"""Vectors, poses and headers as ROS messages have them in YAML.
+
+In: parsed YAML; vectors are lists or mappings of x, y, z (, w). Out: 4 x 4 matrices in m, frame names.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.transforms import pose_of, rotation_of_quaternion
+
+Matrix = NDArray[np.float64]
+
+_NO_TURN = [0.0, 0.0, 0.0, 1.0]
+
+
+def vector(value: Any, key: str, axes: str) -> list[float]:
+    """A vector given as a list or as a mapping of its axes' names."""
+    if isinstance(value, dict):
+        check_keys(value, tuple(axes))
+        value = [required(value, axis) for axis in axes]
+    return numbers(value, key, len(axes))
+
+
+def pose(node: Node, position: str = "position", orientation: str = "orientation") -> Matrix:
+    """The pose (4, 4) of a position and an x, y, z, w quaternion, which is normalised; what is left out is zero."""
+    check_keys(node, (position, orientation))
+    shift = vector(node.get(position) or [0.0] * 3, position, "xyz")
+    turn = vector(node.get(orientation) or _NO_TURN, orientation, "xyzw")
+    return pose_of(shift, rotation_of_quaternion(turn))
+
+
+def transform(node: Node) -> Matrix:
+    """A geometry_msgs/Transform."""
+    return pose(node, "translation", "rotation")
+
+
+def is_all_zeros(node: Node) -> bool:
+    """Whether a pose is ROS 1's unset one: everything zero, the quaternion as well."""
+    shift = vector(node.get("position") or [0.0] * 3, "position", "xyz")
+    return not any(shift) and not any(vector(node.get("orientation") or _NO_TURN, "orientation", "xyzw"))
+
+
+def header_frame(node: Node) -> str:
+    """The frame that a message's header names, without leading slashes; "" if none."""
+    header = mapping(node.get("header"), "'header'")
+    check_keys(header, ("seq", "stamp", "frame_id"))
+    return frame_name(header.get("frame_id") or "", "frame_id")
+
+
+def frame_name(value: Any, key: str) -> str:
+    """A frame's name without leading slashes, which MoveIt strips, too (`PlanningScene::getFrameTransform`)."""
+    return text(value, key).lstrip("/")
+
+
+def subframe_poses(node: Node) -> dict[str, Matrix]:
+    """The poses of an object's subframes by name."""
+    names = [text(name, "subframe_names") for name in sequence(node.get("subframe_names"), "'subframe_names'")]
+    poses = [mapping(item, "a pose") for item in sequence(node.get("subframe_poses"), "'subframe_poses'")]
+    if len(names) != len(poses):
+        raise PlannercheckError(f"{len(names)} subframe_names, but {len(poses)} subframe_poses: each needs one")
+    with within("subframe_poses"):
+        return {name: pose(item) for name, item in zip(names, poses, strict=True)}

@@ -1,0 +1,166 @@
+"""MoveIt's collision objects in YAML.
+
+In: a parsed `moveit_msgs/CollisionObject`. Out: `ObjectMessage`: shapes posed in the object's frame, its pose in the
+frame that its header names, its subframes. Of a mesh, the hull is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.meshes import load_mesh
+from plannercheck.bodies.objects import Part
+from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere
+from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.package_data import is_file
+from plannercheck.scenes.moveit_messages import header_frame, is_all_zeros, pose, subframe_poses, vector
+
+Matrix = NDArray[np.float64]
+
+# Turns a mesh's resource into a path.
+FindMesh = Callable[[str], Path]
+
+# The fields of moveit_msgs/CollisionObject; `type`, an entry of a database, is accepted and not read.
+_OBJECT_KEYS = (
+    *("header", "pose", "id", "type", "primitives", "primitive_poses", "meshes", "mesh_poses"),
+    *("planes", "plane_poses", "subframe_names", "subframe_poses", "operation"),
+)
+
+# Names and codes of the operation that puts an object into a scene; ROS 2 writes a byte.
+_ADD = (None, 0, "0", "add", "ADD", b"\0", "\0")
+
+
+def _box(size: Sequence[float]) -> Shape:
+    return Box((size[0], size[1], size[2]))
+
+
+# shape_msgs/SolidPrimitive: code, number of dimensions, shape (cylinders and cones: height, radius, as in MoveIt's
+# `constructShapeFromMsg`). Code 5, the prism of ROS 2, MoveIt does not construct either.
+_PRIMITIVES: dict[str, tuple[int, int, Callable[[Sequence[float]], Shape]]] = {
+    "box": (1, 3, _box),
+    "sphere": (2, 1, lambda size: Sphere(size[0])),
+    "cylinder": (3, 2, lambda size: Cylinder(size[1], size[0])),
+    "cone": (4, 2, lambda size: Cone(size[1], size[0])),
+}
+
+
+@dataclass(frozen=True)
+class ObjectMessage:
+    """A collision object as a message has it.
+
+    Attributes:
+        name: Its id.
+        parts: Its shapes, posed in its frame.
+        pose: (4, 4) of its frame in the header's, m.
+        frame: The name of the header's frame, without leading slashes; "" if it names none.
+        subframes: (4, 4) by name in its frame, m.
+    """
+
+    name: str
+    parts: tuple[Part, ...]
+    pose: Matrix
+    frame: str
+    subframes: dict[str, Matrix]
+
+
+def read_object(node: Node, find_mesh: FindMesh) -> ObjectMessage:
+    """Reads a collision object.
+
+    As in MoveIt (`PlanningScene::shapesAndPosesFromCollisionObjectMessage`), an object whose pose is the identity or
+    left out has that of its only shape, if it has just one.
+    """
+    name = text(required(node, "id"), "id")
+    with within(f"collision object {name!r}"):
+        check_keys(node, _OBJECT_KEYS)
+        for key in ("planes", "plane_poses"):
+            if sequence(node.get(key), f"'{key}'"):
+                raise PlannercheckError("planes are not supported: give a box as thick as the robot's reach instead")
+        if node.get("operation") not in _ADD:
+            raise PlannercheckError(f"operation must be 0 (add) in a whole scene, not {node['operation']!r}")
+        own = mapping(node.get("pose"), "'pose'")
+        subframes = subframe_poses(node)
+        placed = _object_pose(own)
+        posed = [(_primitive(p), q) for p, q in _posed(node, "primitives", "primitive_poses")]
+        posed += [(_mesh(m, find_mesh), q) for m, q in _posed(node, "meshes", "mesh_poses")]
+        frame = header_frame(node)
+    if len(posed) == 1 and np.array_equal(placed, np.eye(4)) and not (own and is_all_zeros(own)):
+        return ObjectMessage(name, (Part(posed[0][0]),), posed[0][1], frame, subframes)
+    return ObjectMessage(name, tuple(Part(shape, q) for shape, q in posed), placed, frame, subframes)
+
+
+def _object_pose(node: Node) -> Matrix:
+    """An object's own pose; all zeros is a message's unset pose, hence the identity, as Eigen has it in MoveIt."""
+    with within("pose"):
+        return np.eye(4) if node and is_all_zeros(node) else pose(node)
+
+
+def _posed(node: Node, shapes: str, poses: str) -> list[tuple[Node, Matrix]]:
+    """Pairs of a shape's mapping and its pose (4, 4) on the object; at its origin if there are none."""
+    items = [mapping(item, f"an entry of {shapes!r}") for item in sequence(node.get(shapes), repr(shapes))]
+    given = [mapping(item, f"an entry of {poses!r}") for item in sequence(node.get(poses), repr(poses))]
+    if given and len(given) != len(items):
+        raise PlannercheckError(f"{len(items)} {shapes}, but {len(given)} {poses}: one pose for each is needed")
+    with within(poses):
+        matrices = [pose(item) for item in given] or [np.eye(4)] * len(items)
+    return list(zip(items, matrices, strict=True))
+
+
+def _primitive(node: Node) -> Shape:
+    with within("primitives"):
+        check_keys(node, ("type", "dimensions", "polygon"))
+        kind = _primitive_kind(required(node, "type"))
+        _, count, make = _PRIMITIVES[kind]
+        return make(numbers(required(node, "dimensions"), f"dimensions of a {kind}", count))
+
+
+def _primitive_kind(value: Any) -> str:
+    """The name of a primitive's type, given as its name or code."""
+    for kind, (code, _, _) in _PRIMITIVES.items():
+        if str(value).lower() in (kind, str(code)):
+            return kind
+    raise unknown_name("primitive type", str(value), [f"{code} ({kind})" for kind, (code, _, _) in _PRIMITIVES.items()])
+
+
+def _mesh(node: Node, find_mesh: Callable[[str], Path]) -> Hull:
+    """The hull of a mesh, given in the file itself or as another file with a scale along each axis."""
+    with within("meshes"):
+        check_keys(node, ("vertices", "triangles", "resource", "dimensions"))
+        if "resource" in node:
+            scale = numbers(node["dimensions"], "dimensions", 3) if node.get("dimensions") else 1.0
+            return load_mesh(find_mesh(text(node["resource"], "resource")), scale)
+        rows = sequence(required(node, "vertices"), "'vertices'")
+        vertices = np.array([vector(row, "vertices", "xyz") for row in rows]).reshape(-1, 3)
+        return Hull(vertices[_used(node, len(vertices))])
+
+
+def _used(node: Node, count: int) -> NDArray[np.int64]:
+    """Indices of the vertices that a mesh's triangles use; all, if it has none."""
+    rows = sequence(node.get("triangles"), "'triangles'")
+    rows = [row.get("vertex_indices") if isinstance(row, dict) else row for row in rows]
+    used = sorted({int(i) for row in rows for i in numbers(row, "triangles", 3)})
+    if used and not (used[0] >= 0 and used[-1] < count):
+        raise PlannercheckError(f"triangles use vertices {used[0]} to {used[-1]}, but there are {count} vertices")
+    return np.array(used or range(count), dtype=np.int64)
+
+
+def mesh_finder(folder: Path, package_dirs: Sequence[Path]) -> FindMesh:
+    """A function that turns a mesh's resource, a path or a file:// or package:// address, into a path."""
+
+    def find(resource: str) -> Path:
+        if not resource.startswith("package://"):
+            return folder / resource.removeprefix("file://")
+        relative = resource.removeprefix("package://")
+        found = [d / relative for d in package_dirs if is_file(d / relative)]
+        if not found:
+            looked = ", ".join(str(d) for d in package_dirs) or "none were given"
+            raise PlannercheckError(f"mesh {resource!r} is in none of the package_dirs ({looked})")
+        return found[0]
+
+    return find

@@ -1,0 +1,147 @@
+"""MoveIt planning scenes in YAML, as ROS, MoveIt and MotionBenchMaker write them.
+
+In: parsed YAML. Out: a Scene.
+
+Objects are posed in the frame that their header names (moveit_frames.py), and their primitives and meshes relative to
+them (moveit_objects.py). docs/moveit.md has for every field of the messages whether it is used, refused or ignored:
+what would change verdicts and is not supported is an error (planes, octomaps, moved virtual joints) or a warning that
+names it (link scales, scenes that are diffs). Of the robot's state, attached objects are taken, and where links are in
+whose frames objects are posed. Link padding is kept as `scene.link_padding`, for `Checker(padding=)`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+from plannercheck.bodies.objects import StatedJoints, scene_object
+from plannercheck.common.checked_yaml import Node, check_keys, mapping, number, required, sequence, text, within
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.scenes.moveit_attached import attach_from_world, attach_with_shapes, read_attached
+from plannercheck.scenes.moveit_frames import find_frame, scene_frames
+from plannercheck.scenes.moveit_matrix import allowed_collisions
+from plannercheck.scenes.moveit_objects import ObjectMessage, mesh_finder, read_object
+from plannercheck.scenes.moveit_states import check_robot_state, stated_joints
+from plannercheck.scenes.scene import Scene
+
+# The fields of moveit_msgs/PlanningScene; the ones that no verdict depends on are accepted and not read.
+_SCENE_KEYS = (
+    *("name", "robot_state", "robot_model_name", "fixed_frame_transforms", "allowed_collision_matrix"),
+    *("link_padding", "link_scale", "object_colors", "world", "is_diff"),
+)
+_TELLING_KEYS = frozenset({"world", "robot_state", "robot_model_name", "allowed_collision_matrix"})
+_WORLD_KEYS = ("collision_objects", "octomap")
+
+
+def is_planning_scene(document: Node) -> bool:
+    """Whether a parsed YAML document is a MoveIt planning scene, by its keys."""
+    return not _TELLING_KEYS.isdisjoint(document)
+
+
+def planning_scene(document: Node, folder: Path, package_dirs: Sequence[Path] = ()) -> Scene:
+    """Makes a Scene of a parsed planning scene.
+
+    Args:
+        document: The YAML document.
+        folder: Where relative paths of meshes start.
+        package_dirs: Where `package://` meshes are looked for.
+
+    Returns:
+        The scene: its objects, what the robot's state attaches, and its allowed collision matrix.
+    """
+    check_keys(document, _SCENE_KEYS)
+    scene = Scene(text(document.get("name") or "", "name"))
+    scene.frames = scene_frames(document)
+    state = mapping(document.get("robot_state"), "'robot_state'")
+    with within("robot_state"):
+        check_robot_state(state, "scene", scene.frames)
+    scene.link_padding = _link_padding(document)
+    _warn_of_scale(document)
+    _warn_of_diff(document)
+    world = mapping(document.get("world"), "'world'")
+    check_keys(world, _WORLD_KEYS)
+    _refuse_octomap(mapping(world.get("octomap"), "'octomap'"))
+    find_mesh = mesh_finder(folder, package_dirs)
+    obstacles = []
+    for k, item in enumerate(sequence(world.get("collision_objects"), "'collision_objects'")):
+        with within(f"collision object {k}"):
+            node = mapping(item, "it")
+            required(node, "id")
+        obstacles.append(read_object(node, find_mesh))
+    _add_objects(scene, state, obstacles, folder, package_dirs)
+    with within("allowed_collision_matrix"):
+        scene.allowed = allowed_collisions(mapping(document.get("allowed_collision_matrix"), "it"))
+    return scene
+
+
+def _add_objects(
+    scene: Scene, state: Node, obstacles: Sequence[ObjectMessage], folder: Path, package_dirs: Sequence[Path]
+) -> None:
+    """Adds what the state attaches and the obstacles; in MoveIt's order, since each may be posed in earlier ones."""
+    with within("robot_state"):
+        joints = stated_joints(state)
+        attached = read_attached(state, joints, mesh_finder(folder, package_dirs))
+        attach_with_shapes(scene, attached)
+    replaced = {item.name for item in scene.attached}
+    names = [read.name for read in obstacles]
+    for k, read in enumerate(obstacles):
+        if read.name not in replaced:
+            _add_obstacle(scene, read, joints, names[k + 1 :])
+    with within("robot_state"):
+        attach_from_world(scene, attached)
+
+
+def _add_obstacle(scene: Scene, read: ObjectMessage, joints: StatedJoints, later: Sequence[str]) -> None:
+    with within(f"collision object {read.name!r}"):
+        if not read.parts:
+            raise PlannercheckError("has neither primitives nor meshes")
+        frame = find_frame(scene, read.frame, joints, later)
+    item = dataclasses.replace(scene_object(read.name, read.parts, read.pose), subframes=read.subframes)
+    scene.put(frame.holds(item))
+
+
+def attach_from_state(scene: Scene, state: Node, folder: Path) -> None:
+    """Attaches what a robot state says, e.g. the start of a motion request, to links; see moveit_attached.py.
+
+    Objects that it gives with shapes take the place of those that the scene calls so, whether attached or not.
+    """
+    check_robot_state(state, "request", scene.frames)
+    attached = read_attached(state, stated_joints(state), mesh_finder(folder, ()))
+    attach_with_shapes(scene, attached)
+    attach_from_world(scene, attached)
+
+
+def _link_padding(document: Node) -> dict[str, float]:
+    """Lengths by link, m; says how they are put to use."""
+    nodes = [mapping(n, "link_padding") for n in sequence(document.get("link_padding"), "'link_padding'")]
+    given = {text(required(n, "link_name"), "link_name"): number(n.get("padding", 0.0), "padding") for n in nodes}
+    padding = {link: length for link, length in given.items() if length}
+    if padding:
+        warnings.warn(
+            f"the scene's link_padding, for {', '.join(padding)}, is used if asked for: Checker(..., "
+            "padding=scene.link_padding), or --padding scene; then from other links, too, not only from obstacles",
+            stacklevel=2,
+        )
+    return padding
+
+
+def _warn_of_scale(document: Node) -> None:
+    """Warns if the scene asks for links of another size than they are."""
+    nodes = [mapping(n, "link_scale") for n in sequence(document.get("link_scale"), "'link_scale'")]
+    links = [str(n.get("link_name")) for n in nodes if number(n.get("scale", 1.0), "scale") != 1.0]
+    if links:
+        warnings.warn(f"the scene's link_scale is ignored, for {', '.join(links)}", stacklevel=2)
+
+
+def _warn_of_diff(document: Node) -> None:
+    """Warns if the scene is only what changes in another one."""
+    if document.get("is_diff") not in (None, False, 0):
+        warnings.warn("the scene is a diff (is_diff): what it changes is not in it, and taken as empty", stacklevel=2)
+
+
+def _refuse_octomap(node: Node) -> None:
+    data = mapping(node.get("octomap"), "'octomap'").get("data")
+    if data:
+        raise PlannercheckError("world: octomaps are not supported, only collision_objects")

@@ -1,0 +1,71 @@
+"""Robot states of MoveIt in YAML.
+
+In: a parsed `moveit_msgs/RobotState`. Out: the joints that it gives, once something asks where a link is; an error if
+it moves the robot's base.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from plannercheck.bodies.objects import SceneFrames, StatedJoints
+from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, sequence, text, within
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.scenes.moveit_messages import header_frame, transform
+
+_STATE_KEYS = ("joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff")
+_JOINT_KEYS = ("header", "name", "position", "velocity", "effort")
+_MULTI_DOF_KEYS = ("header", "joint_names", "transforms", "twist", "wrench")
+
+
+def check_robot_state(state: Node, what: str, frames: SceneFrames | None = None) -> None:
+    """Raises if a joint of several degrees of freedom, such as the virtual joint, is not at the identity.
+
+    Args:
+        state: The robot state.
+        what: Whose it is, for errors.
+        frames: The scene's; None if they are not known, then the joints' frame is not looked at.
+    """
+    check_keys(state, _STATE_KEYS)
+    joints = mapping(state.get("multi_dof_joint_state"), "'multi_dof_joint_state'")
+    check_keys(joints, _MULTI_DOF_KEYS)
+    names = sequence(joints.get("joint_names"), "'joint_names'")
+    transforms = sequence(joints.get("transforms"), "'transforms'")
+    for k, item in enumerate(transforms):
+        if not np.array_equal(transform(mapping(item, "a transform")), np.eye(4)):
+            name = names[k] if k < len(names) else k
+            raise PlannercheckError(
+                f"the {what}'s virtual joint {name!r} moves the robot: only the identity is supported"
+            )
+    if len(names) != len(transforms):
+        raise PlannercheckError(f"multi_dof_joint_state: {len(names)} joint_names, but {len(transforms)} transforms")
+    if frames is not None and names:
+        _check_frame(header_frame(joints), frames)
+
+
+def _check_frame(name: str, frames: SceneFrames) -> None:
+    """Raises if transforms are given in a frame that is elsewhere: identities there are none in the planning frame."""
+    at_identity = name in frames.fixed and np.array_equal(frames.fixed[name], np.eye(4))
+    if name and frames.planning not in ("", name) and not at_identity:
+        raise PlannercheckError(
+            f"multi_dof_joint_state is in frame {name!r}: only the planning frame {frames.planning!r} is supported"
+        )
+
+
+def stated_joints(state: Node) -> StatedJoints:
+    """The joints that a state gives, whose multi_dof_joint_state has been checked."""
+    node = mapping(state.get("joint_state"), "'joint_state'")
+    multi_dof = mapping(state.get("multi_dof_joint_state"), "'multi_dof_joint_state'")
+    identities = frozenset(text(n, "joint_names") for n in sequence(multi_dof.get("joint_names"), "'joint_names'"))
+    return StatedJoints(joint_values(node), identities)
+
+
+def joint_values(node: Node) -> dict[str, float]:
+    """Values by joint name of a `sensor_msgs/JointState`, rad or m; none if it is empty."""
+    with within("joint_state"):
+        check_keys(node, _JOINT_KEYS)
+        names = [text(n, "name") for n in sequence(node.get("name"), "'name'")]
+        values = numbers(node.get("position") or [], "position", len(names))
+        if len(set(names)) != len(names):
+            raise PlannercheckError(f"joint_state names a joint twice: {', '.join(names)}")
+        return dict(zip(names, values, strict=True))

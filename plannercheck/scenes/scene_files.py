@@ -1,0 +1,318 @@
+"""Reads and writes scene files of our own format, which scene.py documents.
+
+In: a YAML file. Out: a Scene, and back. A file with the keys of a MoveIt planning scene goes to moveit_scene.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from plannercheck.bodies.meshes import load_mesh
+from plannercheck.bodies.objects import Part, SceneObject, unplaced
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
+from plannercheck.common.checked_yaml import (
+    BROKEN_FILE,
+    Node,
+    check_keys,
+    mapping,
+    number,
+    numbers,
+    parse_yaml,
+    read_bytes,
+    required,
+    sequence,
+    text,
+    within,
+)
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.package_data import is_file, is_folder
+from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
+from plannercheck.scenes import moveit_scene as moveit
+from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.scene import Scene
+
+# Keys of pairs, and whether they may touch; two links, which a misspelt object may not pass for, have their own.
+_LINK_PAIRS = ("allowed_links", "forbidden_links")
+_PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
+_SCENE_KEYS = ("name", "objects", "attached", *_PAIRS, "allowed_by_default", "states")
+_STATE_KEYS = ("start", "goal", "samples")
+_POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
+
+# What a shape's mapping must hold, by the shape's key in a file; meshes and hulls have readers of their own.
+_SIZED: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
+    "sphere": (Sphere, ("radius",)),
+    "cylinder": (Cylinder, ("radius", "length")),
+    "capsule": (Capsule, ("radius", "length")),
+    "cone": (Cone, ("radius", "length")),
+}
+_SHAPE_KEYS = ("box", *_SIZED, "mesh", "hull")
+
+
+def read_scene(path: Path, package_dirs: Sequence[Path] = ()) -> Scene:
+    """Reads a scene of either format.
+
+    Args:
+        path: The file.
+        package_dirs: Where `package://` meshes of MoveIt scenes are looked for.
+
+    Returns:
+        The scene, named after the file if it has no name of its own.
+    """
+    if not is_file(path):
+        raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
+    with within(f"scene file {str(path)!r}"):
+        document = parse_yaml(read_bytes(path))
+        if moveit.is_planning_scene(document):
+            scene = moveit.planning_scene(document, path.parent, package_dirs)
+        else:
+            scene = _scene(document, path.parent)
+    scene.name = scene.name or path.stem
+    return scene
+
+
+def _scene(document: Node, folder: Path) -> Scene:
+    if "urdf" in document:
+        raise PlannercheckError("is a robot, not a scene")
+    check_keys(document, _SCENE_KEYS)
+    scene = Scene(text(document.get("name", ""), "name"))
+    for k, item in enumerate(sequence(required(document, "objects"), "'objects'")):
+        _add_object(scene, mapping(item, f"object {k}"), k, folder)
+    for k, item in enumerate(sequence(document.get("attached"), "'attached'")):
+        _attach_object(scene, mapping(item, f"attached object {k}"), k, folder)
+    _read_allowed(scene, document)
+    for robot, item in mapping(document.get("states"), "'states'").items():
+        with within(f"states of {robot!r}"):
+            read_states(scene, robot, mapping(item, "they"), folder)
+    return scene
+
+
+def _add_object(scene: Scene, node: Node, index: int, folder: Path) -> None:
+    with within(f"object {index}"):
+        name = text(required(node, "name"), "name")
+    with within(f"object {name!r}"):
+        check_keys(node, ("name", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
+        parts, pose = _parts(node, folder), _pose(node)
+    scene.add(name, parts, pose)
+
+
+def _attach_object(scene: Scene, node: Node, index: int, folder: Path) -> None:
+    with within(f"attached object {index}"):
+        name = text(required(node, "name"), "name")
+    with within(f"attached object {name!r}"):
+        check_keys(node, ("name", "link", "touch_links", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
+        link = text(required(node, "link"), "link")
+        touched = [text(item, "touch_links") for item in sequence(node.get("touch_links"), "'touch_links'")]
+        parts, pose = _parts(node, folder), _pose(node)
+    scene.attach(name, link, pose, touched, parts)
+
+
+def _parts(node: Node, folder: Path) -> list[Part]:
+    """The parts of an object, posed in its frame."""
+    if "parts" not in node:
+        return [_part(node, folder, None)]
+    _one_of(node, ("parts", *_SHAPE_KEYS))
+    parts = []
+    for k, item in enumerate(sequence(node["parts"], "'parts'")):
+        with within(f"part {k}"):
+            part = mapping(item, "it")
+            check_keys(part, (*_SHAPE_KEYS, *_POSE_KEYS))
+            parts.append(_part(part, folder, _pose(part)))
+    return parts
+
+
+def _part(node: Node, folder: Path, pose: NDArray[np.float64] | None) -> Part:
+    """The shape that a mapping describes, posed in an object's frame."""
+    kind = _one_of(node, _SHAPE_KEYS)
+    with within(kind):
+        values = mapping(node[kind], "it")
+        shape, source = _shape(kind, values, folder)
+    return Part(shape, pose, source)
+
+
+def _one_of(node: Node, keys: Sequence[str]) -> str:
+    """The one key of several that a mapping has."""
+    given = [key for key in keys if key in node]
+    if len(given) != 1:
+        found = " and ".join(given) or "none"
+        raise PlannercheckError(f"needs exactly one of the keys {', '.join(keys)}; given are {found}")
+    return given[0]
+
+
+def _shape(kind: str, values: Node, folder: Path) -> tuple[Shape, tuple[Path, Any] | None]:
+    """A shape from its key and values, and the file and scale of a mesh."""
+    if kind == "mesh":
+        return _mesh(values, folder)
+    if kind == "hull":
+        return _hull(values, folder), None
+    if kind == "box":
+        check_keys(values, ("size",))
+        return Box(tuple(numbers(required(values, "size"), "size", 3))), None  # type: ignore[arg-type]
+    make, keys = _SIZED[kind]
+    check_keys(values, keys)
+    return make(*(number(required(values, key), key) for key in keys)), None
+
+
+def _mesh(values: Node, folder: Path) -> tuple[Hull, tuple[Path, Any]]:
+    check_keys(values, ("file", "scale"))
+    scale = values.get("scale", 1.0)
+    factors = numbers(scale, "scale", 3) if isinstance(scale, list) else number(scale, "scale")
+    path = folder / text(required(values, "file"), "file")
+    return load_mesh(path, factors), (path, factors)
+
+
+def _hull(values: Node, folder: Path) -> Hull:
+    check_keys(values, ("vertices", "file"))
+    if _one_of(values, ("vertices", "file")) == "file":
+        return _hull_file(folder / text(required(values, "file"), "file"))
+    rows = sequence(values["vertices"], "'vertices'")
+    return Hull(np.array([numbers(row, f"vertices row {k}", 3) for k, row in enumerate(rows)]).reshape(-1, 3))
+
+
+def _hull_file(path: Path) -> Hull:
+    try:
+        return Hull(np.load(path, allow_pickle=False))
+    except PlannercheckError as error:
+        raise PlannercheckError(f"file {str(path)!r}: {error}") from None
+    except BROKEN_FILE as error:
+        raise PlannercheckError(f"file {str(path)!r} can't be read as npy: {error!s:.200}") from None
+
+
+def _pose(node: Node) -> NDArray[np.float64]:
+    """The pose (4, 4) that a mapping's pose keys give, by default the identity."""
+    if "matrix" in node:
+        if any(key in node for key in _POSE_KEYS[:-1]):
+            raise PlannercheckError("'matrix' stands alone: leave out position, quaternion and rpy")
+        return checked_pose([numbers(row, "matrix row", 4) for row in sequence(node["matrix"], "'matrix'")], "matrix")
+    position = numbers(node["position"], "position", 3) if "position" in node else [0.0, 0.0, 0.0]
+    if "quaternion" in node and "rpy" in node:
+        raise PlannercheckError("'quaternion' and 'rpy' say the same: leave one out")
+    if "quaternion" in node:
+        return pose_of(position, rotation_of_quaternion(numbers(node["quaternion"], "quaternion", 4)))
+    if "rpy" in node:
+        return pose_of(position, rotation_of_rpy(numbers(node["rpy"], "rpy", 3)))
+    return pose_of(position)
+
+
+def _read_allowed(scene: Scene, document: Node) -> None:
+    """Reads which pairs may touch."""
+    known = [*scene.object_names, *(item.name for item in scene.attached)]
+    for key, allowed in _PAIRS.items():
+        for pair in sequence(document.get(key), repr(key)):
+            names = [text(name, key) for name in sequence(pair, f"an entry of {key!r}")]
+            if len(names) != 2:
+                raise PlannercheckError(f"an entry of {key!r} must be two names, not {names}")
+            if key not in _LINK_PAIRS and not set(names) & set(known):
+                raise PlannercheckError(
+                    f"{key!r} names {' and '.join(names)}, none of which is an object: objects are "
+                    f"{', '.join(known) or 'none'}"
+                )
+            scene.allow(names[0], names[1], allowed)
+    for name, allowed in mapping(document.get("allowed_by_default"), "'allowed_by_default'").items():
+        if not isinstance(allowed, bool):
+            raise PlannercheckError(f"'allowed_by_default' of {name!r} must be true or false, not {allowed!r}")
+        scene.allowed.defaults[name] = allowed
+
+
+def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> None:
+    """Declares in a scene what a file's mapping says of a robot."""
+    check_keys(node, _STATE_KEYS)
+    start, goal = (numbers(node[key], key) if key in node else None for key in ("start", "goal"))
+    samples = folder / text(node["samples"], "samples") if "samples" in node else None
+    scene.set_states(robot, start, goal, samples)
+
+
+def write_scene(scene: Scene, path: Path) -> None:
+    """Writes a scene so that reading it gives the same doubles."""
+    folder = path.resolve().parent
+    document: Node = {"name": scene.name} if scene.name else {}
+    document["objects"] = [_object_node(item, folder) for item in scene.objects]
+    document |= {"attached": [_attached_node(item, folder) for item in scene.attached]} if scene.attached else {}
+    document |= _allowed_nodes(scene)
+    states = {robot: states_node(scene, robot, folder) for robot in scene.states}
+    document |= {"states": states} if states else {}
+    lines = yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+    try:
+        path.write_text(lines, encoding="utf-8")
+    except OSError as error:
+        raise PlannercheckError(f"scene file {str(path)!r} can't be written: {error.strerror}") from None
+
+
+def _object_node(item: SceneObject, folder: Path) -> Node:
+    if item.anchor is not None:
+        raise unplaced(item)
+    if len(item.parts) == 1 and item.parts[0].pose is None:
+        return {"name": item.name, **_shape_node(item.parts[0], folder), **_pose_node(item.pose)}
+    nodes = [_shape_node(part, folder) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts]
+    return {"name": item.name, **_pose_node(item.pose), "parts": nodes}
+
+
+def _attached_node(item: SceneObject, folder: Path) -> Node:
+    touched = {"touch_links": list(item.touch_links)} if item.touch_links else {}
+    return {**_object_node(item, folder), "link": item.link, **touched}
+
+
+def _shape_node(part: Part, folder: Path) -> Node:
+    shape = part.shape
+    if part.source is not None:
+        file, scale = part.source
+        return {"mesh": {"file": _relative(file, folder), "scale": np.asarray(scale).tolist()}}
+    if isinstance(shape, Hull):
+        return {"hull": {"vertices": shape.vertices.tolist()}}
+    if isinstance(shape, Box):
+        return {"box": {"size": list(shape.size)}}
+    kind = type(shape).__name__.lower()
+    return {kind: {key: getattr(shape, key) for key in _SIZED[kind][1]}}
+
+
+def _pose_node(pose: NDArray[np.float64]) -> Node:
+    """Position and quaternion where they give the same doubles, else the matrix itself."""
+    position = pose[:3, 3].tolist()
+    if np.array_equal(pose[:3, :3], np.eye(3)):
+        return {"position": position} if any(position) else {}
+    quaternion = quaternion_of_rotation(pose[:3, :3])
+    if np.array_equal(rotation_of_quaternion(quaternion), pose[:3, :3]):
+        return {"position": position, "quaternion": quaternion}
+    return {"matrix": pose.tolist()}
+
+
+def _allowed_nodes(scene: Scene) -> Node:
+    """What may touch; forbidden pairs matter only where a default would allow them."""
+    known = {*scene.object_names, *(item.name for item in scene.attached)}
+    said = {
+        key: [
+            sorted(pair) * (3 - len(pair))
+            for pair, verdict in scene.allowed.pairs.items()
+            if verdict is allowed and (key in _LINK_PAIRS) == pair.isdisjoint(known)
+        ]
+        for key, allowed in _PAIRS.items()
+    }
+    nodes: Node = {key: said[key] for key in said if said[key] and _PAIRS[key]}
+    if scene.allowed.defaults:
+        nodes |= {"allowed_by_default": dict(scene.allowed.defaults)}
+        nodes |= {key: said[key] for key in said if said[key] and not _PAIRS[key]}
+    return nodes
+
+
+def states_node(scene: DeclaredStates, robot: str, folder: Path) -> Node:
+    """What `read_states` reads."""
+    states = scene.states[robot]
+    node: Node = {}
+    if states.start is not None:
+        node["start"] = states.start.tolist()
+    if states.goal is not None:
+        node["goal"] = states.goal.tolist()
+    if states.samples is not None:
+        node["samples"] = _relative(states.samples, folder)
+    return node
+
+
+def _relative(file: Path, folder: Path) -> str:
+    """A path as seen from a folder, absolute if it is not below it."""
+    absolute = file.resolve()
+    return str(absolute.relative_to(folder)) if absolute.is_relative_to(folder) else str(absolute)

@@ -1,0 +1,228 @@
+"""Certificates for the verdicts on a set of configurations, each proved in exact arithmetic apart from the core.
+
+In: a checker, configurations (n, nq) and the first colliding pair of each. Out: a CertificationReport that counts the
+proofs and lists what is not proved.
+
+The idea: an invalid configuration needs one point that two bodies share, a valid one a separating plane for every
+pair. Most pairs are so far apart that a plane along a world axis does; whole-number boxes find those at once. For the
+rest the core gives a plane, which `Separation.verify` proves. All proofs are about the points that the shapes give, not
+about the vertices of their hulls, so the hulls that the core made are not trusted either.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.certificates import Certificate, Mixture, PosedBody, SharedPoint, UnprovedVerdictError
+from plannercheck.bodies.integers import IntegerHull, Integers
+from plannercheck.bodies.intersection import certify_posed
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import Body, hull_and_swell
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.checker import Checker
+
+Floats = NDArray[np.float64]
+Box = tuple[Integers, Integers]
+
+# Boxes are in whole numbers of 2^-60 m, rounded outward: far finer than any gap that boxes should find.
+_GRID = -60
+# Configurations whose poses are held in memory at once.
+_BLOCK = 256
+_AXES: tuple[Integers, ...] = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+_OPPOSITES: tuple[Integers, ...] = ((-1, 0, 0), (0, -1, 0), (0, 0, -1))
+
+
+@dataclass(frozen=True)
+class Unproved:
+    """A verdict without a proof: a fault of this library.
+
+    Attributes:
+        row: The configuration's row.
+        first: Name of a body.
+        second: Name of the other.
+        colliding: The verdict in doubt.
+    """
+
+    row: int
+    first: str
+    second: str
+    colliding: bool
+
+
+@dataclass(frozen=True)
+class CertificationReport:
+    """What was proved about a set of verdicts.
+
+    Attributes:
+        states: Configurations whose verdicts were looked at.
+        shared_points: Invalid configurations, each proved by a point that two bodies share.
+        planes: Pairs of bodies in valid configurations proved apart by a plane of the core.
+        boxes: Such pairs proved apart by exact boxes along the world's axes.
+        unproved: The rest.
+    """
+
+    states: int
+    shared_points: int
+    planes: int
+    boxes: int
+    unproved: tuple[Unproved, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every verdict is proved."""
+        return not self.unproved
+
+
+def certify_verdicts(checker: Checker, q: Floats, first_pair: NDArray[np.int32]) -> CertificationReport:
+    """Proves the verdicts on a set of configurations.
+
+    Args:
+        checker: The checker that gave them.
+        q: Configurations (n, nq), rad and m.
+        first_pair: Row of `checker.pairs` that collides (n,), -1 for a valid configuration.
+
+    Returns:
+        The report; `report.passed` says whether all were proved.
+
+    Raises:
+        PlannercheckError: If the checker's bodies are not made of its shapes' points.
+    """
+    certification = _Certification(checker)
+    reports = []
+    for start in range(0, len(q), _BLOCK):
+        poses = checker.body_poses(q[start : start + _BLOCK])
+        for k, pair in enumerate(first_pair[start : start + _BLOCK].tolist()):
+            row = start + k
+            report = certification.valid(row, poses[k]) if pair < 0 else certification.invalid(row, poses[k], pair)
+            reports.append(report)
+    return merged(reports)
+
+
+def merged(reports: list[CertificationReport]) -> CertificationReport:
+    """One report for several sets; rows stay as they are."""
+    return CertificationReport(
+        states=sum(report.states for report in reports),
+        shared_points=sum(report.shared_points for report in reports),
+        planes=sum(report.planes for report in reports),
+        boxes=sum(report.boxes for report in reports),
+        unproved=tuple(found for report in reports for found in report.unproved),
+    )
+
+
+class _Certification:
+    """A checker, the points that its bodies were made of, and their boxes at the poses seen last."""
+
+    def __init__(self, checker: Checker) -> None:
+        self._checker = checker
+        self._given = [
+            None if polytope is None else _given_body(body, polytope, checker.excess, padding)
+            for body, polytope, padding in zip(
+                checker.bodies, checker.polytopes, checker.paddings.tolist(), strict=True
+            )
+        ]
+        self._boxes: dict[int, tuple[bytes, Box]] = {}
+
+    def invalid(self, row: int, poses: Floats, pair: int) -> CertificationReport:
+        """The proof that one pair of bodies shares a point at poses (bodies, 4, 4)."""
+        proved = self._is_proved(pair, poses, colliding=True)
+        return CertificationReport(1, int(proved), 0, 0, () if proved else (self._unproved(row, pair, True),))
+
+    def valid(self, row: int, poses: Floats) -> CertificationReport:
+        """The proofs that no pair of bodies shares a point at poses (bodies, 4, 4)."""
+        pairs = range(len(self._checker.pairs))
+        near = [pair for pair in pairs if not self._are_apart_by_boxes(pair, poses)]
+        unproved = [pair for pair in near if not self._is_proved(pair, poses, colliding=False)]
+        return CertificationReport(
+            states=1,
+            shared_points=0,
+            planes=len(near) - len(unproved),
+            boxes=len(pairs) - len(near),
+            unproved=tuple(self._unproved(row, pair, False) for pair in unproved),
+        )
+
+    def _is_proved(self, pair: int, poses: Floats, colliding: bool) -> bool:
+        p, r = self._checker.pairs[pair].tolist()
+        try:
+            certificate = certify_posed(self._polytope(p), self._polytope(r), poses[p], poses[r])
+        except UnprovedVerdictError:
+            return False
+        return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()
+
+    def _about_given(self, certificate: Certificate, p: int, r: int) -> Certificate:
+        """The same certificate for the points that the bodies were made of, at the same poses."""
+        bodies = tuple(
+            replace(self._given_of(k), pose=body.pose) for k, body in zip((p, r), certificate.bodies, strict=True)
+        )
+        about = replace(certificate, bodies=(bodies[0], bodies[1]))
+        if not isinstance(about, SharedPoint):
+            return about
+        first, second = self._polytope(p), self._polytope(r)
+        return replace(about, first=_of_source(about.first, first), second=_of_source(about.second, second))
+
+    def _are_apart_by_boxes(self, pair: int, poses: Floats) -> bool:
+        p, r = self._checker.pairs[pair].tolist()
+        (low_p, high_p), (low_r, high_r) = self._box(p, poses[p]), self._box(r, poses[r])
+        return any(low_p[k] > high_r[k] or low_r[k] > high_p[k] for k in range(3))
+
+    def _box(self, body: int, pose: Floats) -> Box:
+        key = pose.tobytes()
+        if body not in self._boxes or self._boxes[body][0] != key:
+            self._boxes[body] = key, exact_box(replace(self._given_of(body), pose=pose))
+        return self._boxes[body][1]
+
+    def _polytope(self, body: int) -> Polytope:
+        polytope = self._checker.polytopes[body]
+        assert polytope is not None  # every body of a pair is prepared
+        return polytope
+
+    def _given_of(self, body: int) -> PosedBody:
+        given = self._given[body]
+        assert given is not None
+        return given
+
+    def _unproved(self, row: int, pair: int, colliding: bool) -> Unproved:
+        first, second = (self._checker.bodies[k].name for k in self._checker.pairs[pair].tolist())
+        return Unproved(row, first, second, colliding)
+
+
+def _given_body(body: Body, polytope: Polytope, excess: float, padding: float) -> PosedBody:
+    """The points that a body was made of, not posed yet; its swell includes its padding."""
+    points, _, swell = hull_and_swell(body.shape, excess)
+    swell += padding
+    source = polytope.source
+    if swell != polytope.swell or source.max() >= len(points) or not np.array_equal(points[source], polytope.vertices):
+        raise PlannercheckError(f"body {body.name!r} is not made of the points of its shape with excess={excess:g}")
+    return PosedBody(points, np.eye(4), swell)
+
+
+def _of_source(mixture: Mixture, polytope: Polytope) -> Mixture:
+    """A mixture of the points that a polytope was made of."""
+    inside = (mixture.vertices >= 0) & (mixture.vertices < len(polytope.source))
+    # What is no vertex stays none.
+    return replace(mixture, vertices=np.where(inside, polytope.source[mixture.vertices * inside], -1))
+
+
+def exact_box(body: PosedBody) -> Box:
+    """The box along the world's axes around a posed body, swell included.
+
+    Args:
+        body: The body.
+
+    Returns:
+        Lowest and highest corner in whole numbers of 2^-60 m, rounded outward.
+    """
+    hull = IntegerHull(body.vertices, body.pose, body.swell)
+    lows = [hull.point(hull.lowest(axis))[k] - hull.swell for k, axis in enumerate(_AXES)]
+    highs = [hull.point(hull.lowest(axis))[k] + hull.swell for k, axis in enumerate(_OPPOSITES)]
+    low_x, low_y, low_z = (_on_grid(low, hull.unit) for low in lows)
+    high_x, high_y, high_z = (-_on_grid(-high, hull.unit) for high in highs)
+    return (low_x, low_y, low_z), (high_x, high_y, high_z)
+
+
+def _on_grid(number: int, unit: int) -> int:
+    """A number in units of 2^unit m on the grid, rounded down."""
+    shift = _GRID - unit
+    return number >> shift if shift >= 0 else number << -shift

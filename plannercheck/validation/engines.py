@@ -1,0 +1,39 @@
+"""Where chunks are judged: in this process. `cluster` has the same for other machines.
+
+In: chunks, in order. Out: chunks with what was found about them; from a cluster in any order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Protocol
+
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.checked_yaml import within
+from plannercheck.validation.formats.chunks import Chunk
+from plannercheck.validation.judging import Findings, Judge
+
+
+class Engine(Protocol):
+    """Judges chunks."""
+
+    def findings(self, chunks: Iterable[Chunk]) -> Iterator[tuple[Chunk, Findings]]:
+        """What is found about each chunk, as soon as it is known."""
+
+
+class LocalEngine:
+    """Judges in this process, on as many threads as the judge has."""
+
+    def __init__(self, checker: AnyChecker, judge: Judge) -> None:
+        self._checker, self._judge = checker, judge
+
+    def findings(self, chunks: Iterable[Chunk]) -> Iterator[tuple[Chunk, Findings]]:
+        """What is found about each chunk, in order."""
+        for chunk in chunks:
+            yield chunk, judged(self._judge, self._checker, chunk)
+
+
+def judged(judge: Judge, checker: AnyChecker, chunk: Chunk) -> Findings:
+    """What a judge finds about a chunk; errors say where in the file it is."""
+    with within(f"rows from {chunk.first_row} on"):
+        return judge(checker, chunk.rows)

@@ -1,0 +1,112 @@
+"""Blocks of rows, as the readers of single formats give them.
+
+In: arrays of a file. Out: `Block`s of at most the wished number of rows, (n, nq) in the robot's order, in the file's
+own units; how much of the file has been read goes with each, for progress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.validation.formats.columns import Columns
+
+Floats = NDArray[np.float64]
+
+# Names of arrays that are taken if a file holds several.
+KEYS = ("q", "configurations")
+
+# Under which name, or as which attribute, a file of arrays says what its columns are.
+NAMES_KEY = "joint_names"
+
+
+class Block(NamedTuple):
+    """Consecutive rows of a file.
+
+    Attributes:
+        rows: (n, nq) float64 of its own memory.
+        part: Of the file that has been read with this block, 0 to 1; None if nobody knows.
+    """
+
+    rows: Floats
+    part: float | None
+
+
+def chosen_key(names: list[str], wanted: str | None, kind: str) -> str:
+    """Which of several arrays to take: the wanted one, the only one, or one with the usual name."""
+    if wanted is not None:
+        if wanted not in names:
+            raise PlannercheckError(f"has no {kind} {wanted!r}; it holds {', '.join(names) or 'none'}")
+        return wanted
+    if len(names) == 1:
+        return names[0]
+    found = [key for key in KEYS if key in names]
+    if not found:
+        held = ", ".join(names) or "nothing"
+        raise PlannercheckError(
+            f"must hold one {kind}, or one named {' or '.join(KEYS)}; it holds {held}; --key says which"
+        )
+    return found[0]
+
+
+def check_real(dtype: np.dtype[Any]) -> None:
+    """Raises unless an array's numbers are real."""
+    if dtype.kind not in "fiu":
+        raise PlannercheckError(f"must hold real numbers, not {dtype}")
+
+
+def table_shape(shape: tuple[int, ...], columns: Columns, width: int | None = None) -> tuple[int, int]:
+    """The shape as (n, nq), or (n, width); a single configuration (nq,) is one row."""
+    wanted = columns.width if width is None else width
+    rows = (1, *shape) if len(shape) == 1 else shape
+    if len(rows) != 2 or rows[1] != wanted or rows[0] < 0:
+        is_turned = len(rows) == 2 and rows[0] == wanted
+        hint = "it looks transposed: a configuration is a row, numpy's .T makes it one; " if is_turned else ""
+        raise PlannercheckError(
+            f"must have shape (n, {wanted}), not {shape}; {hint}the joints are {', '.join(columns.joints)}"
+        )
+    return rows[0], rows[1]
+
+
+def places_of(names: Iterable[Any] | None, columns: Columns) -> list[int] | None:
+    """Where the joints are among an array's columns; None if the array does not name them."""
+    if names is None:
+        return None
+    return columns.places([name.decode() if isinstance(name, bytes) else str(name) for name in names])
+
+
+def stacked(records: NDArray[Any], names: Sequence[str]) -> Floats:
+    """Records (n,) with a field a joint as rows (n, nq), fields in this order."""
+    return np.stack([records[name].astype(np.float64) for name in names], axis=1)
+
+
+def fields_of(dtype: np.dtype[Any], columns: Columns) -> list[str] | None:
+    """The fields of records that are the joints', in the robot's order; None if the numbers have no names."""
+    if dtype.names is None:
+        check_real(dtype)
+        return None
+    chosen = [dtype.names[place] for place in columns.places(dtype.names)]
+    for name in chosen:
+        check_real(dtype[name])
+    return chosen
+
+
+def even(blocks: Iterable[Block], size: int, width: int) -> Iterator[Block]:
+    """The same rows in blocks of `size`, the last one shorter: some formats come in pieces of their own."""
+    held: list[Floats] = []
+    count, part = 0, None
+    for rows, part in blocks:
+        held.append(rows)
+        count += len(rows)
+        if count >= size:
+            joined = np.concatenate(held) if len(held) > 1 else held[0]
+            whole = count // size * size
+            for first in range(0, whole, size):
+                yield Block(joined[first : first + size], part)
+            held, count = [joined[whole:]], count - whole
+    if count:
+        yield Block(np.concatenate([np.empty((0, width)), *held]), part)

@@ -1,0 +1,174 @@
+"""Which columns of a file are which joints, and in what unit.
+
+In: a robot, and the names of a file's columns where it has them. Out: `Columns`, which says where each joint's column
+is and brings rows to the robot's order, in rad and m.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck import planar
+from plannercheck.checking.protocols import AnyRobot
+from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.robots.configurations import PLAIN
+from plannercheck.robots.robot import Robot
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+# Names of columns that an error lists.
+_SHOWN_NAMES = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """The columns that a configuration needs.
+
+    Attributes:
+        joints: A name for each joint, in the robot's order.
+        width: Numbers in a configuration, nq; more than joints if some take several.
+        named: What a file calls the joints, in the same order; None if it calls them as the robot does.
+        held: Joints of the robot that the configurations do not have, since they stand still.
+        ignored: Columns that may have the name of a held joint all the same.
+        degrees: (nq,) which numbers are given in degrees; None if none is.
+    """
+
+    joints: tuple[str, ...]
+    width: int
+    named: tuple[str, ...] | None = None
+    held: frozenset[str] = frozenset()
+    ignored: frozenset[str] = frozenset()
+    degrees: Bools | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What a file has to call its columns, in the robot's order."""
+        return self.joints if self.named is None else self.named
+
+    def places(self, header: Sequence[str]) -> list[int]:
+        """Where each joint's column is.
+
+        Args:
+            header: Names of a file's columns.
+
+        Returns:
+            (nq,) indices into the header.
+
+        Raises:
+            PlannercheckError: If a joint has no column or several, or a column is of a joint that is held.
+        """
+        if len(self.joints) != self.width:
+            raise PlannercheckError(
+                f"has a header, but {len(self.joints)} joints take {self.width} numbers: leave the header out"
+            )
+        for name in self.names:
+            if header.count(name) > 1:
+                raise PlannercheckError(f"has {header.count(name)} columns named {name!r}")
+        self._check_complete(header)
+        self._check_others([name for name in header if name not in self.names])
+        return [header.index(name) for name in self.names]
+
+    def _check_complete(self, header: Sequence[str]) -> None:
+        missing = [name for name in self.names if name not in header]
+        if not missing:
+            return
+        if len(missing) == len(self.names):
+            raise PlannercheckError(
+                f"begins with neither numbers nor names of joints: {_listed(header)!r:.60}; write decimal points, not "
+                f"commas, or a header of {', '.join(self.names)}; or say by --columns what the joints are called, in "
+                "the robot's order"
+            )
+        unknown = [name for name in header if name not in self.names]
+        close = get_close_matches(missing[0], unknown, n=1)
+        hint = f"is it {close[0]!r}? " if close else ""
+        raise PlannercheckError(
+            f"has no column for joint {missing[0]!r}; its header is {_listed(header)}; {hint}--columns says what the "
+            "joints are called, in the robot's order"
+        )
+
+    def _check_others(self, others: Sequence[str]) -> None:
+        """Columns that no configuration takes are left out, but those of held joints would change verdicts."""
+        held = [name for name in others if name in self.held and name not in self.ignored]
+        if held:
+            raise PlannercheckError(
+                f"column {held[0]!r} is of a joint that is held, not read: choose a group with it, or leave its values "
+                f"out by --ignore-columns {','.join(held)}"
+            )
+        left_out = [name for name in others if name not in self.ignored]
+        if left_out:
+            warnings.warn(f"columns that are no joints are left out: {_listed(left_out)}", RuntimeWarning, stacklevel=2)
+
+    def check_width(self, width: int) -> None:
+        """Raises unless rows without names have as many numbers as a configuration."""
+        if width != self.width:
+            raise PlannercheckError(f"must have {self.width} columns ({', '.join(self.joints)}), not {width}")
+
+    def in_radians(self, rows: Floats) -> Floats:
+        """Rows (n, nq) with degrees turned into radians."""
+        if self.degrees is None:
+            return rows
+        return np.where(self.degrees, np.deg2rad(rows), rows)
+
+
+def columns_of(
+    robot: AnyRobot,
+    named: Sequence[str] | None = None,
+    ignored: Sequence[str] = (),
+    degrees: bool = False,
+) -> Columns:
+    """The columns that a robot's configurations need.
+
+    Args:
+        robot: The robot.
+        named: What files call its joints, in its order; None for its own names.
+        ignored: Columns that are left out though they are of held joints.
+        degrees: Whether files have angles in degrees.
+
+    Returns:
+        The columns.
+    """
+    if named is not None and len(named) != len(robot.joint_names):
+        raise PlannercheckError(
+            f"--columns must name {len(robot.joint_names)} columns, for {', '.join(robot.joint_names)}; "
+            f"not {len(named)}: {', '.join(named)}"
+        )
+    every = tuple(robot.model.names)[1:] if isinstance(robot, Robot) else ()
+    return Columns(
+        joints=tuple(robot.joint_names),
+        width=robot.nq,
+        named=None if named is None else tuple(named),
+        held=frozenset(every) - frozenset(robot.joint_names),
+        ignored=frozenset(ignored),
+        degrees=angle_columns(robot) if degrees else None,
+    )
+
+
+def angle_columns(robot: AnyRobot) -> Bools:
+    """(nq,) which numbers of a configuration are angles; lengths and parts of unit vectors are none."""
+    angles = np.zeros(robot.nq, dtype=bool)
+    if isinstance(robot, planar.Robot):
+        angles[2 if robot.is_free else 0 :] = True
+    elif isinstance(robot, Robot):
+        used, model = robot.configuration_map, robot.model
+        for joint in range(1, model.njoints):
+            entry = model.idx_qs[joint]
+            turns = model.nqs[joint] == 1 and not model.joints[joint].shortname().startswith(_SLIDING)
+            if used.columns[entry] >= 0 and (turns or used.roles[entry] != PLAIN):
+                angles[used.columns[entry]] = True
+    return angles
+
+
+# How Pinocchio's names of prismatic joints begin.
+_SLIDING = ("JointModelP", "JointModelMimicP")
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(map(shortened, names[:_SHOWN_NAMES]))
+    return shown if len(names) <= _SHOWN_NAMES else f"{shown} and {len(names) - _SHOWN_NAMES} more"

@@ -1,0 +1,154 @@
+"""Paths of planners in files: ours, tables, MoveIt's trajectories, and what OMPL prints.
+
+In: a file, the joints of a planning group. Out: `PathFile`: configurations in the group's order, and what the file says
+of joints outside it.
+
+JSON and YAML hold a plan as `Plan.save` writes it, a list of configurations (JSON), or a MoveIt trajectory
+(trajectories.py). npy, npz and csv are tables as for sets of configurations. Anything else is text: OMPL's
+`PathGeometric` as it is printed, or as a matrix. All are taken as straight motions from state to state.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.checked_yaml import mapping, parse_yaml, read_bytes, sequence, text, within
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.validation.formats.chunks import read_chunks
+from plannercheck.validation.formats.trajectories import read_trajectory
+
+Floats = NDArray[np.float64]
+
+_TABLES = (".npy", ".npz", ".csv")
+
+# How OMPL begins a printed path, and the innermost brackets of its states.
+_OMPL_HEADER = re.compile(r"Geometric path with (\d+) states")
+_OMPL_NUMBERS = re.compile(r"State \[([^\[\]]*)\]")
+
+
+@dataclass(frozen=True, eq=False)
+class PathFile(OwnsArrays):
+    """A path as a file has it.
+
+    Attributes:
+        states: (k, nq) configurations of the group, k at least 1; rad and m.
+        others: By name, the values of joints outside the group, which stand still on the path.
+        bent_by: Which of "velocities" and "accelerations" a trajectory gives that are not zero: a controller then runs
+            splines, not the straight motions between the states.
+    """
+
+    states: Floats
+    others: dict[str, float]
+    bent_by: tuple[str, ...] = ()
+
+
+def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathFile:
+    """Reads a path.
+
+    Args:
+        path: The file; its suffix and content tell the format.
+        joint_names: Of the group, for files that name joints.
+        width: Numbers a configuration must have, nq.
+
+    Returns:
+        The path.
+
+    Raises:
+        PlannercheckError: If the file can't be read, lacks a joint, moves one outside the group, or has no states.
+    """
+    path = Path(path)
+    with within(f"path file {str(path)!r}"):
+        if path.suffix.lower() in _TABLES:
+            blocks = [chunk.rows for chunk in read_chunks(path, joint_names, width)]
+            found = PathFile(_table(blocks, width), {})
+        elif path.suffix.lower() in (".json", ".yaml", ".yml"):
+            found = _from_document(_document(path), joint_names, width)
+        else:
+            found = PathFile(_from_text(read_bytes(path).decode("utf-8", "replace"), width), {})
+        if not len(found.states):
+            raise PlannercheckError("holds no states")
+        if not np.isfinite(found.states).all():
+            bad = int(np.flatnonzero(~np.isfinite(found.states).all(axis=1))[0])
+            raise PlannercheckError(f"state {bad} is not finite: {found.states[bad].tolist()}")
+        return found
+
+
+def _document(path: Path) -> Any:
+    if path.suffix.lower() != ".json":
+        return parse_yaml(read_bytes(path))
+    try:
+        return json.loads(read_bytes(path))
+    except ValueError as error:
+        raise PlannercheckError(f"is no JSON: {error}") from None
+    except RecursionError:
+        raise PlannercheckError("is JSON that is nested too deep") from None
+
+
+def _from_document(document: Any, joint_names: Sequence[str], width: int) -> PathFile:
+    if isinstance(document, list):
+        return PathFile(_table(document, width), {})
+    if not isinstance(document, dict):
+        raise PlannercheckError("must hold a plan, a trajectory or a list of configurations")
+    document = mapping(document, "it")
+    if "path" in document:
+        names = [text(name, "joint_names") for name in sequence(document.get("joint_names"), "'joint_names'")]
+        rows = sequence(document["path"], "'path'")
+        if not names:
+            return PathFile(_table(rows, width), {})
+        return _ordered(names, _table(rows, len(names)), joint_names)
+    trajectory = read_trajectory(document)
+    if trajectory is None:
+        raise PlannercheckError("holds no 'path', no 'joint_trajectory' and no 'points'")
+    found = _ordered(trajectory.joint_names, trajectory.positions, joint_names)
+    held = {name: value for name, value in trajectory.held.items() if name not in joint_names}
+    return PathFile(found.states, {**held, **found.others}, trajectory.bent_by)
+
+
+def _ordered(names: list[str], rows: Floats, joint_names: Sequence[str]) -> PathFile:
+    """The group's columns in its order; other joints have to stand still."""
+    if len(set(names)) != len(names):
+        raise PlannercheckError(f"names a joint twice: {', '.join(names)}")
+    missing = [joint for joint in joint_names if joint not in names]
+    if missing:
+        raise PlannercheckError(f"has no joint {missing[0]!r}; it has {', '.join(names)}")
+    others = {name: rows[:, k] for k, name in enumerate(names) if name not in joint_names}
+    moving = [name for name, values in others.items() if len(values) and (values != values[0]).any()]
+    if moving:
+        raise PlannercheckError(f"moves {', '.join(moving)}, outside the planning group: choose a group with them")
+    columns = [names.index(joint) for joint in joint_names]
+    return PathFile(
+        np.ascontiguousarray(rows[:, columns]),
+        {name: float(values[0]) for name, values in others.items() if len(values)},
+    )
+
+
+def _from_text(content: str, width: int) -> Floats:
+    header = _OMPL_HEADER.search(content)
+    if header is None:
+        lines = [line.split() for line in content.replace(",", " ").splitlines() if line.strip()]
+        return _table(lines, width)
+    values = [number for inner in _OMPL_NUMBERS.findall(content) for number in inner.split()]
+    count = int(header[1])
+    if len(values) != count * width:
+        raise PlannercheckError(f"OMPL's {count} states hold {len(values)} numbers, not {width} each")
+    return _table([values[k * width : (k + 1) * width] for k in range(count)], width)
+
+
+def _table(rows: Sequence[Any], width: int) -> Floats:
+    """(k, width) of rows, or of blocks of rows."""
+    try:
+        table = np.array([[float(x) for x in row] for block in rows for row in np.atleast_2d(np.asarray(block))])
+    except (TypeError, ValueError, OverflowError):  # the last of whole numbers beyond all doubles
+        raise PlannercheckError("is no table of numbers") from None
+    if table.size and (table.ndim != 2 or table.shape[1] != width):
+        raise PlannercheckError(f"its states have {table.shape[-1]} numbers, not {width}")
+    return table.reshape(-1, width)

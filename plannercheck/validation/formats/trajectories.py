@@ -1,0 +1,126 @@
+"""MoveIt's trajectories in files: their positions, and what says that a controller does not go straight between them.
+
+In: a parsed JointTrajectory, a RobotTrajectory, or a DisplayTrajectory with one of them or several in a row. Out:
+`Trajectory`.
+
+A controller goes straight, joint by joint, from point to point only if it is given positions alone, or velocities and
+accelerations that are all zero: then the splines of all joints pass through the same fractions of their ways at the
+same times. With other velocities it runs cubic splines, with accelerations as well quintic ones
+(joint_trajectory_controller, `Trajectory::interpolate_between_points`). Times and efforts change where the robot is
+when, not where it passes.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.scenes.moveit_messages import transform
+from plannercheck.scenes.moveit_states import check_robot_state, joint_values
+
+Floats = NDArray[np.float64]
+
+_TRAJECTORY_KEYS = ("header", "joint_names", "points")
+_POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
+
+# What bends the way between two points.
+_BENDING = ("velocities", "accelerations")
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Trajectories in a row, as one.
+
+    Attributes:
+        joint_names: Of the columns.
+        positions: (k, joints) rad and m.
+        held: By name, the start state's values of joints that do not move; rad and m.
+        bent_by: Which of "velocities" and "accelerations" are not zero: the way between points is then not straight.
+    """
+
+    joint_names: list[str]
+    positions: Floats
+    held: dict[str, float]
+    bent_by: tuple[str, ...]
+
+
+def read_trajectory(document: Node) -> Trajectory | None:
+    """Reads a trajectory.
+
+    Args:
+        document: Parsed YAML or JSON.
+
+    Returns:
+        The trajectory; None if there is none in the document.
+
+    Raises:
+        PlannercheckError: If its parts name different joints, or if something moves that joints do not.
+    """
+    nodes = _joint_trajectories(document)
+    if not nodes:
+        return None
+    names = _names(nodes[0])
+    rows: list[list[float]] = []
+    bent: set[str] = set()
+    for node in nodes:
+        check_keys(node, _TRAJECTORY_KEYS)
+        if _names(node) != names:
+            raise PlannercheckError(f"its trajectories name different joints: {', '.join(_names(node))}")
+        for k, item in enumerate(sequence(required(node, "points"), "'points'")):
+            with within(f"point {k}"):
+                point = mapping(item, "it")
+                check_keys(point, _POINT_KEYS)
+                rows.append(numbers(required(point, "positions"), "positions", len(names)))
+                bent.update(key for key in _BENDING if _is_set(point, key, len(names)))
+    held = _held(mapping(document.get("trajectory_start"), "'trajectory_start'"), names)
+    positions = np.array(rows, dtype=np.float64).reshape(-1, len(names))
+    return Trajectory(names, positions, held, tuple(key for key in _BENDING if key in bent))
+
+
+def _joint_trajectories(document: Node) -> list[Node]:
+    """The JointTrajectory messages in a document, in order."""
+    if "points" in document:
+        return [document]
+    _check_base(mapping(document.get("multi_dof_joint_trajectory"), "'multi_dof_joint_trajectory'"))
+    inner = document.get("joint_trajectory", document.get("trajectory", []))
+    items = inner if isinstance(inner, list) else [inner]
+    return [found for item in items if isinstance(item, dict) for found in _joint_trajectories(mapping(item, "it"))]
+
+
+def _check_base(node: Node) -> None:
+    """Raises if a joint of several degrees of freedom, such as a mobile base, leaves the identity."""
+    with within("multi_dof_joint_trajectory"):
+        for point in sequence(node.get("points"), "'points'"):
+            for item in sequence(mapping(point, "a point").get("transforms"), "'transforms'"):
+                if not np.array_equal(transform(mapping(item, "a transform")), np.eye(4)):
+                    moved = ", ".join(map(str, node.get("joint_names") or ())) or "a joint"
+                    raise PlannercheckError(f"moves {moved}: only joint_trajectory is supported")
+
+
+def _names(node: Node) -> list[str]:
+    return [text(name, "joint_names") for name in sequence(required(node, "joint_names"), "'joint_names'")]
+
+
+def _is_set(point: Node, key: str, count: int) -> bool:
+    """Whether a point has such numbers that are not all zero."""
+    return any(numbers(point[key], key, count)) if point.get(key) else False
+
+
+def _held(state: Node, moving: list[str]) -> dict[str, float]:
+    """Values of the joints that a start state has besides those that move; what it attaches is warned of."""
+    with within("trajectory_start"):
+        check_robot_state(state, "trajectory")
+        attached = sequence(state.get("attached_collision_objects"), "'attached_collision_objects'")
+        if attached:
+            names = [str(mapping(mapping(a, "it").get("object"), "'object'").get("id")) for a in attached]
+            warnings.warn(
+                f"trajectory_start attaches {', '.join(names)}, which is not looked at: attach it in the scene",
+                stacklevel=2,
+            )
+        values = joint_values(mapping(state.get("joint_state"), "'joint_state'"))
+        return {name: value for name, value in values.items() if name not in moving}

@@ -1,0 +1,83 @@
+"""Paths checked again: every sampled state by FCL, and what lies between the samples.
+
+In: a checker and a path. Out: `PathCheck`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.motions.checker import Checker
+from plannercheck.motions.sampling import DEFAULT_RESOLUTION
+from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.validation.fcl_agreement import AgreementReport, compare_with_fcl, merged
+
+Floats = NDArray[np.float64]
+
+# How much denser than the samples the states are that are looked for collisions between them.
+DENSER = 10
+
+
+@dataclass(frozen=True)
+class PathCheck:
+    """What became of a path's states.
+
+    Attributes:
+        agreement: The comparison with FCL on the path resampled as its motions were checked.
+        between: States between those samples that were checked.
+        between_colliding: Those of them that collide.
+    """
+
+    agreement: AgreementReport
+    between: int
+    between_colliding: int
+
+    @property
+    def passed(self) -> bool:
+        """Whether no sampled state collides, by the checker and by FCL or, where they differ, exactly."""
+        return self.agreement.passed and self.agreement.collisions == 0
+
+
+def check_path(checker: Checker, path: Floats, resolution: float = DEFAULT_RESOLUTION) -> PathCheck:
+    """Checks a path (k, nq) again.
+
+    Args:
+        checker: The checker.
+        path: Configurations, joined by straight motions.
+        resolution: No link point moves further than this between two sampled states, m.
+
+    Returns:
+        What was found.
+    """
+    agreements, between, colliding = [], 0, 0
+    for states in resampled(checker, path, resolution):
+        agreements.append(compare_with_fcl(checker, states))
+    for states in resampled(checker, path, resolution, DENSER):
+        inner = states[np.arange(len(states)) % DENSER != 0]
+        between += len(inner)
+        colliding += int((~checker.check_states(inner)).sum())
+    return PathCheck(merged(agreements), between, colliding)
+
+
+def resampled(checker: Checker, path: Floats, resolution: float, denser: int = 1) -> Iterator[Floats]:
+    """The states of each motion of a path, both ends included, the same as a motion check looks at.
+
+    Args:
+        checker: The checker.
+        path: (k, nq).
+        resolution: As for `check_path`.
+        denser: How many times as many steps to take; every `denser`-th state is one of the motion check's.
+
+    Yields:
+        (steps + 1, nq) for each motion.
+    """
+    sampler, space = checker.motion_sampler, JointSpace(checker.robot)
+    for q0, q1 in pairwise(path):
+        end = q0 + space.differences(q0, q1)
+        steps = int(sampler.steps(q0[None], end[None], resolution)[0]) * denser
+        yield sampler.states(q0, end, np.arange(steps + 1) / steps)

@@ -1,0 +1,272 @@
+"""`plannercheck bench`: tiny runs write their files, and stand-in bodies err only on their own side."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import sys
+import time
+from functools import partial
+
+import numpy as np
+import pytest
+
+from plannercheck.bodies import exact_reference as exact
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.cli.main import main
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench import bounding_volumes as covers
+from plannercheck.evaluation.bench import complexity, pairs
+from plannercheck.evaluation.bench import hausdorff as distances
+from plannercheck.evaluation.bench import truncated_hierarchies as cutoffs
+from plannercheck.evaluation.bench.methods import methods
+from plannercheck.evaluation.bench.sphere_model import SphereModel
+from plannercheck.evaluation.bench.states import measure
+from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.evaluation.stress.body_families import family
+from plannercheck.motions.checker import Checker
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
+
+STATES = 300
+BODIES = ("round", "box", "needle", "prism", "cone", "lattice")
+
+
+@pytest.fixture(scope="module")
+def checker():
+    return Checker(Robot.load("ur5"), Scene.load("kitchen"))
+
+
+@pytest.fixture(params=BODIES)
+def body(request):
+    return Polytope(family(request.param, 120, 1))
+
+
+def test_inner_levels_are_nested_within_the_body(body):
+    levels = [body, *cutoffs.inner_levels(body)]
+    assert len(levels) > 1
+    assert len(levels[-1].vertices) >= 4
+    for outer, inner in itertools.pairwise(levels):
+        assert {tuple(v) for v in inner.vertices} < {tuple(v) for v in outer.vertices}
+
+
+def test_outer_levels_contain_the_body(body):
+    for outer in cutoffs.outer_levels(body):
+        assert outer.dimension == 3
+        assert all(exact.intersects(vertex[None], outer.vertices) for vertex in body.vertices[::8])
+
+
+def test_levels_start_as_the_core_has_them():
+    body = Polytope(family("round", 1000, 1))
+    level = np.asarray(body.core.levels(False))
+    assert level.max() > 2
+    for k, inner in enumerate(cutoffs.inner_levels(body)[: level.max()], start=1):
+        assert {tuple(v) for v in inner.vertices} == {tuple(v) for v in body.vertices[level >= k]}
+
+
+def test_covers_contain_the_body(body):
+    rng = np.random.default_rng(0)
+    points = rng.dirichlet(np.full(len(body.vertices), 0.05), 2000) @ body.vertices  # anywhere in the body
+    for shape, pose in (covers.box_around(body), covers.capsule_around(body)):
+        local = (np.vstack([body.vertices, points]) - pose[:3, 3]) @ pose[:3, :3]
+        if hasattr(shape, "size"):
+            assert (np.abs(local) <= np.array(shape.size) / 2).all()
+        else:
+            local[:, 2] -= np.clip(local[:, 2], -shape.length / 2, shape.length / 2)
+            assert (np.linalg.norm(local, axis=1) <= shape.radius).all()
+    for count, balls in covers.balls_around(body, [1, 7, 30]).items():
+        assert len(balls) == count
+        off = np.linalg.norm(points[:, None] - balls[:, :3], axis=2) - balls[:, 3]
+        assert (off.min(axis=1) <= 0).all()
+
+
+@pytest.mark.parametrize("name", ["box", "needle", "prism"])  # of a round body, one ball is hard to beat
+def test_more_balls_are_nearer_to_the_body(name):
+    body = Polytope(family(name, 60, 1))
+    balls = covers.balls_around(body, [1, 32])
+    few, many = (distances.furthest_of_balls(b[:, :3], b[:, 3], body) for b in (balls[1], balls[32]))
+    assert many < few / 2
+
+
+def test_distances_are_those_of_exact_arithmetic(body):
+    points = np.random.default_rng(1).normal(size=(12, 3))
+    for point in points:
+        expected = exact.distance(point[None], body.vertices)
+        assert distances.furthest(point[None], body) == pytest.approx(expected, abs=1e-12)
+        ball = distances.furthest_of_balls(point[None], np.array([0.2]), body)
+        if expected > 0:
+            assert ball == pytest.approx(expected + 0.2)
+        else:
+            assert ball <= 0.2
+
+
+def test_methods_err_only_on_their_side(checker, monkeypatch):
+    monkeypatch.setattr("plannercheck.evaluation.bench.methods.BALL_COUNTS", (1, 6))
+    q = checker.robot.random_configurations(STATES, 3)
+    rows = measure(checker, list(methods(checker)), q, 1)
+    kinds = {row.kind for row in rows}
+    assert {"exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl"} <= kinds
+    for row in rows:
+        assert row.microseconds > 0
+        if row.kind in ("exact", "inner"):
+            assert row.false_collision == 0, row.method
+        if row.kind in ("exact", "outer", "spheres", "capsules", "boxes"):
+            assert row.false_free == 0, row.method
+        if row.kind in ("inner", "outer", "spheres", "capsules", "boxes"):
+            assert 0 < row.error < 1, row.method
+    assert rows[0].ratio == 1.0
+
+
+@pytest.mark.parametrize("scene", ["kitchen", "cage", "bin"])  # all forms of obstacles
+def test_balls_never_miss_a_collision(scene):
+    checker = Checker(Robot.load("panda"), Scene.load(scene))
+    own = [(k, p) for k, p in enumerate(checker.polytopes[: len(checker.robot.bodies)]) if p is not None]
+    model = SphereModel(checker, {k: covers.balls_around(p, [6])[6] for k, p in own})
+    q = checker.robot.random_configurations(3000, 4)
+    found, truth = model.check_states(q), checker.check_states(q)
+    assert not (found & ~truth).any()
+    assert 0.5 < found.sum() / truth.sum() <= 1
+    assert np.array_equal(model.check_states(q[:3]), found[:3])
+    assert model.nbytes > 0
+
+
+def test_stand_ins_keep_links_and_pairs(checker):
+    again = Checker(checker.robot, checker.scene, bodies=checker.bodies)
+    assert np.array_equal(again.pairs, checker.pairs)
+    with pytest.raises(PlannercheckError, match="stand in for"):
+        Checker(checker.robot, checker.scene, bodies=checker.bodies[1:])
+
+
+def test_stand_ins_are_out_of_reach_only_where_they_are(checker):
+    found = next(m for m in methods(checker, ["capsules"]) if m.kind == "capsules").build()  # placed otherwise
+    q = checker.robot.random_configurations(5000, 1)
+    assert not found.colliding_pairs(q).any(axis=0)[found.unreachable].any()
+    assert np.array_equal(found.check_states(q), ~found.colliding_pairs(q).any(axis=1))
+
+
+def test_missing_libraries_are_left_out_with_a_note(checker, monkeypatch):
+    monkeypatch.setitem(sys.modules, "fcl", None)
+    notes = []
+    rows = measure(
+        checker, list(methods(checker, ["fcl"])), checker.robot.random_configurations(20, 0), 1, notes.append
+    )
+    assert {row.kind for row in rows} == {"exact"}
+    assert len(notes) == 1
+    assert "python-fcl is left out" in notes[0]
+    notes.clear()
+    monkeypatch.setitem(sys.modules, "coal", None)
+    assert {row.method for row in pairs.measure([8], 3, 1, notes.append, ellipsoids=True)} == {
+        "plannercheck, oracle",
+        "plannercheck, walk",
+    }
+    assert len(notes) == 2
+
+
+def worked(order, name, least):
+    """Takes so many seconds of this thread at least."""
+    order.append(name)
+    began = time.thread_time()
+    while time.thread_time() - began < least:
+        pass
+
+
+def test_contenders_take_turns():
+    order = []
+    work = partial(worked, order)
+    seconds = least_seconds({name: lambda name=name: work(name, 2e-3) for name in "abc"}, 3)
+    assert "".join(order).startswith("abccbaabc")
+    assert len(order) > 9  # so little work goes on until the clock has had time to change
+    assert list(seconds) == ["a", "b", "c"]
+    order.clear()
+    assert 0 < least_seconds({"a": lambda: work("a", 0)}, 1)["a"] < 1e-3
+    assert len(order) > 1  # too short for the clock
+
+
+def test_parts_take_turns_and_add_up():
+    order = []
+    work = partial(worked, order)
+    parts = {"a": [partial(work, k, 2e-3) for k in "123"], "b": partial(work, "b", 2e-3)}
+    seconds = least_seconds(parts, 2)
+    assert "".join(order).startswith("1b2b3bb1b2b3")
+    assert seconds["a"] >= 6e-3
+    assert 2e-3 <= seconds["b"] < seconds["a"]
+
+
+def read(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_states_command(tmp_path, capsys):
+    arguments = ["--robot", "panda", "--scene", "table", "none", "--states", "50", "--rounds", "1"]
+    chosen = ["--methods", "boxes", "coal"]
+    assert main(["bench", "states", *arguments, *chosen, "--output", str(tmp_path / "new")]) == 0
+    rows = read(tmp_path / "new" / "states.csv")
+    assert {row["scene"] for row in rows} == {"table", "empty"}
+    assert {row["kind"] for row in rows} == {"exact", "boxes", "coal"}
+    assert {path.name for path in (tmp_path / "new").iterdir()} == {"states.csv", "states.png", "states.svg"}
+    printed = capsys.readouterr().out
+    assert "coal's tree / batch" in printed
+    assert "bounding boxes" in printed
+
+
+def test_pairs_command(tmp_path, capsys):
+    sizes = ["--vertices", "8,150,200", "--pairs", "4", "--rounds", "1"]
+    assert main(["bench", "pairs", *sizes, "--output", str(tmp_path)]) == 0
+    rows = read(tmp_path / "pairs.csv")
+    assert {(row["vertices"], row["gap"]) for row in rows} == {
+        (n, g) for n in ("8", "150", "200") for g in ("0.5", "0.0001", "-0.3")
+    }
+    assert all(row["wrong"] == "0" for row in rows if row["method"].startswith("plannercheck"))
+    assert {path.name for path in tmp_path.iterdir()} == {"pairs.csv", "pairs.png", "pairs.svg"}
+    assert "from 150 to 200 vertices" in capsys.readouterr().out
+
+
+def test_switches_command(tmp_path, capsys):
+    assert main(["bench", "switches", "--states", "130", "--rounds", "1", "--output", str(tmp_path)]) == 0
+    rows = read(tmp_path / "switches.csv")
+    assert all(row["wrong"] == "0" for row in rows)
+    assert {row["states"] for row in rows} == {"random", "along motions"}
+    assert {"all on", "bounds", "boxes", "cached_plane"} <= {row["off"] for row in rows}
+    assert "all on" in capsys.readouterr().out
+
+
+def test_scale_command(tmp_path, capsys):
+    assert (
+        main(["bench", "scale", "--boxes", "100,150", "--states", "50", "--rounds", "1", "--output", str(tmp_path)])
+        == 0
+    )
+    rows = read(tmp_path / "scale.csv")
+    assert [row["boxes"] for row in rows] == ["100", "150"]
+    assert all(float(row["bytes_a_vertex"]) > 0 for row in rows)
+    assert "bytes a vertex" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["round", "prism", "cone", "doubling"])
+def test_baselines_that_are_counted_are_right(name):
+    rows = [row for row in complexity._in_space(name, 150, 8, 1) if row.method != "brute force"]
+    assert {row.shared for row in rows} == {4}  # gaps alternate
+    assert all(0 < row.visited_mean <= row.visited_worst for row in rows)
+
+
+def test_complexity_command(tmp_path, capsys):
+    assert main(["bench", "complexity", "--most", "300", "--queries", "4", "--output", str(tmp_path)]) == 0
+    rows = read(tmp_path / "complexity.csv")
+    assert {row["where"] for row in rows} == {"space", "plane", "trees, d = 2", "trees, d = 3"}
+    assert {row["shared"] for row in rows} == {"2"}
+    grown = {(row["family"], row["method"]): float(row["exponent"]) for row in read(tmp_path / "complexity_growth.csv")}
+    assert grown["ellipse", "brute force"] == pytest.approx(1)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "complexity.csv",
+        "complexity.png",
+        "complexity.svg",
+        "complexity_growth.csv",
+    }
+    assert "a doubling" in capsys.readouterr().out
+
+
+def test_bad_input_is_one_line(capsys):
+    assert main(["bench", "pairs", "--vertices", "3"]) == 2
+    assert "at least 4" in capsys.readouterr().err
+    assert main(["bench", "states", "--scene", "nowhere"]) == 2
+    assert "nowhere" in capsys.readouterr().err

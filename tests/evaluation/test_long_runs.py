@@ -1,0 +1,90 @@
+"""The long runs of docs/reliability.md, with few trials each: that they run, count and notice."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from long_runs import forked
+from long_runs.environment import ENVIRONMENT
+from long_runs.loaders import NAMES
+
+import plannercheck as pc
+
+SCRIPT = Path(__file__).parents[1] / "benchmarks" / "reliability.py"
+
+
+def rows_of(tmp_path: Path, *arguments: str) -> list[dict[str, object]]:
+    table = tmp_path / "table.jsonl"
+    command = [sys.executable, str(SCRIPT), *arguments, "--output", str(table)]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False, env=ENVIRONMENT)
+    assert ran.returncode == 0, ran.stdout[-3000:] + ran.stderr[-3000:]
+    return [json.loads(line) for line in table.read_text(encoding="utf-8").splitlines()]
+
+
+def test_damage_scenes_plans_and_threads(tmp_path: Path) -> None:
+    parts = ("damage", "scenes", "plans", "threads")
+    counts = ("--damage", "10", "--scenes", "60", "--plans", "8", "--threads", "2")
+    rows = {row["part"]: row for row in rows_of(tmp_path, *parts, *counts)}
+    assert rows["damage"]["bodies"] == rows["damage"]["cache files"] == rows["damage"]["journals"] == 10
+    assert rows["scenes"]["calls"] == 60
+    assert rows["plans"]["plans"] == 8
+    assert rows["threads"]["threads"] == 8
+
+
+def test_kills(tmp_path: Path) -> None:
+    (row,) = rows_of(tmp_path, "kills", "--kills", "1")
+    assert row["kills"] == 1
+
+
+def test_mutated_inputs_of_every_loader(tmp_path: Path) -> None:
+    rows = rows_of(tmp_path, "mutants", "--mutants", "10")
+    assert [row["loader"] for row in rows] == list(NAMES)
+    assert all((row["inputs"], row["faults"]) == (10, 0) for row in rows)
+
+
+def test_what_dies_hangs_or_raises_is_charged_to_its_trial(tmp_path: Path) -> None:
+    """Else the runs above would pass with nothing behind them."""
+
+    def trial(number: int) -> str:
+        if number == 2:
+            os.abort()
+        if number == 4:
+            while True:
+                time.sleep(1)
+        if number == 5:
+            raise KeyError("no error of ours")
+        if number == 6:
+            raise pc.PlannercheckError("an error of ours")
+        if number == 7:
+            return str(len(bytes(3 << 30)))
+        return "accepted"
+
+    tally = forked.run(trial, 9, tmp_path, time_limit=1.0, batch=4)
+    assert tally.outcomes == {"accepted": 4, "refused": 1}
+    words = dict(tally.faults)
+    assert sorted(words) == [2, 4, 5, 7]
+    assert "SIGABRT" in words[2]
+    assert "hangs" in words[4]
+    assert "KeyError" in words[5]
+    assert "MemoryError" in words[7]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_loader_takes_its_sound_files(name: str, tmp_path: Path) -> None:
+    from long_runs import seed_files
+    from long_runs.loaders import FILES
+
+    if name not in FILES:
+        pytest.skip("of an array")
+    forked.apart(lambda: seed_files.make(tmp_path), tmp_path)
+    loader = FILES[name]
+    sound = [p for p in (tmp_path / name).rglob("*") if p.is_file() and p.suffix in (loader.suffixes or (p.suffix,))]
+    assert sound
+    for path in sound:
+        loader.read(path)

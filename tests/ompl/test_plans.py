@@ -1,0 +1,65 @@
+"""Plans keep their numbers in files."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.ompl.plans import Plan
+
+
+@pytest.fixture
+def plan() -> Plan:
+    path = np.random.default_rng(0).normal(size=(5, 3))
+    return Plan(True, path, 1.0 / 3.0, 0.1, 0.2, "RRTConnect", "", ("a", "b", "c"))
+
+
+def same(p: Plan, q: Plan) -> bool:
+    names = ("solved", "length", "time", "simplification_time", "planner", "reason", "joint_names")
+    return np.array_equal(p.path, q.path) and all(getattr(p, name) == getattr(q, name) for name in names)
+
+
+def test_json_gives_the_same_numbers_back(tmp_path, plan):
+    plan.save(tmp_path / "plan.json")
+    assert same(Plan.load(tmp_path / "plan.json"), plan)
+
+
+def test_an_unsolved_plan_has_a_path_of_no_rows(tmp_path):
+    plan = Plan(False, np.empty((0, 2)), 0.0, 1.0, 0.0, "RRT", "no way", ("a", "b"))
+    plan.save(tmp_path / "plan.json")
+    assert same(Plan.load(tmp_path / "plan.json"), plan)
+
+
+def test_npy_and_csv_hold_the_path(tmp_path, plan):
+    plan.save(tmp_path / "plan.npy")
+    plan.save(tmp_path / "plan.csv")
+    assert np.array_equal(np.load(tmp_path / "plan.npy"), plan.path)
+    assert (tmp_path / "plan.csv").read_text().splitlines()[0] == "a,b,c"
+    assert np.array_equal(np.loadtxt(tmp_path / "plan.csv", delimiter=",", skiprows=1), plan.path)
+
+
+def test_bad_files(tmp_path, plan):
+    with pytest.raises(PlannercheckError, match=r"unknown format of a plan '\.txt'.*\.json, \.npy, \.csv"):
+        plan.save(tmp_path / "plan.txt")
+    with pytest.raises(PlannercheckError, match=r"no/plan\.json' can't be written"):
+        plan.save(tmp_path / "no" / "plan.json")
+    (tmp_path / "bad.json").write_text('{"solved": true}')
+    for name in ("bad.json", "missing.json"):
+        with pytest.raises(PlannercheckError, match=f"{name}' is no plan"):
+            Plan.load(tmp_path / name)
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path):
+    file = tmp_path / "out.txt"
+    file.write_text("old")
+
+    def fail(aside):
+        aside.write_text("half")
+        raise RuntimeError("stop")
+
+    with pytest.raises(RuntimeError):
+        written_aside(file, fail)
+    assert file.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["out.txt"]

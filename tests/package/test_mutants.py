@@ -1,0 +1,68 @@
+"""The lists of small faults that `mutation.py` puts in: every entry fits the checkout. Running them is done by hand."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from mutants import LISTS, BadMutantError, Mutant, fault_of, faults_of, read_mutants
+
+LEAST = 620
+
+ENTRY = """
+- name: one
+  file: plannercheck/common/errors.py
+  old: "class PlannercheckError("
+  new: "class PlannercheckErrors("
+  tests: [tests/package/test_mutants.py::test_every_mutant_fits_the_checkout]
+"""
+
+
+def written(folder, text) -> list[Mutant]:
+    (folder / "area.yaml").write_text(text)
+    return read_mutants(folder)
+
+
+def test_every_mutant_fits_the_checkout():
+    mutants = read_mutants()
+    assert faults_of(mutants) == {}
+    assert len(mutants) >= LEAST
+    assert {path.stem for path in LISTS.glob("*.yaml")} == {mutant.area for mutant in mutants}
+
+
+def test_an_entry_that_fits(tmp_path):
+    (mutant,) = written(tmp_path, ENTRY)
+    assert fault_of(mutant) == ""
+    assert not mutant.is_compiled
+    assert mutant.applied("class PlannercheckError(ValueError)") == "class PlannercheckErrors(ValueError)"
+    assert "repeats" in faults_of([mutant, mutant])["one"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("tests: [", "test: [", "unknown fields"),
+        ("  new: ", "  # new: ", "new has to be a text"),
+        ("tests: [", "equivalent: [", "either tests, or why"),
+        ("tests: [", "equivalent: so\n  tests: [", "either tests, or why"),
+        ("- name: one", "- nam: one", "without a name"),
+    ],
+)
+def test_lists_that_cannot_be_read(tmp_path, old, new, says):
+    with pytest.raises(BadMutantError, match=says):
+        written(tmp_path, ENTRY.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("common/errors.py", "no_errors.py", "no source"),
+        ("class PlannercheckError(", "class PlannercheckNoError(", "stands 0 times"),
+        ('old: "class PlannercheckError("', 'old: "e"', "stands [0-9]+ times"),
+        ("PlannercheckErrors(", "PlannercheckError(", "the same"),
+        ("::test_every", "::test_evry", "no such test"),
+    ],
+)
+def test_mutants_that_do_not_fit(tmp_path, old, new, says):
+    (mutant,) = written(tmp_path, ENTRY.replace(old, new))
+    assert re.search(says, fault_of(mutant))
