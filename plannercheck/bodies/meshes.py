@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from plannercheck.bodies.ply_files import check_ply
 from plannercheck.bodies.shapes import Hull
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
-from plannercheck.checking.input_hints import mesh_hint
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file
+
+# No link or object is as large: meshes in millimetres are, from 2 cm on. m.
+_LARGEST_USUAL_MESH = 20.0
 
 
 def load_mesh(path: str | Path, scale: float | Sequence[float] = 1.0) -> Hull:
@@ -57,6 +59,14 @@ def check_mesh(path: Path) -> None:
     """Raises for a file that would crash the libraries which read it."""
     if path.suffix.lower() == ".ply":
         check_ply(path)
+
+
+def mesh_hint(points: NDArray[np.float64]) -> str:
+    """What points (n, 3) in m look like that are unusually far apart; empty if they are not."""
+    size = float(np.ptp(points, axis=0).max(initial=0))
+    if size <= _LARGEST_USUAL_MESH:
+        return ""
+    return f"is {size:.4g} m large: if it is in millimetres, scale it by 0.001"
 
 
 def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:

@@ -1,12 +1,10 @@
-"""Words for input that can be read but is hardly meant: degrees, columns in another order, millimetres, xacro.
+"""Words for configurations that can be read but are hardly meant: degrees, columns in another order.
 
 In: what was given. Out: a sentence that says what it looks like and what to do, or an empty one. Hints never change a
 verdict.
 """
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +15,8 @@ Floats = NDArray[np.float64]
 
 # Part of the rows that is beyond the limits where something is wrong with all of them.
 _MOST = 0.5
-# No link or object is as large: meshes in millimetres are, from 2 cm on. m.
-_LARGEST_USUAL_MESH = 20.0
 # Configurations that tell what always collides, at least and at most, and how many pairs are named.
 _ENOUGH, _SAMPLES, _SHOWN_PAIRS = 20, 200, 8
-# What only xacro knows.
-_XACRO_SIGNS = (b"<xacro:", b"${")
 
 
 def limits_hint(robot: AnyRobot, rows: Floats) -> str:
@@ -63,25 +57,6 @@ def degrees_hint(robot: AnyRobot, q: Floats) -> str:
     """Says so if a configuration (nq,) looks as if it were in degrees; else empty."""
     is_beyond = _part_within(robot, q[None]) < 1
     return "as degrees it would be within: angles are in rad" if is_beyond and _are_degrees(robot, q[None]) else ""
-
-
-def mesh_hint(points: Floats) -> str:
-    """What points (n, 3) in m look like that are unusually far apart; empty if they are not."""
-    size = float(np.ptp(points, axis=0).max(initial=0))
-    if size <= _LARGEST_USUAL_MESH:
-        return ""
-    return f"is {size:.4g} m large: if it is in millimetres, scale it by 0.001"
-
-
-def xacro_hint(path: Path) -> str:
-    """Says so if a file is a xacro; empty if it is none, or can't be read."""
-    try:
-        content = path.read_bytes()
-    except OSError:
-        return ""
-    if path.suffix != ".xacro" and not any(sign in content for sign in _XACRO_SIGNS):
-        return ""
-    return f"it is a xacro, which has to be expanded first: xacro {path.name} > expanded.urdf"
 
 
 def _are_degrees(robot: AnyRobot, rows: Floats) -> bool:

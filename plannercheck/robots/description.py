@@ -29,7 +29,6 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.bodies.convex_decomposition import Decomposition
-from plannercheck.checking.input_hints import xacro_hint
 from plannercheck.common.checked_yaml import (
     check_keys,
     mapping,
@@ -43,6 +42,7 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
+from plannercheck.robots.xacro import xacro_hint
 
 _KEYS = (
     "name",

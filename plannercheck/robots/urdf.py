@@ -21,15 +21,15 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.meshes import check_mesh
+from plannercheck.bodies.meshes import check_mesh, mesh_hint
 from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
-from plannercheck.checking.input_hints import mesh_hint, xacro_hint
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.input_limits import check_xml
 from plannercheck.common.package_data import is_file
 from plannercheck.common.silence import urdf_silence
 from plannercheck.robots.urdf_messages import native_messages
+from plannercheck.robots.xacro import xacro_hint
 
 # Names of mesh files in a URDF that are looked at before they are read.
 _MESH = re.compile(rb"""filename\s*=\s*["']([^"']+\.ply)["']""", re.IGNORECASE)
