@@ -24,6 +24,7 @@ from plannercheck.checking.compiled_pairs import CompiledPairs, Preparation, add
 from plannercheck.checking.padding import Padding, padded_pairs
 from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.pair_table import Acm, pair_table
+from plannercheck.checking.scene_placement import place_objects
 from plannercheck.checking.settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
 from plannercheck.checking.verdicts import MotionVerdict, PairVerdict, Verdict
 from plannercheck.common.arrays import contiguous, read_only
@@ -33,7 +34,7 @@ from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, NEAR_TURNS, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.sampling import MotionSampler
-from plannercheck.robots.anchored_objects import inverse, place_objects
+from plannercheck.robots.anchored_objects import inverse
 from plannercheck.robots.kinematic_error import largest_distance
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene

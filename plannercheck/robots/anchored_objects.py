@@ -22,31 +22,8 @@ from plannercheck.robots.configurations import followed, joint_width
 
 if TYPE_CHECKING:
     from plannercheck.robots.robot import Robot
-    from plannercheck.scenes.scene import Scene
 
 Floats = NDArray[np.float64]
-
-
-def place_objects(robot: Robot, scene: Scene) -> None:
-    """Gives all objects of a scene their places, which then has no anchors any more.
-
-    Args:
-        robot: Its links are frames.
-        scene: Changed in place.
-
-    Raises:
-        PlannercheckError: If a frame is unknown, if the state does not say where it is, or if the robot has a link of
-            the same name as a frame that the file took for another.
-    """
-    _check_planning_frame(robot, scene)
-    items = (*scene.objects, *scene.attached)
-    for item in items:
-        if item.frame and item.frame in robot.link_names:
-            raise PlannercheckError(
-                f"object {item.name!r}: frame {item.frame!r} is one of the scene's, but also a link of "
-                f"{robot.name!r}, which MoveIt would take: rename one of them"
-            )
-    scene.placed(placed(robot, [item for item in items if item.anchor is not None]))
 
 
 def placed(robot: Robot, items: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
@@ -133,22 +110,6 @@ def _is_given(robot: Robot, joint: str, anchor: Anchor) -> bool:
     if joint_width(robot.model.joints[robot.model.getJointId(joint)]) > 1:
         return _is_at_identity(robot, joint, anchor.state)
     return followed(joint, robot.mimics, anchor.state.values)[0] in anchor.state.values
-
-
-def _check_planning_frame(robot: Robot, scene: Scene) -> None:
-    """Raises if the scene's planning frame is a link of the robot, but neither its root nor always where that is."""
-    planning = scene.frames.planning
-    if planning in robot.link_tree.parents and not _is_at_root(robot, planning):
-        raise PlannercheckError(
-            f"the scene's planning frame (child_frame_id of its fixed_frame_transforms) is {planning!r}, a link of "
-            f"{robot.name!r}, but not its root: MoveIt's is the root link or the parent of the virtual joint"
-        )
-
-
-def _is_at_root(robot: Robot, link: str) -> bool:
-    """Whether a link is fixed to the root with the same frame, e.g. base_link of a URDF that begins with world."""
-    frame = robot.model.frames[robot.frames[robot.link_index(link)]]
-    return frame.parentJoint == 0 and np.array_equal(frame.placement.homogeneous, np.eye(4))
 
 
 def inverse(pose: Floats) -> Floats:

@@ -1,0 +1,52 @@
+"""Places a scene's objects whose file gives their pose in a link's frame.
+
+In: a robot, a scene. Out: the same scene, in which every object stands in the world or on its link (see
+robots/anchored_objects.py), or an error if MoveIt would take one of its frames for another.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.robots.anchored_objects import placed
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
+
+
+def place_objects(robot: Robot, scene: Scene) -> None:
+    """Gives all objects of a scene their places, which then has no anchors any more.
+
+    Args:
+        robot: Its links are frames.
+        scene: Changed in place.
+
+    Raises:
+        PlannercheckError: If a frame is unknown, if the state does not say where it is, or if the robot has a link of
+            the same name as a frame that the file took for another.
+    """
+    _check_planning_frame(robot, scene)
+    items = (*scene.objects, *scene.attached)
+    for item in items:
+        if item.frame and item.frame in robot.link_names:
+            raise PlannercheckError(
+                f"object {item.name!r}: frame {item.frame!r} is one of the scene's, but also a link of "
+                f"{robot.name!r}, which MoveIt would take: rename one of them"
+            )
+    scene.placed(placed(robot, [item for item in items if item.anchor is not None]))
+
+
+def _check_planning_frame(robot: Robot, scene: Scene) -> None:
+    """Raises if the scene's planning frame is a link of the robot, but neither its root nor always where that is."""
+    planning = scene.frames.planning
+    if planning in robot.link_tree.parents and not _is_at_root(robot, planning):
+        raise PlannercheckError(
+            f"the scene's planning frame (child_frame_id of its fixed_frame_transforms) is {planning!r}, a link of "
+            f"{robot.name!r}, but not its root: MoveIt's is the root link or the parent of the virtual joint"
+        )
+
+
+def _is_at_root(robot: Robot, link: str) -> bool:
+    """Whether a link is fixed to the root with the same frame, e.g. base_link of a URDF that begins with world."""
+    frame = robot.model.frames[robot.frames[robot.link_index(link)]]
+    return frame.parentJoint == 0 and np.array_equal(frame.placement.homogeneous, np.eye(4))
