@@ -10,6 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.version import __version__
 
 if TYPE_CHECKING:
     import plannercheck.ndim as ndim
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     from plannercheck.motions.checker import Checker as Checker
     from plannercheck.robots.robot import Robot as Robot
     from plannercheck.scenes.scene import Scene as Scene
-
-__version__ = "0.1.0"
 
 # Loaded on first use, so that `import plannercheck` costs nothing that is not needed.
 _HOMES = {

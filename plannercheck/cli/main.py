@@ -20,9 +20,9 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from types import FrameType
 from typing import TextIO, cast
 
-from plannercheck import __version__
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.escaping import TerminalText, on_terminal
+from plannercheck.common.version import __version__
 
 # Exit codes beyond a command's own 0 and 1.
 BAD_INPUT = 2

@@ -21,10 +21,10 @@ from collections.abc import Iterable, Iterator
 from types import TracebackType
 from typing import Any
 
-from plannercheck import __version__
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
+from plannercheck.common.version import __version__
 from plannercheck.validation.engines import judged
 from plannercheck.validation.formats.chunks import Chunk
 from plannercheck.validation.judging import Findings, Judge

@@ -11,9 +11,9 @@ from dataclasses import asdict
 
 import numpy as np
 
-from plannercheck import __version__
 from plannercheck.bodies.shapes import hull_and_swell
 from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.version import __version__
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.validation.judging import Judge
