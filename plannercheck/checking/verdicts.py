@@ -6,17 +6,23 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.certificates import Certificate
 from plannercheck.common.arrays import OwnsArrays
 
 if TYPE_CHECKING:
-    from plannercheck.planar.certificates import Certificate as PlanarCertificate
     from plannercheck.proofs.proof import Proof
+
+
+class PairCertificate(Protocol):
+    """What proves a pair's verdict: a `Separation` or a `SharedPoint`, in space or in the plane."""
+
+    def verify(self) -> bool:
+        """Whether it is proved, in exact arithmetic with all vertices."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -38,7 +44,7 @@ class PairVerdict:
     first_body: str
     second_body: str
     colliding: bool
-    certificate: Certificate | PlanarCertificate
+    certificate: PairCertificate
 
 
 @dataclass(frozen=True)

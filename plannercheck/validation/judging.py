@@ -15,12 +15,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.certificates import Certificate, SharedPoint
+from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.checking.protocols import AnyChecker
-from plannercheck.checking.verdicts import ValidityReport
+from plannercheck.checking.verdicts import PairCertificate, ValidityReport
 from plannercheck.motions.checker import Checker
-from plannercheck.planar.certificates import Certificate as PlanarCertificate
+from plannercheck.planar.certificates import Separation as PlanarSeparation
 from plannercheck.planar.certificates import SharedPoint as PlanarSharedPoint
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.validation.validate import validate
@@ -106,14 +106,12 @@ def _certificates(checker: AnyChecker, rows: Floats, first_pair: NDArray[np.int3
         for row, certificate in zip(part.tolist(), _certified(checker, rows[part], explained[part]), strict=True):
             if isinstance(certificate, SharedPoint | PlanarSharedPoint):
                 point[row] = certificate.point
-            else:
+            elif isinstance(certificate, Separation | PlanarSeparation):
                 normal[row], offset[row], gap[row] = certificate.normal, certificate.offset, certificate.gap
     return {"explained_pair": explained, "point": point, "normal": normal, "offset": offset, "gap": gap}
 
 
-def _certified(
-    checker: AnyChecker, rows: Floats, pairs: NDArray[np.int32]
-) -> list[Certificate] | list[Certificate | PlanarCertificate]:
+def _certified(checker: AnyChecker, rows: Floats, pairs: NDArray[np.int32]) -> list[PairCertificate]:
     """The certificate of one pair for each row."""
     if isinstance(checker, PlanarChecker):
         poses = checker.body_poses(rows)
@@ -124,7 +122,7 @@ def _certified(
         ]
     assert isinstance(checker, Checker)
     poses, polytopes = checker.body_poses(rows), checker.polytopes
-    found = []
+    found: list[PairCertificate] = []
     for k, pair in enumerate(pairs.tolist()):
         a, b = checker.pairs[pair].tolist()
         first, second = polytopes[a], polytopes[b]
