@@ -12,13 +12,13 @@ from plannercheck.planar.certificates import Separation as Separation
 from plannercheck.planar.certificates import SharedPoint as SharedPoint
 from plannercheck.planar.certificates import certify as certify
 from plannercheck.planar.checker import Checker as Checker
+from plannercheck.planar.links import Link as Link
 from plannercheck.planar.pieces import convex_pieces as convex_pieces
 from plannercheck.planar.polygons import Counts as Counts
 from plannercheck.planar.polygons import Polygons as Polygons
 from plannercheck.planar.polygons import count_batch as count_batch
 from plannercheck.planar.polygons import intersects as intersects
 from plannercheck.planar.polygons import intersects_batch as intersects_batch
-from plannercheck.planar.robot import Link as Link
 from plannercheck.planar.robot import Robot as Robot
 from plannercheck.planar.scene import Scene as Scene
 from plannercheck.planar.scene import pose_of as pose_of

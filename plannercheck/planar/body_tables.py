@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.planar.robot import Body, Robot
+from plannercheck.planar.links import Body
+from plannercheck.planar.robot import Robot
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]

@@ -23,10 +23,11 @@ from plannercheck.motions.explanation import explained_motion
 from plannercheck.planar.body_tables import core_arguments, pair_table
 from plannercheck.planar.certificates import certify
 from plannercheck.planar.curves import Curve, Curves, check_curve
+from plannercheck.planar.links import Body
 from plannercheck.planar.motion_certifier import STRAIGHT, MotionCertifier
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.polygons import METHODS, Method
-from plannercheck.planar.robot import Body, Robot
+from plannercheck.planar.robot import Robot
 from plannercheck.planar.scene import Scene
 
 if TYPE_CHECKING:

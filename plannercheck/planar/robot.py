@@ -12,20 +12,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.common.arrays import OwnsArrays, contiguous, read_only
+from plannercheck.common.arrays import contiguous, read_only
+from plannercheck.common.checked_yaml import within
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.planar.links import Body, Link
 from plannercheck.planar.pieces import convex_pieces
+from plannercheck.planar.robot_files import planar_file, read_robot
 
 Floats = NDArray[np.float64]
-Joint: TypeAlias = Literal["free", "revolute", "fixed"]
 
 # Numbers that each kind of joint takes, and the core's name for it.
 _WIDTHS: dict[str, int] = {"fixed": 0, "revolute": 1, "free": 3}
@@ -36,44 +38,6 @@ _UNLIMITED_RANGE = 1.0
 
 # Beyond this, sums of lengths could overflow; nothing gets there.
 _LARGEST_VALUE = 1e15
-
-
-@dataclass(frozen=True, eq=False)
-class Link:
-    """One rigid part of a planar robot.
-
-    Attributes:
-        name: Unique in the robot.
-        footprint: One outline (n, 2) in the link's frame, m, or several; concave ones are split.
-        parent: Name of the link that it hangs on, given before it; None for the root.
-        anchor: x, y in m and angle in rad of its frame on the parent's, or in the world.
-        joint: "free" (the root alone), "revolute" or "fixed".
-        limits: Least and largest angle of a revolute joint, rad; infinite ones mean that it turns freely.
-    """
-
-    name: str
-    footprint: ArrayLike | Sequence[ArrayLike]
-    parent: str | None = None
-    anchor: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    joint: Joint = "fixed"
-    limits: tuple[float, float] = (-math.inf, math.inf)
-
-
-@dataclass(frozen=True, eq=False)
-class Body(OwnsArrays):
-    """A convex polygon on a link, or in the world.
-
-    Attributes:
-        name: For reports.
-        link: Index of the link; -1 for a body in the world.
-        vertices: (n, 2) in the link's frame, or in its own if it is in the world, m.
-        pose: (3, 3) in the world of a body on no link.
-    """
-
-    name: str
-    link: int
-    vertices: Floats
-    pose: Floats
 
 
 class Robot:
@@ -121,9 +85,10 @@ class Robot:
     @classmethod
     def load(cls, name_or_path: str | Path) -> Robot:
         """Loads a planar robot: a name from robots/ such as "forklift", or a YAML file."""
-        from plannercheck.planar.robot_files import read_robot  # it builds robots, so it imports this module
-
-        return read_robot(name_or_path)
+        path = planar_file(name_or_path, "robots")
+        with within(f"robot file {str(path)!r}"):
+            links, name, disabled_pairs = read_robot(path)
+            return cls(links, name=name, disabled_pairs=disabled_pairs)
 
     @property
     def nq(self) -> int:

@@ -1,6 +1,6 @@
 """Reads planar robots: robots/<name>.yaml with `kind: planar`.
 
-In: a name or a path. Out: `Robot`. Lengths are in m, angles in rad:
+In: a path. Out: what `Robot` takes. Lengths are in m, angles in rad:
 
     kind: planar
     name: truck_trailer            # default: the file's name
@@ -37,7 +37,7 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import is_planar_file, shipped_folder
-from plannercheck.planar.robot import Link, Robot
+from plannercheck.planar.links import Link
 
 _KEYS = ("kind", "name", "links", "disabled_pairs")
 _LINK_KEYS = ("name", "parent", "anchor", "joint", "limits", "footprint", "footprints")
@@ -66,18 +66,21 @@ def is_planar(name_or_path: str | Path, folder: str) -> bool:
     return path.suffix in (".yaml", ".yml") and is_planar_file(path)
 
 
-def read_robot(name_or_path: str | Path) -> Robot:
-    """Reads a planar robot."""
-    path = planar_file(name_or_path, "robots")
-    with within(f"robot file {str(path)!r}"):
-        content = planar_document(path, _KEYS)
-        links = [
-            _link(mapping(item, f"link {k}"), k) for k, item in enumerate(sequence(content.get("links"), "'links'"))
-        ]
-        if not links:
-            raise PlannercheckError("'links' must list at least one link")
-        pairs = [_names(pair) for pair in sequence(content.get("disabled_pairs"), "'disabled_pairs'")]
-        return Robot(links, name=text(content.get("name", path.stem), "name"), disabled_pairs=pairs)
+def read_robot(path: Path) -> tuple[list[Link], str, list[tuple[str, str]]]:
+    """Reads a planar robot.
+
+    Args:
+        path: Of a YAML file.
+
+    Returns:
+        Its links, its name, and the pairs of links that are not tested against each other.
+    """
+    content = planar_document(path, _KEYS)
+    links = [_link(mapping(item, f"link {k}"), k) for k, item in enumerate(sequence(content.get("links"), "'links'"))]
+    if not links:
+        raise PlannercheckError("'links' must list at least one link")
+    pairs = [_names(pair) for pair in sequence(content.get("disabled_pairs"), "'disabled_pairs'")]
+    return links, text(content.get("name", path.stem), "name"), pairs
 
 
 def planar_document(path: Path, keys: tuple[str, ...]) -> Node:

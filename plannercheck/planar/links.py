@@ -1,0 +1,54 @@
+"""What planar robots are made of: links, given or read from a file, and the convex polygons on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.common.arrays import OwnsArrays
+
+Floats = NDArray[np.float64]
+Joint: TypeAlias = Literal["free", "revolute", "fixed"]
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """One rigid part of a planar robot.
+
+    Attributes:
+        name: Unique in the robot.
+        footprint: One outline (n, 2) in the link's frame, m, or several; concave ones are split.
+        parent: Name of the link that it hangs on, given before it; None for the root.
+        anchor: x, y in m and angle in rad of its frame on the parent's, or in the world.
+        joint: "free" (the root alone), "revolute" or "fixed".
+        limits: Least and largest angle of a revolute joint, rad; infinite ones mean that it turns freely.
+    """
+
+    name: str
+    footprint: ArrayLike | Sequence[ArrayLike]
+    parent: str | None = None
+    anchor: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    joint: Joint = "fixed"
+    limits: tuple[float, float] = (-math.inf, math.inf)
+
+
+@dataclass(frozen=True, eq=False)
+class Body(OwnsArrays):
+    """A convex polygon on a link, or in the world.
+
+    Attributes:
+        name: For reports.
+        link: Index of the link; -1 for a body in the world.
+        vertices: (n, 2) in the link's frame, or in its own if it is in the world, m.
+        pose: (3, 3) in the world of a body on no link.
+    """
+
+    name: str
+    link: int
+    vertices: Floats
+    pose: Floats
