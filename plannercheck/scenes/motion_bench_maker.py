@@ -21,7 +21,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.input_limits import INPUT_LIMITS
 from plannercheck.common.package_data import is_folder
 from plannercheck.scenes.moveit_request import MotionRequest, motion_request
-from plannercheck.scenes.moveit_scene import attach_from_state, planning_scene
+from plannercheck.scenes.moveit_scene import attach_from_state, read_planning_scene
 from plannercheck.scenes.scene import Scene
 
 # What names a file's role and number in a problem set.
@@ -80,7 +80,8 @@ class ProblemSet:
         """Reads one problem, by its number as in the files' names, e.g. "0001"."""
         scene_file, request_file = self.members[number]
         with within(f"{self.name}, {scene_file}"):
-            scene = planning_scene(parse_yaml(self._read(scene_file)), self._folder / Path(scene_file).parent)
+            scene, folder = Scene(), self._folder / Path(scene_file).parent
+            read_planning_scene(scene, parse_yaml(self._read(scene_file)), folder)
         with within(f"{self.name}, {request_file}"):
             request = motion_request(parse_yaml(self._read(request_file)))
             name = f"{self.name}/{number}"

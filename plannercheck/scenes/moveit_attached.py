@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from plannercheck.bodies.objects import Anchor, SceneObject, StatedJoints, scene_object
 from plannercheck.common.checked_yaml import Node, check_keys, mapping, required, sequence, text, within
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_frames import find_frame
 from plannercheck.scenes.moveit_objects import FindMesh, ObjectMessage, read_object
-from plannercheck.scenes.scene import Scene
 
 # The fields of moveit_msgs/AttachedCollisionObject; how hands let go and what objects weigh is accepted and not read.
 _KEYS = ("link_name", "object", "touch_links", "detach_posture", "weight")
@@ -57,7 +57,7 @@ def read_attached(state: Node, joints: StatedJoints, find_mesh: FindMesh) -> lis
     return found
 
 
-def attach_with_shapes(scene: Scene, messages: list[AttachedMessage]) -> None:
+def attach_with_shapes(scene: SceneContents, messages: list[AttachedMessage]) -> None:
     """Attaches objects that have shapes of their own, each in the place of what the scene calls so."""
     for message in messages:
         if message.object.parts:
@@ -67,7 +67,7 @@ def attach_with_shapes(scene: Scene, messages: list[AttachedMessage]) -> None:
             scene.put(item)
 
 
-def attach_from_world(scene: Scene, messages: list[AttachedMessage]) -> None:
+def attach_from_world(scene: SceneContents, messages: list[AttachedMessage]) -> None:
     """Attaches objects of the world where they stand; those that are attached already stay as they are."""
     attached = {item.name for item in scene.attached}
     for message in messages:
@@ -86,7 +86,7 @@ def attach_from_world(scene: Scene, messages: list[AttachedMessage]) -> None:
         scene.put(dataclasses.replace(carried, anchor=anchor, frame=item.frame))
 
 
-def _posed(scene: Scene, message: AttachedMessage) -> SceneObject:
+def _posed(scene: SceneContents, message: AttachedMessage) -> SceneObject:
     """The object on its link, or with an anchor."""
     read = message.object
     item = dataclasses.replace(scene_object(read.name, read.parts, read.pose), subframes=read.subframes)

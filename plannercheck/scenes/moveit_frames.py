@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from plannercheck.bodies.objects import Anchor, SceneFrames, SceneObject, StatedJoints
 from plannercheck.common.checked_yaml import Node, check_keys, mapping, required, sequence, within
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_messages import frame_name, header_frame, transform
-from plannercheck.scenes.scene import Scene
 
 Matrix = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ class Frame:
         return dataclasses.replace(item.moved(self.pose @ item.pose), anchor=self.anchor, frame=self.name)
 
 
-def find_frame(scene: Scene, name: str, state: StatedJoints, later: Collection[str] = ()) -> Frame:
+def find_frame(scene: SceneContents, name: str, state: StatedJoints, later: Collection[str] = ()) -> Frame:
     """Finds a frame among all but links; any other name is taken for a link's.
 
     Args:
@@ -130,7 +130,7 @@ def _frame_of(item: SceneObject, subframe: Matrix, state: StatedJoints, name: st
     return Frame(item.anchor, item.pose @ subframe, name)
 
 
-def _known(scene: Scene) -> tuple[str, ...]:
+def _known(scene: SceneContents) -> tuple[str, ...]:
     """Names of all frames that a scene knows besides links."""
     names: Iterable[str] = (scene.frames.planning or _DEFAULT, *scene.frames.fixed)
     objects = (*scene.objects, *scene.attached)

@@ -9,7 +9,7 @@ from typing import Any
 
 from plannercheck.common.checked_yaml import Node, check_keys, sequence, text
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.scenes.scene import AllowedCollisions
+from plannercheck.scenes.contents import AllowedCollisions
 
 
 def allowed_collisions(node: Node) -> AllowedCollisions:

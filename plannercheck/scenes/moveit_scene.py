@@ -1,6 +1,6 @@
 """MoveIt planning scenes in YAML, as ROS, MoveIt and MotionBenchMaker write them.
 
-In: parsed YAML. Out: a Scene.
+In: parsed YAML, a scene without objects. Out: the scene as MoveIt would have it.
 
 Objects are posed in the frame that their header names (moveit_frames.py), and their primitives and meshes relative to
 them (moveit_objects.py). docs/moveit.md has for every field of the messages whether it is used, refused or ignored:
@@ -19,12 +19,12 @@ from pathlib import Path
 from plannercheck.bodies.objects import StatedJoints, scene_object
 from plannercheck.common.checked_yaml import Node, check_keys, mapping, number, required, sequence, text, within
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_attached import attach_from_world, attach_with_shapes, read_attached
 from plannercheck.scenes.moveit_frames import find_frame, scene_frames
 from plannercheck.scenes.moveit_matrix import allowed_collisions
 from plannercheck.scenes.moveit_objects import ObjectMessage, mesh_finder, read_object
 from plannercheck.scenes.moveit_states import check_robot_state, stated_joints
-from plannercheck.scenes.scene import Scene
 
 # The fields of moveit_msgs/PlanningScene; the ones that no verdict depends on are accepted and not read.
 _SCENE_KEYS = (
@@ -40,19 +40,17 @@ def is_planning_scene(document: Node) -> bool:
     return not _TELLING_KEYS.isdisjoint(document)
 
 
-def planning_scene(document: Node, folder: Path, package_dirs: Sequence[Path] = ()) -> Scene:
-    """Makes a Scene of a parsed planning scene.
+def read_planning_scene(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequence[Path] = ()) -> None:
+    """Reads a parsed planning scene: its objects, what the robot's state attaches, its allowed collision matrix.
 
     Args:
+        scene: Is filled.
         document: The YAML document.
         folder: Where relative paths of meshes start.
         package_dirs: Where `package://` meshes are looked for.
-
-    Returns:
-        The scene: its objects, what the robot's state attaches, and its allowed collision matrix.
     """
     check_keys(document, _SCENE_KEYS)
-    scene = Scene(text(document.get("name") or "", "name"))
+    scene.name = text(document.get("name") or "", "name")
     scene.frames = scene_frames(document)
     state = mapping(document.get("robot_state"), "'robot_state'")
     with within("robot_state"):
@@ -73,11 +71,10 @@ def planning_scene(document: Node, folder: Path, package_dirs: Sequence[Path] = 
     _add_objects(scene, state, obstacles, folder, package_dirs)
     with within("allowed_collision_matrix"):
         scene.allowed = allowed_collisions(mapping(document.get("allowed_collision_matrix"), "it"))
-    return scene
 
 
 def _add_objects(
-    scene: Scene, state: Node, obstacles: Sequence[ObjectMessage], folder: Path, package_dirs: Sequence[Path]
+    scene: SceneContents, state: Node, obstacles: Sequence[ObjectMessage], folder: Path, package_dirs: Sequence[Path]
 ) -> None:
     """Adds what the state attaches and the obstacles; in MoveIt's order, since each may be posed in earlier ones."""
     with within("robot_state"):
@@ -93,7 +90,7 @@ def _add_objects(
         attach_from_world(scene, attached)
 
 
-def _add_obstacle(scene: Scene, read: ObjectMessage, joints: StatedJoints, later: Sequence[str]) -> None:
+def _add_obstacle(scene: SceneContents, read: ObjectMessage, joints: StatedJoints, later: Sequence[str]) -> None:
     with within(f"collision object {read.name!r}"):
         if not read.parts:
             raise PlannercheckError("has neither primitives nor meshes")
@@ -102,7 +99,7 @@ def _add_obstacle(scene: Scene, read: ObjectMessage, joints: StatedJoints, later
     scene.put(frame.holds(item))
 
 
-def attach_from_state(scene: Scene, state: Node, folder: Path) -> None:
+def attach_from_state(scene: SceneContents, state: Node, folder: Path) -> None:
     """Attaches what a robot state says, e.g. the start of a motion request, to links; see moveit_attached.py.
 
     Objects that it gives with shapes take the place of those that the scene calls so, whether attached or not.

@@ -1,6 +1,7 @@
 """Reads and writes scene files of our own format, which scene.py documents.
 
-In: a YAML file. Out: a Scene, and back. A file with the keys of a MoveIt planning scene goes to moveit_scene.py.
+In: a YAML file, a scene without objects. Out: the scene as the file has it, and back. A file with the keys of a MoveIt
+planning scene goes to moveit_scene.py.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file, is_folder
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
 from plannercheck.scenes import moveit_scene as moveit
+from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
-from plannercheck.scenes.scene import Scene
 
 # Keys of pairs, and whether they may touch; two links, which a misspelt object may not pass for, have their own.
 _LINK_PAIRS = ("allowed_links", "forbidden_links")
@@ -54,33 +55,30 @@ _SIZED: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
 _SHAPE_KEYS = ("box", *_SIZED, "mesh", "hull")
 
 
-def read_scene(path: Path, package_dirs: Sequence[Path] = ()) -> Scene:
+def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = ()) -> None:
     """Reads a scene of either format.
 
     Args:
+        scene: Is filled, and named after the file if that does not give a name.
         path: The file.
         package_dirs: Where `package://` meshes of MoveIt scenes are looked for.
-
-    Returns:
-        The scene, named after the file if it has no name of its own.
     """
     if not is_file(path):
         raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
     with within(f"scene file {str(path)!r}"):
         document = parse_yaml(read_bytes(path))
         if moveit.is_planning_scene(document):
-            scene = moveit.planning_scene(document, path.parent, package_dirs)
+            moveit.read_planning_scene(scene, document, path.parent, package_dirs)
         else:
-            scene = _scene(document, path.parent)
+            _read(scene, document, path.parent)
     scene.name = scene.name or path.stem
-    return scene
 
 
-def _scene(document: Node, folder: Path) -> Scene:
+def _read(scene: SceneContents, document: Node, folder: Path) -> None:
     if "urdf" in document:
         raise PlannercheckError("is a robot, not a scene")
     check_keys(document, _SCENE_KEYS)
-    scene = Scene(text(document.get("name", ""), "name"))
+    scene.name = text(document.get("name", ""), "name")
     for k, item in enumerate(sequence(required(document, "objects"), "'objects'")):
         _add_object(scene, mapping(item, f"object {k}"), k, folder)
     for k, item in enumerate(sequence(document.get("attached"), "'attached'")):
@@ -89,10 +87,9 @@ def _scene(document: Node, folder: Path) -> Scene:
     for robot, item in mapping(document.get("states"), "'states'").items():
         with within(f"states of {robot!r}"):
             read_states(scene, robot, mapping(item, "they"), folder)
-    return scene
 
 
-def _add_object(scene: Scene, node: Node, index: int, folder: Path) -> None:
+def _add_object(scene: SceneContents, node: Node, index: int, folder: Path) -> None:
     with within(f"object {index}"):
         name = text(required(node, "name"), "name")
     with within(f"object {name!r}"):
@@ -101,7 +98,7 @@ def _add_object(scene: Scene, node: Node, index: int, folder: Path) -> None:
     scene.add(name, parts, pose)
 
 
-def _attach_object(scene: Scene, node: Node, index: int, folder: Path) -> None:
+def _attach_object(scene: SceneContents, node: Node, index: int, folder: Path) -> None:
     with within(f"attached object {index}"):
         name = text(required(node, "name"), "name")
     with within(f"attached object {name!r}"):
@@ -199,7 +196,7 @@ def _pose(node: Node) -> NDArray[np.float64]:
     return pose_of(position)
 
 
-def _read_allowed(scene: Scene, document: Node) -> None:
+def _read_allowed(scene: SceneContents, document: Node) -> None:
     """Reads which pairs may touch."""
     known = [*scene.object_names, *(item.name for item in scene.attached)]
     for key, allowed in _PAIRS.items():
@@ -227,7 +224,7 @@ def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> 
     scene.set_states(robot, start, goal, samples)
 
 
-def write_scene(scene: Scene, path: Path) -> None:
+def write_scene(scene: SceneContents, path: Path) -> None:
     """Writes a scene so that reading it gives the same doubles."""
     folder = path.resolve().parent
     document: Node = {"name": scene.name} if scene.name else {}
@@ -281,7 +278,7 @@ def _pose_node(pose: NDArray[np.float64]) -> Node:
     return {"matrix": pose.tolist()}
 
 
-def _allowed_nodes(scene: Scene) -> Node:
+def _allowed_nodes(scene: SceneContents) -> Node:
     """What may touch; forbidden pairs matter only where a default would allow them."""
     known = {*scene.object_names, *(item.name for item in scene.attached)}
     said = {

@@ -16,7 +16,7 @@ from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.motion_bench_maker import load_problems
 from plannercheck.scenes.moveit_request import motion_request, read_request
-from plannercheck.scenes.moveit_scene import planning_scene
+from plannercheck.scenes.moveit_scene import read_planning_scene
 from plannercheck.scenes.scene import Scene
 
 LISTS = """
@@ -118,7 +118,9 @@ def scene_of(text, folder, **changes):
         for key in parents:
             node = node[int(key) if isinstance(node, list) else key]
         node[last] = value
-    return planning_scene(document, folder)
+    scene = Scene()
+    read_planning_scene(scene, document, folder)
+    return scene
 
 
 def problem_folder(folder, numbers=("0001", "0002")):

@@ -23,7 +23,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.motion_bench_maker import load_problems
-from plannercheck.scenes.moveit_scene import attach_from_state, planning_scene
+from plannercheck.scenes.moveit_scene import attach_from_state, read_planning_scene
 from plannercheck.scenes.scene import Scene
 
 STATE = {
@@ -90,7 +90,9 @@ def scene_of(*objects, transforms=EXPORTED, state=None, **more):
         "world": {"collision_objects": list(objects)},
         **more,
     }
-    return planning_scene(yaml.safe_load(yaml.safe_dump(document)), None)
+    scene = Scene()
+    read_planning_scene(scene, yaml.safe_load(yaml.safe_dump(document)), None)
+    return scene
 
 
 def link_pose(robot, link, values=STATE):

@@ -8,10 +8,11 @@ import pinocchio
 import pytest
 
 from plannercheck.bodies.meshes import load_mesh
+from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Sphere
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
-from plannercheck.scenes.scene import Part, Scene, shipped_scenes
+from plannercheck.scenes.scene import Scene, shipped_scenes
 
 TETRAHEDRON = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 

@@ -1,0 +1,251 @@
+"""What a scene holds: obstacles by name, what links carry, and what may touch.
+
+In: `add_...` calls, of users and of what reads files. Out: `bodies`, each a shape posed in the world, `attached`
+objects, and allowed collisions. It can be changed at any time, in place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plannercheck.bodies.meshes import load_mesh
+from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
+from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.scenes.declared_states import DeclaredStates
+
+Contents = TypeVar("Contents", bound="SceneContents")
+
+
+@dataclass
+class AllowedCollisions:
+    """Which links and objects may touch, as a MoveIt allowed collision matrix says it.
+
+    Attributes:
+        pairs: What is said of a pair of names: True if it may touch.
+        defaults: What is said of a name with any other, where `pairs` says nothing.
+    """
+
+    pairs: dict[frozenset[str], bool] = field(default_factory=dict)
+    defaults: dict[str, bool] = field(default_factory=dict)
+
+    def __call__(self, a: str, b: str) -> bool:
+        """Whether two links or objects may touch: their own entry, else the stricter of their defaults."""
+        said = self.pairs.get(frozenset((a, b)))
+        if said is not None:
+            return said
+        defaults = [self.defaults[name] for name in (a, b) if name in self.defaults]
+        return bool(defaults) and all(defaults)
+
+
+class SceneContents(DeclaredStates):
+    """Named obstacles, posed in the world, and what links carry; `Scene` has files besides.
+
+    Attributes:
+        name: For reports.
+        allowed: Which links and objects may touch.
+        states: Start, goal and samples by robot name.
+        link_padding: What a MoveIt scene asks to be kept from links, by name, m; a checker takes it as `padding=`.
+        frames: Which frames a MoveIt scene knows besides links and objects.
+    """
+
+    def __init__(self, name: str = "") -> None:
+        """Makes an empty scene."""
+        super().__init__(name)
+        self.allowed = AllowedCollisions()
+        self.link_padding: dict[str, float] = {}
+        self.frames = SceneFrames()
+        self._objects: dict[str, SceneObject] = {}
+        self._attached: dict[str, SceneObject] = {}
+        self._body_names: set[str] = set()
+
+    def __repr__(self) -> str:
+        attached = f", {len(self._attached)} attached" if self._attached else ""
+        return f"Scene({self.name!r}, {len(self._objects)} objects{attached}, {len(self.body_objects)} bodies)"
+
+    def copy(self: Contents) -> Contents:
+        """A scene that can be changed on its own; both share the objects' shapes and what is prepared of them."""
+        other = type(self)(self.name)
+        other.allowed = AllowedCollisions(dict(self.allowed.pairs), dict(self.allowed.defaults))
+        other.states, other.link_padding, other.frames = dict(self.states), dict(self.link_padding), self.frames
+        other._objects, other._attached = dict(self._objects), dict(self._attached)
+        other._body_names = set(self._body_names)
+        return other
+
+    def add(self, name: str, parts: Parts, pose: ArrayLike | None = None) -> None:
+        """Adds an object: one shape, or several posed ones; its bodies are "name", or "name/0", "name/1", ...
+
+        Args:
+            name: Of the object.
+            parts: A shape, or parts posed in the object's frame.
+            pose: (4, 4) of the object's frame in the world, m; None is the identity.
+        """
+        self.put(scene_object(name, parts, pose))
+
+    def put(self, item: SceneObject) -> None:
+        """Adds an obstacle or an attached object of a new name."""
+        if item.name in self._objects or item.name in self._attached:
+            raise PlannercheckError(f"object {item.name!r} exists already: remove it first, or choose another name")
+        names = [body.name for body in item.bodies]
+        taken = self._body_names.intersection(names)
+        if taken:
+            raise PlannercheckError(
+                f"object {item.name!r}: another object is named {min(taken)!r}, as its part would be"
+            )
+        (self._objects if item.link is None else self._attached)[item.name] = item
+        self._body_names.update(names)
+
+    def add_box(self, name: str, size: Sequence[float], pose: ArrayLike | None = None) -> None:
+        """Adds a box of full edge lengths `size` (3,) in m."""
+        self.add(name, Box(size), pose)  # type: ignore[arg-type]  # Box checks it
+
+    def add_sphere(self, name: str, radius: float, pose: ArrayLike | None = None) -> None:
+        """Adds a sphere of a radius in m."""
+        self.add(name, Sphere(radius), pose)
+
+    def add_cylinder(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
+        """Adds a cylinder along z about its centre, sizes in m."""
+        self.add(name, Cylinder(radius, length), pose)
+
+    def add_capsule(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
+        """Adds a capsule along z about its centre; the length is its segment's, in m."""
+        self.add(name, Capsule(radius, length), pose)
+
+    def add_cone(self, name: str, radius: float, length: float, pose: ArrayLike | None = None) -> None:
+        """Adds a cone along z, its apex at +length/2 and its base at -length/2, sizes in m."""
+        self.add(name, Cone(radius, length), pose)
+
+    def add_hull(self, name: str, vertices: ArrayLike, pose: ArrayLike | None = None) -> None:
+        """Adds the convex hull of points (n, 3) in m."""
+        self.add(name, Hull(np.asarray(vertices)), pose)
+
+    def add_mesh(
+        self,
+        name: str,
+        path: str | Path,
+        pose: ArrayLike | None = None,
+        scale: float | Sequence[float] = 1.0,
+    ) -> None:
+        """Adds the convex hull of a mesh file (stl, dae, obj, ply, ...); `scale` takes its unit to m."""
+        self.add(name, [Part(load_mesh(path, scale), None, (Path(path), scale))], pose)
+
+    def move(self, name: str, pose: ArrayLike | None) -> None:
+        """Moves an object with all its parts, as `add` and `remove` in place: checkers keep what they were built with.
+
+        Args:
+            name: Of the object; an attached one moves on its link.
+            pose: (4, 4) where its frame is to be in the world, or on its link, m. The frame of an object of one shape
+                is the shape's own; of several, it is the pose that was given for the object.
+        """
+        table = self._table_of(name)
+        table[name] = table[name].moved(pose)
+
+    def remove(self, name: str) -> None:
+        """Removes an object with all its parts, from the world or from its link."""
+        self._taken(name)
+
+    def _taken(self, name: str) -> SceneObject:
+        """An object, which the scene no longer has."""
+        item = self._table_of(name).pop(name)
+        self._body_names.difference_update(body.name for body in item.bodies)
+        return item
+
+    def attach(
+        self,
+        name: str,
+        link: str,
+        pose: ArrayLike | None = None,
+        touch_links: Iterable[str] = (),
+        parts: Parts | None = None,
+    ) -> None:
+        """Lets a link carry an object: it moves with the link, as a part of the robot.
+
+        It is tested against obstacles and against all links but its own and the touch links.
+
+        Args:
+            name: Of an object of the scene, which leaves the world, or of a new one.
+            link: Of the robot.
+            pose: (4, 4) of the object's frame in the link's, m; None is the identity.
+            touch_links: Links, or other attached objects, that it may touch.
+            parts: The shape, or posed shapes, of a new object.
+        """
+        if parts is None and name not in self._objects:
+            raise unknown_name("object to attach", name, self._objects)
+        item = self._objects[name] if parts is None else scene_object(name, parts)
+        item = item.attached(link, pose, touch_links)
+        if parts is None:
+            self._taken(name)
+        self.put(item)
+
+    def detach(self, name: str, pose: ArrayLike | None) -> None:
+        """Puts an attached object back into the world, its frame at a pose (4, 4), m."""
+        if name not in self._attached:
+            raise unknown_name("attached object", name, self._attached)
+        item = self._attached[name].released(pose)
+        self._taken(name)
+        self.put(item)
+
+    def _table_of(self, name: str) -> dict[str, SceneObject]:
+        if name not in self._objects and name not in self._attached:
+            raise unknown_name("object", name, (*self._objects, *self._attached))
+        return self._objects if name in self._objects else self._attached
+
+    @property
+    def object_names(self) -> tuple[str, ...]:
+        """Names of the obstacles, in the order in which they were added."""
+        return tuple(self._objects)
+
+    def object(self, name: str) -> SceneObject:
+        """An obstacle or an attached object."""
+        return self._table_of(name)[name]
+
+    def placed(self, items: Iterable[SceneObject]) -> None:
+        """Takes objects whose places in the world or on their links are known now."""
+        for item in items:
+            self._table_of(item.name)[item.name] = item
+
+    @property
+    def objects(self) -> tuple[SceneObject, ...]:
+        """The obstacles."""
+        return tuple(self._objects.values())
+
+    @property
+    def attached(self) -> tuple[SceneObject, ...]:
+        """The objects that links carry."""
+        return tuple(self._attached.values())
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All parts of all obstacles, with `link` None and their pose in the world.
+
+        Raises:
+            PlannercheckError: If an object is posed in a link's frame, which only a robot can place.
+        """
+        for item in self._objects.values():
+            if item.anchor is not None:
+                raise unplaced(item)
+        return tuple(body for item in self._objects.values() for body in item.bodies)
+
+    @property
+    def body_objects(self) -> tuple[str, ...]:
+        """For each of `bodies`, the name of its object."""
+        return tuple(name for name, item in self._objects.items() for _ in item.bodies)
+
+    @property
+    def allowed_pairs(self) -> set[frozenset[str]]:
+        """Pairs of names that are said to be allowed to touch; `is_allowed` knows the defaults, too."""
+        return {pair for pair, allowed in self.allowed.pairs.items() if allowed}
+
+    def is_allowed(self, a: str, b: str) -> bool:
+        """Whether two links or objects may touch, by their own entry or by default."""
+        return self.allowed(a, b)
+
+    def allow(self, a: str, b: str, allowed: bool = True) -> None:
+        """Says whether two links or objects may touch."""
+        self.allowed.pairs[frozenset((a, b))] = allowed
