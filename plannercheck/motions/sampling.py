@@ -6,20 +6,16 @@ far a point can be moved by one unit of the joint: the longest way from the join
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import DEFAULT_EXCESS, hull_and_swell
+from plannercheck.checking.state_checker import StateChecker
 from plannercheck.common.angles import nearest_turns
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import NO_LIMIT
 from plannercheck.robots.robot import Robot
-
-if TYPE_CHECKING:
-    from plannercheck.motions.checker import Checker
 
 Floats = NDArray[np.float64]
 
@@ -114,14 +110,14 @@ class MotionSampler:
         states[parameters == 1] = q1
         return states
 
-    def check(self, checker: Checker, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.bool_]:
+    def check(self, checker: StateChecker, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.bool_]:
         """Whether all sampled states of each motion (n, nq) to (n, nq) are valid, by batches of states."""
         steps = self.steps(q0, q1, resolution)
         return np.array(
             [self._is_free(checker, a, b, int(k)) for a, b, k in zip(q0, q1, steps, strict=True)], dtype=bool
         )
 
-    def _is_free(self, checker: Checker, q0: Floats, q1: Floats, steps: int) -> bool:
+    def _is_free(self, checker: StateChecker, q0: Floats, q1: Floats, steps: int) -> bool:
         parameters = coarse_to_fine(steps)
         for first in range(0, len(parameters), _BATCH):
             if not checker.check_states(self.states(q0, q1, parameters[first : first + _BATCH])).all():
