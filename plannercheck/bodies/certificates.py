@@ -24,6 +24,7 @@ from plannercheck.bodies.integers import IntegerHull, Integers, in_common_unit, 
 from plannercheck.bodies.integers import dot as product
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -114,6 +115,7 @@ class Mixture(OwnsArrays):
     __hash__ = None  # type: ignore[assignment]
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True, eq=False)
 class Separation(OwnsArrays):
     """A plane between two bodies: normal · x > offset for all x of the first, < offset for all of the second.
@@ -168,6 +170,7 @@ class Separation(OwnsArrays):
     __hash__ = None  # type: ignore[assignment]
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True, eq=False)
 class SharedPoint(OwnsArrays):
     """A point of both bodies.

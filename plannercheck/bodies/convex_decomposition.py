@@ -27,6 +27,7 @@ from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.isolated_process import run_isolated
+from plannercheck.common.public_names import set_module
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -41,6 +42,7 @@ _SURELY_INSIDE = 1e-12
 _VERSION = 1
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Decomposition:
     """Which links to decompose, and how.

@@ -15,10 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import checked_pose
 from plannercheck.common.core import core
+from plannercheck.common.public_names import set_module
 
 Floats = NDArray[np.float64]
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Distance:
     """How far apart two bodies are.
@@ -45,6 +47,7 @@ class Distance:
     direction: Floats
 
 
+@set_module("plannercheck")
 def distance(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None) -> Distance:
     """The distance of two posed bodies, swells included.
 

@@ -28,6 +28,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
 from plannercheck.common.core import core
 from plannercheck.common.errors import unknown_name
+from plannercheck.common.public_names import set_module
 
 Method: TypeAlias = Literal["oracle", "walk", "exact"]
 
@@ -79,6 +80,7 @@ def pair_options(
     )
 
 
+@set_module("plannercheck")
 def intersects(
     P: Polytope,
     R: Polytope,
@@ -105,6 +107,7 @@ def intersects(
     return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), False)["shared"])
 
 
+@set_module("plannercheck")
 def certify(
     P: Polytope,
     R: Polytope,

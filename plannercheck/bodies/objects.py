@@ -20,10 +20,12 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.bodies.shapes import Body, Shape, checked_pose
 from plannercheck.common.arrays import read_only_copy
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 
 Array = NDArray[np.float64]
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Part:
     """One shape of an object.

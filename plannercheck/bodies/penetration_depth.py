@@ -22,6 +22,7 @@ from plannercheck.bodies.distance import distance
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import checked_pose
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 
 Floats = NDArray[np.float64]
 
@@ -36,6 +37,7 @@ _ROUNDING = 64 * 2.0**-53
 _NORMAL_ROUNDING = 8 * 2.0**-53
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Depth:
     """How deep two bodies are in each other.
@@ -53,6 +55,7 @@ class Depth:
     direction: Floats
 
 
+@set_module("plannercheck")
 def depth(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None) -> Depth:
     """How deep two posed bodies are in each other, swells included.
 

@@ -19,6 +19,7 @@ from plannercheck.bodies import polytope_files as body_files
 from plannercheck.common.arrays import contiguous
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -27,6 +28,7 @@ Ints = NDArray[np.int32]
 LARGEST_COORDINATE = 1e50
 
 
+@set_module("plannercheck")
 class Polytope:
     """The convex hull of points, preprocessed for logarithmic queries (paper, section "Polyhedra in 3D space").
 

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies.circumscribed import ROUNDING_MARGIN, Ball, ball_around, ring_around
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 
 Points: TypeAlias = NDArray[np.float64]
 Faces: TypeAlias = list[NDArray[np.int64]]
@@ -41,6 +42,7 @@ RIGID_TOLERANCE = 1e-6
 POSED_TOLERANCE = 3.6e-6
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Box:
     """A box about its centre.
@@ -64,6 +66,7 @@ class Box:
         return signs * (np.array(self.size) / 2), prism_faces(4)
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Sphere:
     """A sphere about its centre.
@@ -83,6 +86,7 @@ class Sphere:
         return self.radius * ball.points, list(ball.triangles)
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Cylinder:
     """A cylinder along z about its centre.
@@ -106,6 +110,7 @@ class Cylinder:
         return np.vstack([low, low * (1.0, 1.0, -1.0)]), prism_faces(len(ring))
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Cone:
     """A cone along z, its apex at z = +length/2 and its base at z = -length/2.
@@ -131,6 +136,7 @@ class Cone:
         return np.vstack([base, [0.0, 0.0, self.length / 2]]), [k[::-1].copy(), *sides]
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Capsule:
     """All points within a radius of a segment along z.
@@ -159,6 +165,7 @@ class Capsule:
         return points, _capsule_faces(ball, upper, lower) if known else None
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True, eq=False)
 class Hull:
     """The convex hull of points; meshes end up here, with their scale applied.

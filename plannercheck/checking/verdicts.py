@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.public_names import set_module
 
 if TYPE_CHECKING:
     from plannercheck.proofs.proof import Proof
@@ -47,6 +48,7 @@ class PairVerdict:
     certificate: PairCertificate
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class Verdict:
     """The verdict of one configuration.
@@ -149,6 +151,7 @@ class PairCount:
     states: int
 
 
+@set_module("plannercheck")
 @dataclass(frozen=True)
 class ValidityReport:
     """The summary of a set of configurations.

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from plannercheck.common.public_names import set_module
+
 # Most characters of a name that an error repeats: it may come from a file made to do harm.
 _LONGEST_NAME = 100
 
 
+@set_module("plannercheck")
 class PlannercheckError(ValueError):
     """Bad input: the message names the input, what is wrong with it, and what would be right."""
 

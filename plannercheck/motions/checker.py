@@ -15,6 +15,7 @@ from plannercheck.checking.state_checker import StateChecker
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, NEAR_TURNS, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
@@ -28,6 +29,7 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
+@set_module("plannercheck")
 class Checker(StateChecker):
     """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it.
 

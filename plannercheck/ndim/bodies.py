@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 from plannercheck.ndim import halfspaces
 from plannercheck.ndim.poses import LARGEST
 from plannercheck.ndim.qhull import FlatError, Hull, convex_hull, halfspace_vertices
@@ -32,6 +33,7 @@ _SAMPLES = (64, 128)
 _THIN = 1e-9
 
 
+@set_module("plannercheck.ndim")
 class Polytope:
     """A convex polytope in d dimensions: the hull of points, or with `from_halfspaces` of A x ≤ b.
 

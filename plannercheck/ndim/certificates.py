@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.public_names import set_module
 from plannercheck.ndim.exact import ExactCertificate, ExactSeparation, ExactSharedPoint, combined
 from plannercheck.ndim.integers import dot
 from plannercheck.ndim.posed import Exact, ExactRows, ExactVertices
@@ -33,6 +34,7 @@ _LARGEST_DOUBLE = Fraction(float(np.finfo(np.float64).max))
 _NORMAL_ROUNDING = Fraction(1, 2**50)
 
 
+@set_module("plannercheck.ndim")
 @dataclass(frozen=True)
 class Effort:
     """How a verdict was found, and what it took.
@@ -79,6 +81,7 @@ class PosedShape(OwnsArrays):
 Shapes: TypeAlias = tuple[PosedShape, PosedShape]
 
 
+@set_module("plannercheck.ndim")
 @dataclass(frozen=True, eq=False)
 class Separation(OwnsArrays):
     """A hyperplane between two bodies: normal · x > offset for all x of the first, < offset for all of the second.
@@ -147,6 +150,7 @@ class Separation(OwnsArrays):
         return is_normal and self.offset == _rounded(self.exact_offset / length)
 
 
+@set_module("plannercheck.ndim")
 @dataclass(frozen=True, eq=False)
 class SharedPoint(OwnsArrays):
     """A point of both bodies.

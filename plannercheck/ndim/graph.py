@@ -13,12 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.pair import Method, intersects
 
 Ints = NDArray[np.int64]
 
 
+@set_module("plannercheck.ndim")
 @dataclass(frozen=True)
 class OverlapGraph:
     """Which regions share a point.
@@ -60,6 +62,7 @@ class OverlapGraph:
         return way[::-1]
 
 
+@set_module("plannercheck.ndim")
 def overlap_graph(regions: Sequence[Polytope], method: Method = "auto") -> OverlapGraph:
     """Finds which regions of a set share a point; touching counts.
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.public_names import set_module
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.certificates import Certificate, Effort, PosedShape, Shapes, certificate_of
 from plannercheck.ndim.exact import ExactSharedPoint, Guess, decide
@@ -34,6 +35,7 @@ Method: TypeAlias = Literal["auto", "tree", "oracle", "exact"]
 METHODS: tuple[Method, ...] = ("auto", "tree", "oracle", "exact")
 
 
+@set_module("plannercheck.ndim")
 def intersects(P: Polytope, R: Polytope, pose_p: Pose = None, pose_r: Pose = None, method: Method = "auto") -> bool:
     """Says whether two polytopes share a point.
 
@@ -53,6 +55,7 @@ def intersects(P: Polytope, R: Polytope, pose_p: Pose = None, pose_r: Pose = Non
     return verdict(P, R, pose_p, pose_r, method)[0]
 
 
+@set_module("plannercheck.ndim")
 def verdict(
     P: Polytope, R: Polytope, pose_p: Pose = None, pose_r: Pose = None, method: Method = "auto"
 ) -> tuple[bool, Effort]:
@@ -64,6 +67,7 @@ def verdict(
     return isinstance(found, ExactSharedPoint), pair.effort_of_exact(games)
 
 
+@set_module("plannercheck.ndim")
 def certify(P: Polytope, R: Polytope, pose_p: Pose = None, pose_r: Pose = None, method: Method = "auto") -> Certificate:
     """Says whether two polytopes share a point, with the proof.
 

@@ -17,9 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 from plannercheck.ndim.bodies import Polytope
 
 
+@set_module("plannercheck.ndim")
 def sweeps(vertices: ArrayLike, waypoints: ArrayLike, times: ArrayLike, name: str = "body") -> list[Polytope]:
     """What a body covers on its way, piece by piece.
 

@@ -22,11 +22,13 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.bodies import certificates as space
 from plannercheck.bodies.integers import IntegerHull, Integers, cross, dot, in_common_unit, minus, negated
 from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.public_names import set_module
 from plannercheck.planar.polygons import checked_polygon, checked_poses, intersects
 
 Floats = NDArray[np.float64]
 
 
+@set_module("plannercheck.planar")
 @dataclass(frozen=True, eq=False)
 class Separation(OwnsArrays):
     """A line between two polygons: normal · x > offset for all x of the first, < offset for all of the second.
@@ -49,6 +51,7 @@ class Separation(OwnsArrays):
         return same and (self.offset, self.gap) == (self.plane.offset, self.plane.gap) and self.plane.verify()
 
 
+@set_module("plannercheck.planar")
 @dataclass(frozen=True, eq=False)
 class SharedPoint(OwnsArrays):
     """A point of both polygons.
@@ -74,6 +77,7 @@ class SharedPoint(OwnsArrays):
 Certificate: TypeAlias = Separation | SharedPoint
 
 
+@set_module("plannercheck.planar")
 def certify(
     A: ArrayLike, B: ArrayLike, pose_a: ArrayLike | None = None, pose_b: ArrayLike | None = None
 ) -> Certificate:

@@ -17,6 +17,7 @@ from plannercheck.checking.verdicts import MotionVerdict, PairVerdict, Verdict
 from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.explanation import explained_motion
@@ -44,6 +45,7 @@ Ints = NDArray[np.int32]
 _KINEMATIC_ROUNDING = 2.0**-49
 
 
+@set_module("plannercheck.planar")
 class Checker:
     """Exact collision verdicts for one planar robot in one scene. Immutable, so threads may share it.
 

@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.public_names import set_module
 
 Floats = NDArray[np.float64]
 Joint: TypeAlias = Literal["free", "revolute", "fixed"]
 
 
+@set_module("plannercheck.planar")
 @dataclass(frozen=True, eq=False)
 class Link:
     """One rigid part of a planar robot.

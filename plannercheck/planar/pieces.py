@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.arrays import read_only_copy
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.public_names import set_module
 from plannercheck.planar.convexity import convexity_fault
 from plannercheck.planar.polygons import checked_polygon
 
 Floats = NDArray[np.float64]
 
 
+@set_module("plannercheck.planar")
 def convex_pieces(outline: ArrayLike, name: str = "polygon") -> tuple[Floats, ...]:
     """The convex pieces of a simple polygon.
 

@@ -23,6 +23,7 @@ from plannercheck.common.arrays import contiguous, read_only, read_only_copy
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.public_names import set_module
 from plannercheck.planar.convexity import convexity_fault
 
 Floats = NDArray[np.float64]
@@ -41,6 +42,7 @@ _SOUND, _REPEATED, _NOT_FINITE = 0, 1, 2
 _IDENTITY = read_only(np.eye(3)[None])
 
 
+@set_module("plannercheck.planar")
 class Polygons:
     """Polygons checked once, for many calls of the batch functions.
 
@@ -66,6 +68,7 @@ class Polygons:
 Several: TypeAlias = ArrayLike | Sequence[ArrayLike] | Polygons
 
 
+@set_module("plannercheck.planar")
 @dataclass(frozen=True, eq=False)
 class Counts:
     """Verdicts on n pairs, and what each took.
@@ -85,6 +88,7 @@ class Counts:
     exact: Ints
 
 
+@set_module("plannercheck.planar")
 def intersects(
     A: ArrayLike,
     B: ArrayLike,
@@ -119,6 +123,7 @@ def intersects(
     return bool(_run(a, poses[0], b, poses[1], 1, method, False)[0][0])
 
 
+@set_module("plannercheck.planar")
 def intersects_batch(
     A: Several,
     B: Several,
@@ -145,6 +150,7 @@ def intersects_batch(
     return np.asarray(_run(*_batch(A, B, poses_a, poses_b, scan), method, False)[0]).astype(bool)
 
 
+@set_module("plannercheck.planar")
 def count_batch(
     A: Several,
     B: Several,

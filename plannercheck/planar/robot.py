@@ -23,6 +23,7 @@ from plannercheck.common.arrays import contiguous, read_only
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.public_names import set_module
 from plannercheck.planar.links import Body, Link
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.robot_files import planar_file, read_robot
@@ -40,6 +41,7 @@ _UNLIMITED_RANGE = 1.0
 _LARGEST_VALUE = 1e15
 
 
+@set_module("plannercheck.planar")
 class Robot:
     """A planar robot, posed by configurations: x, y, theta of a free root, then the angles of the revolute joints.
 

@@ -43,6 +43,7 @@ from plannercheck.common.checked_yaml import (
     within,
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.public_names import set_module
 from plannercheck.planar.links import Body
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.polygons import checked_poses
@@ -72,6 +73,7 @@ class Obstacle(OwnsArrays):
     bodies: tuple[Body, ...]
 
 
+@set_module("plannercheck.planar")
 class Scene(DeclaredStates):
     """Named convex polygons, posed in the world.
 
@@ -162,6 +164,7 @@ class Scene(DeclaredStates):
         return f"Scene({self.name!r}, {len(self._obstacles)} objects, {len(self.bodies)} bodies)"
 
 
+@set_module("plannercheck.planar")
 def pose_of(position: Sequence[float] = (0.0, 0.0), angle: float = 0.0) -> Floats:
     """A pose (3, 3) from a position in m and an angle in rad."""
     cos, sin = math.cos(angle), math.sin(angle)

@@ -27,6 +27,7 @@ from plannercheck.bodies.shapes import Body
 from plannercheck.common.arrays import read_only
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.errors import unknown_name
+from plannercheck.common.public_names import set_module
 from plannercheck.robots.anchored_objects import placed
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed, planning_group, whole_robot
@@ -53,6 +54,7 @@ Reference = Mapping[str, Any] | Sequence[float] | Floats | str | None
 _SAMPLES = 32  # configurations of `sampled_link_poses`: four of the blocks of eight that are judged at a time
 
 
+@set_module("plannercheck")
 class Robot:
     """A robot, posed by configurations of its planning group.
 

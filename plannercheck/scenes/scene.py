@@ -53,10 +53,12 @@ from pathlib import Path
 
 from plannercheck.common.errors import unknown_name
 from plannercheck.common.package_data import is_file, is_folder, is_planar_file, shipped_folder
+from plannercheck.common.public_names import set_module
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.scene_files import read_scene, write_scene
 
 
+@set_module("plannercheck")
 class Scene(SceneContents):
     """Named obstacles, posed in the world.
 

@@ -6,6 +6,7 @@ import ast
 import importlib
 import importlib.metadata
 import inspect
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -93,6 +94,17 @@ def test_every_listed_name_is_there():
         assert getattr(pc, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'Chekcer'"):
         _ = pc.Chekcer
+
+
+@pytest.mark.parametrize("module", ["plannercheck", "plannercheck.planar", "plannercheck.ndim"])
+def test_public_names_say_where_users_find_them(module):
+    face = importlib.import_module(module)
+    items = [getattr(face, name) for name in dir(face) if not name.startswith("_")]
+    named = [item for item in items if inspect.isclass(item) or inspect.isfunction(item)]
+    ours = [item for item in named if item.__module__.startswith("plannercheck")]
+    assert len(ours) > 5
+    assert {item.__module__ for item in ours} == {module}
+    assert all(pickle.loads(pickle.dumps(item)) is item for item in ours)
 
 
 def test_importing_the_package_loads_nothing_heavy():

@@ -1,0 +1,25 @@
+"""The names by which users know classes and functions, whatever module they are written in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+Named = TypeVar("Named")
+
+
+def set_module(module: str) -> Callable[[Named], Named]:
+    """A decorator: errors, reprs and pickles say `module`, from which the class or function can be imported.
+
+    Args:
+        module: The public one, e.g. "plannercheck".
+
+    Returns:
+        The decorator.
+    """
+
+    def decorated(item: Named) -> Named:
+        item.__module__ = module
+        return item
+
+    return decorated
