@@ -267,7 +267,7 @@ def _root(urdf: Path) -> ElementTree.Element:
     """The XML's root; urdfdom reads some files that are no XML."""
     try:
         return ElementTree.parse(urdf).getroot()
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
         raise PlannercheckError(f"URDF {urdf} is not well-formed XML: {error}") from None
 
 
