@@ -112,7 +112,7 @@ def _numbers(
     text = None if found is None else found.get(attribute)
     values = list(otherwise) if text is None else [float(word) for word in text.split()]
     if len(values) != 3 or not all(map(math.isfinite, values)):
-        raise ValueError(f"<{tag} {attribute}={text!r}> must be three numbers")
+        raise ValueError(f"<{tag} {attribute}={text!r:.80}> must be three numbers")
     return np.array(values)
 
 

@@ -236,3 +236,12 @@ def test_ply_files_that_crash_their_readers(tmp_path: Path, form: str) -> None:
                 read(path)
         with pytest.raises(pc.PlannercheckError, match=r"m\.ply"):
             pc.Robot.from_urdf(urdf)
+
+
+def test_an_error_about_a_urdf_does_not_repeat_a_number_of_any_length(tmp_path: Path) -> None:
+    urdf = tmp_path / "r.urdf"
+    joint = f'<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 {400 * "9"}"/></joint>'
+    urdf.write_text(URDF.replace("</robot>", f'<link name="b"/>{joint}</robot>'))
+    with pytest.raises(pc.PlannercheckError, match="must be three numbers") as caught:
+        read_tree(urdf)
+    assert len(str(caught.value)) < 500
