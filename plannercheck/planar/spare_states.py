@@ -12,11 +12,16 @@ from typing import Any
 
 
 class SpareStates:
-    """States of one space, a few for each call that is under way; they are kept, since freeing them is not safe."""
+    """States of one space, a few for each call that is under way.
+
+    They are a `SpaceInformation`'s: those free themselves, which states of the space do not.
+    """
 
     def __init__(self, space: Any, count: int) -> None:
         """Takes the space, and how many states a call needs."""
-        self._space, self._count = space, count
+        from ompl import base  # an optional part of what planar robots need
+
+        self._information, self._count = base.SpaceInformation(space), count
         self._spare: list[tuple[Any, ...]] = []  # pop and append are single steps for other threads
 
     @contextmanager
@@ -25,7 +30,7 @@ class SpareStates:
         try:
             states = self._spare.pop()
         except IndexError:
-            states = tuple(self._space.allocState() for _ in range(self._count))
+            states = tuple(self._information.allocState() for _ in range(self._count))
         try:
             yield states
         finally:

@@ -1,6 +1,9 @@
 """Planning for planar robots with OMPL, and the command line on planar scenes."""
 
 import json
+import resource
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +12,7 @@ from ompl import base
 import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.ompl import plan, space_of
+from plannercheck.planar.spare_states import SpareStates
 
 P = pc.planar
 CURVES = [("straight", None), ("dubins", 1.5), ("reeds_shepp", 1.5)]
@@ -158,3 +162,18 @@ def test_commands(tmp_path, capsys):
 def test_mixed_kinds_are_bad_input(arguments, capsys):
     assert main(arguments) == 2
     assert capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_states_to_work_in_are_freed_with_their_space():
+    def resident():
+        return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+    space = base.ReedsSheppStateSpace(0.5)
+    held = []
+    for _ in range(2):
+        for _ in range(10_000):
+            with SpareStates(space, 3).taken() as states:
+                states[0].setX(1.0)
+        held.append(resident())
+    assert held[1] - held[0] < 1 << 20
