@@ -20,7 +20,7 @@ from typing import Any, TypeAlias
 
 import yaml
 
-from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.input_limits import check_yaml
 
 Node: TypeAlias = dict[str, Any]
@@ -105,7 +105,7 @@ def check_keys(node: Node, valid: Collection[str]) -> None:
 def required(node: Node, key: str) -> Any:
     """The value of a key that must be there."""
     if node.get(key) is None:
-        raise PlannercheckError(f"key {key!r} is missing; given are {', '.join(node) or 'none'}")
+        raise PlannercheckError(f"key {key!r} is missing; given are {', '.join(map(shortened, node)) or 'none'}")
     return node[key]
 
 

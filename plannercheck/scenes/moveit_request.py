@@ -21,7 +21,7 @@ from plannercheck.common.checked_yaml import (
     text,
     within,
 )
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.scenes.moveit_states import check_robot_state
 
 
@@ -84,7 +84,7 @@ def _joint_goal(node: Node, index: int) -> dict[str, float]:
         }
         if not goal or len(goal) != len(constraints):
             raise PlannercheckError(
-                f"joint_constraints must name each joint once; given are {', '.join(goal) or 'none'}"
+                f"joint_constraints must name each joint once; given are {', '.join(map(shortened, goal)) or 'none'}"
             )
         return goal
 

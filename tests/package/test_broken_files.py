@@ -245,3 +245,26 @@ def test_an_error_about_a_urdf_does_not_repeat_a_number_of_any_length(tmp_path: 
     with pytest.raises(pc.PlannercheckError, match="must be three numbers") as caught:
         read_tree(urdf)
     assert len(str(caught.value)) < 500
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("ompl.txt", f"Geometric path with {5000 * '9'} states\nRealVectorState [0 0]\n", "states hold 2 numbers"),
+        ("plan.json", json.dumps({"joint_names": ["a", 5000 * "9"], "path": [[0, 0]]}), "has no joint 'b'"),
+        ("display.json", json.dumps({"header": {}, 5000 * "9": 0, "points": []}), "display"),
+    ],
+)
+def test_paths_with_names_and_numbers_of_any_length(tmp_path: Path, name: str, content: str, said: str) -> None:
+    (tmp_path / name).write_text(content)
+    with pytest.raises(pc.PlannercheckError, match=said) as caught:
+        read_path(tmp_path / name, ("a", "b"), 2)
+    assert len(str(caught.value)) < 1000
+
+
+def test_parquet_with_a_name_twice(tmp_path: Path) -> None:
+    arrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    table = arrow.Table.from_arrays([arrow.array([0.0])] * 3, names=["a", "b", "a"])
+    parquet.write_table(table, tmp_path / "q.parquet")
+    with pytest.raises(pc.PlannercheckError):
+        list(read_chunks(tmp_path / "q.parquet", ("a", "b"), 1))

@@ -40,7 +40,7 @@ def parquet_blocks(path: Path, columns: Columns, size: int, key: str | None = No
 def _chosen(arrow: Any, schema: Any, columns: Columns, key: str | None) -> list[str]:
     """The columns to read: that of lists, or the joints' in the robot's order."""
     names = list(schema.names)
-    lists = [name for name in names if _is_list(arrow, schema.field(name).type)]
+    lists = [name for k, name in enumerate(names) if _is_list(arrow, schema.field(k).type)]  # names may repeat
     if key is not None or (lists and not all(name in names for name in columns.names)):
         return [chosen_key(lists, key, "column of lists")]
     return [names[place] for place in columns.places(names)]

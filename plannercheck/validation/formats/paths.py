@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.checked_yaml import mapping, parse_yaml, read_bytes, sequence, text, within
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.validation.formats.chunks import read_chunks
 from plannercheck.validation.formats.trajectories import read_trajectory
 
@@ -119,7 +119,7 @@ def _ordered(names: list[str], rows: Floats, joint_names: Sequence[str]) -> Path
         raise PlannercheckError(f"names a joint twice: {', '.join(names)}")
     missing = [joint for joint in joint_names if joint not in names]
     if missing:
-        raise PlannercheckError(f"has no joint {missing[0]!r}; it has {', '.join(names)}")
+        raise PlannercheckError(f"has no joint {missing[0]!r}; it has {', '.join(map(shortened, names))}")
     others = {name: rows[:, k] for k, name in enumerate(names) if name not in joint_names}
     moving = [name for name, values in others.items() if len(values) and (values != values[0]).any()]
     if moving:
@@ -137,9 +137,10 @@ def _from_text(content: str, width: int) -> Floats:
         lines = [line.split() for line in content.replace(",", " ").splitlines() if line.strip()]
         return _table(lines, width)
     values = [number for inner in _OMPL_NUMBERS.findall(content) for number in inner.split()]
-    count = int(header[1])
-    if len(values) != count * width:
-        raise PlannercheckError(f"OMPL's {count} states hold {len(values)} numbers, not {width} each")
+    count = len(values) // width
+    if len(values) != count * width or (header[1].lstrip("0") or "0") != str(count):
+        told = shortened(header[1])
+        raise PlannercheckError(f"OMPL's {told} states hold {len(values)} numbers, not {width} each")
     return _table([values[k * width : (k + 1) * width] for k in range(count)], width)
 
 
