@@ -201,3 +201,14 @@ def test_denormal_and_normal_numbers_add_up(method):
         assert exact.intersects(first.vertices, second.vertices, np.eye(4), pose) == shared
         assert pc.intersects(first, second, None, pose, method) == shared
         assert pc.intersects(second, first, pose, None, method) == shared
+
+
+@pytest.mark.parametrize("radius", [3e-162, 1e-161, 4e-161, 1e-160])
+def test_tiny_balls_that_overlap_are_never_apart(radius):
+    """Squares of their distances are a few of the least doubles."""
+    rng = np.random.default_rng(3)
+    ball = pc.Polytope([[0.0, 0.0, 0.0]], swell=radius)
+    for away in rng.normal(size=(200, 3)):
+        pose = np.eye(4)
+        pose[:3, 3] = 1.998 * radius * away / np.linalg.norm(away)
+        assert pc.intersects(ball, ball, np.eye(4), pose)
