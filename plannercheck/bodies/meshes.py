@@ -89,4 +89,4 @@ def _points(path: Path) -> NDArray[np.float64]:
         return np.array(coal.MeshLoader().load(str(path), np.ones(3)).vertices(), dtype=np.float64)
     except Exception as error:  # coal raises several unrelated types
         reason = " ".join(str(error).partition("message:")[2].split()) or str(error)
-        raise PlannercheckError(f"can't be read as a mesh: {reason}") from None
+        raise PlannercheckError(f"can't be read as a mesh: {reason:.400}") from None

@@ -195,4 +195,4 @@ def _row_type(order: str, element: _Element, lengths: dict[int, int]) -> np.dtyp
 
 
 def _cut_short(element: _Element) -> PlannercheckError:
-    return PlannercheckError(f"is cut short: element {element.name!r} must have {element.rows} rows")
+    return PlannercheckError(f"is cut short: element {shortened(element.name)!r} must have {element.rows} rows")

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import plannercheck as pc
+from plannercheck.bodies.meshes import load_mesh, load_triangles
 from plannercheck.cli import main as cli
 from plannercheck.common.checked_yaml import parse_yaml
 from plannercheck.evaluation.stress.failing_cases import Case
@@ -215,7 +216,6 @@ def _ply(form: str, corners: int = 4, last: int = 3, kept: int = -1) -> bytes:
 @pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
 def test_ply_files_that_crash_their_readers(tmp_path: Path, form: str) -> None:
     """Faces of vertices that are not there, and files that are cut short, are refused before assimp sees them."""
-    from plannercheck.bodies.meshes import load_mesh, load_triangles
 
     path, urdf = tmp_path / "m.ply", tmp_path / "r.urdf"
     urdf.write_text(
@@ -268,3 +268,14 @@ def test_parquet_with_a_name_twice(tmp_path: Path) -> None:
     parquet.write_table(table, tmp_path / "q.parquet")
     with pytest.raises(pc.PlannercheckError):
         list(read_chunks(tmp_path / "q.parquet", ("a", "b"), 1))
+
+
+def test_meshes_whose_words_are_of_any_length(tmp_path: Path) -> None:
+    (tmp_path / "a.stl").write_text(f"solid a\nfacet normal 0 0 1\nouter loop\nvertex [ {6000 * '9'} 0\n")
+    (tmp_path / "a.ply").write_bytes(
+        b"ply\nformat ascii 1.0\nelement " + 5000 * b"9" + b" 3\nproperty float x\nend_header\n"
+    )
+    for name in ("a.stl", "a.ply"):
+        with pytest.raises(pc.PlannercheckError) as caught:
+            load_mesh(tmp_path / name)
+        assert len(str(caught.value)) < 1000

@@ -9,7 +9,7 @@ namespace plannercheck {
 namespace {
 
 // Rounding of a posed circle's centre and of a distance is below 20u of the coordinates' sizes; this is far more. Where
-// squares of lengths underflow it is below kTrustedLength, which radii have on top.
+// squares of lengths underflow it is below the least room of circles (plannercheck/planar/body_tables.py).
 constexpr double kCircleMargin = 1e-12;
 
 }  // namespace
@@ -44,7 +44,7 @@ void PlanarChecker::pose(Block& block) const {
     Block::CircleLanes& circle = block.circles[b];
     circle.x = link.x + (link.cos * body.x - link.sin * body.y);
     circle.y = link.y + (link.sin * body.x + link.cos * body.y);
-    circle.radius = (body.radius + kTrustedLength) + kCircleMargin * (absolute(link.x) + absolute(link.y));
+    circle.radius = body.radius + kCircleMargin * (absolute(link.x) + absolute(link.y));
   }
 }
 
