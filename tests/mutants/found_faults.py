@@ -22,7 +22,7 @@ LIMIT = 900.0  # s for a run
 
 
 class PutBack(NamedTuple):
-    """A fault: what is put back, and the family of motions that is about it."""
+    """A fault: what is put back, and the families of motions that are about it, as the command line takes them."""
 
     family: str
     mutants: tuple[str, ...]
@@ -30,7 +30,7 @@ class PutBack(NamedTuple):
 
 FAULTS = {
     "1": PutBack("plane swing", ("planar-stored-direction-not-normalised", "planar-lines-outlive-motions")),
-    "2": PutBack("placed", ("motions-own-displacement-from-the-child-forgotten",)),
+    "2": PutBack("placed,tree,chain", ("motions-own-displacement-from-the-child-forgotten",)),
     "3": PutBack("ompl", ("turns-ompls-angles-are-all-continuous-joints",)),
     "4": PutBack("far ends", ("turns-two-pi-is-a-double", "turns-rounding-of-given-ends-forgotten")),
     "5": PutBack("off unit", ("lengths-any-are-harmless", "lengths-do-not-add-up-along-chains")),

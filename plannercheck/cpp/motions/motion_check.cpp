@@ -5,7 +5,6 @@
 // bodies. An interval is cut further for the pairs that nothing settles, until they are settled or found within the
 // tolerance.
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <utility>
 
