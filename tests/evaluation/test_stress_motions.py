@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,7 +18,7 @@ from plannercheck.bodies.intersection import certify_posed
 from plannercheck.cli.main import main
 from plannercheck.evaluation.stress_motions import run as motion_run
 from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk
-from plannercheck.evaluation.stress_motions.contacts import extent_of, random_contact
+from plannercheck.evaluation.stress_motions.contacts import Closeness, extent_of, random_contact
 from plannercheck.evaluation.stress_motions.draws import tree_draw
 from plannercheck.evaluation.stress_motions.outcomes import ASTRAY, COLLISION, EXCEPTION, HISTORY, PROOF, UNREASONED
 from plannercheck.evaluation.stress_motions.planar_draws import planar_draw
@@ -83,6 +84,9 @@ def test_contacts_by_construction_are_collisions() -> None:
         assert not valid.any()
 
 
+_COUNT = itertools.count(1)
+
+
 def _all_free(self: Any, q0: Any, *_: Any) -> Any:
     return np.ones(len(q0), dtype=bool)
 
@@ -102,7 +106,7 @@ def _thrown(self: Any, *_: Any) -> Any:
         ("check", _none_free, UNREASONED),
         ("check_one", lambda self, *_: True, HISTORY),
         ("check", _thrown, EXCEPTION),
-        ("placed", lambda self, q: np.arange(len(q) * 16.0).reshape(-1, 1, 4, 4) * id(q), ASTRAY),
+        ("placed", lambda self, q: np.arange(len(q) * 16.0).reshape(-1, 1, 4, 4) * next(_COUNT), ASTRAY),
         ("certify", lambda self, q0, *_: (None,) * len(q0), PROOF),
         ("certify", lambda self, *_: (SimpleNamespace(verify=lambda: None),), PROOF),
     ],
@@ -172,7 +176,7 @@ def test_contacts_on_stretched_links_are_contacts():
         shapes = [wall, ["capsule", 0.2, 0.5]][:: 1 if k % 2 else -1]
         first, second = (extent_of(shape_of(shape)) for shape in shapes)
         pose, link = stretched_pose(rng), stretched_pose(rng)
-        contact = random_contact(first, pose, shapes[1], rng, (-6.0, -6.0))
+        contact = random_contact(first, pose, shapes[1], rng, Closeness((-6.0, -6.0), 0.4, 0.2))
         if contact.touches:
             touching += 1
             bodies = [pc.Polytope(extent.vertices, swell=extent.swell) for extent in (first, second)]

@@ -11,7 +11,7 @@ whatever the shapes. A gap is kept along the normal that supports both.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,32 @@ from plannercheck.evaluation.stress_motions.recipes import shape_of
 
 Floats = NDArray[np.float64]
 
-# Depths of contacts and widths of gaps, m, as powers of ten.
-DEPTHS, _GAPS = (-6.0, -2.0), (-3.9, -0.5)
-# Contacts in so many cases on a facet of a box, else at any vertex; vertices of a facet are level up to this part.
-_ON_FACETS, _FLAT = 0.4, 1e-12
+# Widths of gaps, m, as powers of ten.
+_GAPS = (-3.9, -0.5)
+# Vertices of a facet are level, corners equally far away, up to this part.
+_FLAT = 1e-12
 # Shapes: this many in six touch, the others miss.
 _TOUCHING = 4 / 6
+
+
+class Closeness(NamedTuple):
+    """How bodies are laid upon each other.
+
+    Attributes:
+        depths: Of contacts, m, least and largest power of ten.
+        on_facets: In so many cases on a facet of a box.
+        at_corners: In so many at corners that are as far out as the bodies reach, where the balls around both only just
+            meet; else at any vertex.
+    """
+
+    depths: tuple[float, float]
+    on_facets: float
+    at_corners: float
+
+
+USUAL = Closeness((-6.0, -2.0), 0.3, 0.15)
+# For lengths off unit, which are worth less than a micrometre each and show where bodies reach furthest.
+SHARP = Closeness((-9.0, -6.0), 0.1, 0.8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +70,15 @@ class Extent:
             facet = self.vertices[along >= along.max() - _FLAT * (1 + np.abs(along).max())]
             vertex = rng.dirichlet(np.ones(len(facet))) @ facet
         return np.asarray(vertex)
+
+    def outward(self, rng: np.random.Generator) -> Floats:
+        """A unit direction (3,) from the middle of the box around it to a vertex as far away as any; any of a ball."""
+        rays = self.vertices - (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2
+        lengths = np.linalg.norm(rays, axis=1)
+        if lengths.max() == 0:
+            return np.asarray(random_directions(1, rng)[0])
+        k = int(rng.choice(np.flatnonzero(lengths >= lengths.max() * (1 - _FLAT))))
+        return np.asarray(rays[k] / lengths[k])
 
 
 def extent_of(shape: Shape) -> Extent:
@@ -119,16 +148,19 @@ def random_contact(
     pose: Floats,
     shape: list[Any],
     rng: np.random.Generator,
-    depths: tuple[float, float] = DEPTHS,
+    closeness: Closeness = USUAL,
 ) -> Contact:
-    """A shape laid upon a body at a pose (4, 4), as deep as powers of ten between `depths` say, in m."""
+    """A shape laid upon a body at a pose (4, 4)."""
     other = extent_of(shape_of(shape))
-    direction = random_directions(1, rng)[0]
-    if rng.random() < _ON_FACETS:
+    kind = rng.random()
+    direction, turned = random_directions(2, rng)
+    if kind < closeness.on_facets:
         direction = rng.choice([-1.0, 1.0]) * np.eye(3)[int(rng.integers(3))]
+    elif kind < closeness.on_facets + closeness.at_corners:
+        direction, turned = body.outward(rng), other.outward(rng)
     normal = np.linalg.inv(pose[:3, :3]).T @ direction  # of a pose that may be a little off rigid
     normal /= np.linalg.norm(normal)
-    turn = turns_onto(random_directions(1, rng), random_directions(1, rng), rng)[0]
+    turn = turns_onto(turned[None], -normal[None], rng)[0]
     # Poses off rigid stretch what vertices span, not the balls around them.
     point = pose[:3, :3] @ body.furthest(direction, rng) + pose[:3, 3] + body.swell * normal
     local = other.furthest(turn.T @ -normal)
@@ -139,7 +171,7 @@ def random_contact(
     if touches:
         middle = pose[:3, :3] @ body.vertices.mean(axis=0) + pose[:3, 3]
         inward = middle - point
-        depth = min(10.0 ** rng.uniform(*depths), 0.5 * float(np.linalg.norm(inward)))
+        depth = min(10.0 ** rng.uniform(*closeness.depths), 0.5 * float(np.linalg.norm(inward)))
         placed[:3, 3] = point + depth * inward / max(float(np.linalg.norm(inward)), 1e-300) - foot
     else:
         placed[:3, 3] = point + 10.0 ** rng.uniform(*_GAPS) * normal - foot

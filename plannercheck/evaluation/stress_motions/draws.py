@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.evaluation.stress_motions.aims import Aim, Motions, joined
-from plannercheck.evaluation.stress_motions.contacts import DEPTHS, Contact, extent_of, random_contact, random_shape
+from plannercheck.evaluation.stress_motions.contacts import (
+    SHARP,
+    USUAL,
+    Contact,
+    extent_of,
+    random_contact,
+    random_shape,
+)
 from plannercheck.evaluation.stress_motions.ends import Stage, moved, state_of
 from plannercheck.evaluation.stress_motions.recipes import (
     BodyRecipe,
@@ -43,6 +50,8 @@ Bools = NDArray[np.bool_]
 
 # Motions of a draw: so many that building robot and checkers takes no more time than judging them.
 MOTIONS = 100
+# Of chains that are off unit many motions are declined, and a fault shows in few contacts: fewer motions, more draws.
+OFF_UNIT_MOTIONS = 25
 # So many times as many motions are made as are taken, those first that are free at both ends.
 _CANDIDATES = 3
 # At least this part of a draw is taken as it comes.
@@ -52,8 +61,6 @@ _OBSTACLES, _PROBES = (3, 9), (0, 5)
 # Pairs that collide in more than this part of random states are left out: they would hide all others.
 _MOSTLY_TOUCHING = 0.2
 _PROBED_STATES, _NEAR_STATES = 60, 10
-# Depths of contacts in states that are off unit, m (powers of ten): below what filters may allow for.
-_SHALLOW = (-7.0, -4.5)
 _BASE_HAS_A_BODY, _LINK_HAS_A_BODY, _SECOND_BODY = 0.5, 0.8, 0.25
 _BODY_OFFSETS = ((0.8, 0.2), (1.0, 10.0))  # up to this probability, so far off its link's origin, m
 _PADDED, _SWAPPED = 0.1, 0.5
@@ -104,8 +111,7 @@ def tree_draw(family: str, rng: np.random.Generator) -> Draw:
         if robot.nq > 0:
             break
     _add_bodies(recipe, rng, family == "off unit")
-    depths = _SHALLOW if family == "off unit" else DEPTHS
-    stage = Stage(recipe, robot, tangents_of(robot), depths)
+    stage = Stage(recipe, robot, tangents_of(robot), SHARP if family == "off unit" else USUAL)
     probes = [_probe(stage, state_of(stage, family, rng), rng) for _ in range(int(rng.integers(*_PROBES)))]
     obstacles = [_obstacle(stage, state_of(stage, family, rng), rng) for _ in range(int(rng.integers(*_OBSTACLES)))]
     _choose_pairs(stage, [*probes, *obstacles], rng)
@@ -118,14 +124,15 @@ def tree_draw(family: str, rng: np.random.Generator) -> Draw:
 
 
 def _with_motions(family: str, stage: Stage, aims: list[Aim], rng: np.random.Generator) -> Draw:
-    each = MOTIONS * _CANDIDATES // max(len(aims), 1) + 1
+    size = OFF_UNIT_MOTIONS if family == "off unit" else MOTIONS
+    each = size * _CANDIDATES // max(len(aims), 1) + 1
     if not aims:  # nothing that would not hide everything else: motions of an idle robot
         state = state_of(stage, family, rng)
         aims = [Aim(state, 0, -1, np.zeros(3), np.array([0.0, 0.0, 1.0]), False)]
     motions = joined([moved(family, stage, aim, each, rng) for aim in aims])
     checker = space_checker(stage.recipe, stage.robot)
     tolerance = float(rng.choice(_TOLERANCES.get(family, _USUAL_TOLERANCES)))
-    return Draw(family, stage.recipe, _sharpest(checker, motions, MOTIONS, rng), tolerance)
+    return Draw(family, stage.recipe, _sharpest(checker, motions, size, rng), tolerance)
 
 
 def shipped_draw(family: str, rng: np.random.Generator) -> Draw:
@@ -209,7 +216,7 @@ def _touched(stage: Stage, k: int, poses: Floats, shape: list[object], rng: np.r
     link = stage.robot.link_index(body["link"])
     shipped = stage.recipe["shipped"]
     extent = extent_of(stage.robot.bodies[k].shape if shipped else shape_of(body["shape"]))
-    return link, random_contact(extent, poses[link] @ np.array(body["pose"]), shape, rng, stage.depths)
+    return link, random_contact(extent, poses[link] @ np.array(body["pose"]), shape, rng, stage.closeness)
 
 
 def _obstacle(stage: Stage, state: Floats, rng: np.random.Generator) -> Aim:

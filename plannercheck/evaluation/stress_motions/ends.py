@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.aims import Aim, Motions, through
-from plannercheck.evaluation.stress_motions.contacts import DEPTHS
+from plannercheck.evaluation.stress_motions.contacts import USUAL, Closeness
 from plannercheck.evaluation.stress_motions.recipes import SpaceRecipe
 from plannercheck.evaluation.stress_motions.tangents import Tangents
 from plannercheck.evaluation.stress_motions.trees import random_states
@@ -39,7 +39,7 @@ class Stage:
     recipe: SpaceRecipe
     robot: Robot
     tangents: Tangents
-    depths: tuple[float, float] = DEPTHS
+    closeness: Closeness = USUAL
 
 
 def state_of(stage: Stage, family: str, rng: np.random.Generator) -> Floats:

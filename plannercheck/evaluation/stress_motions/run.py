@@ -19,7 +19,15 @@ from typing import NamedTuple
 import numpy as np
 
 from plannercheck.evaluation.stress_motions.cases import MotionCase, case_of
-from plannercheck.evaluation.stress_motions.draws import FAMILIES, MOTIONS, Draw, shipped_draw, shipped_robot, tree_draw
+from plannercheck.evaluation.stress_motions.draws import (
+    FAMILIES,
+    MOTIONS,
+    OFF_UNIT_MOTIONS,
+    Draw,
+    shipped_draw,
+    shipped_robot,
+    tree_draw,
+)
 from plannercheck.evaluation.stress_motions.judges import judge
 from plannercheck.evaluation.stress_motions.ompl_paths import OMPL_FAMILY, judge_ompl_paths
 from plannercheck.evaluation.stress_motions.outcomes import EXCEPTION, Fault, Judged
@@ -51,7 +59,7 @@ _SPECIAL: dict[str, Callable[[np.random.Generator], Judged]] = {
     UNPOSED: judge_unposed,
 }
 # About how many motions a draw has; those of other families have MOTIONS.
-_SIZES = {"plane curves": CURVES, OMPL_FAMILY: 40, UNPOSED: 10}
+_SIZES = {"off unit": OFF_UNIT_MOTIONS, "plane curves": CURVES, OMPL_FAMILY: 40, UNPOSED: 10}
 # Failures that are kept; more of the same say nothing new.
 KEPT = 20
 # Random numbers of a draw: what it is, and how it is judged.
