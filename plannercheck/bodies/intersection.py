@@ -7,6 +7,7 @@ cpp/narrow_phase/intersection: cached plane, centre axis, the coupled walk or th
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal, TypeAlias
 
@@ -35,23 +36,14 @@ Method: TypeAlias = Literal["oracle", "walk", "exact"]
 METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
 
 
-def pair_options(
-    method: Method = "oracle",
-    cached_plane: bool = True,
-    centre_axis: bool = True,
-    turned_axis: bool = True,
-    facet_plane: bool = True,
-    nearest_points: bool = True,
-    double_double: bool = True,
-    warm_start: bool = True,
-    interleaving: bool = True,
-) -> Any:
-    """The core's switches for the pair test.
+@dataclass(frozen=True)
+class Switches:
+    """What the test of one pair tries before exact arithmetic decides. Verdicts do not depend on any of it.
 
-    Args:
+    Attributes:
         method: "oracle" (small active sets on both sides), "walk" (the paper's coupled walk) or "exact" (exact
-            arithmetic alone). Verdicts are the same.
-        cached_plane: Try the plane that separated the pair last time first.
+            arithmetic alone).
+        cached_plane: Try the plane that separated the pair last time first, also that of an earlier motion.
         centre_axis: Try the axis between the centres, and swells around them, before the method.
         turned_axis: Turn that axis to where the bodies would face each other if they were ellipsoids.
         facet_plane: Try the planes of both bodies' facets before the method, where both have eight corners at most.
@@ -60,24 +52,40 @@ def pair_options(
         warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.
         interleaving: Have several pairs of a batch under way where bodies are large, so that none waits for memory
             alone. A cached plane is then tried only where poses are about those before: stages may differ.
-
-    Returns:
-        A core.PairOptions.
     """
-    if method not in METHODS:
-        raise unknown_name("method", method, METHODS)
-    solver = getattr(core.Solver, method)
-    return core.PairOptions(
-        solver,
-        cached_plane,
-        centre_axis,
-        turned_axis,
-        facet_plane,
-        nearest_points,
-        double_double,
-        warm_start,
-        interleaving,
-    )
+
+    method: Method = "oracle"
+    cached_plane: bool = True
+    centre_axis: bool = True
+    turned_axis: bool = True
+    facet_plane: bool = True
+    nearest_points: bool = True
+    double_double: bool = True
+    warm_start: bool = True
+    interleaving: bool = True
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise unknown_name("method", self.method, METHODS)
+
+    def pair_options(self) -> Any:
+        """The same as a core.PairOptions."""
+        return core.PairOptions(
+            getattr(core.Solver, self.method),
+            self.cached_plane,
+            self.centre_axis,
+            self.turned_axis,
+            self.facet_plane,
+            self.nearest_points,
+            self.double_double,
+            self.warm_start,
+            self.interleaving,
+        )
+
+
+def pair_options(method: Method = "oracle", **switches: bool) -> Any:
+    """A core.PairOptions of the `Switches` given by name."""
+    return Switches(method, **switches).pair_options()
 
 
 @set_module("plannercheck")
@@ -95,7 +103,7 @@ def intersects(
         R: Another.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
         pose_r: Pose (4, 4) of R in the world, m.
-        method: See `pair_options`.
+        method: See `Switches`.
 
     Returns:
         The exact verdict for the given numbers.
@@ -122,7 +130,7 @@ def certify(
         R: Another.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity.
         pose_r: Pose (4, 4) of R in the world, m.
-        method: See `pair_options`.
+        method: See `Switches`.
 
     Returns:
         A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates.

@@ -17,10 +17,11 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.intersection import pair_options
 from plannercheck.bodies.shapes import DEFAULT_EXCESS
-from plannercheck.checking.compiled_pairs import CompiledPairs, Preparation
+from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
 from plannercheck.checking.pair_proofs import MeetingProofs
+from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.checking.settings import CheckerSwitches
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import joint_width
@@ -37,8 +38,7 @@ ALWAYS = 0.95
 # Configurations that are judged at once: the poses of a humanoid's links take some 10 MB.
 _BATCH = 1000
 
-# The core's options: the pair test's, bounds, boxes, overlaps, learning.
-_OPTIONS = pair_options(), True, True, True, True
+_OPTIONS = CheckerSwitches().core_options()
 
 Reason: TypeAlias = Literal["adjacent", "default", "always", "never", "proved never"]
 REASONS: tuple[Reason, ...] = ("adjacent", "default", "always", "never", "proved never")
@@ -110,7 +110,7 @@ class CollisionMatrix(OwnsArrays):
         ]
         pairs = np.array([(min(i, j), max(i, j)) for i in bodies[0] for j in bodies[1]], dtype=np.int32)
         preparation = Preparation(robot.bodies, DEFAULT_EXCESS, np.zeros(len(robot.bodies)))
-        compiled = CompiledPairs(robot, robot.bodies, preparation, pairs, np.arange(len(pairs)), None, _OPTIONS)
+        compiled = CompiledPairs(PairSource(robot, robot.bodies, preparation, _OPTIONS), pairs)
         return np.flatnonzero(_collide(robot, compiled, self.configurations, [range(len(pairs))])[:, 0])
 
     def example(self, pair: LinkPair) -> dict[str, float]:
@@ -152,7 +152,7 @@ def collision_matrix(robot: Robot, states: int = 10_000, seed: int = 0, always: 
     pairs, rows_of_links = _pairs_of_bodies(robot)
     preparation = Preparation(robot.bodies, DEFAULT_EXCESS, np.zeros(len(robot.bodies)))
     apart, _ = MeetingProofs(robot, robot.bodies, preparation, robot.kinematics is not None).of(pairs)
-    compiled = CompiledPairs(robot, robot.bodies, preparation, pairs, np.flatnonzero(~apart), None, _OPTIONS)
+    compiled = CompiledPairs(PairSource(robot, robot.bodies, preparation, _OPTIONS), pairs, np.flatnonzero(~apart))
     columns = {int(row): k for k, row in enumerate(compiled.rows)}
     groups = {links: [columns[r] for r in rows if r in columns] for links, rows in rows_of_links.items()}
     counts, first = _counted(robot, compiled, q, list(groups.values()))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import Body
-from plannercheck.checking.compiled_pairs import Preparation
+from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.reach_bounds import Chains
 from plannercheck.checking.unreachable_pairs import Reach, chains_of, reach, stays_apart
 from plannercheck.robots.robot import Robot

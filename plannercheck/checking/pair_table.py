@@ -2,7 +2,8 @@
 
 In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are what the SRDF or the
 robot's YAML disables (Pinocchio has done that already), what an allowed collision matrix allows, and bodies that are
-fixed to the world against obstacles: these pairs never change, so they are judged once (`resting`).
+fixed to the world against obstacles: these pairs never change, so they are judged once (`resting`). All other places
+where a pair may be left out are listed in `left_out_pairs`.
 """
 
 from __future__ import annotations

@@ -1,28 +1,49 @@
-"""What a checker keeps whatever its scene, and how it names what touches for good.
+"""What a checker keeps whatever its scene.
 
-In: the arguments of `Checker`. Out: `Settings`, and what of them holds in another scene.
+In: the arguments of `Checker`. Out: `Settings` with `CheckerSwitches`, and what of them holds in another scene.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
+from plannercheck.bodies.intersection import Switches
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import Body
-from plannercheck.checking.padding import Padding
-from plannercheck.checking.pair_table import Acm
+from plannercheck.checking.padding import PaddedPairs, Padding, padded_pairs
+from plannercheck.checking.pair_table import Acm, pair_table
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
+from plannercheck.scenes.scene import Scene
 
-UNCOUNTED = (
-    "{0!r} of {robot}, which is fixed to the world, touches obstacle {1!r}; "
-    "this pair is not counted at any configuration"
-)
-COUNTED = (
-    "{1!r}, which a link of {robot} carries, touches {0!r} at every configuration, since no joint of the group moves "
-    "one against the other: no configuration is valid unless {0!r} is one of its touch_links"
-)
+
+@dataclass(frozen=True)
+class CheckerSwitches:
+    """What a checker may do to save work. Verdicts do not depend on any of it.
+
+    Attributes:
+        pair: What the test of one pair tries.
+        bounds: Bounding balls and a tree of the obstacles settle pairs that are far apart.
+        boxes: Planes along the faces of the bodies' boxes do.
+        overlaps: Balls inside one body that meet a box inside the other settle pairs where any collision will do.
+        learning: The pair that collided most often comes first where any collision will do.
+        reach: Pairs that can't meet within the limits are left out there.
+        static_poses: Links that no joint of the group moves are posed once, as obstacles are.
+    """
+
+    pair: Switches = field(default_factory=Switches)
+    bounds: bool = True
+    boxes: bool = True
+    overlaps: bool = True
+    learning: bool = True
+    reach: bool = True
+    static_poses: bool = True
+
+    def core_options(self) -> tuple[Any, ...]:
+        """What core.Checker takes of it."""
+        return self.pair.pair_options(), self.bounds, self.boxes, self.overlaps, self.learning
 
 
 @dataclass(frozen=True)
@@ -35,8 +56,28 @@ class Settings:
     acm: Acm
     kinematics: str
     bodies: Sequence[Body] | None
-    reach: bool
-    static_poses: bool
+    switches: CheckerSwitches
+
+    def carrier(self, attached: Sequence[SceneObject], earlier: Robot | None) -> Robot:
+        """The robot with what a scene attaches to it: another checker's, if that carries the same."""
+        carried = (*self.robot.carried, *attached)
+        if earlier is not None and earlier.carried == carried:
+            return earlier
+        return self.robot.carrying(carried) if attached else self.robot
+
+    def padded(self, robot: Robot, scene: Scene, is_first: bool) -> PaddedPairs:
+        """All bodies of a robot and a scene, and two tables of pairs: what is tested, and what is fixed to the world.
+
+        Args:
+            robot: With what it carries.
+            scene: Its obstacles.
+            is_first: Whether names of paddings have to be known; another scene may lack some.
+        """
+        bodies = stand_ins(self.bodies, (*robot.bodies, *scene.bodies))
+        table = pair_table(robot, scene, self.self_collision, self.acm)
+        labels = (*(body.label for body in robot.bodies), *scene.body_objects)
+        padding = self.padding if is_first else known_parts(self.padding, bodies, labels)
+        return padded_pairs(padding, bodies, labels, (table.pairs, table.resting))
 
 
 def without(robot: Robot, attached: Sequence[SceneObject]) -> Robot:

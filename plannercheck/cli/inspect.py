@@ -18,6 +18,7 @@ from plannercheck.bodies.meshes import load_triangles
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
 from plannercheck.checking.input_hints import always_hint
+from plannercheck.checking.left_out_pairs import left_out_pairs
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import (
     add_checker_arguments,
@@ -109,7 +110,17 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
         f"dropped within the joint limits: {by_limits} pairs that cannot reach each other, and {at_rest} of the "
         f"{int(checker.resting.sum())} that no joint of the group moves, since they are apart"
     )
+    print(f"\n{_left_out(checker)}\n")
     print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
+
+
+def _left_out(checker: Checker) -> str:
+    """A table of all places where pairs are left out, in the order in which they act."""
+    rows = [
+        (each.where, each.why, "-" if each.number is None else each.number, each.left)
+        for each in left_out_pairs(checker)
+    ]
+    return table(("pairs are left out by", "since", "left out", "left"), rows)
 
 
 def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str, str, str, str]:

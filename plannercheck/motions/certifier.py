@@ -10,19 +10,31 @@ what rounding moves (`Robot.kinematic_error`, and the core's own bound).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import Body
-from plannercheck.checking.compiled_pairs import CompiledPairs, added
+from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.common.core import core
+from plannercheck.common.counters import sum_counters
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.certifier_answers import (
+    FREE,
+    IMPRECISE,
+    REFUSED,
+    Passage,
+    Proof,
+    check_tolerance,
+    passage_of,
+    proofs_of,
+    verdicts,
+)
 from plannercheck.motions.certifier_pairs import ChainedPairs
+from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
 Floats = NDArray[np.float64]
@@ -32,63 +44,9 @@ Ints = NDArray[np.int32]
 # A motion whose clearance falls below this may be refused, m: no robot follows a path so closely.
 DEFAULT_TOLERANCE = 1e-4
 
-# Beyond the limits by this much, rad and m, the bound of kinematic rounding is computed once for all.
-_MARGIN = 10.0
-
-# Continuous joints are within it up to here, rad.
-NEAR_TURNS = math.pi + _MARGIN
-
 # Parts of the tolerance with which pairs are proved that can't meet within the limits, but may be nearer than it: they
 # are further apart than `reach.MARGIN`, a hundredth of the default.
 _FINER = (1.0, 1e-2, 1e-4)
-
-# MotionAnswer in cpp/motions/motion_certifier.hpp.
-_FREE, _REFUSED, _IMPRECISE = 0, 1, 2
-
-
-class Proof(NamedTuple):
-    """What proves a pair apart on an interval.
-
-    Attributes:
-        pair: Row of the checker's pairs.
-        start: Parameter.
-        end: Parameter.
-        frame: Index of the link in whose frame the direction is, -1 for the world.
-        flipped: Whether the direction points from the pair's first body to its second, else the other way.
-        direction: (3,) unit vector up to rounding.
-        gap: Along it both bodies are at least this far apart at both ends, m.
-        bulge: Their points leave their chords by at most this, which is less than the gap, m.
-    """
-
-    pair: int
-    start: float
-    end: float
-    frame: int
-    flipped: bool
-    direction: Floats
-    gap: float
-    bulge: float
-
-
-class Passage(NamedTuple):
-    """How far a motion is free.
-
-    Attributes:
-        free: Whether all of it is.
-        free_until: It is proved free up to this parameter.
-        near: If not free: the parameter at which the pair is within the tolerance.
-        pair: If not free: row of the checker's pairs; else -1.
-        proofs: If wanted, what proves it free, all pairs, up to `proved_until`.
-        proved_until: That is `free_until`, or less if a pair that can't meet within the limits is nearer all the time
-            than rounding allows to prove.
-    """
-
-    free: bool
-    free_until: float
-    near: float
-    pair: int
-    proofs: tuple[Proof, ...] = ()
-    proved_until: float = 0.0
 
 
 class MotionCertifier:
@@ -102,9 +60,7 @@ class MotionCertifier:
         robot: Robot,
         bodies: Sequence[Body],
         pairs: Ints,
-        live: CompiledPairs,
-        whole: Callable[[], CompiledPairs],
-        limits: tuple[Floats, Floats] | None,
+        tables: CompiledTables,
         excess: float,
         hints: bool,
     ) -> None:
@@ -114,9 +70,7 @@ class MotionCertifier:
             robot: The robot.
             bodies: The robot's, then the scene's.
             pairs: (k, 2) indices into bodies.
-            live: Those that can meet within the limits.
-            whole: All of them.
-            limits: Between which `live` are enough; None for anywhere.
+            tables: These pairs, compiled: those that can meet within the limits, and all of them.
             excess: Of curved shapes.
             hints: Whether planes of earlier motions are tried; verdicts do not depend on it.
 
@@ -128,20 +82,15 @@ class MotionCertifier:
                 f"motions of {robot.name!r} can't be certified, since Pinocchio itself has to pose it: choose sampled "
                 "motions by resolution=, in m"
             )
-        self._robot = robot
-        self._live = ChainedPairs(robot, bodies, pairs, live, excess, hints)
+        self._robot, self._limits = robot, tables.limits
+        self._live = ChainedPairs(robot, bodies, pairs, tables.within_limits, excess, hints)
         self._compile_whole: Callable[[], ChainedPairs] = lambda: ChainedPairs(
-            robot, bodies, pairs, whole(), excess, hints
+            robot, bodies, pairs, tables.all, excess, hints
         )
-        self._limits = limits
-        low, high = robot.configuration_map.sampled_range()
-        self._low, self._high = low - _MARGIN, high + _MARGIN
-        self._error = robot.kinematic_error_within(self._low, self._high)
-        self._far_errors: dict[bytes, float] = {}
-        self._turns = bool(robot.configuration_map.turning_columns().any())
-        self._range = self._low, self._high
-        if limits is not None:
-            self._range = np.maximum(limits[0], self._low), np.minimum(limits[1], self._high)
+        self._errors = errors = RoundingBounds(robot)
+        self._range = errors.low, errors.high
+        if self._limits is not None:
+            self._range = np.maximum(self._limits[0], errors.low), np.minimum(self._limits[1], errors.high)
 
     @cached_property
     def _whole(self) -> ChainedPairs:
@@ -162,7 +111,7 @@ class MotionCertifier:
         """
         check_tolerance(tolerance)
         within = self._within_limits(q0, q1)
-        by_error = self._errors(q0, q1, q1 if given is None else given)
+        by_error = self._errors.of_motions(q0, q1, q1 if given is None else given)
         free = np.empty(len(q0), dtype=bool)
         for rows, whole in ((np.flatnonzero(within), False), (np.flatnonzero(~within), True)):
             if len(rows):
@@ -186,9 +135,7 @@ class MotionCertifier:
             return np.zeros(len(rows), dtype=bool)
         starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
         answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
-        if (answers == _IMPRECISE).any():
-            raise imprecise(int(rows[np.argmax(answers == _IMPRECISE)]), tolerance)
-        return np.asarray(answers == _FREE)
+        return verdicts(answers, tolerance, rows)
 
     def _within_limits(self, q0: Floats, q1: Floats) -> Bools:
         """(n,) whether both ends are, so that all states between them are, up to rounding."""
@@ -212,8 +159,8 @@ class MotionCertifier:
         if self._live.touching:
             return False
         kinematics = self._robot.kinematics
-        answer: int = self._live.core.check_one(kinematics, q0, q1, *self._range, tolerance, self._error)
-        return answer == _FREE if answer <= _REFUSED else self._is_free_anywhere(q0, q1, tolerance)
+        answer: int = self._live.core.check_one(kinematics, q0, q1, *self._range, tolerance, self._errors.usual)
+        return answer == FREE if answer <= REFUSED else self._is_free_anywhere(q0, q1, tolerance)
 
     def _is_free_anywhere(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
         starts, ends = self._robot.check_configurations([q0]), self._robot.check_configurations([q1])
@@ -226,7 +173,7 @@ class MotionCertifier:
             return lambda s1, s2: False
         kinematics, low, high = self._robot.kinematics, *self._range
         judge: Callable[[Any, Any], bool] = core.motion_validity(
-            self._live.core, kinematics, low, high, tolerance, self._error, partial(self._elsewhere, tolerance)
+            self._live.core, kinematics, low, high, tolerance, self._errors.usual, partial(self._elsewhere, tolerance)
         )
         return judge
 
@@ -253,12 +200,9 @@ class MotionCertifier:
         part = self._live if within else self._whole
         if part.touching:
             return Passage(False, 0.0, 0.0, part.touching[0])
-        error = self._kinematic_error(q0, q1, q1 if given is None else given)
+        error = self._errors.of_motion(q0, q1, q1 if given is None else given)
         answer, until, near, row = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, False)[:4]
-        if answer == _IMPRECISE:
-            raise imprecise(0, tolerance)
-        free = answer == _FREE
-        found = Passage(True, 1.0, -1.0, -1) if free else Passage(False, until, near, int(part.rows[row]))
+        found = passage_of(answer, until, near, int(part.rows[row]) if answer == REFUSED else -1, tolerance)
         if not proofs:
             return found
         reached, listed = self._listed(q0, q1, tolerance, error, found.free_until)
@@ -277,9 +221,9 @@ class MotionCertifier:
             answer, end, _, _, *found = self._whole.core.explain(
                 self._robot.kinematics, q0, q1, finer * tolerance, error, True
             )
-            if answer == _IMPRECISE:
+            if answer == IMPRECISE:
                 break
-            reached, listed = (1.0 if answer == _FREE else end), _proofs(self._whole, *found)
+            reached, listed = (1.0 if answer == FREE else end), _proofs(self._whole, found)
             if reached >= until:
                 break
         return min(reached, until), listed
@@ -290,69 +234,11 @@ class MotionCertifier:
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far."""
-        counted = dict(self._live.core.statistics())
-        return (
-            counted
-            if "_whole" not in vars(self) or self._whole is self._live
-            else added(counted, self._whole.core.statistics())
-        )
-
-    def _kinematic_error(self, q0: Floats, q1: Floats, given: Floats) -> float:
-        """What computed poses may be off by on one motion (nq,) to (nq,), whose end was given as `given`, m."""
-        ((error, _),) = self._errors(q0[None], q1[None], given[None])(np.zeros(1, np.int64))
-        return error
-
-    def _errors(
-        self, q0: Floats, q1: Floats, given: Floats
-    ) -> Callable[[NDArray[np.int64]], list[tuple[float, NDArray[np.int64]]]]:
-        """What puts rows of motions by the bound, m, that holds for both ends, as judged and as given, and between.
-
-        A row's bound depends on nothing but the row: that of the range around the limits if the row is within it; else
-        of one that reaches to the next powers of 2 in the columns in which it is not.
-        """
-        low, high = self._low, self._high
-        near = (q0 >= low) & (q0 <= high) & (given >= low) & (given <= high)
-        if self._turns:  # else these are the given ends
-            near &= (q1 >= low) & (q1 <= high)
-        if near.all():
-            return lambda rows: [(self._error, rows)]
-        furthest = np.max([np.abs(q0), np.abs(q1), np.abs(given)], axis=0)
-        powers = np.where(near, -1.0, np.ceil(np.log2(np.maximum(furthest, 1.0))))
-        return lambda rows: self._by_powers(powers[rows], rows)
-
-    def _by_powers(self, powers: Floats, rows: NDArray[np.int64]) -> list[tuple[float, NDArray[np.int64]]]:
-        kinds, kind_of = np.unique(powers, axis=0, return_inverse=True)
-        return [(self._far_error(kind), rows[kind_of.ravel() == k]) for k, kind in enumerate(kinds)]
-
-    def _far_error(self, powers: Floats) -> float:
-        """The bound where columns (nq,) reach to powers of 2, -1 for those within the range."""
-        if (powers < 0).all():
-            return self._error
-        key = powers.tobytes()
-        if key not in self._far_errors:
-            reach = np.where(powers < 0, 0.0, 2.0**powers)
-            low, high = np.minimum(self._low, -reach), np.maximum(self._high, reach)
-            self._far_errors[key] = self._robot.kinematic_error_within(low, high)
-        return self._far_errors[key]
+        parts = [self._live]
+        if "_whole" in vars(self) and self._whole is not self._live:
+            parts.append(self._whole)
+        return sum_counters(part.core.statistics() for part in parts)
 
 
-def _proofs(part: ChainedPairs, pairs: Ints, intervals: Floats, directions: Floats, gaps: Floats) -> list[Proof]:
-    rows = zip(pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True)
-    return [
-        Proof(int(part.rows[k]), start, end, part.frames[k], bool(part.flipped[k]), direction, gap, bulge)
-        for k, (start, end), direction, (gap, bulge) in rows
-    ]
-
-
-def check_tolerance(tolerance: float) -> None:
-    """Raises an error if a tolerance is no positive length."""
-    if not 0 < tolerance < float("inf"):
-        raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
-
-
-def imprecise(row: int, tolerance: float) -> PlannercheckError:
-    """The error for a motion whose rounding exceeds a part of the tolerance."""
-    return PlannercheckError(
-        f"motion {row}: lengths and angles are so large that rounding is no small part of the tolerance of "
-        f"{tolerance:g} m; choose a larger tolerance, or smaller numbers"
-    )
+def _proofs(part: ChainedPairs, arrays: Sequence[Any]) -> list[Proof]:
+    return proofs_of(*arrays, frames=part.frames, flipped=part.flipped.tolist(), rows=part.rows.tolist())

@@ -17,8 +17,10 @@ from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
-from plannercheck.motions.certifier import DEFAULT_TOLERANCE, NEAR_TURNS, MotionCertifier
+from plannercheck.motions.certifier import DEFAULT_TOLERANCE, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
+from plannercheck.motions.motion_ends import checked_ends, with_given_ends
+from plannercheck.motions.rounding_bounds import NEAR_TURNS
 from plannercheck.motions.sampling import MotionSampler
 
 if TYPE_CHECKING:
@@ -98,18 +100,14 @@ class Checker(StateChecker):
         if resolution is None:
             threads = checked_threads(threads, len(starts))
             return self.motion_certifier.check(starts, ends, tolerance, threads, given)
-        free = self._sampled_free(starts, ends, resolution)
-        turned = free & (given != ends).any(axis=1)
-        if turned.any():  # such ends are posed with other roundings than those that the samples lead to
-            free[turned] = self.check_states(given[turned])
-        return free
+        return with_given_ends(self, self._sampled_free(starts, ends, resolution), ends, given)
 
     def _sampled_free(self, starts: Floats, ends: Floats, resolution: float) -> Bools:
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)
         # Of states between two within the limits, rounding puts none further beyond than the proof's margin allows.
-        return self._judged(
+        return self._tables.judged(
             lambda table, *part: table.core.motions_are_free(self._kernel, *part).view(bool), starts, ends, steps
         )
 
@@ -178,14 +176,10 @@ class Checker(StateChecker):
                 f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
                 "here: choose sampled motions by resolution=, in m"
             )
-        (_, cached_plane, *_), _ = self._options
-        return MotionCertifier(
-            self.robot, self.bodies, self.pairs, self._live, lambda: self._all, self._limits, self.excess, cached_plane
-        )
+        hints = self._settings.switches.pair.cached_plane
+        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, hints)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Starts and ends (n, nq); continuous joints take the short way."""
-        starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
-        if starts.shape != ends.shape:
-            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
+        starts, ends = checked_ends(self.robot, q0, q1)
         return starts, self.motion_sampler.short_way(starts, ends)

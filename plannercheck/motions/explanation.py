@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import MotionProof, MotionVerdict, PairVerdict
-from plannercheck.motions.certifier import Passage, Proof
+from plannercheck.motions.certifier_answers import Passage, Proof
 from plannercheck.proofs.proof import Proof as WholeProof
 
 Floats = NDArray[np.float64]

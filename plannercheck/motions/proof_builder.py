@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from plannercheck.bodies.certificates import Separation
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
-from plannercheck.motions.certifier import Passage
-from plannercheck.motions.certifier import Proof as Plane
+from plannercheck.motions.certifier_answers import Passage
+from plannercheck.motions.certifier_answers import Proof as Plane
 from plannercheck.proofs.proof import WORLD, Entry, Hashes, Model, Motion, Proof
 
 if TYPE_CHECKING:

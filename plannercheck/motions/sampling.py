@@ -6,14 +6,17 @@ far a point can be moved by one unit of the joint: the longest way from the join
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import DEFAULT_EXCESS, hull_and_swell
-from plannercheck.checking.state_checker import StateChecker
-from plannercheck.common.angles import nearest_turns
+from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.motion_ends import short_way
 from plannercheck.robots.configurations import NO_LIMIT
 from plannercheck.robots.robot import Robot
 
@@ -44,10 +47,7 @@ class MotionSampler:
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
         """How many steps each motion (n, nq) to (n, nq) needs: no link point moves over `resolution` m in one."""
-        if resolution is None:
-            resolution = DEFAULT_RESOLUTION
-        if not (np.isfinite(resolution) and resolution > 0):
-            raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
+        resolution = checked_resolution(resolution, DEFAULT_RESOLUTION)
         if self._robot.group is not None and not self.is_vector_space:
             raise PlannercheckError(
                 f"motions of the group {self._robot.group!r} can't be sampled: a joint takes several numbers; "
@@ -70,15 +70,7 @@ class MotionSampler:
 
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
         """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; the same if they are."""
-        if not len(self._turning):
-            return q1
-        given = q1[..., self._turning]
-        near = nearest_turns(q0[..., self._turning], given)
-        if near is given:
-            return q1
-        ends = q1.copy()
-        ends[..., self._turning] = near
-        return ends
+        return short_way(q0, q1, self._turning)
 
     def _way(self, q0: Floats, q1: Floats) -> Floats:
         """(n,) m: no link point travels further on these motions."""
@@ -110,19 +102,12 @@ class MotionSampler:
         states[parameters == 1] = q1
         return states
 
-    def check(self, checker: StateChecker, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.bool_]:
+    def check(self, checker: AnyChecker, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.bool_]:
         """Whether all sampled states of each motion (n, nq) to (n, nq) are valid, by batches of states."""
         steps = self.steps(q0, q1, resolution)
-        return np.array(
-            [self._is_free(checker, a, b, int(k)) for a, b, k in zip(q0, q1, steps, strict=True)], dtype=bool
-        )
-
-    def _is_free(self, checker: StateChecker, q0: Floats, q1: Floats, steps: int) -> bool:
-        parameters = coarse_to_fine(steps)
-        for first in range(0, len(parameters), _BATCH):
-            if not checker.check_states(self.states(q0, q1, parameters[first : first + _BATCH])).all():
-                return False
-        return True
+        motions = zip(q0, q1, steps.tolist(), strict=True)
+        free = [samples_are_free(checker, partial(self.states, start, end), count) for start, end, count in motions]
+        return np.array(free, dtype=bool)
 
 
 def _column_levers(robot: Robot, levers: Floats) -> Floats:
@@ -134,6 +119,28 @@ def _column_levers(robot: Robot, levers: Floats) -> Floats:
     full = np.atleast_2d(robot.expand(base + step * np.eye(robot.nq)))
     moved = np.array([pin.difference(robot.model, robot.expand(base), row) for row in full])
     return np.abs(moved / step).reshape(robot.nq, -1) @ levers
+
+
+def checked_resolution(resolution: float | None, default: float) -> float:
+    """A resolution in m, or the default."""
+    if resolution is None:
+        return default
+    if not (np.isfinite(resolution) and resolution > 0):
+        raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
+    return float(resolution)
+
+
+def samples_are_free(checker: AnyChecker, states: Callable[[Floats], Floats], steps: int) -> bool:
+    """Whether all states of one motion at the multiples of 1/steps are valid, coarse ones first.
+
+    Args:
+        checker: In space or in the plane.
+        states: Gives states (k, nq) at parameters (k,).
+        steps: How many steps.
+    """
+    parameters = coarse_to_fine(steps)
+    batches = (parameters[first : first + _BATCH] for first in range(0, len(parameters), _BATCH))
+    return all(checker.check_states(states(batch)).all() for batch in batches)
 
 
 def coarse_to_fine(steps: int) -> Floats:

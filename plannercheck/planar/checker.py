@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.checking.verdicts import MotionVerdict, PairVerdict, Verdict
+from plannercheck.checking.checker_base import ExplainingChecker
+from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -21,11 +22,14 @@ from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.explanation import explained_motion
+from plannercheck.motions.motion_ends import checked_ends, with_given_ends
+from plannercheck.motions.sampling import samples_are_free
 from plannercheck.planar.body_tables import core_arguments, pair_table
-from plannercheck.planar.certificates import certify
-from plannercheck.planar.curves import Curve, Curves, check_curve
+from plannercheck.planar.certificates import Certificate, certify
+from plannercheck.planar.curve_motions import CurveMotions
+from plannercheck.planar.curves import Curve, check_curve
 from plannercheck.planar.links import Body
-from plannercheck.planar.motion_certifier import STRAIGHT, MotionCertifier
+from plannercheck.planar.motion_certifier import MotionCertifier
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.polygons import METHODS, Method
 from plannercheck.planar.robot import Robot
@@ -46,7 +50,7 @@ _KINEMATIC_ROUNDING = 2.0**-49
 
 
 @set_module("plannercheck.planar")
-class Checker:
+class Checker(ExplainingChecker):
     """Exact collision verdicts for one planar robot in one scene. Immutable, so threads may share it.
 
     Attributes:
@@ -56,6 +60,10 @@ class Checker:
         pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
         motion_sampler: Says how many states a motion needs, and interpolates them.
     """
+
+    robot: Robot
+    scene: Scene
+    bodies: tuple[Body, ...]
 
     def __init__(
         self,
@@ -85,13 +93,13 @@ class Checker:
         self.scene = scene.copy() if scene is not None else Scene("empty")
         self._recipe = robot, self.scene, self_collision, method, bounds
         self.robot = robot if self.scene.bounds is None else robot.within(*self.scene.bounds)
-        self.bodies: tuple[Body, ...] = (*robot.bodies, *self.scene.bodies)
+        self.bodies = (*robot.bodies, *self.scene.bodies)
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
         self.pairs = read_only(pair_table(robot, len(self.bodies), self_collision))
         self.motion_sampler = MotionSampler(self.robot)
         self._arguments = core_arguments(robot, self.bodies, self.pairs)
         self._core = core.PlanarChecker(*self._arguments, bounds, getattr(core.Precision, method))
-        self._curves: dict[tuple[Curve, float], Curves] = {}
+        self._motions = CurveMotions(self.motion_sampler)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuilt, self._recipe
@@ -197,10 +205,7 @@ class Checker:
             return self.motion_certifier.check(starts, ends, tolerance, checked_threads(threads, len(starts)), given)
         steps = self.motion_sampler.steps(starts, ends, resolution)
         free = np.asarray(self._core.motions_are_free(starts, ends, steps)).astype(bool)
-        turned = free & (given != ends).any(axis=1)
-        if turned.any():  # such ends are posed with other roundings than those that the samples lead to
-            free[turned] = self.check_states(given[turned])
-        return free
+        return with_given_ends(self, free, ends, given)
 
     def explain_motion(
         self,
@@ -227,7 +232,7 @@ class Checker:
         """
         check_curve(self.robot, curve, turning_radius)
         (start,), (end,), (given,) = self._motion_ends(self._single(q0), self._single(q1), curve)
-        pieces, certifier = self._pieces(start, end, curve, turning_radius), self.motion_certifier
+        pieces, certifier = self._motions.pieces(start, end, curve, turning_radius), self.motion_certifier
         passage = certifier.passage(start, end, tolerance, proofs, pieces, given)
         prover = partial(self._proof, (start, end, given), tolerance, curve, turning_radius)
         return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance, prover)
@@ -270,7 +275,7 @@ class Checker:
         self, ends: tuple[Floats, Floats, Floats], tolerance: float, curve: Curve, turning_radius: float | None
     ) -> Proof | None:
         start, end, given = ends
-        pieces = self._pieces(start, end, curve, turning_radius)
+        pieces = self._motions.pieces(start, end, curve, turning_radius)
         return self._prover.proof(start, end, given, tolerance, pieces, curve, turning_radius)
 
     @cached_property
@@ -290,9 +295,7 @@ class Checker:
 
         The heading on curves stays as given, too.
         """
-        starts, ends = self.robot.check_configurations(q0), self.robot.check_configurations(q1)
-        if starts.shape != ends.shape:
-            raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
+        starts, ends = checked_ends(self.robot, q0, q1)
         near = self.motion_sampler.short_way(starts, ends)
         if curve != "straight":
             near[:, 2] = ends[:, 2]  # to the bit: of two curves of one length rounding may choose
@@ -307,83 +310,27 @@ class Checker:
         turning_radius: float | None,
     ) -> bool:
         start, end, given = ends
-        pieces = self._pieces(start, end, curve, turning_radius)
+        pieces = self._motions.pieces(start, end, curve, turning_radius)
         if resolution is None:
             return self.motion_certifier.is_free(start, end, tolerance, pieces, given)
-        way = self._curves_of(curve, turning_radius).way(start, end, self.motion_sampler)
-        steps = int(self.motion_sampler.steps_of_way(np.array([way]), resolution)[0])
-        states = self.motion_certifier.states(start, end, np.arange(steps + 1) / steps, pieces)
-        return bool(self.check_states(np.vstack([states, given])).all())
+        steps = self._motions.steps(start, end, curve, turning_radius, resolution)
+        states = partial(self.motion_certifier.states, start, end, pieces=pieces)
+        return samples_are_free(self, states, steps) and self.is_valid(given)
 
-    def _curves_of(self, curve: Curve, turning_radius: float | None) -> Curves:
-        assert turning_radius is not None  # it was checked
-        key = curve, float(turning_radius)
-        if key not in self._curves:
-            self._curves[key] = Curves(*key)
-        return self._curves[key]
-
-    def _pieces(self, start: Floats, end: Floats, curve: Curve, turning_radius: float | None) -> Floats:
-        if curve == "straight":
-            return STRAIGHT
-        return self._curves_of(curve, turning_radius).pieces(start, end, self.motion_sampler.reach)
-
-    def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
-        """The verdict of one configuration with the names and certificates behind it.
-
-        Args:
-            q: (nq,) m and rad.
-            separations: Whether to give the separating lines of all other pairs, too.
-
-        Returns:
-            The verdict; certificates are in world coordinates.
-        """
-        row = self._single(q)
-        colliding, poses = self.colliding_pairs(row)[0], self.body_poses(row)[0]
-        wanted = range(len(self.pairs)) if separations else np.flatnonzero(colliding).tolist()
-        found = [self.pair_verdict(k, poses, bool(colliding[k])) for k in wanted]
-        return Verdict(
-            not colliding.any(),
-            tuple(v for v in found if v.colliding),
-            tuple(v for v in found if not v.colliding),
-            self._kinematic_error(row[0]),
-        )
-
-    def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
-        """The verdict of row k of `pairs` alone at one configuration (nq,), with its certificate."""
-        row = self._single(q)
-        return self.pair_verdict(k, self.body_poses(row)[0], bool(self.colliding_pairs(row)[0, k]))
-
-    def pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
-        """The verdict of row k of `pairs` at poses of all bodies (bodies, 3, 3), with its certificate."""
-        a, b = (int(i) for i in self.pairs[k])
-        certificate = certify(self.bodies[a].vertices, self.bodies[b].vertices, poses[a], poses[b])
-        return PairVerdict(*self.pair_names(k), self.bodies[a].name, self.bodies[b].name, colliding, certificate)
-
-    def pair_names(self, k: int) -> tuple[str, str]:
-        """The link and the other link or obstacle of row k of `pairs`."""
-        a, b = self.pairs[k]
-        return self._labels[a], self._labels[b]
+    def _certificate(self, a: int, b: int, poses: Floats) -> Certificate:
+        return certify(self.bodies[a].vertices, self.bodies[b].vertices, poses[a], poses[b])
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far: states, pairs, what settled them, and the algorithm's rounds and vertices."""
         return dict(self._core.statistics())
 
-    def _kinematic_error(self, q: Floats) -> float:
+    def _kinematic_error(self, q: Floats, poses: Floats) -> float:
         """No point is further than this from where exact kinematics of the same numbers puts it, m."""
         robot, free = self.robot, 2 if self.robot.is_free else 0
         anchors = np.abs([link.anchor for link in robot.links])
         size = self.motion_sampler.reach + float(np.abs(q[:free]).sum() + anchors[:, :2].sum())
         angles = 1 + float(np.abs(q[free:]).sum() + anchors[:, 2].sum())
         return _KINEMATIC_ROUNDING * len(robot.links) * size * angles
-
-    def _single(self, q: ArrayLike) -> Floats:
-        try:
-            row = np.asarray(q, dtype=np.float64)
-        except (TypeError, ValueError, OverflowError):
-            raise PlannercheckError(f"one configuration must be {self.robot.nq} numbers, not {q!r:.80}") from None
-        if row.ndim != 1:
-            raise PlannercheckError(f"one configuration must have shape ({self.robot.nq},), not {row.shape}")
-        return row[None]
 
     def __repr__(self) -> str:
         return f"planar.Checker({self.robot.name!r} in {self.scene.name!r}, {len(self.pairs)} pairs)"

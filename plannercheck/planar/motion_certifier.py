@@ -6,14 +6,13 @@ free, how far, and what proves it. What is proved covers the rounding of configu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.core import core
-from plannercheck.motions.certifier import Passage, Proof, check_tolerance, imprecise
+from plannercheck.motions.certifier_answers import FREE, Passage, check_tolerance, passage_of, proofs_of, verdicts
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -21,9 +20,6 @@ Bools = NDArray[np.bool_]
 # PlanarPiece in cpp/planar/motion_bounds_2d.hpp: parameters from and to, origin, way, heading, turn, arm, slip.
 PIECE_NUMBERS = 11
 STRAIGHT: Floats = np.zeros((0, PIECE_NUMBERS))
-
-# PlanarAnswer in cpp/planar/motion_certifier_2d.hpp.
-_FREE, _IMPRECISE = 0, 2
 
 
 class MotionCertifier:
@@ -49,9 +45,7 @@ class MotionCertifier:
         """
         check_tolerance(tolerance)
         answers = np.asarray(self._core.check(q0, q1, q1 if given is None else given, tolerance, threads))
-        if (answers == _IMPRECISE).any():
-            raise imprecise(int(np.argmax(answers == _IMPRECISE)), tolerance)
-        return np.asarray(answers == _FREE)
+        return verdicts(answers, tolerance)
 
     def is_free(
         self,
@@ -76,9 +70,7 @@ class MotionCertifier:
         check_tolerance(tolerance)
         start, end = (np.asarray(q, dtype=np.float64) for q in (q0, q1))
         answer = self._core.check_pieces(start, end, end if given is None else given, pieces, tolerance)
-        if answer == _IMPRECISE:
-            raise imprecise(0, tolerance)
-        return bool(answer == _FREE)
+        return bool(verdicts(np.array([answer]), tolerance)[0])
 
     def passage(
         self,
@@ -105,15 +97,13 @@ class MotionCertifier:
         check_tolerance(tolerance)
         asked = q0, q1, q1 if given is None else given, pieces, tolerance
         answer, until, near, pair = self._core.explain(*asked, False)[:4]
-        if answer == _IMPRECISE:
-            raise imprecise(0, tolerance)
-        free = answer == _FREE
-        found = Passage(True, 1.0, -1.0, -1) if free else Passage(False, until, near, pair)
+        found = passage_of(answer, until, near, pair, tolerance)
         if not proofs:
             return found
         answer, reached, _, _, *listed = self._core.explain(*asked, True)
-        kept = tuple(proof for proof in self._proofs(*listed) if free or proof.start < found.free_until)
-        return found._replace(proofs=kept, proved_until=min(found.free_until, 1.0 if answer == _FREE else reached))
+        given_proofs = proofs_of(*listed, frames=self._frames)
+        kept = tuple(proof for proof in given_proofs if found.free or proof.start < found.free_until)
+        return found._replace(proofs=kept, proved_until=min(found.free_until, 1.0 if answer == FREE else reached))
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats, pieces: Floats = STRAIGHT) -> Floats:
         """(k, nq) of one motion at parameters (k,) in [0, 1]."""
@@ -122,10 +112,3 @@ class MotionCertifier:
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far."""
         return dict(self._core.statistics())
-
-    def _proofs(self, pairs: Any, intervals: Floats, directions: Floats, gaps: Floats) -> Sequence[Proof]:
-        rows = zip(pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True)
-        return [
-            Proof(k, start, end, self._frames[k], False, direction, gap, bulge)
-            for k, (start, end), direction, (gap, bulge) in rows
-        ]

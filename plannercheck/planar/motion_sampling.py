@@ -10,18 +10,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.common.angles import nearest_turns
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.motion_ends import short_way
+from plannercheck.motions.sampling import MOST_STEPS, checked_resolution
 from plannercheck.planar.robot import Robot
 
 Floats = NDArray[np.float64]
 
 # Between two states no point moves further than this, in m: a tenth of what mobile robots usually sample at.
 DEFAULT_RESOLUTION = 1e-2
-
-# More states than this are a mistake in the motion or the resolution.
-MOST_STEPS = 10**9
 
 # The way is a sum of products that round a little down.
 _ROUNDING = 1 + 1e-12
@@ -32,7 +30,7 @@ class MotionSampler:
 
     def __init__(self, robot: Robot) -> None:
         """Computes the lever arms of the robot's angles, and how far it reaches from its root, m."""
-        self._robot, self._angles = robot, robot.angles
+        self._robot, self._angles = robot, np.flatnonzero(robot.angles)
         self.levers, self.reach = _lever_arms(robot)
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
@@ -41,13 +39,7 @@ class MotionSampler:
 
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
         """Ends (…, nq) with angles without limits within half a turn of the starts'; the same array if they are."""
-        given = q1[..., self._angles]
-        near = nearest_turns(q0[..., self._angles], given)
-        if near is given:
-            return q1
-        ends = q1.copy()
-        ends[..., self._angles] = near
-        return ends
+        return short_way(q0, q1, self._angles)
 
     def way(self, differences: Floats) -> Floats:
         """(n,) m: no point travels further on straight motions with these differences (n, nq)."""
@@ -56,7 +48,7 @@ class MotionSampler:
 
     def steps_of_way(self, way: Floats, resolution: float | None) -> NDArray[np.int64]:
         """How many steps are needed where no point travels further than `way` (n,), m."""
-        resolution = checked_resolution(resolution)
+        resolution = checked_resolution(resolution, DEFAULT_RESOLUTION)
         steps = np.maximum(1, np.ceil(way * _ROUNDING / resolution))
         if not (steps <= MOST_STEPS).all():
             raise PlannercheckError(
@@ -68,15 +60,6 @@ class MotionSampler:
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """States (k, nq) of one straight motion at parameters (k,) in [0, 1]; the core's bits."""
         return np.asarray((1 - parameters)[:, None] * q0 + parameters[:, None] * q1)
-
-
-def checked_resolution(resolution: float | None) -> float:
-    """A resolution in m; None is the default."""
-    if resolution is None:
-        return DEFAULT_RESOLUTION
-    if not (np.isfinite(resolution) and resolution > 0):
-        raise PlannercheckError(f"resolution must be a positive length in m, not {resolution!r}")
-    return float(resolution)
 
 
 def _lever_arms(robot: Robot) -> tuple[Floats, float]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.optional_imports import extra_module
-from plannercheck.motions.certifier import Proof as Line
+from plannercheck.motions.certifier_answers import Proof as Line
 from plannercheck.planar.curves import Curve
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
 from plannercheck.proofs.proof import Entry, Proof

@@ -16,7 +16,7 @@ import numpy as np
 
 import plannercheck as pc
 from plannercheck.bodies.shapes import Cylinder
-from plannercheck.checking import compiled_pairs
+from plannercheck.checking import prepared_bodies
 from plannercheck.cli.common import table
 
 CASES = (("panda", "bookshelf"), ("ur5", "kitchen"), ("pr2", "kitchen"), ("talos", "kitchen"))
@@ -80,8 +80,8 @@ def _counted() -> list[str]:
 
         return call
 
-    compiled_pairs.Polytope = counted(compiled_pairs.Polytope)  # type: ignore[misc,assignment]
-    compiled_pairs.prepared = counted(compiled_pairs.prepared)  # type: ignore[assignment]
+    prepared_bodies.Polytope = counted(prepared_bodies.Polytope)  # type: ignore[misc,assignment]
+    prepared_bodies.prepared = counted(prepared_bodies.prepared)  # type: ignore[assignment]
     return names
 
 

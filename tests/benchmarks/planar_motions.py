@@ -53,7 +53,7 @@ class Case:
 
     def states(self, q0: np.ndarray, q1: np.ndarray, parameters: np.ndarray) -> np.ndarray:
         """States of a motion."""
-        pieces = self.checker._pieces(q0, q1, *self.how.values())
+        pieces = self.checker._motions.pieces(q0, q1, *self.how.values())
         return self.checker.motion_certifier.states(q0, q1, parameters, pieces)
 
     def way(self, q0: np.ndarray, q1: np.ndarray) -> float:
@@ -213,7 +213,7 @@ def judge(case: Case, counts: Counter[tuple[str, str]]) -> None:
             counts[family, "missed"] += not densely_free(case, q0, q1)
             continue
         passage = checker.motion_certifier.passage(
-            q0, q1, TOLERANCE, pieces=checker._pieces(q0, q1, *case.how.values())
+            q0, q1, TOLERANCE, pieces=checker._motions.pieces(q0, q1, *case.how.values())
         )
         state = case.states(q0, q1, np.array([passage.near]))[0]
         apart = checker.is_valid(state) and shapelys_distance(checker, passage.pair, state) > TOLERANCE

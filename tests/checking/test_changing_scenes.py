@@ -11,7 +11,7 @@ import pytest
 import plannercheck as pc
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Capsule, Cylinder, Sphere
-from plannercheck.checking import compiled_pairs
+from plannercheck.checking import prepared_bodies
 from plannercheck.common.package_data import example_robot_data
 from plannercheck.robots.description import find_description, read_description
 
@@ -58,8 +58,8 @@ def preparations(monkeypatch):
 
         return call
 
-    monkeypatch.setattr(compiled_pairs, "Polytope", counted(compiled_pairs.Polytope))
-    monkeypatch.setattr(compiled_pairs, "prepared", counted(compiled_pairs.prepared))
+    monkeypatch.setattr(prepared_bodies, "Polytope", counted(prepared_bodies.Polytope))
+    monkeypatch.setattr(prepared_bodies, "prepared", counted(prepared_bodies.prepared))
     return names
 
 

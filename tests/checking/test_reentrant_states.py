@@ -271,11 +271,12 @@ def test_counters_while_a_collection_asks_for_states():
 
 COMPILING = """
 import plannercheck as pc
+from plannercheck.checking import compiled_tables
 
 robot = pc.Robot.load("panda")
 checker = pc.Checker(robot, pc.Scene.load("bookshelf"))
 beyond = robot.upper[None] + 0.1  # needs the full table, which the first caller compiles
-compiled, asked = checker._compiled, []
+compiled, asked = compiled_tables.CompiledPairs, []
 
 def asking(*arguments):  # as a finaliser may while it compiles
     if not asked:
@@ -283,7 +284,7 @@ def asking(*arguments):  # as a finaliser may while it compiles
         asked[0] = bool(checker.check_states(beyond)[0])
     return compiled(*arguments)
 
-checker._compiled = asking
+compiled_tables.CompiledPairs = asking
 assert [bool(checker.check_states(beyond)[0])] == asked
 """
 

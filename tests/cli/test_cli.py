@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plannercheck.checking import left_out_pairs
 from plannercheck.cli.main import main
 from plannercheck.common.package_data import shipped_folder
 from plannercheck.motions.checker import Checker
@@ -238,6 +239,15 @@ def test_robots_and_inspect_print_tables(capsys):
     assert "not watertight): torso_1_link_0" in out
     assert main(["inspect", *PANDA, "--states", "20", "--without"]) == 0
     assert "pairs that limits keep apart" in capsys.readouterr().out
+
+
+def test_inspect_lists_where_pairs_are_left_out_in_the_order_of_the_places(capsys):
+    assert main(["inspect", *PANDA, "--states", "1"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("pairs are left out by")) + 1
+    places = re.findall(r"^[1-9]\. (\S+):", left_out_pairs.__doc__, re.MULTILINE)
+    assert [line.split()[0] for line in lines[first : first + len(places)]] == places
+    assert lines[first + len(places)] == ""
 
 
 def test_the_demo_does_the_main_job(capsys):

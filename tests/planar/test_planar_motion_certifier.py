@@ -71,7 +71,7 @@ def kinds_for(checker):
 def states_of(checker, q0, q1, parameters, kind):
     """States of a motion as the certifier has them."""
     (start,), (end,), _ = checker._motion_ends(q0[None], q1[None], kind[0])
-    return checker.motion_certifier.states(start, end, parameters, checker._pieces(start, end, *kind))
+    return checker.motion_certifier.states(start, end, parameters, checker._motions.pieces(start, end, *kind))
 
 
 def posed(checker, body, states):

@@ -14,8 +14,8 @@ from test_planar_motion_certifier import arm, states_of
 
 import plannercheck as pc
 from plannercheck.cli.main import main
-from plannercheck.motions.certifier import Passage
-from plannercheck.motions.certifier import Proof as Line
+from plannercheck.motions.certifier_answers import Passage
+from plannercheck.motions.certifier_answers import Proof as Line
 from plannercheck.planar.curves import Curves
 from plannercheck.planar.proof_builder import planar_model
 from plannercheck.planar.proof_confirmation import confirm_model

@@ -16,8 +16,8 @@ from proof_cases import (
 )
 
 import plannercheck as pc
-from plannercheck.motions.certifier import Passage
-from plannercheck.motions.certifier import Proof as Plane
+from plannercheck.motions.certifier_answers import Passage
+from plannercheck.motions.certifier_answers import Proof as Plane
 from plannercheck.motions.proof_builder import Builder
 
 
@@ -196,7 +196,7 @@ def test_a_certifier_that_forgets_what_far_ends_round_is_found_out():
 
 def test_entries_end_where_planes_do():
     """Found by the stress of motions: two planes, each of which holds just as long as the certifier says."""
-    from plannercheck.motions.certifier import Proof
+    from plannercheck.motions.certifier_answers import Proof
     from plannercheck.motions.proof_builder import _PairEntries
 
     first, second = (np.array(d, dtype=float) for d in ([1, 0, 0], [0, 1, 0]))

@@ -18,7 +18,7 @@ from plannercheck.evaluation.stress_motions.recipes import (
     planar_checker,
     space_checker,
 )
-from plannercheck.motions.certifier import Passage
+from plannercheck.motions.certifier_answers import Passage
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.robot import Robot as PlanarRobot
 from plannercheck.proofs import Proof
@@ -151,7 +151,7 @@ class PlaneSubject:
 
     def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats, Floats]:
         (start,), (end,), _ = self.checker._motion_ends(q0[None], q1[None], self._curve)
-        return start, end, self.checker._pieces(start, end, self._curve, self._radius)
+        return start, end, self.checker._motions.pieces(start, end, self._curve, self._radius)
 
     def clearances(self, q: Floats) -> Floats:
         """See `Subject`."""

@@ -1,0 +1,118 @@
+"""What puts names and certificates to a checker's verdicts, in space and in the plane.
+
+In: a checker that says which pairs of bodies collide, and poses them. Out: `ExplainingChecker`, whose `explain` gives
+the verdict of one configuration with all colliding pairs, each with its proof.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checking.protocols import AnyRobot, AnyScene
+from plannercheck.checking.verdicts import PairCertificate, PairVerdict, Verdict
+from plannercheck.common.errors import PlannercheckError
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+
+
+class NamedBody(Protocol):
+    """A body of a robot or a scene."""
+
+    @property
+    def name(self) -> str:
+        """For reports."""
+
+
+class ExplainingChecker(ABC):
+    """A checker whose verdicts have names and certificates.
+
+    Attributes:
+        robot: The robot.
+        scene: The scene.
+        bodies: The robot's, then the scene's.
+        pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
+    """
+
+    robot: AnyRobot
+    scene: AnyScene
+    bodies: Sequence[NamedBody]
+    pairs: Ints
+    _labels: tuple[str, ...]  # the link or obstacle of each body
+
+    @abstractmethod
+    def colliding_pairs(self, q: ArrayLike) -> Bools:
+        """Which pairs collide: (n, k) for configurations (n, nq) and the k rows of `pairs`."""
+
+    @abstractmethod
+    def body_poses(self, q: ArrayLike) -> Floats:
+        """World poses of all bodies (n, bodies, …) at configurations (n, nq), the same bits that verdicts use."""
+
+    @abstractmethod
+    def _certificate(self, a: int, b: int, poses: Floats) -> PairCertificate:
+        """What proves the verdict of two of `bodies` at poses of all."""
+
+    @abstractmethod
+    def _kinematic_error(self, q: Floats, poses: Floats) -> float:
+        """The proven bound of what poses (bodies, …) at a configuration (nq,) are off by, m."""
+
+    def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
+        """The verdict of one configuration with the names and certificates behind it.
+
+        Args:
+            q: (nq,) rad and m.
+            separations: Whether to give what separates all other pairs, too: planes, or lines in the plane.
+
+        Returns:
+            The verdict; certificates are in world coordinates.
+        """
+        row = self._single(q)
+        colliding, poses = self.colliding_pairs(row)[0], self.body_poses(row)[0]
+        wanted = range(len(self.pairs)) if separations else np.flatnonzero(colliding).tolist()
+        found = [self.pair_verdict(k, poses, bool(colliding[k])) for k in wanted]
+        return Verdict(
+            not colliding.any(),
+            tuple(v for v in found if v.colliding),
+            tuple(v for v in found if not v.colliding),
+            self._kinematic_error(row[0], poses),
+        )
+
+    def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
+        """The verdict of row k of `pairs` alone.
+
+        Args:
+            k: Row.
+            q: (nq,) rad and m.
+
+        Returns:
+            The verdict with its certificate.
+        """
+        row = self._single(q)
+        return self.pair_verdict(k, self.body_poses(row)[0], bool(self.colliding_pairs(row)[0, k]))
+
+    def pair_verdict(self, k: int, poses: Floats, colliding: bool) -> PairVerdict:
+        """The verdict of row k of `pairs` at poses of all bodies (bodies, …), m, with its certificate."""
+        a, b = self.pairs[k].tolist()
+        certificate = self._certificate(a, b, poses)
+        return PairVerdict(*self.pair_names(k), self.bodies[a].name, self.bodies[b].name, colliding, certificate)
+
+    def pair_names(self, k: int) -> tuple[str, str]:
+        """The link and the other link or obstacle of row k of `pairs`."""
+        a, b = self.pairs[k]
+        return self._labels[a], self._labels[b]
+
+    def _single(self, q: ArrayLike) -> Floats:
+        """One configuration (nq,) as a row (1, nq), or an error; its numbers are looked at later."""
+        try:
+            row = np.asarray(q, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise PlannercheckError(f"one configuration must be {self.robot.nq} numbers, not {q!r:.80}") from None
+        if row.ndim != 1:
+            raise PlannercheckError(f"one configuration must have shape ({self.robot.nq},), not {row.shape}")
+        return row[None]

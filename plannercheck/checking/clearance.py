@@ -1,0 +1,95 @@
+"""How far a robot is from what it may touch: the least distance of all pairs of bodies.
+
+In: a checker's pairs, prepared bodies and their poses. Out: `MeasuringChecker` with `clearance`, `clearances` and
+`nearest_pair`. Distances are the core's (cpp/narrow_phase/distance), whatever the padding.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.common.core import core
+from plannercheck.robots.robot import Robot
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# Steps of the descent that a lower bound of a distance takes.
+_BOUND_ROUNDS = 2
+
+
+class MeasuringChecker(ABC):
+    """A checker that knows the distances of its pairs.
+
+    Attributes:
+        robot: The robot.
+        pairs: (k, 2) indices of bodies.
+        paddings: (bodies,) each body's part of the padding, m.
+    """
+
+    robot: Robot
+    pairs: Ints
+    paddings: Floats
+    _preparation: Preparation
+
+    @abstractmethod
+    def body_poses(self, q: ArrayLike) -> Floats:
+        """World poses of all bodies (n, bodies, 4, 4), m."""
+
+    @abstractmethod
+    def _single(self, q: ArrayLike) -> Floats:
+        """One configuration (nq,) as a row (1, nq)."""
+
+    def clearance(self, q: ArrayLike, lower_bound: bool = False) -> float:
+        """The least distance of all pairs, whatever the padding.
+
+        Args:
+            q: (nq,) rad and m.
+            lower_bound: Whether a proved lower bound will do, which is cheaper.
+
+        Returns:
+            m, within 1e-9 of max(distance, 1e-3 of the bodies' radius). Where bodies overlap, it is the negative of a
+            depth: moving one of them by it separates them, but a shorter move may, too (see `distances.Distance`).
+            Infinite without pairs.
+        """
+        return float(self.clearances(self._single(q), lower_bound)[0])
+
+    def clearances(self, q: ArrayLike, lower_bound: bool = False) -> Floats:
+        """`clearance` of a set of configurations.
+
+        Args:
+            q: (n, nq) rad and m.
+            lower_bound: As for `clearance`.
+
+        Returns:
+            (n,), m.
+        """
+        return self._clearances(q, lower_bound)[0]
+
+    def nearest_pair(self, q: ArrayLike) -> Ints:
+        """The pairs that are nearest, or deepest in each other.
+
+        Args:
+            q: (n, nq) rad and m.
+
+        Returns:
+            (n,) rows of `pairs`; -1 if there are none.
+        """
+        return self._clearances(q, False)[1]
+
+    def _clearances(self, q: ArrayLike, lower_bound: bool) -> tuple[Floats, Ints]:
+        rows = self.robot.check_configurations(q)
+        if not len(self.pairs):
+            return np.full(len(rows), np.inf), np.full(len(rows), -1, dtype=np.int32)
+        used = np.unique(self.pairs)
+        table = np.searchsorted(used, self.pairs).astype(np.int32)
+        bodies = [self._preparation.polytope(k).core for k in used.tolist()]
+        poses = np.ascontiguousarray(self.body_poses(rows)[:, used])
+        distances, nearest = core.clearances(
+            bodies, poses, table, self.paddings[used], _BOUND_ROUNDS if lower_bound else 0
+        )
+        return np.asarray(distances), np.asarray(nearest)

@@ -1,0 +1,114 @@
+"""A checker's pairs, compiled twice: those that can meet within the joint limits, and all of them.
+
+In: pairs, and which of them can't meet within the limits. Out: `CompiledTables`, which judges each configuration with
+the pairs that count for it. The table of all pairs is compiled when a configuration beyond the limits, or a given pose,
+first asks for it.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
+from plannercheck.common.core import core
+from plannercheck.common.counters import sum_counters
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int32]
+
+
+class CompiledTables:
+    """Both tables of a checker. Immutable but for what is compiled late, so threads may share it.
+
+    Attributes:
+        limits: (nq,) each: between them the pairs of `within_limits` are all that can collide; None for anywhere.
+        within_limits: The pairs that can meet within the limits.
+    """
+
+    def __init__(self, source: PairSource, pairs: Ints, unreachable: Bools) -> None:
+        """Compiles the pairs that can meet within the limits.
+
+        Args:
+            source: What both tables are compiled from.
+            pairs: (k, 2) indices of bodies.
+            unreachable: (k,) which of them can't meet at any configuration within the robot's limits.
+        """
+        self._source, self._pairs = source, pairs
+        self.limits = (source.robot.lower, source.robot.upper) if unreachable.any() else None
+        self.within_limits = CompiledPairs(source, pairs, np.flatnonzero(~unreachable), self.limits)
+        self._all: CompiledPairs | None = self.within_limits if self.limits is None else None
+        self._lock = threading.RLock()  # a finaliser that runs while its holder compiles may ask, too
+
+    @property
+    def all(self) -> CompiledPairs:
+        """All pairs, for configurations beyond the limits and for given poses; compiled when first needed."""
+        if self._all is None:
+            with self._lock:
+                if self._all is None:
+                    self._all = CompiledPairs(self._source, self._pairs)
+        return self._all
+
+    def judged(self, judge: Callable[..., NDArray[Any]], *rows: NDArray[Any]) -> NDArray[Any]:
+        """Rows judged with the pairs that count for them.
+
+        Args:
+            judge: Gets compiled pairs and some of the rows, gives an array (n,).
+            rows: Arrays (n, …), which judge gets; a row counts as within the limits if its configurations are.
+
+        Returns:
+            (n,).
+        """
+        beyond = self._beyond_limits(*rows)
+        if not beyond.any():
+            return np.asarray(judge(self.within_limits, *rows))
+        if beyond.all():
+            return np.asarray(judge(self.all, *rows))
+        within = judge(self.within_limits, *(array[~beyond] for array in rows))
+        out = np.empty(len(beyond), dtype=within.dtype)
+        out[~beyond], out[beyond] = within, judge(self.all, *(array[beyond] for array in rows))
+        return out
+
+    def _beyond_limits(self, *rows: NDArray[Any]) -> Bools:
+        """(n,) whether some configuration of each row is; False where all pairs are tested anyway."""
+        beyond = np.zeros(len(rows[0]), dtype=bool)
+        for q in rows:
+            if self.limits is not None and q.ndim == 2:
+                outside = (q < self.limits[0]) | (q > self.limits[1])
+                if outside.any():
+                    beyond |= outside.any(axis=1)
+        return beyond
+
+    def row_validity(self, kernel: Any | None) -> Callable[[ArrayLike], bool | None]:
+        """A compiled judge of rows (nq,) that need no care, and None for all others; `kernel` poses the links."""
+        if kernel is None or self._source.robot.configuration_map.units:  # it does not look at unit vectors' lengths
+            return _never_known
+        judge: Callable[[ArrayLike], bool | None] = core.row_validity(self.within_limits.core, kernel)
+        return judge
+
+    def state_validity(
+        self, kernel: Any | None, elsewhere: Callable[[ArrayLike], bool]
+    ) -> Callable[[Any], bool] | None:
+        """A compiled judge of OMPL's states, None if there is none; it asks `elsewhere` where a row needs care."""
+        if kernel is None or self._source.robot.configuration_map.units:
+            return None
+        judge: Callable[[Any], bool] = core.state_validity(self.within_limits.core, kernel, elsewhere)
+        return judge
+
+    def statistics(self) -> dict[str, Any]:
+        """Counters of all calls so far; every pair of every state counts once, also those that were left out."""
+        counted = dict(self.within_limits.core.statistics())
+        unreachable = (len(self._pairs) - len(self.within_limits.rows)) * counted["states"]
+        counted["pairs"] += unreachable
+        if self.limits is not None and self._all is not None:
+            counted = sum_counters([counted, self._all.core.statistics()])
+        return {"states": counted.pop("states"), "pairs": counted.pop("pairs"), "unreachable": unreachable, **counted}
+
+
+def _never_known(q: ArrayLike) -> None:
+    """For robots whose configurations all need care."""

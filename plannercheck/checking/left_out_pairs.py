@@ -1,0 +1,87 @@
+"""All places where a pair of bodies may be left out, in the order in which they act, and how many each leaves out.
+
+There are pairs of a robot's bodies, of what its links carry, and of each of these with each obstacle. A configuration
+is tested for all of them but those that are left out by:
+
+1. robots/description.py: the robot's YAML names both links in `disabled_pairs`.
+2. robots/self_pairs.py: both bodies are on one joint, the SRDF disables their links, or, without an SRDF, these are
+   neighbours.
+3. robots/carried_objects.py: an object, and the link that carries it, one of its touch links, or another object there.
+4. checking/pair_table.py: the checker has no self-collision, the scene allows the pair to collide, or the body is on a
+   link that is fixed to the world and the other one is an obstacle.
+5. checking/unreachable_pairs.py: lever arms prove that the bodies can't meet at any configuration within the limits.
+6. checking/pair_proofs.py: no joint of the group moves one body against the other, and they are apart.
+7. checking/compiled_tables.py: what 5 and 6 prove takes effect: configurations within the limits are judged by a table
+   without these pairs, those beyond by the table of all pairs.
+8. cpp/checking/checker.cpp: both bodies stand still, so that one test decides for every configuration.
+9. cpp/broad_phase: bounds show that the bodies are apart at the configuration, or, where any collision will do, another
+   pair collides already.
+
+1 to 4 say what a verdict is about; 5 to 9 save work and never change a verdict.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from plannercheck.checking.state_checker import StateChecker
+
+
+class LeftOut(NamedTuple):
+    """What one place leaves out.
+
+    Attributes:
+        where: The file or folder.
+        why: In a few words.
+        number: How many pairs it leaves out; None where that is told by another place, or only by configurations.
+        left: How many are left.
+    """
+
+    where: str
+    why: str
+    number: int | None
+    left: int
+
+
+def left_out_pairs(checker: StateChecker) -> tuple[LeftOut, ...]:
+    """What each place leaves out of a checker's pairs, in the order of the list above."""
+    robot, obstacles = checker.robot, len(checker.scene.bodies)
+    own = sum(body.carried is None for body in robot.bodies)
+    carried = len(robot.bodies) - own
+    is_own = (robot.self_pairs < own).all(axis=1)
+    disabled, apart, resting = _disabled_pairs(checker), checker.unreachable, checker.resting
+    compiled = checker._tables.within_limits
+    of_robot = own * (own - 1) // 2
+    of_carried = carried * own + carried * (carried - 1) // 2
+    of_obstacles = len(robot.bodies) * obstacles
+    numbers: list[tuple[str, str, int | None]] = [
+        ("robots/description.py", "disabled_pairs of the robot's YAML", disabled),
+        ("robots/self_pairs.py", "one joint, SRDF, or neighbours", of_robot - disabled - int(is_own.sum())),
+        ("robots/carried_objects.py", "objects on their links", of_carried - int((~is_own).sum())),
+        (
+            "checking/pair_table.py",
+            "allowed by the scene, or both fixed",
+            len(robot.self_pairs) + of_obstacles - len(checker.pairs),
+        ),
+        ("checking/unreachable_pairs.py", "can't reach each other", int((apart & ~resting).sum())),
+        ("checking/pair_proofs.py", "no joint between them, and apart", int((apart & resting).sum())),
+        ("checking/compiled_tables.py", "those two, within the limits", None),
+        ("cpp/checking/checker.cpp", "both stand still, tested once", int(compiled.is_still.sum())),
+        ("cpp/broad_phase", "far apart at a configuration", None),
+    ]
+    left = of_robot + of_carried + of_obstacles
+    found = []
+    for where, why, number in numbers:
+        left -= number or 0
+        found.append(LeftOut(where, why, number, left))
+    return tuple(found)
+
+
+def _disabled_pairs(checker: StateChecker) -> int:
+    """How many pairs of the robot's own bodies its YAML disables."""
+    links = np.array([body.link for body in checker.robot.bodies if body.carried is None], dtype=object)
+    named = {frozenset((pair.link_a, pair.link_b)) for pair in checker.robot.disabled_pairs}
+    counts = {link: int((links == link).sum()) for link in {link for pair in named for link in pair}}
+    return sum(counts[a] * counts[b] for a, b in (sorted(pair) for pair in named if len(pair) == 2))

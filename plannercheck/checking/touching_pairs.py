@@ -1,0 +1,64 @@
+"""Warnings of pairs that no joint moves and that touch: they are the same at every configuration.
+
+In: such pairs, bodies and their poses at the reference. Out: a `RuntimeWarning` for each pair that touches. Links that
+are fixed to the world are not tested against obstacles, so nobody would hear of it; of what a link carries, no
+configuration is valid while it touches.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Collection, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import Body
+from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+LinkPoses = Callable[[Floats], Floats]
+
+_UNCOUNTED = (
+    "{0!r} of {robot}, which is fixed to the world, touches obstacle {1!r}; "
+    "this pair is not counted at any configuration"
+)
+_COUNTED = (
+    "{1!r}, which a link of {robot} carries, touches {0!r} at every configuration, since no joint of the group moves "
+    "one against the other: no configuration is valid unless {0!r} is one of its touch_links"
+)
+
+
+def warn_of_touching(
+    source: PairSource,
+    labels: Sequence[str],
+    uncounted: Ints,
+    counted: Ints,
+    link_poses: LinkPoses,
+    known: Collection[Body],
+) -> None:
+    """Warns of pairs that no joint moves and that touch; the warning is about the caller's caller's caller.
+
+    Args:
+        source: Bodies, and how pairs are tested.
+        labels: The link or obstacle of each body.
+        uncounted: (k, 2) links that are fixed to the world with obstacles.
+        counted: (k, 2) carried objects with links, for which no configuration is valid if they touch.
+        link_poses: Gives poses (n, links, 4, 4) at configurations (n, nq), m.
+        known: Bodies that were there before: of pairs of them it was warned.
+    """
+    for rows, words in ((uncounted, _UNCOUNTED), (counted, _COUNTED)):
+        news = [row for row in rows.tolist() if not all(source.bodies[k] in known for k in row)]
+        for a, b in _touching(source, np.array(news, dtype=np.int32).reshape(-1, 2), link_poses):
+            text = words.format(labels[a], labels[b], robot=source.robot.name)
+            warnings.warn(text, RuntimeWarning, stacklevel=4)
+
+
+def _touching(source: PairSource, pairs: Ints, link_poses: LinkPoses) -> list[list[int]]:
+    """Which of these pairs (k, 2) touch at the reference."""
+    if not len(pairs):
+        return []
+    colliding = CompiledPairs(source, pairs).colliding(link_poses(source.robot.reference[None]))[0]
+    touching: list[list[int]] = pairs[colliding].tolist()
+    return touching

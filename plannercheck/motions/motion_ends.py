@@ -1,0 +1,53 @@
+"""The ends of motions: as they are given, and less whole turns, so that angles take the short way.
+
+In: configurations, in space or in the plane. Out: ends of which motions are judged, and whether the given ones are
+free, too: an angle less whole turns is another double, so that the given end is posed with other roundings.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.common.angles import nearest_turns
+from plannercheck.common.errors import PlannercheckError
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+
+def checked_ends(robot: AnyRobot, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
+    """Starts and ends (n, nq) of motions of a robot, or an error."""
+    starts, ends = robot.check_configurations(q0), robot.check_configurations(q1)
+    if starts.shape != ends.shape:
+        raise PlannercheckError(f"q0 and q1 must have the same shape, not {starts.shape} and {ends.shape}")
+    return starts, ends
+
+
+def short_way(starts: Floats, ends: Floats, angles: NDArray[np.int64]) -> Floats:
+    """Ends (…, nq) with some columns within half a turn of the starts'; the same array if they are."""
+    if not len(angles):
+        return ends
+    given = ends[..., angles]
+    near = nearest_turns(starts[..., angles], given)
+    if near is given:
+        return ends
+    out = ends.copy()
+    out[..., angles] = near
+    return out
+
+
+def with_given_ends(checker: AnyChecker, free: Bools, ends: Floats, given: Floats) -> Bools:
+    """Which sampled motions (n,) are free, when their ends as given are looked at as well.
+
+    Args:
+        checker: Judges configurations.
+        free: (n,) which motions are free at their samples.
+        ends: (n, nq) where the samples end.
+        given: (n, nq) ends before whole turns were taken off: posed with other roundings.
+    """
+    turned = free & (given != ends).any(axis=1)
+    if turned.any():
+        free[turned] = checker.check_states(given[turned])
+    return free

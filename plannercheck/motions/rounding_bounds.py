@@ -1,0 +1,81 @@
+"""How far computed poses are from exact kinematics on motions: one bound for usual ones, others for those far out.
+
+In: a robot, ends of motions. Out: `RoundingBounds`, which puts motions by the bound that holds on them. The bound of a
+range around the limits is computed once; motions that leave it get that of a range up to the next powers of 2, so that
+a verdict depends on nothing but its own motion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.robots.robot import Robot
+
+Floats = NDArray[np.float64]
+Rows: TypeAlias = NDArray[np.int64]
+
+# Beyond the limits by this much, rad and m, the bound of kinematic rounding is computed once for all.
+_MARGIN = 10.0
+
+# Continuous joints are within it up to here, rad.
+NEAR_TURNS = math.pi + _MARGIN
+
+
+class RoundingBounds:
+    """Bounds of the kinematics' rounding on motions of one robot.
+
+    Attributes:
+        low: (nq,) from where the usual bound holds, rad and m.
+        high: (nq,) up to where.
+        usual: It, m.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        """Computes the usual bound."""
+        self._robot = robot
+        low, high = robot.configuration_map.sampled_range()
+        self.low, self.high = low - _MARGIN, high + _MARGIN
+        self.usual = robot.kinematic_error_within(self.low, self.high)
+        self._far: dict[bytes, float] = {}
+        self._turns = bool(robot.configuration_map.turning_columns().any())
+
+    def of_motion(self, q0: Floats, q1: Floats, given: Floats) -> float:
+        """What computed poses may be off by on one motion (nq,) to (nq,), whose end was given as `given`, m."""
+        ((error, _),) = self.of_motions(q0[None], q1[None], given[None])(np.zeros(1, np.int64))
+        return error
+
+    def of_motions(self, q0: Floats, q1: Floats, given: Floats) -> Callable[[Rows], list[tuple[float, Rows]]]:
+        """What puts rows of motions by the bound, m, that holds for both ends, as judged and as given, and between.
+
+        A row's bound depends on nothing but the row: that of the range around the limits if the row is within it; else
+        of one that reaches to the next powers of 2 in the columns in which it is not.
+        """
+        low, high = self.low, self.high
+        near = (q0 >= low) & (q0 <= high) & (given >= low) & (given <= high)
+        if self._turns:  # else these are the given ends
+            near &= (q1 >= low) & (q1 <= high)
+        if near.all():
+            return lambda rows: [(self.usual, rows)]
+        furthest = np.max([np.abs(q0), np.abs(q1), np.abs(given)], axis=0)
+        powers = np.where(near, -1.0, np.ceil(np.log2(np.maximum(furthest, 1.0))))
+        return lambda rows: self._by_powers(powers[rows], rows)
+
+    def _by_powers(self, powers: Floats, rows: Rows) -> list[tuple[float, Rows]]:
+        kinds, kind_of = np.unique(powers, axis=0, return_inverse=True)
+        return [(self._far_error(kind), rows[kind_of.ravel() == k]) for k, kind in enumerate(kinds)]
+
+    def _far_error(self, powers: Floats) -> float:
+        """The bound where columns (nq,) reach to powers of 2, -1 for those within the range."""
+        if (powers < 0).all():
+            return self.usual
+        key = powers.tobytes()
+        if key not in self._far:
+            reach = np.where(powers < 0, 0.0, 2.0**powers)
+            low, high = np.minimum(self.low, -reach), np.maximum(self.high, reach)
+            self._far[key] = self._robot.kinematic_error_within(low, high)
+        return self._far[key]
