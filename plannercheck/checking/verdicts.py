@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.counters import sum_fields
 from plannercheck.common.public_names import set_module
 
 if TYPE_CHECKING:
@@ -202,12 +203,9 @@ def merged(reports: Iterable[ValidityReport]) -> ValidityReport:
     for report in reports:
         counts.update({(pair.first, pair.second): pair.states for pair in report.pairs})
     return ValidityReport(
-        states=sum(report.states for report in reports),
-        valid=sum(report.valid for report in reports),
-        beyond_limits=sum(report.beyond_limits for report in reports),
+        **sum_fields(reports, "states", "valid", "beyond_limits", "duration"),
         pairs=pair_counts(counts),
         all_pairs=any(report.all_pairs for report in reports),
-        duration=sum(report.duration for report in reports),
     )
 
 

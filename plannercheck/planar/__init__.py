@@ -2,8 +2,9 @@
 
 Read `polygons` first (do two share a point) with `certificates`, then `robot` and `scene` with what reads their files,
 `checker` (verdicts of configurations and motions) with `body_tables`, `motion_certifier` and `motion_sampling`.
-`curves` are the ways of Dubins and of Reeds and Shepp; `pieces` and `convexity` split outlines; `proof_builder` writes
-proofs of motions down, `proof_confirmation` compares their models with files.
+`curves` are the ways of Dubins and of Reeds and Shepp, `curve_motions` the robot's motions on them; `pieces` and
+`convexity` split outlines; `proof_builder` writes proofs of motions down, `proof_confirmation` compares their models
+with files.
 """
 
 from __future__ import annotations

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.fcl_bodies import FclBodies
 from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.counters import sum_fields
 
 if TYPE_CHECKING:
     from plannercheck.bodies.polytope import Polytope
@@ -132,11 +133,7 @@ def compare_with_fcl(checker: Checker, q: Array, progress: Callable[[int], objec
 def merged(reports: list[AgreementReport]) -> AgreementReport:
     """One report for several sets of configurations; rows stay as they are."""
     return AgreementReport(
-        states=sum(report.states for report in reports),
-        pairs=sum(report.pairs for report in reports),
-        fcl_calls=sum(report.fcl_calls for report in reports),
-        exact_calls=sum(report.exact_calls for report in reports),
-        collisions=sum(report.collisions for report in reports),
+        **sum_fields(reports, "states", "pairs", "fcl_calls", "exact_calls", "collisions"),
         disagreements=tuple(found for report in reports for found in report.disagreements),
         contradictions=tuple(row for report in reports for row in report.contradictions),
     )
