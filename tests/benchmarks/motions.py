@@ -322,7 +322,9 @@ def steps_of(q0: np.ndarray, q1: np.ndarray) -> np.ndarray:
 
 def sampled(checker: pc.Checker, q0: np.ndarray, q1: np.ndarray) -> np.ndarray:
     """Our own check of 32 states a radian."""
-    return np.asarray(checker._live.core.motions_are_free(checker._kernel, q0, q1, steps_of(q0, q1))).astype(bool)
+    return np.asarray(
+        checker._tables.within_limits.core.motions_are_free(checker._kernel, q0, q1, steps_of(q0, q1))
+    ).astype(bool)
 
 
 def unit_motions(checker: pc.Checker, n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:

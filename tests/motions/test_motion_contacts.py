@@ -15,6 +15,7 @@ import pytest
 from random_branches import Joint, Tree, random_tree, tips
 
 import plannercheck as pc
+from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.ompl.joint_space import JointSpace
 
 # Half edges of the bodies that meet, m: no slack of balls and boxes hides a fault.
@@ -368,14 +369,13 @@ def test_verdicts_of_near_motions_do_not_depend_on_far_ones_beside_them(tmp_path
     turn = Joint("continuous", "base", "a0", (0, 0, 0), (0, 0, 0), (0, 0, 1))
     other = Joint("continuous", "a0", "a1", (0, 0, 0), (0, 0, 0), (0, 0, 1), (turn.name, 2.0, 0.3))
     robot = robot_of(Tree((turn, other)).with_body("a1", 1e-3, np.array([1.0, 0, 0])), tmp_path)
-    checker = pc.Checker(robot)
-    certifier = checker.motion_certifier
+    bounds = RoundingBounds(robot)
     q0, q1 = np.array([[0.1], [0.2], [0.3]]), np.array([[0.5], [1e5], [1e4]])
-    found = certifier._errors(q0, q1, q1)(np.arange(3))
+    found = bounds.of_motions(q0, q1, q1)(np.arange(3))
     rows = [(q0[k : k + 1], q1[k : k + 1]) for k in range(3)]
-    alone = [certifier._errors(start, end, end)(np.zeros(1, int))[0][0] for start, end in rows]
+    alone = [bounds.of_motion(start[0], end[0], end[0]) for start, end in rows]
     assert {int(k): error for error, chosen in found for k in chosen} == dict(enumerate(alone))
-    assert alone[0] == certifier._error < alone[2] < alone[1]
+    assert alone[0] == bounds.usual < alone[2] < alone[1]
 
 
 # ----- fault 5: quaternions off length 1, several in a chain
