@@ -1,7 +1,10 @@
 """Validity of configurations: a robot in a scene, every pair decided by the hierarchy test.
 
 In: a `Robot`, a `Scene`. Out: an immutable `StateChecker` whose verdicts are exact for the hulls at the poses that
-forward kinematics computes in doubles. All are thin wrappers of one batch call in the core (cpp/checking/checker).
+forward kinematics computes in doubles. To build one, the scene's objects get their places, bodies and pairs are listed
+and padded, pairs that never meet are proved apart, and the others are compiled with the hulls they need. Each verdict
+is then one batch call of the core (cpp/checking/checker). The classes it stands on add names and certificates
+(checker_base.py), distances (clearance.py), and objects that links take up and put down (carrying_checker.py).
 """
 
 from __future__ import annotations
@@ -158,7 +161,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         return at_rest[~apart[count:]]
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
-        """For what else depends on the scene."""
+        """For what else depends on the scene: a subclass renews here what it keeps of it."""
 
     def _meeting_proofs(self, earlier: MeetingProofs | None) -> MeetingProofs:
         return MeetingProofs(self.robot, self.bodies, self._preparation, self._kernel is not None, earlier)

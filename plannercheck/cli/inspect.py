@@ -120,7 +120,7 @@ def _left_out(checker: Checker) -> str:
         (each.where, each.why, "-" if each.number is None else each.number, each.left)
         for each in left_out_pairs(checker)
     ]
-    return table(("pairs are left out by", "since", "left out", "left"), rows)
+    return table(("pairs are left out by", "why", "left out", "left"), rows)
 
 
 def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str, str, str, str]:

@@ -241,4 +241,6 @@ class MotionCertifier:
 
 
 def _proofs(part: ChainedPairs, arrays: Sequence[Any]) -> list[Proof]:
-    return proofs_of(*arrays, frames=part.frames, flipped=part.flipped.tolist(), rows=part.rows.tolist())
+    """Proofs by the checker's rows, from the core's arrays."""
+    found = proofs_of(part.frames, *arrays)
+    return [each._replace(pair=int(part.rows[each.pair]), flipped=bool(part.flipped[each.pair])) for each in found]

@@ -85,57 +85,18 @@ def verdicts(answers: Ints, tolerance: float, rows: NDArray[np.int64] | None = N
 
 
 def passage_of(answer: int, until: float, near: float, pair: int, tolerance: float) -> Passage:
-    """The passage of one motion, without proofs.
-
-    Args:
-        answer: The core's.
-        until: Up to where it is proved free, if it is refused.
-        near: Where the pair is within the tolerance, if it is refused.
-        pair: Row of the checker's pairs, if it is refused.
-        tolerance: m.
-
-    Raises:
-        PlannercheckError: If rounding is no small part of the tolerance.
-    """
+    """The passage of one motion without proofs, or an error; only a refused one has the core's numbers."""
     if answer == IMPRECISE:
         raise _imprecise(0, tolerance)
     return Passage(True, 1.0, -1.0, -1) if answer == FREE else Passage(False, until, near, pair)
 
 
-def proofs_of(
-    pairs: Ints,
-    intervals: Floats,
-    directions: Floats,
-    gaps: Floats,
-    *,
-    frames: Sequence[int],
-    flipped: Sequence[bool] | None = None,
-    rows: Sequence[int] | None = None,
-) -> list[Proof]:
-    """Proofs of pairs on intervals, from the core's arrays.
-
-    Args:
-        pairs: (n,) the certifier's pairs.
-        intervals: (n, 2) parameters.
-        directions: (n, 3), or (n, 2) in the plane.
-        gaps: (n, 2) gap and bulge, m.
-        frames: By pair, the link in whose frame it is seen.
-        flipped: By pair, whether its bodies are taken the other way round; None if none are.
-        rows: By pair, its row among the checker's; None if they are the same.
-    """
+def proofs_of(frames: Sequence[int], pairs: Ints, intervals: Floats, directions: Floats, gaps: Floats) -> list[Proof]:
+    """Proofs of the certifier's pairs from the core's arrays; `frames` are the pairs' links, -1 for the world."""
     listed = zip(pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True)
     return [
-        Proof(
-            k if rows is None else rows[k],
-            start,
-            end,
-            frames[k],
-            flipped is not None and flipped[k],
-            direction,
-            gap,
-            bulge,
-        )
-        for k, (start, end), direction, (gap, bulge) in listed
+        Proof(pair, start, end, frames[pair], False, direction, gap, bulge)
+        for pair, (start, end), direction, (gap, bulge) in listed
     ]
 
 

@@ -101,8 +101,7 @@ class MotionCertifier:
         if not proofs:
             return found
         answer, reached, _, _, *listed = self._core.explain(*asked, True)
-        given_proofs = proofs_of(*listed, frames=self._frames)
-        kept = tuple(proof for proof in given_proofs if found.free or proof.start < found.free_until)
+        kept = tuple(each for each in proofs_of(self._frames, *listed) if found.free or each.start < found.free_until)
         return found._replace(proofs=kept, proved_until=min(found.free_until, 1.0 if answer == FREE else reached))
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats, pieces: Floats = STRAIGHT) -> Floats:
