@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from plannercheck.proofs.data import Hashes, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
-from plannercheck.proofs.proof import Hashes, Proof
 
 _WORLD = -1
 _WIDTHS = {"fixed": 0, "revolute": 1, "free": 3}
@@ -38,7 +38,7 @@ _HALF_TURN = math.pi + 1e-6
 _ROUNDING = 2.0**-47
 
 
-def check_well_formed(proof: Proof) -> None:
+def check_well_formed(proof: ProofData) -> None:
     """Raises an `UnprovedError` for what no proof may have; curves and entries are looked at elsewhere."""
     model, motion = proof.model, proof.motion
     if proof.kind != "plane" or not isinstance(model, PlanarModel) or not isinstance(motion, PlanarMotion):
@@ -80,7 +80,7 @@ def least_margin(model: PlanarModel, motion: PlanarMotion) -> float:
     return _ROUNDING * len(model.links) * angles * size
 
 
-def check_tiling(proof: Proof) -> None:
+def check_tiling(proof: ProofData) -> None:
     """Raises an `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
 
     On curves the end counts by itself: each pair has an entry from 1 to 1 after the others.

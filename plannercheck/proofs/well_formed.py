@@ -14,9 +14,9 @@ import flint
 import numpy as np
 from flint import arb
 
+from plannercheck.proofs.data import JOINT_VALUES, WORLD, Hashes, Joint, Model, Motion, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
-from plannercheck.proofs.proof import JOINT_VALUES, WORLD, Hashes, Joint, Model, Motion, Proof
 
 # What a placement may be off rigid, norm of M^T M - 1, and an axis or a unit part off length 1.
 LARGEST_DEFECT = 1e-6
@@ -32,7 +32,7 @@ LARGEST_NUMBER = 1e15
 _HALF_TURN = math.pi + 1e-6
 
 
-def check_well_formed(proof: Proof) -> None:
+def check_well_formed(proof: ProofData) -> None:
     """Raises a `UnprovedError` for what no proof may have; entries are looked at by `check_tiling`."""
     model, motion = proof.model, proof.motion
     if proof.kind != "space" or not isinstance(model, Model) or not isinstance(motion, Motion):
@@ -53,7 +53,7 @@ def hashes_of(model: Model) -> Hashes:
     return Hashes(content_hash(model.joints, model.links, mounted), content_hash(standing), content_hash(model))
 
 
-def check_tiling(proof: Proof) -> None:
+def check_tiling(proof: ProofData) -> None:
     """Raises a `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is."""
     assert isinstance(proof.model, Model)
     reached: dict[int, float] = {}
