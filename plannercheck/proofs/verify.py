@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable
 
 from plannercheck.common.optional_imports import extra_module
-from plannercheck.proofs import planar_well_formed, well_formed
 from plannercheck.proofs.data import Entry, Model, ProofData, Verification
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.planar_proof import PlanarModel
@@ -53,20 +52,22 @@ def verified(proof: ProofData) -> Verification:
 
 def _space(proof: ProofData) -> Callable[[int, Entry], None]:
     """What raises `UnprovedError` at an entry that does not hold."""
-    from plannercheck.proofs.entries import EntryChecker  # needs python-flint
+    from plannercheck.proofs.entries import EntryChecker  # these need python-flint
+    from plannercheck.proofs.well_formed import check_tiling, check_well_formed
 
-    well_formed.check_well_formed(proof)
-    well_formed.check_tiling(proof)
+    check_well_formed(proof)
+    check_tiling(proof)
     return EntryChecker(proof).check
 
 
 def _plane(proof: ProofData) -> Callable[[int, Entry], None]:
-    from plannercheck.proofs.planar_curves import check_motion  # need python-flint
+    from plannercheck.proofs.planar_curves import check_motion  # these need python-flint
     from plannercheck.proofs.planar_entries import PlanarEntryChecker
+    from plannercheck.proofs.planar_well_formed import check_tiling, check_well_formed
 
-    planar_well_formed.check_well_formed(proof)
+    check_well_formed(proof)
     check_motion(proof)
-    planar_well_formed.check_tiling(proof)
+    check_tiling(proof)
     return PlanarEntryChecker(proof).check
 
 
@@ -97,15 +98,17 @@ def model_confirmed(proof: ProofData, robot: str, scene: str | None) -> Verifica
 
 def _confirm_in_space(proof: ProofData, robot: str, scene: str | None) -> None:
     from plannercheck.motions.proof_confirmation import confirm_model  # needs all of the package
+    from plannercheck.proofs.well_formed import check_well_formed
 
-    well_formed.check_well_formed(proof)
+    check_well_formed(proof)
     assert isinstance(proof.model, Model)
     confirm_model(proof.model, robot, scene)
 
 
 def _confirm_in_the_plane(proof: ProofData, robot: str, scene: str | None) -> None:
     from plannercheck.planar.proof_confirmation import confirm_model  # needs all of the package
+    from plannercheck.proofs.planar_well_formed import check_well_formed
 
-    planar_well_formed.check_well_formed(proof)
+    check_well_formed(proof)
     assert isinstance(proof.model, PlanarModel)
     confirm_model(proof.model, robot, scene)
