@@ -77,15 +77,7 @@ def intersects(
     swell_p: float = 0.0,
     swell_r: float = 0.0,
 ) -> bool:
-    """Says whether two bodies share a point.
-
-    Args:
-        vertices_p: Points of the first body, (n, 3), m.
-        vertices_r: Points of the second body, (m, 3), m.
-        pose_p: Pose of the first body, (4, 4), m; the identity if None.
-        pose_r: Pose of the second body, (4, 4), m; the identity if None.
-        swell_p: Swell of the first body, m.
-        swell_r: Swell of the second body, m.
+    """Says whether two bodies share a point; they are given as for `decide`.
 
     Returns:
         True if they share a point, also if they only touch.
@@ -132,15 +124,7 @@ def distance(
     swell_p: float = 0.0,
     swell_r: float = 0.0,
 ) -> float:
-    """Measures how far two bodies are apart.
-
-    Args:
-        vertices_p: Points of the first body, (n, 3), m.
-        vertices_r: Points of the second body, (m, 3), m.
-        pose_p: Pose of the first body, (4, 4), m; the identity if None.
-        pose_r: Pose of the second body, (4, 4), m; the identity if None.
-        swell_p: Swell of the first body, m.
-        swell_r: Swell of the second body, m.
+    """Measures how far two bodies are apart; they are given as for `decide`.
 
     Returns:
         The distance in m, rounded once or twice from the exact one; 0 if they share a point.
@@ -165,19 +149,10 @@ def holds(
     swell_p: float = 0.0,
     swell_r: float = 0.0,
 ) -> bool:
-    """Checks a certificate from its definition, exactly, with every vertex, without the code that found it.
-
-    Args:
-        certificate: What `decide` returned, for the same bodies and poses.
-        vertices_p: Points of the first body, (n, 3), m.
-        vertices_r: Points of the second body, (m, 3), m.
-        pose_p: Pose of the first body, (4, 4), m; the identity if None.
-        pose_r: Pose of the second body, (4, 4), m; the identity if None.
-        swell_p: Swell of the first body, m.
-        swell_r: Swell of the second body, m.
+    """Checks a certificate of `decide` from its definition, exactly, with every vertex, without the code that found it.
 
     Returns:
-        True if the certificate proves its verdict.
+        True if the certificate proves its verdict on these bodies and poses, which are given as for `decide`.
     """
     p, r = _posed_fractions(vertices_p, pose_p), _posed_fractions(vertices_r, pose_r)
     swell = Fraction(swell_p) + Fraction(swell_r)

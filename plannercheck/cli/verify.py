@@ -14,7 +14,7 @@ from typing import Any
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
-from plannercheck.proofs.proof import confirmed
+from plannercheck.proofs.verify import model_confirmed
 
 _EPILOG = """\
 Exit codes: 0 all motions proved, 1 some are not, 2 bad input, such as a file that is no proof.
@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
 def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
     proofs = load_proofs(path)
     found = [proof.verify() for proof in proofs]
-    model = None if options.robot is None else confirmed(proofs[0], options.robot, options.scene)
+    model = None if options.robot is None else model_confirmed(proofs[0], options.robot, options.scene)
     return {
         "proof": str(path),
         "proved": all(found) and (model is None or bool(model)),

@@ -19,7 +19,8 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier_answers import Passage
 from plannercheck.motions.certifier_answers import Proof as Plane
-from plannercheck.proofs.proof import WORLD, Entry, Hashes, Model, Motion, Proof
+from plannercheck.proofs.data import WORLD, Entry, Hashes, Model, Motion
+from plannercheck.proofs.proof import Proof
 
 if TYPE_CHECKING:
     from plannercheck.motions.checker import Checker

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.proof_model import space_model
+from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.proof import WORLD, Joint, Model, PosedBody
 from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
 from plannercheck.robots.description import description_of
 from plannercheck.robots.robot import Robot

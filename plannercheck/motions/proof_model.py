@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.proofs.proof import JOINT_VALUES, WORLD, Joint, Link, Model, PosedBody
+from plannercheck.proofs.data import JOINT_VALUES, WORLD, Joint, Link, Model, PosedBody
 from plannercheck.robots.kinematics import JointTable
 
 if TYPE_CHECKING:

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier_answers import Proof as Line
 from plannercheck.planar.curves import Curve
+from plannercheck.proofs.data import Entry
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
-from plannercheck.proofs.proof import Entry, Proof
+from plannercheck.proofs.proof import Proof
 
 if TYPE_CHECKING:
     from plannercheck.planar.checker import Checker

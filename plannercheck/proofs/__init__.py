@@ -4,8 +4,9 @@
 (python-flint) without the compiled core, `Proof.save` and `load_proofs` keep it in JSON or npz.
 """
 
-from plannercheck.proofs.files import load_proofs, save_proofs
-from plannercheck.proofs.proof import Entry, Hashes, Joint, Link, Model, Motion, PosedBody, Proof, Verification
+from plannercheck.proofs.data import Entry, Hashes, Joint, Link, Model, Motion, PosedBody, Verification
+from plannercheck.proofs.files import save_proofs
+from plannercheck.proofs.proof import Proof, load_proofs
 
 __all__ = [
     "Entry",

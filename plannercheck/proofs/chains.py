@@ -10,9 +10,9 @@ from typing import Any
 
 from flint import arb, arb_mat
 
+from plannercheck.proofs.data import Joint, Model, Motion
 from plannercheck.proofs.jets import Jet, affine, ball_between, product
 from plannercheck.proofs.joint_motions import held_map, joint_motion
-from plannercheck.proofs.proof import Joint, Model, Motion
 
 # From one parameter to another; both the same for a point.
 Span = tuple[float, float]

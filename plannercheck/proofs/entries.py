@@ -31,9 +31,9 @@ from flint import arb, arb_mat
 from numpy.typing import NDArray
 
 from plannercheck.proofs.chains import Chains, off_rigid
+from plannercheck.proofs.data import WORLD, Entry, Model, Motion, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.jets import affine, times, total
-from plannercheck.proofs.proof import WORLD, Entry, Model, Motion, Proof
 from plannercheck.proofs.well_formed import unreached
 
 Floats = NDArray[np.float64]
@@ -94,7 +94,7 @@ class Direction(NamedTuple):
 class EntryChecker:
     """Confirms entries of one well-formed proof."""
 
-    def __init__(self, proof: Proof) -> None:
+    def __init__(self, proof: ProofData) -> None:
         """Reads the model.
 
         Raises:
@@ -121,6 +121,15 @@ class EntryChecker:
         ]
         self._balls: dict[int, Seen | None] = {}
         self._margin = (proof.margin + self._end_shift(proof)) * _UP
+
+    def check(self, index: int, entry: Entry) -> None:
+        """Confirms an entry.
+
+        Raises:
+            UnprovedError: If it does not prove its pair apart on its interval.
+        """
+        if not self.holds(entry):
+            raise UnprovedError(f"entry {index} does not hold: {self.described(entry)}")
 
     def holds(self, entry: Entry, deepest: int = DEEPEST) -> bool:
         """Whether an entry holds; a false one may be found out at less than `deepest` halvings."""
@@ -244,7 +253,7 @@ class EntryChecker:
         far: float = sum(float(rows[4 * i + k].abs_upper()) * sizes[k] for i in range(3) for k in range(4))
         return far * self._stretch * chains.defect * direction.length * _UP
 
-    def _end_shift(self, proof: Proof) -> float:
+    def _end_shift(self, proof: ProofData) -> float:
         """How far the asked end's poses may be from those of the end that is gone to, by what are no whole turns.
 
         A joint that is off by an angle moves the points beyond it by at most that times their distance from its axis,

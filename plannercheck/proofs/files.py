@@ -3,13 +3,12 @@
 In: proofs of motions of one robot in one scene, which share the model. Out: a file, and the same bits back.
 
 A document: {"format": "plannercheck motion proof", "version": 1, "kind", "robot", "scene", "hashes", "model",
-"motions": [{"motion", "margin", "entries"}, …]}, with the fields of the classes in `proof.py`. An npz has the document
+"motions": [{"motion", "margin", "entries"}, …]}, with the fields of the classes in `data.py`. An npz has the document
 as the text `document`, in which {"array": k} stands for the array `array_k`.
 """
 
 from __future__ import annotations
 
-import importlib
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -21,19 +20,17 @@ from numpy.typing import NDArray
 from plannercheck.common.atomic_files import written_aside
 from plannercheck.common.checked_yaml import BROKEN_FILE, read_bytes, within
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.proofs.data import FORMAT, VERSION, Entry, Hashes, Model, Motion, ProofData
 from plannercheck.proofs.plain_data import from_plain, to_plain
-from plannercheck.proofs.proof import FORMAT, VERSION, Entry, Hashes, Proof
+from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
-# By the kind of a proof, the module and the names of its classes of model and motion.
-_CLASSES = {
-    "space": ("plannercheck.proofs.proof", "Model", "Motion"),
-    "plane": ("plannercheck.proofs.planar_proof", "PlanarModel", "PlanarMotion"),
-}
+# By the kind of a proof, the classes of its model and its motion.
+_CLASSES: dict[str, tuple[type, type]] = {"space": (Model, Motion), "plane": (PlanarModel, PlanarMotion)}
 
 _KEYS = ("format", "version", "kind", "robot", "scene", "hashes", "model", "motions")
 
 
-def save_proofs(proofs: Sequence[Proof], path: str | Path) -> None:
+def save_proofs(proofs: Sequence[ProofData], path: str | Path) -> None:
     """Writes proofs of one robot in one scene, whole or not at all.
 
     Args:
@@ -65,8 +62,8 @@ def save_proofs(proofs: Sequence[Proof], path: str | Path) -> None:
     written_aside(path, write)
 
 
-def load_proofs(path: str | Path) -> tuple[Proof, ...]:
-    """Reads the proofs of a file, which are not verified by that.
+def read_proofs(path: str | Path) -> tuple[ProofData, ...]:
+    """`proof.load_proofs`, as plain data.
 
     Args:
         path: Of a file that `save_proofs` or `Proof.save` wrote.
@@ -83,17 +80,7 @@ def load_proofs(path: str | Path) -> tuple[Proof, ...]:
         return from_document(_from_json(path) if path.suffix == ".json" else _from_npz(path))
 
 
-def load_one(path: str | Path) -> Proof:
-    """`load_proofs` of a file with one motion."""
-    proofs = load_proofs(path)
-    if len(proofs) > 1:
-        raise PlannercheckError(
-            f"proof file {str(path)!r} holds {len(proofs)} motions: plannercheck.proofs.load_proofs reads them all"
-        )
-    return proofs[0]
-
-
-def document(proofs: Sequence[Proof]) -> dict[str, Any]:
+def document(proofs: Sequence[ProofData]) -> dict[str, Any]:
     """The document of proofs of one model; arrays stay arrays."""
     if not proofs:
         raise PlannercheckError("a proof file needs at least one proof")
@@ -105,7 +92,7 @@ def document(proofs: Sequence[Proof]) -> dict[str, Any]:
     return {"format": FORMAT, "version": VERSION, **shared, "motions": motions}
 
 
-def from_document(content: Any) -> tuple[Proof, ...]:
+def from_document(content: Any) -> tuple[ProofData, ...]:
     """The proofs of a document.
 
     Raises:
@@ -120,9 +107,8 @@ def from_document(content: Any) -> tuple[Proof, ...]:
         raise PlannercheckError(f"lacks {missing[0]!r}")
     if not isinstance(content["kind"], str) or content["kind"] not in _CLASSES:
         raise PlannercheckError(f"'kind' must be one of {', '.join(_CLASSES)}, not {content['kind']!r:.60}")
-    module, *names = _CLASSES[content["kind"]]
-    model_class, motion_class = (getattr(importlib.import_module(module), name) for name in names)
-    model = from_plain(model_class, content["model"], "model")
+    model_class, motion_class = _CLASSES[content["kind"]]
+    model: Any = from_plain(model_class, content["model"], "model")
     hashes = from_plain(Hashes, content["hashes"], "hashes")
     names = [content[key] for key in ("robot", "scene")]
     if not all(isinstance(name, str) for name in names) or not isinstance(content["motions"], list):
@@ -137,7 +123,7 @@ def from_document(content: Any) -> tuple[Proof, ...]:
 
 def _motion(
     kind: Any, names: Sequence[str], hashes: Hashes, model: Any, motion_class: Any, item: Any, where: str
-) -> Proof:
+) -> ProofData:
     if not isinstance(item, dict) or set(item) != {"motion", "margin", "entries"}:
         raise PlannercheckError(f"{where} must have motion, margin, entries")
     if not isinstance(item["entries"], list):
@@ -145,7 +131,7 @@ def _motion(
     margin = from_plain(float, item["margin"], f"{where}, 'margin'")
     entries = tuple(from_plain(Entry, entry, f"{where}, entry {k}") for k, entry in enumerate(item["entries"]))
     motion = from_plain(motion_class, item["motion"], where)
-    return Proof(kind, names[0], names[1], hashes, model, motion, margin, entries)
+    return ProofData(kind, names[0], names[1], hashes, model, motion, margin, entries)
 
 
 def _check_suffix(path: Path) -> None:

@@ -15,9 +15,9 @@ from typing import Any
 
 from flint import arb, arb_mat
 
+from plannercheck.proofs.data import Joint
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.jets import Jet, affine, linear
-from plannercheck.proofs.proof import Joint
 
 Motion = Callable[[Any], Jet]
 

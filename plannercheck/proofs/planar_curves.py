@@ -13,10 +13,10 @@ from typing import Any
 
 from flint import arb
 
+from plannercheck.proofs.data import ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.planar_paths import Paths
 from plannercheck.proofs.planar_proof import Piece, PlanarModel, PlanarMotion
-from plannercheck.proofs.proof import Proof
 
 # OMPL's curves may miss their end by this, in turning radii and rad.
 _END_JUMP = 4e-6
@@ -28,7 +28,7 @@ _RADIUS_ROUNDING = 1e-12
 _SPEED_ROUNDING = 1e-9
 
 
-def check_motion(proof: Proof) -> None:
+def check_motion(proof: ProofData) -> None:
     """Raises an `UnprovedError` unless the motion is one of its kind."""
     model, motion = proof.model, proof.motion
     assert isinstance(model, PlanarModel)

@@ -7,29 +7,20 @@ the verifier may index and compute.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from flint import arb
 
+from plannercheck.proofs.data import Hashes, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
+from plannercheck.proofs.numbers_of_proofs import HALF_TURN, LARGEST_DEFECT, LARGEST_NUMBER, check_length, check_numbers
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
-from plannercheck.proofs.proof import Hashes, Proof
 
 _WORLD = -1
 _WIDTHS = {"fixed": 0, "revolute": 1, "free": 3}
 _CURVES = ("straight", "dubins", "reeds_shepp")
-
-# What a pose in the world may be off rigid, norm of M^T M - 1.
-LARGEST_DEFECT = 1e-6
-
-# Numbers beyond this, rad and m, are no configuration or scene.
-LARGEST_NUMBER = 1e15
-
-# A short way round is at most half a turn, rad, up to the rounding of its end.
-_HALF_TURN = math.pi + 1e-6
 
 # With u = 2^-53, L links, A = 1 + all angles' sizes and S the size of what is posed: an angle of the chain is a sum of
 # L + 1 numbers, each interpolated with an error of 3 u, and errs by (L + 4) u A; sine and cosine add 4 u; so a turned
@@ -38,7 +29,7 @@ _HALF_TURN = math.pi + 1e-6
 _ROUNDING = 2.0**-47
 
 
-def check_well_formed(proof: Proof) -> None:
+def check_well_formed(proof: ProofData) -> None:
     """Raises an `UnprovedError` for what no proof may have; curves and entries are looked at elsewhere."""
     model, motion = proof.model, proof.motion
     if proof.kind != "plane" or not isinstance(model, PlanarModel) or not isinstance(motion, PlanarMotion):
@@ -80,7 +71,7 @@ def least_margin(model: PlanarModel, motion: PlanarMotion) -> float:
     return _ROUNDING * len(model.links) * angles * size
 
 
-def check_tiling(proof: Proof) -> None:
+def check_tiling(proof: ProofData) -> None:
     """Raises an `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
 
     On curves the end counts by itself: each pair has an entry from 1 to 1 after the others.
@@ -117,20 +108,6 @@ def _check_entry(entry: Any, k: int) -> None:
         check_numbers(entry.direction, f"direction of entry {k}")
 
 
-def check_numbers(values: Iterable[Any], what: str) -> None:
-    """Raises an `UnprovedError` for a number that is not finite or is too large."""
-    for value in values:
-        if not isinstance(value, float) or not abs(value) <= LARGEST_NUMBER:
-            raise UnprovedError(
-                f"{what} has the number {value!r:.40}, which is not finite, or beyond {LARGEST_NUMBER:g}"
-            )
-
-
-def _check_length(values: Sequence[Any], length: int, what: str) -> None:
-    if len(values) != length:
-        raise UnprovedError(f"{what} has {len(values)} numbers, not {length}")
-
-
 def _check_links(model: PlanarModel) -> None:
     column = 0
     if not model.links:
@@ -158,8 +135,8 @@ def _check_link(link: PlanarLink, index: int, column: int) -> None:
 def _check_body(body: PlanarBody, links: int, what: str) -> None:
     if not _WORLD <= body.link < links:
         raise UnprovedError(f"{what} is on link {body.link}, which there is not")
-    _check_length(body.pose, 6, what)
-    _check_length(body.centre, 2, what)
+    check_length(body.pose, 6, what)
+    check_length(body.centre, 2, what)
     check_numbers((*body.pose, *body.centre, body.reach), what)
     matrix = np.reshape(body.pose, (2, 3))
     if body.link >= 0 and not (matrix == np.eye(2, 3)).all():
@@ -185,7 +162,7 @@ def _check_body(body: PlanarBody, links: int, what: str) -> None:
 
 def _check_ends(model: PlanarModel, motion: PlanarMotion) -> None:
     for name, q in (("start", motion.start), ("end", motion.end), ("asked end", motion.asked_end)):
-        _check_length(q, model.columns, f"the motion's {name}")
+        check_length(q, model.columns, f"the motion's {name}")
         check_numbers(q, f"the motion's {name}")
     if motion.curve not in _CURVES:
         raise UnprovedError(f"the curve is {motion.curve!r:.40}, which is not known")
@@ -198,7 +175,7 @@ def _check_ends(model: PlanarModel, motion: PlanarMotion) -> None:
             if end != asked:
                 raise UnprovedError(f"the motion ends at {end!r} in column {column}, where {asked!r} was asked for")
             continue
-        if not abs(end - start) <= _HALF_TURN:
+        if not abs(end - start) <= HALF_TURN:
             raise UnprovedError(f"the motion turns column {column} by more than half a turn: not the short way")
         turns = round((asked - end) / (2 * math.pi))
         off = arb(asked) - end - 2 * arb.pi() * turns
@@ -210,7 +187,7 @@ def _check_ends(model: PlanarModel, motion: PlanarMotion) -> None:
 
 def _check_piece(piece: Piece, what: str) -> None:
     for values in (piece.origin, piece.way, piece.arm):
-        _check_length(values, 2, what)
+        check_length(values, 2, what)
     numbers = piece.start, piece.end, *piece.origin, *piece.way, piece.heading, piece.turn, *piece.arm, piece.slip
     check_numbers(numbers, what)
     if piece.slip < 0:

@@ -1,27 +1,31 @@
-"""The verifier of motions in space: confirms a proof in ball arithmetic, trusting nothing in it.
+"""The verifier: confirms a proof of a motion in ball arithmetic, trusting nothing in it.
 
-In: a `Proof`. Out: a `Verification`. It has no function in common with what makes proofs, and none with the checker:
-the proof has to be well-formed (`well_formed.py`), its entries have to tile [0, 1] for every pair, and every entry has
-to hold (`entries.py`) where the proof's own table of joints puts the links (`chains.py`, `joint_motions.py`).
+In: a proof. Out: a `Verification`. It has no function in common with what makes proofs, and none with the checker: the
+proof has to be well-formed (`well_formed.py`, `planar_well_formed.py`, `planar_curves.py`), its entries have to tile
+[0, 1] for every pair, and every entry has to hold (`entries.py`, `planar_entries.py`) where the proof's own table of
+joints puts the links (`chains.py`, `joint_motions.py`, `planar_paths.py`).
 """
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from plannercheck.common.optional_imports import extra_module
+from plannercheck.proofs.data import Entry, Model, ProofData, Verification
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.proof import Model, Proof, Verification
+from plannercheck.proofs.planar_proof import PlanarModel
 
-# Of ball arithmetic: one machine word, 11 bits more than a double.
-_BITS = 64
+# Digits of ball arithmetic. In space one machine word, 11 bits more than a double; in the plane, where angles of up to
+# 1e15 rad and lengths of up to 1e15 m have to leave more than a double's, three.
+_BITS = {"space": 64, "plane": 192}
 
 
-def verified(proof: Proof) -> Verification:
+def verified(proof: ProofData) -> Verification:
     """Confirms a proof.
 
     Args:
-        proof: In space.
+        proof: In space or in the plane.
 
     Returns:
         Whether it is proved, or what stops it.
@@ -31,17 +35,11 @@ def verified(proof: Proof) -> Verification:
     """
     flint = extra_module("flint", "proofs", "proofs of motions")
     began, confirmed, fault = time.perf_counter(), 0, None
-    bits, flint.ctx.prec = flint.ctx.prec, _BITS
+    bits, flint.ctx.prec = flint.ctx.prec, _BITS[proof.kind]
     try:
-        from plannercheck.proofs.entries import EntryChecker
-        from plannercheck.proofs.well_formed import check_tiling, check_well_formed
-
-        check_well_formed(proof)
-        check_tiling(proof)
-        checker = EntryChecker(proof)
+        check = _space(proof) if proof.kind == "space" else _plane(proof)
         for k, entry in enumerate(proof.entries):
-            if not checker.holds(entry):
-                raise UnprovedError(f"entry {k} does not hold: {checker.described(entry)}")
+            check(k, entry)
             confirmed += 1
     except UnprovedError as found:
         fault = str(found)
@@ -52,11 +50,32 @@ def verified(proof: Proof) -> Verification:
     return Verification(fault is None, fault, confirmed, time.perf_counter() - began)
 
 
-def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
-    """Whether a proof's model is that of files.
+def _space(proof: ProofData) -> Callable[[int, Entry], None]:
+    """What raises `UnprovedError` at an entry that does not hold."""
+    from plannercheck.proofs.entries import EntryChecker  # these need python-flint
+    from plannercheck.proofs.well_formed import check_tiling, check_well_formed
+
+    check_well_formed(proof)
+    check_tiling(proof)
+    return EntryChecker(proof).check
+
+
+def _plane(proof: ProofData) -> Callable[[int, Entry], None]:
+    from plannercheck.proofs.planar_curves import check_motion  # these need python-flint
+    from plannercheck.proofs.planar_entries import PlanarEntryChecker
+    from plannercheck.proofs.planar_well_formed import check_tiling, check_well_formed
+
+    check_well_formed(proof)
+    check_motion(proof)
+    check_tiling(proof)
+    return PlanarEntryChecker(proof).check
+
+
+def model_confirmed(proof: ProofData, robot: str, scene: str | None) -> Verification:
+    """Whether a proof's model is that of files; no entry is looked at.
 
     Args:
-        proof: In space.
+        proof: In space or in the plane.
         robot: A shipped robot's name, a YAML or a URDF file.
         scene: A shipped scene's name or a file; None for the empty one.
 
@@ -66,14 +85,30 @@ def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification
     Raises:
         PlannercheckError: If a file can't be read.
     """
-    from plannercheck.motions.proof_confirmation import confirm_model  # needs all of the package
-    from plannercheck.proofs.well_formed import check_well_formed
-
     began, fault = time.perf_counter(), None
     try:
-        check_well_formed(proof)
-        assert isinstance(proof.model, Model)
-        confirm_model(proof.model, robot, scene)
+        if proof.kind == "space":
+            _confirm_in_space(proof, robot, scene)
+        else:
+            _confirm_in_the_plane(proof, robot, scene)
     except UnprovedError as found:
         fault = str(found)
     return Verification(fault is None, fault, 0, time.perf_counter() - began)
+
+
+def _confirm_in_space(proof: ProofData, robot: str, scene: str | None) -> None:
+    from plannercheck.motions.proof_confirmation import confirm_model  # needs all of the package
+    from plannercheck.proofs.well_formed import check_well_formed
+
+    check_well_formed(proof)
+    assert isinstance(proof.model, Model)
+    confirm_model(proof.model, robot, scene)
+
+
+def _confirm_in_the_plane(proof: ProofData, robot: str, scene: str | None) -> None:
+    from plannercheck.planar.proof_confirmation import confirm_model  # needs all of the package
+    from plannercheck.proofs.planar_well_formed import check_well_formed
+
+    check_well_formed(proof)
+    assert isinstance(proof.model, PlanarModel)
+    confirm_model(proof.model, robot, scene)

@@ -1,38 +1,31 @@
 """Whether a proof in space is well-formed: indices, finite numbers, rigid placements, hashes, the motion's ends.
 
-In: a proof of any content whose classes are those of `proof.py`. Out: nothing, or an `UnprovedError`. After this the
+In: a proof of any content whose classes are those of `data.py`. Out: nothing, or an `UnprovedError`. After this the
 verifier may index and compute.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import flint
 import numpy as np
 from flint import arb
 
+from plannercheck.proofs.data import JOINT_VALUES, WORLD, Hashes, Joint, Model, Motion, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
-from plannercheck.proofs.proof import JOINT_VALUES, WORLD, Hashes, Joint, Model, Motion, Proof
+from plannercheck.proofs.numbers_of_proofs import HALF_TURN, LARGEST_DEFECT, LARGEST_NUMBER, check_length, check_numbers
 
-# What a placement may be off rigid, norm of M^T M - 1, and an axis or a unit part off length 1.
-LARGEST_DEFECT = 1e-6
+# What an axis or a unit part may be off length 1.
 LARGEST_STRETCH = 1e-6
 
 # Bits in which whole turns are taken off angles of up to 1e15 rad: what is left is known far better than its double.
 _TURN_BITS = 192
 
-# Numbers beyond this, rad and m, are no configuration or scene.
-LARGEST_NUMBER = 1e15
 
-# A short way round is at most half a turn, rad, up to the rounding of its end.
-_HALF_TURN = math.pi + 1e-6
-
-
-def check_well_formed(proof: Proof) -> None:
+def check_well_formed(proof: ProofData) -> None:
     """Raises a `UnprovedError` for what no proof may have; entries are looked at by `check_tiling`."""
     model, motion = proof.model, proof.motion
     if proof.kind != "space" or not isinstance(model, Model) or not isinstance(motion, Motion):
@@ -53,7 +46,7 @@ def hashes_of(model: Model) -> Hashes:
     return Hashes(content_hash(model.joints, model.links, mounted), content_hash(standing), content_hash(model))
 
 
-def check_tiling(proof: Proof) -> None:
+def check_tiling(proof: ProofData) -> None:
     """Raises a `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is."""
     assert isinstance(proof.model, Model)
     reached: dict[int, float] = {}
@@ -70,29 +63,16 @@ def check_tiling(proof: Proof) -> None:
             raise UnprovedError(f"entry {k} is by {entry.by!r:.40}, which is not known")
         if entry.by == "plane" and not (len(entry.direction) == 3 and WORLD <= entry.frame < len(proof.model.links)):
             raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
-        _check_numbers(entry.direction, f"direction of entry {k}")
+        check_numbers(entry.direction, f"direction of entry {k}")
     for pair in range(len(proof.model.pairs)):
         if reached.get(pair, 0.0) != 1.0:
             raise UnprovedError(f"pair {pair} is proved up to {reached.get(pair, 0.0)!r} alone, not to 1")
 
 
 def _check_margin(margin: float) -> None:
-    _check_numbers([margin], "margin")
+    check_numbers([margin], "margin")
     if margin < 0:
         raise UnprovedError(f"the margin is {margin!r}, below 0")
-
-
-def _check_numbers(values: Iterable[Any], what: str) -> None:
-    for value in values:
-        if not isinstance(value, float) or not abs(value) <= LARGEST_NUMBER:
-            raise UnprovedError(
-                f"{what} has the number {value!r:.40}, which is not finite, or beyond {LARGEST_NUMBER:g}"
-            )
-
-
-def _check_length(values: Sequence[Any], length: int, what: str) -> None:
-    if len(values) != length:
-        raise UnprovedError(f"{what} has {len(values)} numbers, not {length}")
 
 
 def _check_tree(model: Model) -> None:
@@ -105,8 +85,8 @@ def _check_tree(model: Model) -> None:
         _check_placement(joint.placement, what)
         _check_axis(joint, what)
         for values in (joint.columns, joint.multipliers, joint.offsets):
-            _check_length(values, JOINT_VALUES[joint.kind], what)
-        _check_numbers((*joint.multipliers, *joint.offsets), what)
+            check_length(values, JOINT_VALUES[joint.kind], what)
+        check_numbers((*joint.multipliers, *joint.offsets), what)
         _check_columns(joint, model.columns, what)
     for index, link in enumerate(model.links):
         if not WORLD <= link.joint < len(model.joints):
@@ -115,8 +95,8 @@ def _check_tree(model: Model) -> None:
 
 
 def _check_axis(joint: Joint, what: str) -> None:
-    _check_length(joint.axis, 3, what)
-    _check_numbers(joint.axis, what)
+    check_length(joint.axis, 3, what)
+    check_numbers(joint.axis, what)
     if joint.kind in ("turn", "slide", "circle") and not abs(math.hypot(*joint.axis) - 1) <= LARGEST_STRETCH:
         raise UnprovedError(f"{what} has an axis of length {math.hypot(*joint.axis)!r}, not 1")
 
@@ -134,8 +114,8 @@ def _check_columns(joint: Joint, columns: int, what: str) -> None:
 
 
 def _check_placement(rows: Sequence[float], what: str) -> None:
-    _check_length(rows, 12, what)
-    _check_numbers(rows, what)
+    check_length(rows, 12, what)
+    check_numbers(rows, what)
     matrix = np.reshape(rows, (3, 4))[:, :3]
     defect = float(np.linalg.norm(matrix.T @ matrix - np.eye(3)))
     if not defect <= LARGEST_DEFECT or not np.linalg.det(matrix) > 0:
@@ -150,8 +130,8 @@ def _check_bodies(model: Model) -> None:
         if not WORLD <= body.link < len(model.links):
             raise UnprovedError(f"{what} is on link {body.link}, which there is not")
         _check_placement(body.pose, what)
-        _check_numbers((body.radius, body.padding, body.reach, *body.centre), what)
-        _check_length(body.centre, 3, what)
+        check_numbers((body.radius, body.padding, body.reach, *body.centre), what)
+        check_length(body.centre, 3, what)
         if not 0 <= body.padding <= body.radius or body.reach < 0:
             raise UnprovedError(f"{what} has a negative length, or a padding beyond its radius")
         if type(body.vertices) is not np.ndarray or body.vertices.dtype != np.float64:
@@ -171,15 +151,15 @@ def _check_pairs(model: Model) -> None:
 
 def _check_ends(model: Model, motion: Motion) -> None:
     for name, q in (("start", motion.start), ("end", motion.end), ("asked end", motion.asked_end)):
-        _check_length(q, model.columns, f"the motion's {name}")
-        _check_numbers(q, f"the motion's {name}")
+        check_length(q, model.columns, f"the motion's {name}")
+        check_numbers(q, f"the motion's {name}")
     for column in model.whole_turns:
         if not 0 <= column < model.columns:
             raise UnprovedError(f"column {column} of whole turns is not there")
         users = [joint for joint in model.joints if column in joint.columns]
         if any(joint.kind != "turn" or joint.multipliers[0] % 1 for joint in users):
             raise UnprovedError(f"a whole turn of column {column} is none of every joint that follows it")
-        if not abs(motion.end[column] - motion.start[column]) <= _HALF_TURN:
+        if not abs(motion.end[column] - motion.start[column]) <= HALF_TURN:
             raise UnprovedError(f"the motion turns column {column} by more than half a turn: not the short way")
     for column, (end, asked) in enumerate(zip(motion.end, motion.asked_end, strict=True)):
         if end != asked and column not in model.whole_turns:

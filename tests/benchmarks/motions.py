@@ -12,16 +12,20 @@ shrinks.
 from __future__ import annotations
 
 import argparse
+import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import coal
 import numpy as np
 import pinocchio as pin
+from motion_timing import least_times, print_misses
 
 import plannercheck as pc
 from plannercheck.bodies.shapes import Body
@@ -39,7 +43,6 @@ COAL_ERROR = 2e-6  # m
 TOLERANCE = 1e-4  # m
 VARIANTS = 25  # motions per obstacle
 GRAZING_TRIES = 60
-ROUNDS = 5
 BLOCKS = (200, 2000, 20000)  # where states to be sampled are split
 PROBLEM_STRIDE = 10  # every tenth problem of a set
 
@@ -290,30 +293,15 @@ def missed(options: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for case in cases(options.motions, np.random.default_rng(options.seed), Path(folder)):
             judge(case, counts)
-    families = sorted({family for family, _ in counts})
     rows = (
         *("motions", "accepted", "missed", "refused with clearance"),
         *("collide (dense)", "missed at 1 % of the extent", "missed at 32 a radian"),
     )
-    print(f"{'':30s}" + "".join(f"{family:>10s}" for family in (*families, "all")))
-    for row in rows:
-        values = [counts[family, row] for family in families]
-        print(f"{row:30s}" + "".join(f"{value:10d}" for value in (*values, sum(values))))
+    print_misses(counts, rows)
     print(f"{time.perf_counter() - began:.0f} s")
 
 
 # ----- cost
-
-
-def least_times(judges: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """The least process time of each, in turns, s."""
-    best = dict.fromkeys(judges, np.inf)
-    for turn in range(ROUNDS):
-        for name in list(judges) if turn % 2 == 0 else reversed(list(judges)):
-            began = time.process_time()
-            judges[name]()
-            best[name] = min(best[name], time.process_time() - began)
-    return best
 
 
 def steps_of(q0: np.ndarray, q1: np.ndarray) -> np.ndarray:

@@ -12,13 +12,18 @@ time of each; and how it grows as the clearance shrinks.
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import numpy as np
 import shapely
+from motion_timing import least_times, print_misses
 
 import plannercheck as pc
 from plannercheck.planar.curves import Curve
@@ -29,7 +34,6 @@ DENSE, DENSER, NEAR = 1e-3, 1e-5, 5e-3  # m of motion: all along; within NEAR of
 SAMPLED = 1e-2  # m, the sampled check's default
 VARIANTS = 10  # motions per obstacle
 GRAZING_TRIES = 60
-ROUNDS = 5
 SHIPPED = (("warehouse", "forklift"), ("parking", "forklift"), ("parking", "truck_trailer"))
 RADII = {"forklift": 1.5, "truck_trailer": 6.0, "needle": 0.8, "chain": 4.0}
 
@@ -231,30 +235,15 @@ def missed(options: argparse.Namespace) -> None:
     began = time.perf_counter()
     for case in cases(options.motions, np.random.default_rng(options.seed)):
         judge(case, counts)
-    families = sorted({family for family, _ in counts})
     rows = (
         *("motions", "on curves", "accepted", "missed", "refused with clearance"),
         *("collide (dense)", "missed at 1 % of the extent", "missed at 1 cm"),
     )
-    print(f"{'':30s}" + "".join(f"{family:>10s}" for family in (*families, "all")))
-    for row in rows:
-        values = [counts[family, row] for family in families]
-        print(f"{row:30s}" + "".join(f"{value:10d}" for value in (*values, sum(values))))
+    print_misses(counts, rows)
     print(f"{time.perf_counter() - began:.0f} s")
 
 
 # ----- cost
-
-
-def least_times(judges: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """The least process time of each, in turns, s."""
-    best = dict.fromkeys(judges, np.inf)
-    for turn in range(ROUNDS):
-        for name in list(judges) if turn % 2 == 0 else reversed(list(judges)):
-            began = time.process_time()
-            judges[name]()
-            best[name] = min(best[name], time.process_time() - began)
-    return best
 
 
 def compare_cost(scene: str, name: str, curve: Curve, n: int) -> None:

@@ -25,7 +25,7 @@ import plannercheck as pc
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.proofs import Joint, Motion, entries, joint_motions
 from plannercheck.proofs.chains import Chains
-from plannercheck.proofs.proof import JOINT_VALUES
+from plannercheck.proofs.data import JOINT_VALUES
 
 
 def chains_of(checker, q0, q1):

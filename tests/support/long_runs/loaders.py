@@ -26,7 +26,7 @@ from plannercheck.bodies.meshes import load_mesh, load_triangles
 from plannercheck.evaluation.stress.failing_cases import Case
 from plannercheck.evaluation.stress_motions.cases import MotionCase
 from plannercheck.ompl.plans import Plan
-from plannercheck.proofs.files import load_proofs
+from plannercheck.proofs import load_proofs
 from plannercheck.proofs.urdf_joints import read_tree
 from plannercheck.robots import urdf_messages
 from plannercheck.scenes.motion_bench_maker import load_problems

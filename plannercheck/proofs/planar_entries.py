@@ -1,7 +1,7 @@
-"""The verifier of motions in the plane: confirms every entry of a proof in ball arithmetic, trusting nothing in it.
+"""Whether an entry of a proof in the plane holds: heights of bodies along a direction, over an interval of the motion.
 
-In: a `Proof` whose kind is "plane". Out: a `Verification`. It has no function in common with what makes proofs: it
-poses links by the proof's own table (`planar_paths.py`) with python-flint.
+In: a well-formed proof whose kind is "plane", its entries one by one. Out: an `UnprovedError` at one that does not
+hold. Links are posed by the proof's own table (`planar_paths.py`) with python-flint.
 
 One entry, by a line. Let d be the direction, fixed in the frame of the last link that carries both bodies. On a part of
 the interval the height d . x of every point x of a body, seen from that frame, is at least the chord between its
@@ -18,21 +18,16 @@ Vertices are multiplied in doubles: w . v errs by at most 3 u of the sum of the 
 from __future__ import annotations
 
 import math
-import time
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.common.optional_imports import extra_module
+from plannercheck.proofs.data import Entry, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.planar_proof import PlanarBody, PlanarModel
-from plannercheck.proofs.proof import Entry, Proof, Verification
 
 Floats = NDArray[np.float64]
-
-# Digits of ball arithmetic: angles of up to 1e15 rad and lengths of up to 1e15 m leave more than a double's.
-_BITS = 192
 
 # A part is cut in halves this often before its entry counts as not confirmed.
 _DEEPEST = 14
@@ -41,68 +36,6 @@ _DEEPEST = 14
 _ROUNDING = 6 * 2.0**-53
 _UP = 1 + 2.0**-50
 _UNDERFLOW = 1e-290  # far below any length, m: covers products and sums below the range of doubles
-
-
-def verified(proof: Proof) -> Verification:
-    """Confirms a proof.
-
-    Args:
-        proof: In the plane.
-
-    Returns:
-        Whether it is proved, or what stops it.
-
-    Raises:
-        PlannercheckError: If python-flint is not installed.
-    """
-    flint = extra_module("flint", "proofs", "proofs of motions")
-    began, confirmed, fault = time.perf_counter(), 0, None
-    bits, flint.ctx.prec = flint.ctx.prec, _BITS
-    try:
-        from plannercheck.proofs.planar_curves import check_motion
-        from plannercheck.proofs.planar_well_formed import check_tiling, check_well_formed
-
-        check_well_formed(proof)
-        check_motion(proof)
-        check_tiling(proof)
-        verifier = Verifier(proof)
-        for k, entry in enumerate(proof.entries):
-            verifier.check(k, entry)
-            confirmed += 1
-    except UnprovedError as found:
-        fault = str(found)
-    except (ArithmeticError, ValueError) as found:  # numbers within the limits whose products are not
-        fault = f"entry {confirmed} has numbers that can't be computed with: {found}"
-    finally:
-        flint.ctx.prec = bits
-    return Verification(fault is None, fault, confirmed, time.perf_counter() - began)
-
-
-def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
-    """Whether a proof's model is that of files.
-
-    Args:
-        proof: In the plane.
-        robot: A shipped planar robot's name or a YAML file.
-        scene: A shipped planar scene's name or a file; None for the empty one.
-
-    Returns:
-        Whether it is, or the first difference.
-
-    Raises:
-        PlannercheckError: If a file can't be read.
-    """
-    from plannercheck.planar.proof_confirmation import confirm_model  # needs all of the package
-    from plannercheck.proofs.planar_well_formed import check_well_formed
-
-    began, fault = time.perf_counter(), None
-    try:
-        check_well_formed(proof)
-        assert isinstance(proof.model, PlanarModel)
-        confirm_model(proof.model, robot, scene)
-    except UnprovedError as found:
-        fault = str(found)
-    return Verification(fault is None, fault, 0, time.perf_counter() - began)
 
 
 class Line(NamedTuple):
@@ -119,10 +52,10 @@ class Line(NamedTuple):
     loose: float
 
 
-class Verifier:
+class PlanarEntryChecker:
     """Confirms entries of one well-formed proof."""
 
-    def __init__(self, proof: Proof) -> None:
+    def __init__(self, proof: ProofData) -> None:
         """Reads the model and the motion."""
         from flint import acb, arb
 
