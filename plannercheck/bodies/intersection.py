@@ -83,9 +83,9 @@ class Switches:
         )
 
 
-def pair_options(method: Method = "oracle", **switches: bool) -> Any:
-    """A core.PairOptions of the `Switches` given by name."""
-    return Switches(method, **switches).pair_options()
+def pair_options(method: Method = "oracle", *switches: bool, **named: bool) -> Any:
+    """A core.PairOptions of `Switches`, given in their order or by name."""
+    return Switches(method, *switches, **named).pair_options()
 
 
 @set_module("plannercheck")
