@@ -6,7 +6,7 @@ In: a `Robot`, a `Scene`. Out: an immutable `Checker`. A motion is proved free f
 from __future__ import annotations
 
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,12 +20,10 @@ from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, MotionCertifier
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.motion_ends import checked_ends, with_given_ends
+from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.rounding_bounds import NEAR_TURNS
 from plannercheck.motions.sampling import MotionSampler
-
-if TYPE_CHECKING:
-    from plannercheck.motions.proof_builder import Builder
-    from plannercheck.proofs.proof import Proof
+from plannercheck.proofs.proof import Proof
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -160,8 +158,6 @@ class Checker(StateChecker):
     @cached_property
     def _prover(self) -> Builder:
         """Builds proofs of motions; made when it is first needed."""
-        from plannercheck.motions.proof_builder import Builder  # needs python-flint
-
         return Builder(self)
 
     @cached_property

@@ -9,21 +9,24 @@ entry that nothing is found for is written down all the same, with the certifier
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies.certificates import Separation
+from plannercheck.checking.verdicts import PairVerdict
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
+from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.certifier_answers import Passage
 from plannercheck.motions.certifier_answers import Proof as Plane
+from plannercheck.motions.proof_model import PosedPairs, space_model
 from plannercheck.proofs.data import WORLD, Entry, Hashes, Model, Motion
 from plannercheck.proofs.proof import Proof
+from plannercheck.scenes.scene import Scene
 
 if TYPE_CHECKING:
-    from plannercheck.motions.checker import Checker
     from plannercheck.proofs.entries import EntryChecker
 
 Floats = NDArray[np.float64]
@@ -42,17 +45,29 @@ _ROUNDING = 2.0**-44
 _OFF_UNIT = 12.0
 
 
+class CertifiedPairs(PosedPairs, Protocol):
+    """What proofs of motions in space are built from; see `Checker`."""
+
+    scene: Scene
+
+    @property
+    def motion_certifier(self) -> MotionCertifier:
+        """Proves motions free."""
+
+    def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
+        """The verdict of row k of `pairs`, with its certificate."""
+
+
 class Builder:
     """Builds proofs for one checker."""
 
-    def __init__(self, checker: Checker) -> None:
+    def __init__(self, checker: CertifiedPairs) -> None:
         """Digests the checker.
 
         Raises:
             PlannercheckError: If python-flint is not installed.
         """
         extra_module("flint", "proofs", "proofs of motions")
-        from plannercheck.motions.proof_model import space_model
         from plannercheck.proofs.well_formed import hashes_of
 
         self._checker = checker
@@ -111,7 +126,7 @@ def _size(model: Model) -> float:
     return max(reach, default=0.0) + float(max(bodies, default=0.0))
 
 
-def _resting_directions(checker: Checker, planes: Sequence[Plane], q: Floats) -> dict[int, tuple[float, ...]]:
+def _resting_directions(checker: CertifiedPairs, planes: Sequence[Plane], q: Floats) -> dict[int, tuple[float, ...]]:
     """By pair of which the certifier notes nothing, as neither body moves: a direction between them in the world."""
     moving = {plane.pair for plane in planes}
     found = {k: checker.explain_pair(k, q).certificate for k in range(len(checker.pairs)) if k not in moving}

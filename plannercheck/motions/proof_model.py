@@ -6,18 +6,20 @@ the vertices of their hulls, and all of the checker's pairs, those that are left
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import Body
+from plannercheck.motions.sampling import MotionSampler
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Joint, Link, Model, PosedBody
 from plannercheck.robots.kinematics import JointTable
-
-if TYPE_CHECKING:
-    from plannercheck.motions.checker import Checker
+from plannercheck.robots.robot import Robot
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
 
 # By the kernel's kind of joint (JointKind in cpp/robots/kinematics.hpp).
 _KINDS = ("turn",) * 4 + ("circle",) * 4 + ("slide", "planar", "ball", "free")
@@ -29,7 +31,21 @@ _BALL_ROUNDS = 200
 _BALL_ROOM = 1 + 1e-12
 
 
-def space_model(checker: Checker) -> Model:
+class PosedPairs(Protocol):
+    """What the model of a checker in space is made of; see `Checker` for its attributes."""
+
+    robot: Robot
+    bodies: tuple[Body, ...]
+    pairs: Ints
+    paddings: Floats
+    motion_sampler: MotionSampler
+
+    @property
+    def polytopes(self) -> tuple[Polytope | None, ...]:
+        """The hulls of `bodies`, None where no pair needs one."""
+
+
+def space_model(checker: PosedPairs) -> Model:
     """The model of a checker that is posed by the compiled kernel."""
     robot, table = checker.robot, checker.robot.joint_table
     assert table is not None
@@ -66,7 +82,7 @@ def _joint(table: JointTable, k: int, name: str) -> Joint:
     )
 
 
-def _body(checker: Checker, k: int) -> PosedBody:
+def _body(checker: PosedPairs, k: int) -> PosedBody:
     body, polytope = checker.bodies[k], checker.polytopes[k]
     assert polytope is not None
     link = WORLD if body.link is None else checker.robot.link_index(body.link)

@@ -8,7 +8,7 @@ core (cpp/planar/checker_2d).
 from __future__ import annotations
 
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,12 +32,10 @@ from plannercheck.planar.links import Body
 from plannercheck.planar.motion_certifier import MotionCertifier
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.polygons import METHODS, Method
+from plannercheck.planar.proof_builder import PlanarBuilder
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.scene import Scene
-
-if TYPE_CHECKING:
-    from plannercheck.planar.proof_builder import PlanarBuilder
-    from plannercheck.proofs.proof import Proof
+from plannercheck.proofs.proof import Proof
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -281,8 +279,6 @@ class Checker(ExplainingChecker):
     @cached_property
     def _prover(self) -> PlanarBuilder:
         """Builds proofs of motions; made when it is first needed."""
-        from plannercheck.planar.proof_builder import PlanarBuilder  # needs python-flint
-
         return PlanarBuilder(self)
 
     @cached_property

@@ -9,20 +9,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier_answers import Proof as Line
 from plannercheck.planar.curves import Curve
+from plannercheck.planar.links import Body
+from plannercheck.planar.motion_certifier import MotionCertifier
+from plannercheck.planar.robot import Robot
+from plannercheck.planar.scene import Scene
 from plannercheck.proofs.data import Entry
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
 from plannercheck.proofs.proof import Proof
-
-if TYPE_CHECKING:
-    from plannercheck.planar.checker import Checker
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -43,10 +44,26 @@ _ROOM = 1e-12
 _STRETCH = 3e-6
 
 
+class CertifiedPolygons(Protocol):
+    """What proofs of motions in the plane are built from; see `planar.Checker`."""
+
+    robot: Robot
+    scene: Scene
+    bodies: tuple[Body, ...]
+    pairs: NDArray[np.int32]
+
+    @property
+    def motion_certifier(self) -> MotionCertifier:
+        """Proves motions free."""
+
+    def body_poses(self, q: ArrayLike) -> Floats:
+        """(n, bodies, 3, 3) poses at configurations (n, nq)."""
+
+
 class PlanarBuilder:
     """Builds proofs for one checker."""
 
-    def __init__(self, checker: Checker) -> None:
+    def __init__(self, checker: CertifiedPolygons) -> None:
         """Digests the checker.
 
         Raises:
@@ -157,7 +174,7 @@ def _pieces(rows: Floats) -> tuple[Piece, ...]:
     )
 
 
-def planar_model(checker: Checker) -> PlanarModel:
+def planar_model(checker: CertifiedPolygons) -> PlanarModel:
     """The plain data of a checker."""
     robot = checker.robot
     rows, anchors, columns = robot.core_links()
