@@ -45,6 +45,15 @@ Double2Vec3 scaled(const Double2Vec3& v, double power_of_two) {
 
 double power_of_two_below(double x) { return std::ldexp(1.0, std::ilogb(x)); }
 
+// By a power of two, to a largest entry of 1/2 to 1, or less where that power is no double; false for what has no
+// direction.
+bool scale_to_one(Double2Vec3& v) {
+  const double largest = norm_max(rounded(v));
+  if (!(largest > 0) || !std::isfinite(largest)) return false;
+  v = scaled(v, std::ldexp(1.0, std::min(-1 - std::ilogb(largest), kMostScaled)));
+  return true;
+}
+
 class FineNearestPoints {
  public:
   FineNearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
@@ -80,9 +89,7 @@ class FineNearestPoints {
     if (simplex_.count > 0 && keep_nearest(0, towards, square)) measure(found);
     for (int round = 0; round < kDistanceRounds && simplex_.count < 4; ++round) {
       ++counters_.rounds;
-      const double largest = norm_max(rounded(towards));
-      if (!(largest > 0) || !std::isfinite(largest)) break;
-      towards = scaled(towards, 0.5 / power_of_two_below(largest));
+      if (!scale_to_one(towards)) break;
       const FineCorner corner = furthest_against(towards);
       raise_lower_bound(found, towards, corner);
       if (goal.met(found) || holds(corner)) break;
@@ -137,9 +144,7 @@ class FineNearestPoints {
   void search(Double2Vec3& towards, double& square) {
     for (int round = 0; round < kDouble2Rounds && simplex_.count < 4; ++round) {
       ++counters_.rounds;
-      const double largest = norm_max(rounded(towards));
-      if (!(largest > 0) || !std::isfinite(largest)) return;
-      towards = scaled(towards, 0.5 / power_of_two_below(largest));
+      if (!scale_to_one(towards)) return;
       const FineCorner corner = furthest_against(towards);
       if (separates(towards, dot(towards, corner.difference))) {
         answer_ = Answer::kSeparated;
