@@ -1,5 +1,9 @@
 """Contact by construction: choose the robot, the motion and a parameter, and put a body of a millimetre where the other
-one is then. The motion must be refused, however the two get there."""
+one is then. The motion must be refused, however the two get there.
+
+Here: links and held joints, planar and floating joints from the child's side. Far angles and stretched links have files
+of their own.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +20,6 @@ import plannercheck as pc
 
 # Axes of joints that move in the plane.
 FLAT = {"revolute": (0, 0, 1), "prismatic": (1, 0, 0)}
-
-
-# ----- fault 2: planar and floating joints from the child's side
 
 
 @pytest.mark.parametrize("kind", ["planar", "floating"])

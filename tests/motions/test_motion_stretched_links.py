@@ -12,8 +12,6 @@ from random_branches import Joint, Tree
 
 import plannercheck as pc
 
-# ----- fault 5: quaternions off length 1, several in a chain
-
 
 def stack_of_bases(tmp_path, count, kind="floating", half=0.4, x=2.0):
     """Joints of one place on top of each other, and a box of half a metre far out on the last one."""

@@ -16,8 +16,6 @@ from plannercheck.proofs import Entry
 from plannercheck.proofs.planar_paths import Paths
 from plannercheck.proofs.planar_proof import Piece, PlanarMotion
 
-# ----- faults put back
-
 
 def test_a_certifier_with_long_directions_is_found_out(monkeypatch):
     """A gap times a direction of 2 m, compared with metres: the bar through the post is called free, the proof not."""

@@ -40,6 +40,9 @@ def panda():
     return Robot.load("panda")
 
 
+# --- other objects --------------------------------------------------------------------------------------------------
+
+
 def test_objects_are_frames_and_so_are_their_subframes():
     scene = scene_of(
         tray("tray", "map", OFFSET), ball("on", "tray", SHORT), ball("rim", "tray/rim", SHORT), ball("x", "rim", SHORT)

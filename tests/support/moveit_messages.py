@@ -96,9 +96,6 @@ def body_pose(checker, name, q):
     return checker.body_poses(q)[0, names.index(name)]
 
 
-# --- other objects --------------------------------------------------------------------------------------------------
-
-
 def tray(name, frame, numbers, **more):
     """A box whose own pose is given, with a turned subframe."""
     return {

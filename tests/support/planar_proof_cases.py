@@ -45,9 +45,6 @@ def shipped(robot, scene):
     return P.Checker(P.Robot.load(robot), P.Scene.load(scene))
 
 
-# ----- one number changed
-
-
 def changed(items, k, item):
     return (*items[:k], item, *items[k + 1 :])
 
