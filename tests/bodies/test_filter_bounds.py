@@ -11,6 +11,7 @@ import itertools
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
@@ -22,12 +23,13 @@ from plannercheck.evaluation.stress.random_cases import OFF_RIGID
 from plannercheck.evaluation.stress.sample_bodies import prepared
 
 STATES = 256
+FREE_FLYER = 11  # JointKind in cpp/robots/kinematics.hpp
 CUBE = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
 
 
 def checker_of(bodies, links, pairs, placements=None, overlaps=False):
-    """A core checker of bodies on links, -1 being the world; all filters but the inner shapes."""
+    """A core checker of bodies on links, -1 being the world; all filters but, unless asked for, the inner shapes."""
     placements = identities(len(bodies)) if placements is None else placements
     nothing, links = np.zeros(0), np.array(links, dtype=np.int32)
     moving = identities(int(links.max()) + 1)
@@ -78,6 +80,48 @@ def contacts(p, r, rng, distance, off_rigid, depths):
     return poses_p, poses_r
 
 
+def just_apart_or_deep(depths, size):
+    """Of overlaps by the depths, m: gaps as wide, but every third, which is what balls and boxes inside bodies find."""
+    deep = np.arange(len(depths)) % 3 == 0
+    return np.where(deep, 0.2 * size, -np.minimum(depths, 0.02 * size))
+
+
+def free_bodies(poses, stretches):
+    """Kinematics of free bodies, whose links are stretched by (bodies, 3, 3), and their configurations at poses."""
+    n = len(poses)
+    joints, rest = np.arange(n, dtype=np.int32), np.zeros((n, 7))
+    placements = identities(n)[:, :3].copy()
+    placements[:, :, :3] = stretches
+    kinematics = core.Kinematics(
+        7 * n, np.full(n, -1, dtype=np.int32), np.full(n, FREE_FLYER, dtype=np.int32), np.zeros((n, 3)),
+        identities(n)[:, :3].copy(), np.arange(7 * n, dtype=np.int32).reshape(n, 7), rest + 1, rest, joints, placements,
+    )  # fmt: skip
+    rows = [np.hstack([pose[:, :3, 3], Rotation.from_matrix(pose[:, :3, :3]).as_quat()]) for pose in poses]
+    return kinematics, np.hstack(rows)
+
+
+def hold_overlaps(p, r, poses, off_rigid, rng):
+    """Balls and boxes inside bodies, which find collisions, against exact arithmetic, in batches and one by one.
+
+    Only who asks whether anything collides asks for overlaps: `check_states`, which wants configurations. Returns how
+    many collisions were found by overlaps.
+    """
+    turns = identities(2)[:, :3, :3]
+    kinematics, q = free_bodies(poses, stretched(turns, rng) if off_rigid else turns)
+    posed = kinematics.link_poses(q, np.ones(2, dtype=np.uint8))
+    free = ~truth(p, r, *(np.ascontiguousarray(posed[:, k]) for k in range(2)))
+    assert 0.2 < free.mean() < 0.8
+    for links in ([0, 1], [1, 0]):
+        bodies = [(p.polytope, r.polytope)[k] for k in links]
+        checker = checker_of(bodies, links, [[0, 1]], overlaps=True)
+        np.testing.assert_array_equal(checker.check_states(kinematics, q, 1).astype(bool), free)
+        found = [checker.check_states(kinematics, q[k : k + 3], 1).astype(bool) for k in range(0, len(q), 3)]
+        np.testing.assert_array_equal(np.concatenate(found), free)
+        single = [checker.check_states(kinematics, row[None], 1)[0] for row in q]
+        np.testing.assert_array_equal(np.array(single, dtype=bool), free)
+    return checker.statistics()["overlaps"]
+
+
 def truth(p, r, poses_p, poses_r):
     found = core.intersect_batch(p.polytope.core, poses_p, r.polytope.core, poses_r, pair_options("exact"))
     return found[0].astype(bool)
@@ -105,7 +149,7 @@ CASES = [
 @pytest.mark.parametrize(("size", "distance", "off_rigid"), CASES)
 def test_filters_leave_contacts_alone(size, distance, off_rigid):
     rng = np.random.default_rng(round(size * 1e4 + distance + off_rigid))
-    sharing = []
+    sharing, overlaps = [], 0
     # From rounding in doubles to what rounding in floats is where the bodies lie.
     depths = np.geomspace(1e-12, 1e-6, STATES) * size + np.where(np.arange(STATES) % 2, 0, 2e-8 * distance)
     for p, r in specimens(size, rng):
@@ -116,16 +160,13 @@ def test_filters_leave_contacts_alone(size, distance, off_rigid):
         both = np.stack(poses, axis=1)
         agree(checker_of([p.polytope, r.polytope], [0, 1], [[0, 1]]), both, expected)
         agree(checker_of([p.polytope, r.polytope], [1, 0], [[0, 1]]), both[:, ::-1], expected)
-        # Inner shapes find collisions, so they are held against bodies that are just apart.
-        poses = contacts(p, r, rng, distance, off_rigid, -np.minimum(depths, 0.02 * size))
-        apart = truth(p, r, *poses)
-        assert apart.mean() < 0.5
-        agree(checker_of([p.polytope, r.polytope], [0, 1], [[0, 1]], overlaps=True), np.stack(poses, axis=1), apart)
-        poses = both[:, 0], both[:, 1]
+        poses_in_joints = contacts(p, r, rng, distance, False, just_apart_or_deep(depths, size))
+        overlaps += hold_overlaps(p, r, poses_in_joints, off_rigid, rng)
         for options in (pair_options(), pair_options("walk"), pair_options(cached_plane=False, centre_axis=False)):
             found = core.intersect_batch(p.polytope.core, poses[0], r.polytope.core, poses[1], options)[0]
             np.testing.assert_array_equal(found.astype(bool), expected)
     assert np.mean(sharing) > 0.8
+    assert overlaps > 0 or distance > 1e5 * size  # where floats tell no bodies apart
 
 
 @pytest.mark.parametrize(("size", "distance", "off_rigid"), CASES)

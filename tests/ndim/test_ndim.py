@@ -1,4 +1,4 @@
-"""Any dimension: verdicts against a linear program and integers, proofs against fractions, trees against scans."""
+"""Any dimension: verdicts against a linear program and integers, certificates, trees against scans, bad input."""
 
 from __future__ import annotations
 
@@ -8,38 +8,16 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from ndim_pairs import depth, near_poses, random_body, random_pose
-from scipy.optimize import linprog
-from scipy.spatial import ConvexHull
+from ndim_pairs import both_kinds, box, box_halfspaces, depth, near_poses, random_body, random_pose
 
 import plannercheck as pc
 from plannercheck import ndim
 from plannercheck.bodies import exact_reference as exact_in_space
 from plannercheck.ndim import pair as pair_module
-from plannercheck.ndim.exact import ExactSharedPoint, Guess, decide
-from plannercheck.ndim.filters import encloses_origin, proves_inside
-from plannercheck.ndim.guides import Hint
-from plannercheck.ndim.integers import Farkas, Mix, dot, inverse, solve
-from plannercheck.ndim.posed import ExactRows, ExactVertices
-from plannercheck.ndim.poses import Affine, identity
-from plannercheck.ndim.proofs import proves_shared
 from plannercheck.ndim.qhull import convex_hull
 from plannercheck.ndim.tree import Cones, Tree
 
 METHODS = ("auto", "tree", "oracle", "exact")
-
-
-def box(low, high):
-    return np.array(list(itertools.product(*zip(low, high, strict=True))), dtype=np.float64)
-
-
-def box_halfspaces(low, high):
-    d = len(low)
-    return np.concatenate([np.eye(d), -np.eye(d)]), np.concatenate([high, -np.asarray(low)])
-
-
-def both_kinds(low, high):
-    return ndim.Polytope(box(low, high)), ndim.Polytope.from_halfspaces(*box_halfspaces(low, high))
 
 
 @pytest.mark.parametrize("d", range(1, 8))
@@ -273,202 +251,3 @@ def test_other_errors():
         ndim.overlap_graph([cube, square])
     with pytest.raises(pc.PlannercheckError, match="at least one row"):
         ndim.Polytope(np.zeros((0, 3)))
-
-
-def test_overlap_graph_against_all_pairs():
-    rng = np.random.default_rng(0)
-    regions = []
-    for _ in range(25):
-        low = rng.integers(0, 6, size=3).astype(np.float64)
-        regions.append(both_kinds(low, low + rng.integers(1, 3, size=3))[int(rng.integers(2))])
-    graph = ndim.overlap_graph(regions)
-    truth = [
-        (i, j)
-        for i, j in itertools.combinations(range(len(regions)), 2)
-        if ndim.intersects(regions[i], regions[j], method="exact")
-    ]
-    assert graph.edges.tolist() == [list(edge) for edge in truth]
-    assert graph.tested + graph.skipped == 300
-    assert graph.tested >= len(truth) > 0
-    path = graph.path(*truth[0])
-    assert path == list(truth[0])
-    assert graph.path(3, 3) == [3]
-    assert ndim.overlap_graph([]).edges.shape == (0, 2)
-
-
-def test_swept_bodies_in_space_time():
-    """Two boxes that pass each other: their sweeps in (x, y, z, t) meet exactly if the boxes ever do."""
-    cube = box([0, 0, 0], [1, 1, 1])
-
-    def sweep(start, end):
-        return ndim.sweeps(cube, [start, end], [0.0, 1.0])[0]
-
-    first = sweep([0.0, 0, 0], [4.0, 0, 0])
-    # Crosses the same space, later; meets it; touches it with an edge at one moment.
-    assert not ndim.intersects(first, sweep([2.0, -8, 0], [2.0, 0, 0]))
-    assert ndim.intersects(first, sweep([2.0, -2, 0], [2.0, 2, 0]))
-    assert ndim.intersects(first, sweep([2.0, -1, 0], [2.0, -1, 0]))
-    assert not ndim.intersects(first, sweep([2.0, np.nextafter(-1, -2), 0], [2.0, np.nextafter(-1, -2), 0]))
-
-
-def test_sweeps_against_moments():
-    """Bodies on paths of three pieces: no moment collides where no sweeps meet, and a common point says where."""
-    rng = np.random.default_rng(0)
-    bodies = [rng.normal(size=(8, 3)) for _ in range(2)]
-    in_space = [pc.Polytope(points) for points in bodies]
-    times, met = np.array([0.0, 1.0, 2.5, 3.0]), 0
-
-    def poses(waypoints, moments):
-        matrices = np.tile(np.eye(4), (len(moments), 1, 1))
-        matrices[:, :3, 3] = np.column_stack([np.interp(moments, times, column) for column in waypoints.T])
-        return matrices
-
-    for _ in range(15):
-        ways = [3.0 * rng.normal(size=(4, 3)) for _ in range(2)]
-        first, second = (ndim.sweeps(points, way, times) for points, way in zip(bodies, ways, strict=True))
-        certificates = [ndim.certify(a, b) for a, b in zip(first, second, strict=True)]
-        for k, certificate in enumerate(certificates):
-            if certificate.shares:
-                moments = certificate.point[3:]
-                assert times[k] <= moments[0] <= times[k + 1]
-            else:
-                moments = np.linspace(times[k], times[k + 1], 20)
-            for pair in zip(*(poses(way, moments) for way in ways), strict=True):
-                # The moment is rounded, so bodies that only touch may be a rounding apart.
-                apart = pc.distance(*in_space, *pair).distance
-                assert apart <= 1e-12 if certificate.shares else not pc.intersects(*in_space, *pair)
-        met += any(certificate.shares for certificate in certificates)
-    assert 0 < met < 15
-
-
-@pytest.mark.parametrize(
-    ("waypoints", "times", "words"),
-    [
-        ([[0.0, 0, 0]], [0.0], "at least two waypoints"),
-        ([[0.0, 0], [1, 1]], [0.0, 1], "at least two waypoints"),
-        ([[0.0, 0, 0], [1, 1, 1]], [0.0, 0], "ascending"),
-    ],
-)
-def test_paths_that_are_none(waypoints, times, words):
-    with pytest.raises(pc.PlannercheckError, match=words):
-        ndim.sweeps(box([0, 0, 0], [1, 1, 1]), waypoints, times)
-
-
-def test_systems_in_integers_against_a_linear_program():
-    rng = np.random.default_rng(0)
-    unsolved = 0
-    for _ in range(100):
-        height, width = int(rng.integers(1, 6)), int(rng.integers(1, 10))
-        columns = rng.integers(-3, 4, size=(width, height))
-        right = rng.integers(-3, 4, size=height)
-        answer = solve(columns.tolist(), right.tolist())
-        feasible = linprog(np.zeros(width), A_eq=columns.T, b_eq=right, bounds=(0, None)).status == 0
-        assert isinstance(answer, Mix) == feasible
-        if isinstance(answer, Mix):
-            assert all(w > 0 for w in answer.weights.values())
-            mixed = sum(w * columns[k].astype(object) for k, w in answer.weights.items())
-            assert list(np.broadcast_to(mixed, height)) == [answer.denominator * int(x) for x in right]
-        else:
-            assert isinstance(answer, Farkas)
-            unsolved += 1
-            assert max(dot(answer.row, column) for column in columns.tolist()) <= 0 < dot(answer.row, right.tolist())
-    assert 0 < unsolved < 100
-
-
-def test_inverses_in_integers():
-    assert inverse([[1, 2], [2, 4]]) is None
-    scaled, denominator = inverse([[0, 2], [-3, 1]])
-    assert (np.array([[0, 2], [-3, 1]]) @ np.array(scaled) == denominator * np.eye(2, dtype=int)).all()
-    assert denominator > 0
-
-
-def test_hulls_of_halfspaces_and_points_agree():
-    rng = np.random.default_rng(0)
-    points = rng.normal(size=(40, 4))
-    hull = ConvexHull(points)
-    body = ndim.Polytope.from_halfspaces(hull.equations[:, :-1], -hull.equations[:, -1])
-    assert len(body.points) == len(hull.vertices)
-    assert (body.points >= body.box[0] - 1e-12).all()
-    assert (body.points <= body.box[1] + 1e-12).all()
-    np.testing.assert_allclose(body.box, [points.min(axis=0), points.max(axis=0)], atol=1e-9)
-
-
-@pytest.mark.parametrize("dimension", [2, 3, 4])
-def test_any_guess_decides_what_touches(dimension):
-    """Boxes that share a corner, an edge or a face, from any two vertices, or halfspaces, as the guess."""
-    corners = np.array(list(itertools.product((0.0, 1.0), repeat=dimension)))
-    normals = np.vstack([np.eye(dimension), -np.eye(dimension)])
-    offsets = np.repeat([1.0, 0.0], dimension)
-    for along in range(1, dimension + 1):
-        shift = np.where(np.arange(dimension) < along, 1.0, 0.5)
-        still, moved = identity(dimension), Affine(np.eye(dimension), shift, False)
-        for kinds in itertools.product("vr", repeat=2):
-            sizes = [2**dimension if kind == "v" else 2 * dimension for kind in kinds]
-            for guess in itertools.islice(itertools.product(*map(range, sizes)), 0, None, 3):
-                bodies = [
-                    ExactVertices(corners, pose) if kind == "v" else ExactRows(normals, offsets, pose)
-                    for kind, pose in zip(kinds, (still, moved), strict=True)
-                ]
-                found, _ = decide(*bodies, Guess((guess[0],), (guess[1],)))
-                assert isinstance(found, ExactSharedPoint)
-                point = [Fraction(x, found.denominator) * Fraction(2) ** bodies[0].unit for x in found.point]
-                for x, s in zip(point, shift.tolist(), strict=True):
-                    assert max(0, Fraction(s)) <= x <= 1
-
-
-@pytest.mark.parametrize("dimension", [2, 3, 4, 6])
-def test_what_rounding_may_move_out_is_not_enclosed(dimension):
-    """A simplex with a face nearer to the origin than what its corners may be off is not proved to hold it."""
-    rng = np.random.default_rng(dimension)
-    rounding = np.full(dimension, 2.0)
-    for _ in range(40):
-        corners = np.vstack([-np.eye(dimension), np.ones(dimension)]) + rng.uniform(
-            -0.1, 0.1, (dimension + 1, dimension)
-        )
-        turn = np.linalg.qr(rng.normal(size=(dimension, dimension)))[0]
-        corners = corners - corners[:-1].mean(axis=0)  # the origin is on the face of all corners but the last
-        for height, enclosed in ((1e-6, True), (1e-16, False), (0.0, False), (-1e-6, False)):
-            moved = (corners - height * corners[-1]) @ turn
-            assert encloses_origin(moved, rounding) == enclosed
-
-
-@pytest.mark.parametrize("dimension", [2, 3, 5])
-def test_a_point_is_proved_inside_only_where_rounding_leaves_it(dimension):
-    """A turned box, and points just within and beyond its faces, some of them moved by an error."""
-    rng = np.random.default_rng(dimension)
-    normals, offsets = np.vstack([np.eye(dimension), -np.eye(dimension)]), np.repeat([1.0, 1.0], dimension)
-    none = np.zeros(dimension)
-    for _ in range(30):
-        turn = np.linalg.qr(rng.normal(size=(dimension, dimension)))[0]
-        shift = rng.uniform(-3, 3, dimension)
-        face = rng.uniform(-0.9, 0.9, dimension)
-        for depth_below, proved in ((1e-9, True), (1e-16, False), (0.0, False), (-1e-9, False)):
-            face[0] = 1 - depth_below
-            point = turn @ face + shift
-            assert proves_inside(normals, offsets, Affine(turn, shift, False), point, none) == proved
-            assert proves_inside(normals, offsets, identity(dimension), face, none) == proved
-            assert not proves_inside(normals, offsets, Affine(turn, shift, False), point, none + 1e-8)
-        inside = turn @ (0.5 * face) + shift
-        assert proves_inside(normals, offsets, Affine(turn, shift, False), inside, none + 1e-3)
-
-
-@pytest.mark.parametrize("dimension", [2, 3, 5])
-def test_a_mixture_is_proved_inside_only_where_posing_it_leaves_it(dimension):
-    """An edge 1e6 from its own origin, which its pose brings near to a box: its middle, about on one of its faces."""
-    rng = np.random.default_rng(dimension)
-    host = ndim.Polytope.from_halfspaces(*box_halfspaces(-np.ones(dimension), np.ones(dimension)))
-    proofs = []
-    for number in range(300):
-        ends = 1e6 * rng.normal(size=dimension) + rng.normal(size=(2, dimension))
-        turn = np.linalg.qr(rng.normal(size=(dimension, dimension)))[0]
-        middle = rng.uniform(-0.9, 0.9, dimension)
-        middle[0] = 1 - (1e-6 if number % 10 == 0 else rng.uniform(-1e-10, 1e-10))
-        pose = Affine(turn, middle - turn @ ends.mean(axis=0), False)
-        hint = Hint(True, (0, 1), (), middle, {0: 0.5, 1: 0.5}, {}, {}, 1, 1, "oracle")
-        proofs.append(proves_shared(hint, (ndim.Polytope(ends), pose), (host, identity(dimension))))
-        mixed = [sum(map(Fraction, column)) / 2 for column in ends.T.tolist()]
-        rows = [[Fraction(x) for x in (*row, s)] for row, s in zip(turn.tolist(), pose.shift.tolist(), strict=True)]
-        place = [sum(m * x for m, x in zip(row[:-1], mixed, strict=True)) + row[-1] for row in rows]
-        assert max(map(abs, place)) <= 1 or not proofs[-1], number
-    assert all(proofs[::10])
-    assert not all(proofs)

@@ -14,105 +14,38 @@ import pickle
 import warnings
 
 import numpy as np
-import pinocchio as pin
 import pytest
 import yaml
+from moveit_messages import (
+    EXPORTED,
+    IDENTITY,
+    MAP,
+    OFFSET,
+    SHORT,
+    STATE,
+    TAG,
+    ball,
+    body_pose,
+    configuration,
+    fixed,
+    link_pose,
+    numbers_of,
+    pose_node,
+    scene_of,
+    se3,
+    state_of,
+)
 
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
-from plannercheck.scenes.motion_bench_maker import load_problems
-from plannercheck.scenes.moveit_scene import attach_from_state, read_planning_scene
 from plannercheck.scenes.scene import Scene
-
-STATE = {
-    "panda_joint1": 0.3,
-    "panda_joint2": -0.4,
-    "panda_joint3": 0.2,
-    "panda_joint4": -2.0,
-    "panda_joint5": 0.5,
-    "panda_joint6": 1.8,
-    "panda_joint7": 0.9,
-    "panda_finger_joint1": 0.02,
-}
-
-# Frames off the planning frame, all turned: position, then quaternion x, y, z, w.
-MAP = [0.4, -0.7, 0.1, 0.0, 0.0, 0.6, 0.8]
-TAG = [-0.2, -0.9, 0.99, 0.48, 0.6, 0.0, 0.64]
-OFFSET = [0.05, -0.1, 0.2, 0.6, 0.0, 0.0, 0.8]
-SHORT = [0.0, 0.02, 0.03, 0.0, 0.8, 0.0, 0.6]
 
 
 @pytest.fixture(scope="module")
 def panda():
     return Robot.load("panda")
-
-
-def se3(numbers):
-    return pin.XYZQUATToSE3(np.array(numbers, dtype=float)).homogeneous
-
-
-def pose_node(numbers):
-    return {"position": list(numbers[:3]), "orientation": list(numbers[3:])}
-
-
-def numbers_of(matrix):
-    return pin.SE3ToXYZQUAT(pin.SE3(matrix)).tolist()
-
-
-def fixed(frame, numbers, planning="panda_link0"):
-    """An entry as `Transforms::copyTransforms` writes it: child_frame_id is the planning frame."""
-    transform = {"translation": list(numbers[:3]), "rotation": list(numbers[3:])}
-    return {"header": {"frame_id": frame}, "child_frame_id": planning, "transform": transform}
-
-
-IDENTITY = [0, 0, 0, 0, 0, 0, 1]
-EXPORTED = [fixed("panda_link0", IDENTITY), fixed("map", MAP), fixed("vicon/tag/tag", TAG)]
-
-
-def ball(name, frame, numbers, radius=0.02, **more):
-    header = {} if frame is None else {"header": {"frame_id": frame}}
-    primitives = [{"type": "sphere", "dimensions": [radius]}]
-    return {"id": name, **header, "primitives": primitives, "primitive_poses": [pose_node(numbers)], **more}
-
-
-def state_of(values=STATE, attached=(), **more):
-    joints = {"name": list(values), "position": list(values.values())}
-    return {"joint_state": joints, "attached_collision_objects": list(attached), **more}
-
-
-def scene_of(*objects, transforms=EXPORTED, state=None, **more):
-    document = {
-        "robot_model_name": "panda",
-        "fixed_frame_transforms": transforms,
-        "robot_state": state or {},
-        "world": {"collision_objects": list(objects)},
-        **more,
-    }
-    scene = Scene()
-    read_planning_scene(scene, yaml.safe_load(yaml.safe_dump(document)), None)
-    return scene
-
-
-def link_pose(robot, link, values=STATE):
-    """By Pinocchio alone: forward kinematics of the model at values by joint name, followers as they follow."""
-    model, q = robot.model, pin.neutral(robot.model)
-    values = {**values, **({"panda_finger_joint2": values["panda_finger_joint1"]} if values is STATE else {})}
-    for name, value in values.items():
-        q[model.joints[model.getJointId(name)].idx_q] = value
-    data = model.createData()
-    pin.framesForwardKinematics(model, data, q)
-    return data.oMf[model.getBodyId(link)].homogeneous
-
-
-def configuration(robot, values=STATE):
-    return np.array([values[name] for name in robot.joint_names])
-
-
-def body_pose(checker, name, q):
-    names = [body.name for body in checker.bodies]
-    return checker.body_poses(q)[0, names.index(name)]
 
 
 # --- fixed frames ---------------------------------------------------------------------------------------------------
@@ -329,194 +262,6 @@ def test_joints_of_several_degrees_of_freedom_have_to_be_given_unless_they_are_t
 def test_bad_states_are_named(state, message):
     with pytest.raises(PlannercheckError, match=message):
         scene_of(ball("ball", "panda_hand", SHORT), state=state)
-
-
-# --- other objects --------------------------------------------------------------------------------------------------
-
-
-def tray(name, frame, numbers, **more):
-    """A box whose own pose is given, with a turned subframe."""
-    return {
-        "id": name,
-        "header": {"frame_id": frame},
-        "pose": pose_node(numbers),
-        "primitives": [{"type": 1, "dimensions": [0.04, 0.04, 0.01]}],
-        "primitive_poses": [pose_node([0, 0, 0.1, 0, 0, 0, 1])],
-        "subframe_names": ["rim"],
-        "subframe_poses": [pose_node(TAG)],
-        **more,
-    }
-
-
-def test_objects_are_frames_and_so_are_their_subframes():
-    scene = scene_of(
-        tray("tray", "map", OFFSET), ball("on", "tray", SHORT), ball("rim", "tray/rim", SHORT), ball("x", "rim", SHORT)
-    )
-    found = {body.name: body.pose for body in scene.bodies}
-    base = se3(MAP) @ se3(OFFSET)
-    np.testing.assert_allclose(found["on"], base @ se3(SHORT), atol=1e-14)
-    np.testing.assert_allclose(found["rim"], base @ se3(TAG) @ se3(SHORT), atol=1e-14)
-    np.testing.assert_allclose(found["x"], base @ se3(TAG) @ se3(SHORT) @ se3(SHORT), atol=1e-14)
-
-
-def test_names_are_looked_up_in_moveits_order():
-    """`PlanningScene::getFrameTransform`: attached objects, objects of the world, then fixed frames."""
-    transforms = [*EXPORTED, fixed("tray", TAG), fixed("held/rim", TAG)]
-    held = {"link_name": "panda_hand", "object": tray("held", "panda_hand", SHORT)}
-    scene = scene_of(
-        tray("tray", "map", OFFSET),
-        ball("a", "tray", SHORT),
-        ball("b", "held/rim", SHORT),
-        transforms=transforms,
-        state=state_of(attached=[held]),
-    )
-    np.testing.assert_allclose(scene.object("a").pose, se3(MAP) @ se3(OFFSET) @ se3(SHORT), atol=1e-14)
-    assert scene.object("b").anchor.frame == "panda_hand"
-    (body,) = scene_of(ball("c", "tray", SHORT), transforms=transforms).bodies
-    np.testing.assert_allclose(body.pose, se3(TAG) @ se3(SHORT), atol=1e-14)
-
-
-def test_an_objects_frame_is_its_pose_or_if_that_is_left_out_that_of_its_only_shape():
-    """As `PlanningScene::shapesAndPosesFromCollisionObjectMessage` has it; ROS 1's all zeros are not left out."""
-    zeros = {"pose": {"position": [0, 0, 0], "orientation": [0, 0, 0, 0]}}
-    for more, base in (({}, OFFSET), ({"pose": pose_node(IDENTITY)}, OFFSET), (zeros, IDENTITY)):
-        scene = scene_of(ball("a", "map", OFFSET, **more), ball("b", "a", SHORT))
-        first, second = (body.pose for body in scene.bodies)
-        np.testing.assert_allclose(first, se3(MAP) @ se3(OFFSET), atol=1e-14)
-        np.testing.assert_allclose(second, se3(MAP) @ se3(base) @ se3(SHORT), atol=1e-14)
-
-
-def test_objects_in_frames_of_objects_in_frames_of_links(panda):
-    held = {"link_name": "panda_hand", "object": tray("held", "panda_hand", SHORT)}
-    scene = scene_of(
-        tray("tray", "panda_link6", OFFSET),
-        ball("a", "tray/rim", SHORT),
-        ball("b", "held/rim", SHORT),
-        state=state_of(attached=[held]),
-    )
-    placed = Checker(panda, scene).scene
-    sixth, hand = (link_pose(panda, link) for link in ("panda_link6", "panda_hand"))
-    expected = {"tray": sixth @ se3(OFFSET), "a": sixth @ se3(OFFSET) @ se3(TAG) @ se3(SHORT)}
-    expected["b"] = hand @ se3(SHORT) @ se3(TAG) @ se3(SHORT)
-    for name, pose in expected.items():
-        np.testing.assert_allclose(placed.object(name).pose, pose, atol=1e-14, err_msg=name)
-    assert placed.object_names == tuple(expected)
-
-
-def test_objects_come_before_those_that_are_posed_in_them():
-    for frame in ("b", "b/rim"):
-        with pytest.raises(PlannercheckError, match=f"'a': frame '{frame}' is of an object that comes later"):
-            scene_of(ball("a", frame, OFFSET), tray("b", "map", OFFSET))
-    with pytest.raises(PlannercheckError, match="'a': 1 subframe_names, but 0 subframe_poses"):
-        scene_of(tray("a", "map", OFFSET, subframe_poses=[]))
-
-
-# --- attached objects -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("frame", "base"),
-    [
-        ("map", lambda robot: se3(MAP)),
-        ("panda_link0", lambda robot: np.eye(4)),
-        ("panda_hand", lambda robot: link_pose(robot, "panda_hand")),
-        ("/panda_link4", lambda robot: link_pose(robot, "panda_link4")),
-        ("first/rim", lambda robot: link_pose(robot, "panda_link6") @ se3(SHORT) @ se3(TAG)),
-    ],
-)
-def test_attached_objects_are_where_their_frames_are_at_the_state(panda, frame, base):
-    first = {"link_name": "panda_link6", "object": tray("first", "panda_link6", SHORT)}
-    second = {"link_name": "panda_hand", "object": ball("second", frame, OFFSET)}
-    checker = Checker(panda, scene_of(state=state_of(attached=[first, second])))
-    here = configuration(panda)
-    np.testing.assert_allclose(body_pose(checker, "second", here), base(panda) @ se3(OFFSET), atol=1e-14)
-    there = dict(zip(panda.joint_names, panda.random_configurations(1, 3)[0].tolist(), strict=True))
-    carried = np.linalg.inv(link_pose(panda, "panda_hand")) @ base(panda) @ se3(OFFSET)
-    moved = link_pose(panda, "panda_hand", {**STATE, **there}) @ carried
-    np.testing.assert_allclose(body_pose(checker, "second", configuration(panda, there)), moved, atol=1e-14)
-
-
-def test_attached_objects_off_their_link_need_what_moves_between(panda):
-    between = {name: STATE[name] for name in ("panda_joint6", "panda_joint7")}
-    item = {"link_name": "panda_hand", "object": ball("a", "panda_link5", OFFSET)}
-    carried = Checker(panda, scene_of(state=state_of(between, [item]))).scene.object("a").pose
-    expected = np.linalg.inv(link_pose(panda, "panda_hand", between)) @ link_pose(panda, "panda_link5", between)
-    np.testing.assert_allclose(carried, expected @ se3(OFFSET), atol=1e-14)
-    del between["panda_joint6"]
-    with pytest.raises(PlannercheckError, match=r"frame 'panda_link5' and carried by .*hand', .* for panda_joint6"):
-        Checker(panda, scene_of(state=state_of(between, [item])))
-    on_map = {"link_name": "panda_hand", "object": ball("a", "map", OFFSET)}
-    with pytest.raises(
-        PlannercheckError, match=r"'a' is posed in the planning frame and carried by 'panda_hand', .* for p"
-    ):
-        Checker(panda, scene_of(state={"attached_collision_objects": [on_map]}))
-
-
-def test_attached_objects_have_to_name_a_frame_and_be_attached_once():
-    item = {"link_name": "panda_hand", "object": ball("a", None, OFFSET)}
-    with pytest.raises(
-        PlannercheckError, match=r"'a': its header names no frame: give header.frame_id, 'panda_hand' if"
-    ):
-        scene_of(state=state_of(attached=[item]))
-    item = {"link_name": "panda_hand", "object": ball("a", "panda_hand", OFFSET)}
-    with pytest.raises(PlannercheckError, match="attached object 1: 'a' is attached twice"):
-        scene_of(state=state_of(attached=[item, item]))
-
-
-@pytest.mark.parametrize("first_says", [True, False])
-def test_carried_objects_may_touch_if_either_lists_the_other(panda, first_says):
-    """Whichever it is, the first or the second: `collisionCallback` in MoveIt's collision_common.cpp asks both."""
-
-    def attached(link, name, touched):
-        return {"link_name": link, "object": ball(name, link, SHORT), "touch_links": touched}
-
-    says = (["b"], []) if first_says else ([], ["a"])
-    pairs_of = []
-    for first, second in (says, ([], [])):
-        items = [attached("panda_hand", "a", first), attached("panda_link4", "b", second)]
-        checker = Checker(panda, scene_of(state=state_of(attached=items)))
-        pairs_of.append({frozenset(checker.pair_names(k)) for k in range(len(checker.pairs))})
-    assert pairs_of[1] - pairs_of[0] == {frozenset("ab")}
-
-
-def test_a_requests_attached_objects_know_the_scenes_frames_and_come_first(panda):
-    item = {"link_name": "panda_hand", "object": ball("a", "map", OFFSET)}
-    other = {"link_name": "panda_link4", "object": ball("a", "panda_link4", SHORT)}
-    for attached in ([], [other]):
-        scene = scene_of(tray("tray", "map", SHORT), state=state_of({}, attached))
-        attach_from_state(scene, state_of(attached=[item]), None)
-        expected = np.linalg.inv(link_pose(panda, "panda_hand")) @ se3(MAP) @ se3(OFFSET)
-        placed = Checker(panda, scene).scene.object("a")
-        np.testing.assert_allclose(placed.pose, expected, atol=1e-14)
-        assert placed.link == "panda_hand"
-
-
-def test_what_depends_on_two_states_is_refused():
-    scene = scene_of(tray("tray", "panda_link6", OFFSET), state=state_of())
-    request = state_of(
-        {**STATE, "panda_joint1": 1.0}, [{"link_name": "panda_hand", "object": ball("a", "tray", SHORT)}]
-    )
-    with pytest.raises(PlannercheckError, match="frame 'tray' is of an object that is placed at another robot state"):
-        attach_from_state(scene, request, None)
-    request = state_of({**STATE, "panda_joint1": 1.0}, [{"link_name": "panda_hand", "object": {"id": "tray"}}])
-    with pytest.raises(PlannercheckError, match="attached object 'tray': is placed at another robot state"):
-        attach_from_state(scene, request, None)
-
-
-def test_problem_sets_place_their_objects_at_the_scenes_state(panda, tmp_path):
-    scene = {
-        "fixed_frame_transforms": EXPORTED,
-        "robot_state": state_of(),
-        "world": {"collision_objects": [ball("ball", "panda_hand", SHORT)]},
-    }
-    start = dict.fromkeys(STATE, 0.0)
-    goal = [{"joint_name": name, "position": 0.1} for name in panda.joint_names]
-    request = {"start_state": state_of(start), "goal_constraints": [{"joint_constraints": goal}]}
-    (tmp_path / "scene0001.yaml").write_text(yaml.safe_dump(scene))
-    (tmp_path / "request0001.yaml").write_text(yaml.safe_dump(request))
-    (problem,) = load_problems(tmp_path)
-    placed = Checker(panda, problem.scene).scene.object("ball").pose
-    np.testing.assert_allclose(placed, link_pose(panda, "panda_hand") @ se3(SHORT), atol=1e-14)
 
 
 # --- scenes before and after ----------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ and u is made a direction in which they truly touch: a facet normal of the first
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -176,3 +177,16 @@ def _unknowns(polytope, pose):
         return polytope.vertices @ matrix.T + shift, None, None
     normals = polytope.normals @ np.linalg.inv(matrix)
     return None, normals, polytope.offsets + normals @ shift
+
+
+def box(low, high):
+    return np.array(list(itertools.product(*zip(low, high, strict=True))), dtype=np.float64)
+
+
+def box_halfspaces(low, high):
+    d = len(low)
+    return np.concatenate([np.eye(d), -np.eye(d)]), np.concatenate([high, -np.asarray(low)])
+
+
+def both_kinds(low, high):
+    return ndim.Polytope(box(low, high)), ndim.Polytope.from_halfspaces(*box_halfspaces(low, high))

@@ -28,7 +28,7 @@ std::vector<int> segment_ends(const std::vector<Vec3>& points, const Span& span)
 // Andrew's monotone chain on the projection along an axis that the plane does not contain, which is one-to-one.
 std::vector<int> polygon_corners(const std::vector<Vec3>& points, const Span& span) {
   const Vec3 a = points[at(span.index[0])], b = points[at(span.index[1])], c = points[at(span.index[2])];
-  int axis = 0;
+  int axis = 0;  // the normal's largest: turns are then clear in doubles
   const Vec3 normal = cross(b - a, c - a);
   for (int i = 1; i < 3; ++i) axis = std::fabs(normal[i]) > std::fabs(normal[axis]) ? i : axis;
   while (turn(a, b, c, axis) == 0) axis = (axis + 1) % 3;
@@ -47,7 +47,7 @@ std::vector<int> polygon_corners(const std::vector<Vec3>& points, const Span& sp
              turn(points[at(chain[chain.size() - 2])], points[at(chain.back())], points[at(*from)], axis) <= 0) {
         chain.pop_back();
       }
-      if (chain.size() == base || !(points[at(chain.back())] == points[at(*from)])) chain.push_back(*from);
+      chain.push_back(*from);  // repeated points leave again, as their turns are 0
     }
     chain.pop_back();  // the other sweep begins with it
   };

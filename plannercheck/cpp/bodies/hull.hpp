@@ -1,11 +1,9 @@
 // Convex hulls as triangle meshes, exact: every sign is that of the given doubles.
 //
 // In: points, or points with faces that claim to be their hull. Out: a mesh whose vertices are exactly the extreme
-// points and whose triangles are outward; triangles of one facet are exactly coplanar. Idea: points are
-// added one by one, each waiting in the list of a face that it sees (as in quickhull; Barber, Dobkin, Huhdanpaa 1996),
-// with exact visibility, so a point is left out only if it lies in the hull of the others. The next point is drawn at
-// random (Clarkson and Shor 1989): the furthest one, as in quickhull, makes facets of many points that are coplanar up
-// to rounding quadratic (80 s instead of 3 s for the polar of a double cone over 100,000 points).
+// points and whose triangles are outward; triangles of one facet are exactly coplanar. Idea: triangles around all
+// points (quickhull.hpp); an exact sign at each edge tells whether the surface bends there, and corners at which fewer
+// than three edges bend are left out.
 #pragma once
 
 #include <array>
@@ -19,6 +17,8 @@
 namespace plannercheck {
 
 using Triangle = std::array<int, 3>;
+
+inline int next_corner(int corner) { return corner == 2 ? 0 : corner + 1; }
 
 struct ConvexMesh {
   std::vector<Vec3> vertices;

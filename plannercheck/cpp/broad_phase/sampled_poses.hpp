@@ -1,5 +1,5 @@
-// Where a robot's links are in some states: by them it is decided what had better be tested together
-// (mover_groups.hpp).
+// Sample poses used to choose the groups of movers (mover_groups.hpp). A header of its own, free of lanes, since the
+// bindings make them: mover_groups.hpp has lanes of floats.
 #pragma once
 
 #include <cstddef>

@@ -50,12 +50,15 @@ inline Double2 operator*(Double2 a, Double2 b) {
   return quick_two_sum(product.high, product.low + (a.high * b.low + a.low * b.high));
 }
 
+inline bool positive(Double2 x) { return x.high > 0; }
+
 struct Double2Vec3 {
   Double2 x, y, z;
 };
 
 inline Double2Vec3 difference(Vec3 a, Vec3 b) { return {two_sum(a.x, -b.x), two_sum(a.y, -b.y), two_sum(a.z, -b.z)}; }
 inline Double2Vec3 widen(Vec3 a) { return {{a.x, 0}, {a.y, 0}, {a.z, 0}}; }
+inline Vec3 rounded(const Double2Vec3& v) { return {v.x.high, v.y.high, v.z.high}; }
 
 inline Double2Vec3 operator+(const Double2Vec3& a, const Double2Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Double2Vec3 operator-(const Double2Vec3& a, const Double2Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }

@@ -1,7 +1,5 @@
 #include "narrow_phase/double_oracle.hpp"
 
-#include "narrow_phase/solvers.hpp"
-
 namespace plannercheck {
 namespace {
 

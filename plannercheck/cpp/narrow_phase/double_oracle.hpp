@@ -1,5 +1,6 @@
 // The double oracle: small active sets on both sides, vertices of the guest and points of the host's polar; their game
-// says which body is asked for one more.
+// says which body is asked for one more. It ends with a certificate that has been checked, or undecided: it never
+// guesses.
 //
 // Whom it asks is a parameter, so that a caller may have several under way. For kernels only: its headers have lanes.
 #pragma once
@@ -207,5 +208,8 @@ inline Certificate shared_at(Vec3 x) {
   certificate.x = x;
   return certificate;
 }
+
+// The whole search, from a guest's vertex, with both hierarchies asked at once.
+Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters);
 
 }  // namespace plannercheck

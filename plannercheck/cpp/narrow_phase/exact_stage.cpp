@@ -111,10 +111,9 @@ class Candidates {
 
   // No corner outside the set is nearer along the direction (which is then that of the nearest point).
   bool none_nearer(unsigned set, const DyadicVec3& on_plane) const {
-    if (is_zero(direction_) || set + 1 == 1U << corners_.size()) return true;
-    const Dyadic height = dot(direction_, on_plane);
+    if (is_zero(direction_)) return true;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if ((set >> i & 1U) == 0 && (dot(direction_, corners_[i].point) - height).sign() < 0) return false;
+      if ((set >> i & 1U) == 0 && dot(direction_, corners_[i].point - on_plane).sign() < 0) return false;
     }
     return true;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "narrow_phase/simplex_double_double.hpp"
 #include "narrow_phase/support_exact_direction.hpp"
 
 namespace plannercheck {
@@ -37,105 +38,20 @@ constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
 constexpr int kMostScaled = 1000;
 constexpr double kLargestFineSize = 0x1p1000;
 
-struct FineCorner {
-  std::int32_t guest, host;
-  Double2Vec3 difference;  // guest vertex − host vertex in the world, in units
-};
-
-// The hull of some corners with the weights of its point nearest to the origin.
-struct FineFace {
-  unsigned set = 0;
-  std::array<Double2, 4> weight{};                          // in the order of the corners of the set
-  Double2Vec3 towards;                                      // along the nearest point, of any length
-  double square = std::numeric_limits<double>::infinity();  // of the distance, about
-};
-
-struct FineSimplex {
-  int count = 0;
-  std::array<FineCorner, 4> corner;
-  std::array<Double2, 4> weight{};
-};
-
 Double2Vec3 scaled(const Double2Vec3& v, double power_of_two) {
   const auto by = [power_of_two](Double2 x) { return Double2{x.high * power_of_two, x.low * power_of_two}; };
   return {by(v.x), by(v.y), by(v.z)};
 }
 
-Vec3 rounded(const Double2Vec3& v) { return {v.x.high, v.y.high, v.z.high}; }
-
 double power_of_two_below(double x) { return std::ldexp(1.0, std::ilogb(x)); }
 
-bool positive(Double2 x) { return x.high > 0; }
-
-// The projection of the origin on the span of the corners of a set; false unless it lies inside.
-class Projection {
- public:
-  Projection(const FineSimplex& simplex, unsigned set) {
-    face_.set = set;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
-      if ((set >> i & 1U) != 0) p_[n_++] = &simplex.corner[i].difference;
-    }
-  }
-
-  bool run() { return n_ == 1 ? point() : n_ == 2 ? segment() : n_ == 3 ? triangle() : tetrahedron(); }
-  const FineFace& face() const { return face_; }
-
- private:
-  std::array<const Double2Vec3*, 4> p_{};
-  std::size_t n_ = 0;
-  FineFace face_;
-
-  bool point() {
-    face_.weight[0] = {1, 0};
-    face_.towards = *p_[0];
-    face_.square = dot(rounded(*p_[0]), rounded(*p_[0]));
-    return true;
-  }
-
-  bool segment() {
-    const Double2Vec3 e = *p_[1] - *p_[0];
-    const Double2 along = -dot(*p_[0], e), rest = dot(*p_[1], e);
-    if (!positive(along) || !positive(rest)) return false;
-    face_.weight = {rest, along};
-    face_.towards = rest * *p_[0] + along * *p_[1];
-    const double whole = rest.high + along.high;
-    face_.square = dot(rounded(face_.towards), rounded(face_.towards)) / (whole * whole);
-    return true;
-  }
-
-  bool triangle() {
-    const Double2Vec3 n = cross(*p_[1] - *p_[0], *p_[2] - *p_[0]);
-    face_.weight = {dot(n, cross(*p_[1], *p_[2])), dot(n, cross(*p_[2], *p_[0])), dot(n, cross(*p_[0], *p_[1]))};
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (!positive(face_.weight[i])) return false;
-    }
-    const double height = dot(n, *p_[0]).high;
-    face_.towards = height < 0 ? -n : n;
-    face_.square = height * height / dot(rounded(n), rounded(n));
-    return true;
-  }
-
-  bool tetrahedron() {
-    const Double2Vec3 cd = cross(*p_[2], *p_[3]), ab = cross(*p_[0], *p_[1]);
-    face_.weight = {dot(*p_[1], cd), -dot(*p_[0], cd), dot(*p_[3], ab), -dot(*p_[2], ab)};
-    if (face_.weight[0].high < 0) {
-      for (Double2& w : face_.weight) w = -w;
-    }
-    face_.square = 0;
-    return positive(face_.weight[0]) && positive(face_.weight[1]) && positive(face_.weight[2]) &&
-           positive(face_.weight[3]);
-  }
-};
-
-// The nearest of the faces whose sets include `needed`, as far as double-double tells.
-FineFace nearest_face(const FineSimplex& simplex, unsigned needed) {
-  FineFace best;
-  for (unsigned set = 1; set < 1U << simplex.count; ++set) {
-    if ((set & needed) != needed) continue;
-    Projection projection(simplex, set);
-    if (projection.run() && projection.face().square < best.square) best = projection.face();
-  }
-  return best;
+// By a power of two, to a largest entry of 1/2 to 1, or less where that power is no double; false for what has no
+// direction.
+bool scale_to_one(Double2Vec3& v) {
+  const double largest = norm_max(rounded(v));
+  if (!(largest > 0) || !std::isfinite(largest)) return false;
+  v = scaled(v, std::ldexp(1.0, std::min(-1 - std::ilogb(largest), kMostScaled)));
+  return true;
 }
 
 class FineNearestPoints {
@@ -173,9 +89,7 @@ class FineNearestPoints {
     if (simplex_.count > 0 && keep_nearest(0, towards, square)) measure(found);
     for (int round = 0; round < kDistanceRounds && simplex_.count < 4; ++round) {
       ++counters_.rounds;
-      const double largest = norm_max(rounded(towards));
-      if (!(largest > 0) || !std::isfinite(largest)) break;
-      towards = scaled(towards, 0.5 / power_of_two_below(largest));
+      if (!scale_to_one(towards)) break;
       const FineCorner corner = furthest_against(towards);
       raise_lower_bound(found, towards, corner);
       if (goal.met(found) || holds(corner)) break;
@@ -230,9 +144,7 @@ class FineNearestPoints {
   void search(Double2Vec3& towards, double& square) {
     for (int round = 0; round < kDouble2Rounds && simplex_.count < 4; ++round) {
       ++counters_.rounds;
-      const double largest = norm_max(rounded(towards));
-      if (!(largest > 0) || !std::isfinite(largest)) return;
-      towards = scaled(towards, 0.5 / power_of_two_below(largest));
+      if (!scale_to_one(towards)) return;
       const FineCorner corner = furthest_against(towards);
       if (separates(towards, dot(towards, corner.difference))) {
         answer_ = Answer::kSeparated;

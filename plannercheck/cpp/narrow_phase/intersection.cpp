@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "narrow_phase/coupled_walk.hpp"
+#include "narrow_phase/double_oracle.hpp"
 #include "narrow_phase/facet_planes.hpp"
 
 namespace plannercheck {
@@ -65,8 +67,12 @@ CachedPlane* kept(const Body& host, const PairOptions& options, CachedPlane* cac
   return options.cached_plane && host.has_polar() ? cache : nullptr;
 }
 
+// Whether the plane that separated this pair at other poses separates it at these.
 bool plane_holds(const PairFrame& frame, const CachedPlane* cache, PairCounters& counters) {
-  return cache != nullptr && cache->valid && still_separates(frame, cache->q, cache->mixtures, counters);
+  if (cache == nullptr || !cache->valid) return false;
+  ++counters.guest_queries;
+  const std::int32_t p = extreme(frame.guest().inner, frame.guest_direction(cache->q), counters.queries);
+  return frame.separates(cache->q, dot(cache->q, frame.guest_vertex(p)), cache->mixtures);
 }
 
 Certificate by_facets(const PairFrame& frame, const CentreAxis& axis, const PairOptions& options,

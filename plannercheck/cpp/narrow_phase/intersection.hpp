@@ -7,7 +7,7 @@
 #include "narrow_phase/exact_stage.hpp"
 #include "narrow_phase/gjk.hpp"
 #include "narrow_phase/gjk_double_double.hpp"
-#include "narrow_phase/solvers.hpp"
+#include "narrow_phase/pair_frame.hpp"
 
 namespace plannercheck {
 

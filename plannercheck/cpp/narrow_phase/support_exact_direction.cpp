@@ -23,21 +23,22 @@ constexpr double kSmallestFine = 1e-150, kLargestFine = 1e150;
 // twice the scan's error and that of rounding the direction.
 constexpr double kTopDoubt = 2 * (kScanError + 2 * kRoundoff);
 
+// The highest by rounded products, unless one of those in doubt is higher.
 std::int32_t extreme_at_top(const Levels& h, const FineDirection& direction) {
   const Vec3 u = direction.rounded();
   std::array<double, kUnlayered> values;
-  double highest = -__builtin_inf();
+  std::size_t highest = 0;
   for (std::size_t i = 0; i < h.top.size(); ++i) {
     values[i] = dot(h.points[at(h.top[i])], u);
-    highest = larger(highest, values[i]);
+    if (values[i] > values[highest]) highest = i;
   }
-  const double tie = highest - kTopDoubt * norm_1(u) * h.largest_coordinate - kUnderflow;
-  std::int32_t found = -1;
+  const double tie = values[highest] - kTopDoubt * norm_1(u) * h.largest_coordinate - kUnderflow;
+  std::int32_t found = h.top[highest];
   for (std::size_t i = 0; i < h.top.size(); ++i) {
-    if (!(values[i] >= tie) || h.top[i] == found) continue;
-    if (found < 0 || direction.sign(h.points[at(h.top[i])], h.points[at(found)]) > 0) found = h.top[i];
+    if (!(values[i] >= tie) || h.top[i] == found) continue;  // against itself it would be compared exactly
+    if (direction.sign(h.points[at(h.top[i])], h.points[at(found)]) > 0) found = h.top[i];
   }
-  return found < 0 ? h.top.front() : found;
+  return found;
 }
 
 // A vertex of v's chain beyond the plane through v, at the coarsest level that has one; or -1.

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 
+#include "planar/cyclic_places.hpp"
 #include "planar/polygon_start.hpp"
 
 namespace plannercheck {
@@ -16,40 +17,6 @@ struct Finding {
   Relation relation = Relation::kInside;
   std::size_t a = 0, b = 0;  // kVertex: guest corner a. kCrossing: the way from corner a to b comes in over line i.
   std::size_t i = 0, j = 0;  // kApart: over lines i and j, with the walk's weights.
-};
-
-constexpr std::array<std::size_t, 3> kNext{1, 2, 0}, kPrevious{2, 0, 1};
-
-// Three places on a cyclic array, in order, and what is left of it: at first the whole cycle, cut in three; later the
-// chain from the first place to the last, and nothing between the last and the first. Places are stored in any order.
-struct Places {
-  std::size_t count;              // of the array
-  std::array<std::size_t, 3> at;  // as stored
-  std::array<std::size_t, 3> order{0, 1, 2};
-  bool closed = true;
-
-  Places(std::size_t n, const std::array<std::size_t, 3>& first) : count(n), at(first) {}
-
-  // How many steps there are from the k-th place to the next one, as far as that is left.
-  std::size_t steps(std::size_t k) const {
-    if (k == 2 && !closed) return 0;
-    const std::size_t from = at[order[k]], to = at[order[kNext[k]]];
-    return to + (to < from ? count : 0) - from;
-  }
-  std::size_t after(std::size_t index) const { return index + 1 == count ? 0 : index + 1; }
-  std::size_t before(std::size_t index) const { return (index == 0 ? count : index) - 1; }
-  std::size_t halfway(std::size_t k) const {
-    const std::size_t index = at[order[k]] + steps(k) / 2;
-    return index - (index < count ? 0 : count);
-  }
-  // Keeps the chain from the k-th place to the next one, with a place halfway, which is stored where the third was.
-  std::size_t keep(std::size_t k) {
-    const std::size_t middle = halfway(k), from = order[k], to = order[kNext[k]], third = order[kPrevious[k]];
-    at[third] = middle;
-    order = {from, third, to};
-    closed = false;
-    return third;
-  }
 };
 
 // The paper's state: T_P is the triangle of three vertices of the guest, T_Q the intersection of the half-planes of
@@ -86,7 +53,7 @@ class Walk {
  private:
   PlanarSigns signs_;
   PlanarCounters& counters_;
-  Places vertices_, lines_;
+  CyclicPlaces vertices_, lines_;
   std::array<GuestPoint, 3> corners_;
   std::array<HostLine, 3> edges_;
   Side sides_[3][3];  // of edge i, corner k

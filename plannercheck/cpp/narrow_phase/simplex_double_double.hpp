@@ -1,0 +1,38 @@
+// The face of a simplex nearest to the origin, in double-double: what each round of gjk_double_double.cpp keeps.
+//
+// In: one to four corners, differences of vertices. Out: some of them, with weights that mix the point of their hull
+// nearest to the origin. A guide, as far as double-double tells: the caller proves its answers from the corners and
+// weights, whatever they are.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+#include "math/double_double.hpp"
+
+namespace plannercheck {
+
+struct FineCorner {
+  std::int32_t guest, host;
+  Double2Vec3 difference;  // guest vertex − host vertex in the world, in units
+};
+
+// The hull of some corners with the weights of its point nearest to the origin.
+struct FineFace {
+  unsigned set = 0;
+  std::array<Double2, 4> weight{};                          // in the order of the corners of the set
+  Double2Vec3 towards;                                      // along the nearest point, of any length
+  double square = std::numeric_limits<double>::infinity();  // of the distance, about
+};
+
+struct FineSimplex {
+  int count = 0;
+  std::array<FineCorner, 4> corner;
+  std::array<Double2, 4> weight{};
+};
+
+// The nearest of the faces whose sets include `needed`.
+FineFace nearest_face(const FineSimplex& simplex, unsigned needed);
+
+}  // namespace plannercheck

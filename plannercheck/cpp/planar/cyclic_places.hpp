@@ -1,0 +1,46 @@
+// Three places on a cyclic array, in order, and what is left of it: at first the whole cycle, cut in three; later the
+// chain from the first place to the last, and nothing between the last and the first.
+//
+// The walk of polygon_test.cpp narrows two of these: the guest's vertices and the host's edges.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace plannercheck {
+
+// What follows and what precedes 0, 1, 2 in their cycle.
+inline constexpr std::array<std::size_t, 3> kNext{1, 2, 0}, kPrevious{2, 0, 1};
+
+// CyclicPlaces are stored in any order; `order` says in which they follow one another.
+struct CyclicPlaces {
+  std::size_t count;              // of the array
+  std::array<std::size_t, 3> at;  // as stored
+  std::array<std::size_t, 3> order{0, 1, 2};
+  bool closed = true;
+
+  CyclicPlaces(std::size_t n, const std::array<std::size_t, 3>& first) : count(n), at(first) {}
+
+  // How many steps there are from the k-th place to the next one, as far as that is left.
+  std::size_t steps(std::size_t k) const {
+    if (k == 2 && !closed) return 0;
+    const std::size_t from = at[order[k]], to = at[order[kNext[k]]];
+    return to + (to < from ? count : 0) - from;
+  }
+  std::size_t after(std::size_t index) const { return index + 1 == count ? 0 : index + 1; }
+  std::size_t before(std::size_t index) const { return (index == 0 ? count : index) - 1; }
+  std::size_t halfway(std::size_t k) const {
+    const std::size_t index = at[order[k]] + steps(k) / 2;
+    return index - (index < count ? 0 : count);
+  }
+  // Keeps the chain from the k-th place to the next one, with a place halfway, which is stored where the third was.
+  std::size_t keep(std::size_t k) {
+    const std::size_t middle = halfway(k), from = order[k], to = order[kNext[k]], third = order[kPrevious[k]];
+    at[third] = middle;
+    order = {from, third, to};
+    closed = false;
+    return third;
+  }
+};
+
+}  // namespace plannercheck

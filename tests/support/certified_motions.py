@@ -1,0 +1,16 @@
+"""A motion as the certifier has it: its ends, and states evenly along it.
+
+In: a checker and the ends q0, q1 (nq,) that a user gives. Out: the ends (1, nq) each, or states (steps + 1, nq).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def certified_ends(checker, q0, q1):
+    return checker._motion_ends(q0[None], q1[None])
+
+
+def dense_states(checker, q0, q1, steps):
+    return checker.motion_certifier.states(q0, q1, np.linspace(0, 1, steps + 1))
