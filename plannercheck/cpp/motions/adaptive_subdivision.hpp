@@ -41,15 +41,12 @@ struct Plane {
   Direction direction;       // in the pair's frame
 };
 
-// Intervals of a pair that the filters leave open; the state at which its bounds are deepest in each other, and a
-// direction to begin with, in the pair's frame, from b to a.
-template <class Direction>
+// Intervals of a pair that the filters leave open, and the state at which its bounds are deepest in each other.
 struct OpenPair {
   std::int32_t pair;
   unsigned open;
   double depth;
   std::size_t state;
-  Direction direction;
 };
 
 // A pair that is not settled on an interval; `refused`: the parameter of an end at which it is within the tolerance, −1
@@ -60,8 +57,8 @@ struct Failure {
   double refused;
 };
 
-// What a thread keeps. Space names the types of space or the plane: Direction, Grid, Counters, and for a run Pair (two
-// bodies), Poses (of both at a state), Workspace.
+// What a thread keeps. Space names the types of space or the plane: Direction, Grid, Open (an OpenPair), Counters, and
+// for a run Pair (two bodies), Poses (of both at a state), Workspace.
 template <class Space>
 struct SubdivisionWorkspace {
   using Direction = typename Space::Direction;
@@ -76,7 +73,7 @@ struct SubdivisionWorkspace {
   }
 
   typename Space::Grid grid;
-  std::vector<OpenPair<Direction>> open;
+  std::vector<typename Space::Open> open;
   std::vector<Failure> failures;         // a stack: grids inside grids
   std::vector<Plane<Direction>> planes;  // per pair
   std::uint64_t motion = 0;              // how many were begun
@@ -87,9 +84,9 @@ struct SubdivisionWorkspace {
 //   pose_grid(from, to, intervals)       poses the states of a grid;
 //   near(index)                          the intervals that spheres or circles leave open of a pair, as bits;
 //   found_open(index, near)              what is open of these, and where it is deepest;
-//   apart(index)                         a larger gap at both ends of an interval settles it, m;
-//   poses(pair, state)                   those of both bodies and of the pair's frame;
-//   gap_at(pair, poses, direction)       m;
+//   first_direction(open)                in the pair's frame, from b to a, where the motion has no plane of the pair
+//   yet; apart(index)                         a larger gap at both ends of an interval settles it, m; poses(pair,
+//   state)                   those of both bodies and of the pair's frame; gap_at(pair, poses, direction)       m;
 //   swept(pair, poses, count, limit, hint)   a descent at one pose or two, a SweptAnswer;
 //   touches(state of a pair, state)      whether no interval at the state can be settled;
 //   proves_clear(state of a pair, state) whether the pair is more than the tolerance apart there;
@@ -107,6 +104,7 @@ class AdaptiveSubdivision {
  protected:
   using Pair = typename Space::Pair;
   using Poses = typename Space::Poses;
+  using Open = typename Space::Open;
   using Workspace = typename Space::Workspace;
 
   AdaptiveSubdivision(const std::vector<Pair>& pairs, Workspace& workspace) : pairs_(pairs), w_(workspace) {}
@@ -149,12 +147,12 @@ class AdaptiveSubdivision {
       const unsigned near = proofs_ != nullptr ? all : self().near(index);
       if (near == 0) continue;
       w_.counters.intervals += __builtin_popcount(near);
-      const OpenPair<Direction> found = self().found_open(index, near);
+      const Open found = self().found_open(index, near);
       if (found.open != 0) w_.open.push_back(found);
     }
     // The likeliest to collide first: whose bounds are deepest in each other.
     std::sort(w_.open.begin(), w_.open.end(), [](const auto& a, const auto& b) { return a.depth < b.depth; });
-    for (const OpenPair<Direction>& found : w_.open) {
+    for (const Open& found : w_.open) {
       if (!settle(found)) return false;
     }
     return w_.failures.size() == base || cut_failures(base);
@@ -196,9 +194,9 @@ class AdaptiveSubdivision {
   // ----- one pair on one grid
 
   // Settles the intervals of a pair or leaves them as failures; false if the pair is within the tolerance.
-  bool settle(const OpenPair<Direction>& found) {
+  bool settle(const Open& found) {
     PairState s{pairs_[at(found.pair)], found.pair, self().apart(found.pair), w_.planes[at(found.pair)], 0, 0, {}};
-    if (s.plane.motion != w_.motion) s.plane = {w_.motion, found.direction};
+    if (s.plane.motion != w_.motion) s.plane = {w_.motion, self().first_direction(found)};
     // In order, too: what it learns of the plane may decide where rounding does.
     if (found.depth < 0 && self().touches(s, found.state) && !ordered_) {
       return refuse_at(w_.grid.parameter(found.state), found.pair);

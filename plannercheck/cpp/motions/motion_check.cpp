@@ -40,6 +40,7 @@ struct SpatialMotions {
   using Poses = PosedPair;
   using Direction = Vec3;
   using Grid = MotionGrid;
+  using Open = DirectedPair;
   using Counters = MotionCounters;
   using Workspace = MotionCertifier::Workspace;
 };
@@ -145,10 +146,10 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   unsigned near(std::int32_t index) const { return filters_.near(pairs_[at(index)]); }
 
   // What boxes leave open of a pair: along the plane found last, and along a direction that they suggest.
-  OpenPair<Vec3> found_open(std::int32_t index, unsigned near) {
+  DirectedPair found_open(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = model_.pairs[at(index)];
     const Plane<Vec3>& plane = w_.planes[at(index)];
-    OpenPair<Vec3> found{index, near, 0, 0, {}};
+    DirectedPair found{{index, near, 0, 0}, {}};
     if (proofs_ == nullptr && plane.motion != 0) {
       if (plane.motion == w_.motion) {
         filters_.boxes_settle(found, plane.direction);
@@ -165,9 +166,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // Whether a plane of an earlier motion keeps the pair apart by more than twice the tolerance wherever it is open.
   // Then it is within the tolerance at no state of this motion, so that the way without hints, which refuses a motion
   // only by such a state, settles the pair as well. A hint that leaves anything open counts for nothing.
-  bool hint_settles(const CertifiedPair& pair, const OpenPair<Vec3>& found, Vec3 direction) {
+  bool hint_settles(const CertifiedPair& pair, const DirectedPair& found, Vec3 direction) {
     if (ordered_ || !certifier_.hints_) return false;
-    OpenPair<Vec3> left = found;
+    DirectedPair left = found;
     filters_.boxes_settle(left, direction, 2 * tolerance_);
     if (left.open == 0) return true;
     const double radius = smaller(filters_.body(pair.a).radius, filters_.body(pair.b).radius);
@@ -183,6 +184,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // ----- one pair on one grid
 
+  static Vec3 first_direction(const DirectedPair& found) { return found.direction; }
   double apart(std::int32_t index) const { return filters_.apart(pairs_[at(index)]); }
   PosedPair poses(const CertifiedPair& pair, std::size_t state) { return filters_.posed(pair, state); }
 

@@ -21,6 +21,11 @@ inline constexpr double kStretch = 1 + 2e-6;
 // The sphere around a body's centre.
 inline double sphere_radius(const Body& body) { return (body.radius + body.swell) * kStretch; }
 
+// With a direction that its bounds suggest, in the pair's frame, from b to a.
+struct DirectedPair : OpenPair {
+  Vec3 direction;
+};
+
 class MotionFilters {
  public:
   // `defects`: of the placements of bodies that stand still, how far they are off rigid.
@@ -53,7 +58,7 @@ class MotionFilters {
   unsigned near(const CertifiedPair& pair) const;
   // Settles what the bodies' boxes do along a direction of the frame, with `beyond` to spare, and notes the state at
   // which their gap along it is least.
-  void boxes_settle(OpenPair<Vec3>& found, Vec3 direction, double beyond = 0);
+  void boxes_settle(DirectedPair& found, Vec3 direction, double beyond = 0);
   // A direction to begin with, of length 1 up to rounding: the way out of b's box if a's centre is outside, else
   // between the centres.
   Vec3 between(const CertifiedPair& pair, std::size_t state);

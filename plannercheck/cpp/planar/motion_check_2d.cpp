@@ -32,6 +32,7 @@ struct PlanarMotions {
   using Poses = PlanarPlaces;
   using Direction = PlanarDirection;
   using Grid = PlanarGrid;
+  using Open = OpenPair;
   using Counters = GridCounters;
   using Workspace = PlanarCertifier::Workspace;
 };
@@ -126,19 +127,15 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
 
   // ----- circles and boxes
 
-  OpenPair<PlanarDirection> found_open(std::int32_t index, unsigned near) const {
+  OpenPair found_open(std::int32_t index, unsigned near) const {
     const PlanarMotionPair& pair = pairs_[at(index)];
     const bool still = body(pair.b).link < 0;
-    OpenPair<PlanarDirection> found{index, near, HUGE_VAL, 0, {}};
+    OpenPair found{index, near, HUGE_VAL, 0};
     for (unsigned open = found.open | found.open << 1; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
       const PlanarVector v = between(pair, i);
       const double depth = std::sqrt(v.x * v.x + v.y * v.y) - body(pair.a).radius - (still ? 0 : body(pair.b).radius);
       if (depth < found.depth) found.depth = depth, found.state = i;
-    }
-    if (w_.planes[at(index)].motion != w_.motion) {
-      const PlanarVector v = w_.grid.place_of(pair.frame, found.state).turned_back(between(pair, found.state));
-      found.direction = PlanarDirection::along(v);
     }
     return found;
   }
@@ -164,6 +161,11 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
   }
 
   // ----- one pair on one grid
+
+  PlanarDirection first_direction(const OpenPair& found) const {
+    const PlanarMotionPair& pair = pairs_[at(found.pair)];
+    return PlanarDirection::along(w_.grid.place_of(pair.frame, found.state).turned_back(between(pair, found.state)));
+  }
 
   double gap_at(const PlanarMotionPair& pair, const PlanarPlaces& places, PlanarDirection direction) const {
     return planar_gap(hull(pair.a), hull(pair.b), places, direction);
