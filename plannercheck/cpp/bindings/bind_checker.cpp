@@ -78,12 +78,6 @@ class BoundChecker : public Pooled<CheckerCore> {
     }
     return {std::vector<double>(poses.data(), poses.data() + poses.size()), poses.shape(0)};
   }
-
-  static std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
-    std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};
-    return out;
-  }
 };
 
 constexpr std::size_t kPoseStride = 16;

@@ -26,8 +26,7 @@ class BoundPlanarChecker : public Pooled<PlanarChecker> {
                      InputArray<double, -1, 3> circles, InputArray<double, -1, 4> boxes,
                      InputArray<std::int32_t, -1, 2> pairs, bool bounds, Precision first)
       : Pooled(planar_arrays::links_from(links, anchors), width,
-               planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), planar_arrays::pairs_from(pairs),
-               bounds, first),
+               planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), pairs_from(pairs), bounds, first),
         polygons_(polygons) {}
 
   nb::dict statistics() {

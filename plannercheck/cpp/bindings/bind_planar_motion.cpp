@@ -30,7 +30,7 @@ class BoundPlanarCertifier : public Pooled<PlanarCertifier> {
                        InputArray<double, -1, 3, 3> poses, InputArray<double, -1, 3> circles,
                        InputArray<double, -1, 4> boxes, InputArray<std::int32_t, -1, 2> pairs)
       : Pooled(planar_arrays::links_from(links, anchors), width,
-               planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), planar_arrays::pairs_from(pairs)),
+               planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), pairs_from(pairs)),
         polygons_(polygons) {}
 
   nb::dict statistics() {
