@@ -239,6 +239,13 @@ def test_pairs_that_never_meet_within_the_limits_change_no_verdict(name):
     assert live.motion_certifier.statistics()["motions"] == 180  # both parts count
 
 
+def test_statistics_count_what_the_pair_test_did():
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
+    q = checker.robot.random_configurations(200, 1)
+    assert not checker.check_motions(q[::2], q[1::2]).all()  # some pair shares a point, which the pair test finds
+    assert all(checker.motion_certifier.statistics()["queries"][name] > 0 for name in ("blocks", "games", "rounds"))
+
+
 def test_planners_motions_are_those_of_the_checker():
     checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
     judge = checker.motion_certifier.motion_validity(1e-4)

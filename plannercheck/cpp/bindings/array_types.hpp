@@ -1,10 +1,12 @@
-// The arrays that cross into Python, and poses out of them.
+// The arrays that cross into Python, and poses and pairs of indices out of them.
 #pragma once
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <vector>
@@ -22,6 +24,12 @@ inline Pose pose_from(const double* matrix) {
   Pose pose;
   std::memcpy(pose.m.data(), matrix, sizeof pose.m);
   return pose;
+}
+
+inline std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
+  std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};
+  return out;
 }
 
 // A new NumPy array that owns a copy of the values.

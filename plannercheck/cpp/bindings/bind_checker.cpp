@@ -5,18 +5,16 @@
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <stdexcept>
 #include <string>
 
 #include "bindings/array_types.hpp"
-#include "bindings/joined_threads.hpp"
 #include "bindings/module.hpp"
 #include "bindings/numpy_row.hpp"
 #include "bindings/ompl_states.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/verdict_dicts.hpp"
+#include "bindings/workspace_pool.hpp"
 #include "checking/checker.hpp"
 
 namespace nb = nanobind;
@@ -27,19 +25,16 @@ namespace {
 using Configurations = InputArray<double, -1, -1>;
 using LinkPoses = InputArray<double, -1, -1, 4, 4>;
 
-// A checker with the workspaces its callers have returned: what they learnt serves the next call.
-class BoundChecker {
+class BoundChecker : public Pooled<CheckerCore> {
  public:
   BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
                InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
                bool boxes, bool overlaps, bool learning, LinkPoses sampled)
-      : core_(mounted(bodies, links, placements), pairs_from(pairs), link_count,
-              {options, bounds, boxes, overlaps, learning}, states_of(sampled, link_count)),
+      : Pooled(mounted(bodies, links, placements), pairs_from(pairs), link_count,
+               CheckerOptions{options, bounds, boxes, overlaps, learning}, states_of(sampled, link_count)),
         lower_(lower.data(), lower.data() + lower.shape(0)),
         upper_(upper.data(), upper.data() + upper.shape(0)) {}
-
-  const CheckerCore& core() const { return core_; }
 
   // Whether a configuration is finite and within the limits that hold for this checker's choice of pairs.
   bool may_judge(const double* q) const {
@@ -47,45 +42,6 @@ class BoundChecker {
     for (std::size_t i = 0; i < lower_.size(); ++i)
       may &= std::isfinite(q[i]) && lower_[i] <= q[i] && q[i] <= upper_[i];
     return may;
-  }
-
-  template <class Work>
-  void with_workspace(Work work) {
-    std::shared_ptr<CheckerCore::Workspace> workspace;
-    {
-      const std::lock_guard lock(mutex_);
-      if (!spare_.empty()) {
-        workspace = std::move(spare_.back());
-        spare_.pop_back();
-      }
-    }
-    if (!workspace) workspace = core_.new_workspace();
-    work(*workspace);
-    const std::lock_guard lock(mutex_);
-    add(CheckerCore::take_counters(*workspace));
-    spare_.push_back(std::move(workspace));
-  }
-
-  // work(first, last, workspace) over parts of n rows.
-  template <class Work>
-  void in_parallel(std::size_t n, int threads, Work work) {
-    const std::size_t count =
-        std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)), std::max<std::size_t>(n, 1));
-    std::exception_ptr failure;  // an exception that leaves a thread would end the process
-    const auto part = [&](std::size_t k) {
-      try {
-        with_workspace([&](auto& w) { work(n * k / count, n * (k + 1) / count, w); });
-      } catch (...) {
-        const std::lock_guard lock(mutex_);
-        failure = std::current_exception();
-      }
-    };
-    {
-      JoinedThreads others;
-      for (std::size_t k = 1; k < count; ++k) others.threads.emplace_back(part, k);
-      part(0);
-    }
-    if (failure) std::rethrow_exception(failure);
   }
 
   nb::dict statistics() {
@@ -105,11 +61,7 @@ class BoundChecker {
   }
 
  private:
-  CheckerCore core_;
   std::vector<double> lower_, upper_;
-  std::mutex mutex_;
-  std::vector<std::shared_ptr<CheckerCore::Workspace>> spare_;
-  CheckerCounters total_;
 
   static std::vector<MountedBody> mounted(const std::vector<std::shared_ptr<Body>>& bodies,
                                           InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements) {
@@ -126,41 +78,16 @@ class BoundChecker {
     }
     return {std::vector<double>(poses.data(), poses.data() + poses.size()), poses.shape(0)};
   }
-
-  static std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
-    std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};
-    return out;
-  }
-
-  // Python's objects are not made under the lock: its garbage collector may run anything meanwhile.
-  CheckerCounters counted() {
-    const std::lock_guard lock(mutex_);
-    return total_;
-  }
-
-  void add(const CheckerCounters& c) {
-    total_.states += c.states, total_.pairs += c.pairs, total_.bounds += c.bounds;
-    total_.boxes += c.boxes, total_.overlaps += c.overlaps, total_.skipped += c.skipped;
-    for (std::size_t i = 0; i < c.stages.size(); ++i) total_.stages[i] += c.stages[i];
-    total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
-    total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
-    total_.pair.games += c.pair.games, total_.pair.rounds += c.pair.rounds;
-  }
 };
 
 constexpr std::size_t kPoseStride = 16;
 
 auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
-  std::vector<std::int32_t> first(q.shape(0));
-  {
-    nb::gil_scoped_release release;
-    const std::size_t width = q.shape(1);
-    checker.in_parallel(first.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
-      checker.core().first_collisions(kinematics, q.data() + from * width, to - from, first.data() + from, w);
-    });
-  }
-  return output_array(first, {first.size()});
+  const std::size_t width = q.shape(1);
+  return checker.of_rows<std::int32_t>(
+      q.shape(0), threads, [&](std::size_t row, std::size_t n, std::int32_t* first, CheckerCore::Workspace& w) {
+        checker.core().first_collisions(kinematics, q.data() + row * width, n, first, w);
+      });
 }
 
 // A function of one configuration without the detour over sets; it answers None for what is no NumPy row of finite
@@ -199,44 +126,29 @@ nb::object state_validity(nb::object checker, nb::object kinematics, nb::object 
 }
 
 auto check_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
-  std::vector<std::uint8_t> valid(q.shape(0));
-  {
-    nb::gil_scoped_release release;
-    const std::size_t width = q.shape(1);
-    checker.in_parallel(valid.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
-      checker.core().check_states(kinematics, q.data() + from * width, to - from, valid.data() + from, w);
-    });
-  }
-  return output_array(valid, {valid.size()});
+  const std::size_t width = q.shape(1);
+  return checker.of_rows<std::uint8_t>(
+      q.shape(0), threads, [&](std::size_t row, std::size_t n, std::uint8_t* valid, CheckerCore::Workspace& w) {
+        checker.core().check_states(kinematics, q.data() + row * width, n, valid, w);
+      });
 }
 
 // q0, q1: n motions; steps: n.
 auto motions_are_free(BoundChecker& checker, const Kinematics& kinematics, Configurations q0, Configurations q1,
                       InputArray<std::int64_t, -1> steps) {
-  std::vector<std::uint8_t> free(steps.shape(0));
-  {
-    nb::gil_scoped_release release;
-    const std::size_t width = q0.shape(1);
-    checker.with_workspace([&](CheckerCore::Workspace& w) {
-      for (std::size_t i = 0; i < free.size(); ++i) {
-        free[i] = checker.core().motion_is_free(kinematics, q0.data() + i * width, q1.data() + i * width,
-                                                static_cast<long>(steps(i)), w);
-      }
-    });
-  }
-  return output_array(free, {free.size()});
+  const std::size_t width = q0.shape(1);
+  return checker.of_each_row<std::uint8_t>(steps.shape(0), 1, [&](std::size_t i, CheckerCore::Workspace& w) {
+    const double *start = q0.data() + i * width, *end = q1.data() + i * width;
+    return checker.core().motion_is_free(kinematics, start, end, static_cast<long>(steps(i)), w);
+  });
 }
 
 auto first_of_poses(BoundChecker& checker, LinkPoses poses, int threads) {
-  std::vector<std::int32_t> first(poses.shape(0));
-  {
-    nb::gil_scoped_release release;
-    const std::size_t size = poses.shape(1) * kPoseStride;
-    checker.in_parallel(first.size(), threads, [&](std::size_t from, std::size_t to, CheckerCore::Workspace& w) {
-      checker.core().first_collisions(poses.data() + from * size, to - from, first.data() + from, w);
-    });
-  }
-  return output_array(first, {first.size()});
+  const std::size_t size = poses.shape(1) * kPoseStride;
+  return checker.of_rows<std::int32_t>(
+      poses.shape(0), threads, [&](std::size_t row, std::size_t n, std::int32_t* first, CheckerCore::Workspace& w) {
+        checker.core().first_collisions(poses.data() + row * size, n, first, w);
+      });
 }
 
 auto all_of_poses(BoundChecker& checker, LinkPoses poses) {

@@ -8,6 +8,7 @@
 
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
+#include "bindings/motion_arrays.hpp"
 #include "bindings/ompl_states.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/verdict_dicts.hpp"
@@ -36,21 +37,12 @@ MotionChains chains_from(IndexTable<2> drives, InputArray<double, -1, 2> factors
   return out;
 }
 
-// A certifier with the workspaces that its callers have returned.
-class BoundCertifier {
+class BoundCertifier : public Pooled<MotionCertifier> {
  public:
-  BoundCertifier(MotionModel model, bool hints) : certifier_(std::move(model), hints) {}
-
-  template <class Work>
-  void with_workspace(Work work) {
-    pool_.with_one([&] { return certifier_.new_workspace(); }, work,
-                   [&](auto& workspace) { add(MotionCertifier::take_counters(workspace)); });
-  }
-
-  const MotionCertifier& certifier() const { return certifier_; }
+  using Pooled::Pooled;
 
   nb::dict statistics() {
-    const MotionCounters total = pool_.alone([&] { return total_; });
+    const MotionCounters total = counted();
     nb::dict out;
     out["motions"] = total.motions;
     out["grids"] = total.grids;
@@ -62,39 +54,16 @@ class BoundCertifier {
     out["queries"] = counters_dict(total.pair);
     return out;
   }
-
- private:
-  MotionCertifier certifier_;
-  WorkspacePool<MotionCertifier::WorkspacePointer> pool_;
-  MotionCounters total_;
-
-  void add(const MotionCounters& c) {
-    total_.motions += c.motions, total_.grids += c.grids, total_.states += c.states;
-    total_.pairs += c.pairs, total_.intervals += c.intervals, total_.planes += c.planes, total_.swept += c.swept;
-    total_.pair.queries.blocks += c.pair.queries.blocks, total_.pair.queries.exact += c.pair.queries.exact;
-    total_.pair.guest_queries += c.pair.guest_queries, total_.pair.host_queries += c.pair.host_queries;
-    total_.pair.rounds += c.pair.rounds;
-  }
 };
 
 // MotionAnswer of each of n motions.
 auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configurations q0, Configurations q1,
                    double tolerance, double kinematic_error, int threads) {
-  std::vector<std::uint8_t> answers(q0.shape(0));
-  {
-    nb::gil_scoped_release release;
-    const std::size_t width = q0.shape(1);
-    in_parallel(answers.size(), threads, [&](std::size_t from, std::size_t to) {
-      bound.with_workspace([&](MotionCertifier::Workspace& w) {
-        for (std::size_t i = from; i < to; ++i) {
-          const MotionReport report = bound.certifier().check(kinematics, q0.data() + i * width, q1.data() + i * width,
-                                                              tolerance, kinematic_error, w);
-          answers[i] = static_cast<std::uint8_t>(report.answer);
-        }
-      });
-    });
-  }
-  return output_array(answers, {answers.size()});
+  const std::size_t width = q0.shape(1);
+  return bound.of_each_row<std::uint8_t>(q0.shape(0), threads, [&](std::size_t i, MotionCertifier::Workspace& w) {
+    const double *start = q0.data() + i * width, *end = q1.data() + i * width;
+    return bound.core().check(kinematics, start, end, tolerance, kinematic_error, w).answer;
+  });
 }
 
 // Configurations for which a kinematic error holds.
@@ -125,7 +94,7 @@ int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0
   if (!range.holds(q0) || !range.holds(q1)) return kOutside;
   MotionReport report;
   bound.with_workspace([&](MotionCertifier::Workspace& w) {
-    report = bound.certifier().check(kinematics, q0.data(), q1.data(), tolerance, range.error, w);
+    report = bound.core().check(kinematics, q0.data(), q1.data(), tolerance, range.error, w);
   });
   return static_cast<int>(report.answer);
 }
@@ -158,8 +127,7 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
   return nb::cpp_function(is_free, plain_floats);
 }
 
-// (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
-// directions (k, 3), gaps and bulges (k, 2).
+// See `explained_motion`; the proofs if wanted.
 nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
                          InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
   MotionReport report;
@@ -167,29 +135,19 @@ nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, In
   {
     nb::gil_scoped_release release;
     bound.with_workspace([&](MotionCertifier::Workspace& w) {
-      report = bound.certifier().explain(kinematics, q0.data(), q1.data(), tolerance, kinematic_error,
-                                         proved ? &proofs : nullptr, w);
+      report = bound.core().explain(kinematics, q0.data(), q1.data(), tolerance, kinematic_error,
+                                    proved ? &proofs : nullptr, w);
     });
   }
-  std::vector<std::int32_t> pairs;
-  std::vector<double> intervals, directions, gaps;
-  for (const MotionProof& p : proofs) {
-    pairs.push_back(p.pair);
-    intervals.insert(intervals.end(), {p.from, p.to});
-    directions.insert(directions.end(), {p.direction.x, p.direction.y, p.direction.z});
-    gaps.insert(gaps.end(), {p.gap, p.bulge});
-  }
-  const std::size_t n = proofs.size();
-  return nb::make_tuple(static_cast<int>(report.answer), report.free_until, report.refused, report.pair,
-                        output_array(pairs, {n}), output_array(intervals, {n, std::size_t{2}}),
-                        output_array(directions, {n, std::size_t{3}}), output_array(gaps, {n, std::size_t{2}}));
+  return explained_motion<3>(report, proofs,
+                             [](Vec3 d, std::vector<double>& row) { row.insert(row.end(), {d.x, d.y, d.z}); });
 }
 
 // Configurations at parameters (n,) of a motion.
 auto motion_states(const BoundCertifier& bound, InputArray<double, -1> q0, InputArray<double, -1> q1,
                    InputArray<double, -1> parameters) {
   std::vector<double> q(parameters.shape(0) * q0.shape(0));
-  bound.certifier().states(q0.data(), q1.data(), parameters.data(), parameters.shape(0), q.data());
+  bound.core().states(q0.data(), q1.data(), parameters.data(), parameters.shape(0), q.data());
   return output_array(q, {parameters.shape(0), q0.shape(0)});
 }
 

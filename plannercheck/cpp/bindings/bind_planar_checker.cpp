@@ -2,15 +2,13 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <exception>
-#include <mutex>
 #include <vector>
 
 #include "bindings/array_types.hpp"
-#include "bindings/joined_threads.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/planar_arrays.hpp"
+#include "bindings/workspace_pool.hpp"
 
 namespace nb = nanobind;
 
@@ -19,8 +17,7 @@ namespace planar_binding {  // names of its own: bindings are compiled in one pi
 
 using Rows = InputArray<double, -1, -1>;
 
-// The core's checker with the arrays it reads and the sums of its counters.
-class BoundPlanarChecker {
+class BoundPlanarChecker : public Pooled<PlanarChecker> {
  public:
   // links: rows of parent, joint, column; anchors: rows of x, y, angle. circles: rows of x, y, radius of each body;
   // boxes: rows of least x, y, largest x, y.
@@ -28,20 +25,9 @@ class BoundPlanarChecker {
                      const nb::list& polygons, InputArray<std::int32_t, -1> mounts, InputArray<double, -1, 3, 3> poses,
                      InputArray<double, -1, 3> circles, InputArray<double, -1, 4> boxes,
                      InputArray<std::int32_t, -1, 2> pairs, bool bounds, Precision first)
-      : polygons_(polygons),
-        core_(planar_arrays::links_from(links, anchors), width,
-              planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), planar_arrays::pairs_from(pairs),
-              bounds, first) {}
-
-  const PlanarChecker& core() const { return core_; }
-
-  void add(const PlanarCheckerCounters& c) {
-    const std::lock_guard lock(mutex_);
-    total_.states += c.states, total_.pairs += c.pairs, total_.bounds += c.bounds;
-    total_.tests += c.tests, total_.skipped += c.skipped;
-    total_.pair.rounds += c.pair.rounds, total_.pair.vertices += c.pair.vertices;
-    total_.pair.double_double += c.pair.double_double, total_.pair.exact += c.pair.exact;
-  }
+      : Pooled(planar_arrays::links_from(links, anchors), width,
+               planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), pairs_from(pairs), bounds, first),
+        polygons_(polygons) {}
 
   nb::dict statistics() {
     const PlanarCheckerCounters total = counted();
@@ -61,50 +47,14 @@ class BoundPlanarChecker {
 
  private:
   nb::list polygons_;  // kept alive
-  PlanarChecker core_;
-  std::mutex mutex_;
-  PlanarCheckerCounters total_;
-
-  // Python's objects are not made under the lock: its garbage collector may run anything meanwhile.
-  PlanarCheckerCounters counted() {
-    const std::lock_guard lock(mutex_);
-    return total_;
-  }
 };
 
-// work(first, last, counters) over parts of n rows, one a thread.
-template <class Work>
-void in_parallel(BoundPlanarChecker& checker, std::size_t n, int threads, Work work) {
-  const auto count = static_cast<std::size_t>(std::max(threads, 1));
-  std::exception_ptr failure;  // an exception that leaves a thread would end the process
-  std::mutex mutex;
-  const auto part = [&](std::size_t k) {
-    try {
-      PlanarCheckerCounters counters;
-      work(n * k / count, n * (k + 1) / count, counters);
-      checker.add(counters);
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      failure = std::current_exception();
-    }
-  };
-  {
-    JoinedThreads others;
-    for (std::size_t k = 1; k < count; ++k) others.threads.emplace_back(part, k);
-    part(0);
-  }
-  if (failure) std::rethrow_exception(failure);
-}
-
 auto first_of_states(BoundPlanarChecker& checker, Rows q, int threads) {
-  std::vector<std::int32_t> first(q.shape(0));
-  {
-    nb::gil_scoped_release release;
-    in_parallel(checker, first.size(), threads, [&](std::size_t from, std::size_t to, PlanarCheckerCounters& counters) {
-      checker.core().first_collisions(q.data() + from * q.shape(1), to - from, first.data() + from, counters);
-    });
-  }
-  return output_array(first, {first.size()});
+  const std::size_t width = q.shape(1);
+  return checker.of_rows<std::int32_t>(
+      q.shape(0), threads, [&](std::size_t row, std::size_t n, std::int32_t* first, PlanarChecker::Workspace& w) {
+        checker.core().first_collisions(q.data() + row * width, n, first, w);
+      });
 }
 
 auto all_of_states(BoundPlanarChecker& checker, Rows q) {
@@ -112,25 +62,17 @@ auto all_of_states(BoundPlanarChecker& checker, Rows q) {
   std::vector<std::uint8_t> colliding(n * pairs);
   {
     nb::gil_scoped_release release;
-    PlanarCheckerCounters counters;
-    checker.core().all_collisions(q.data(), n, colliding.data(), counters);
-    checker.add(counters);
+    checker.with_workspace([&](auto& w) { checker.core().all_collisions(q.data(), n, colliding.data(), w); });
   }
   return output_array(colliding, {n, pairs});
 }
 
 auto motions_are_free(BoundPlanarChecker& checker, Rows q0, Rows q1, InputArray<std::int64_t, -1> steps) {
-  std::vector<std::uint8_t> free(steps.shape(0));
-  {
-    nb::gil_scoped_release release;
-    PlanarCheckerCounters counters;
-    for (std::size_t i = 0; i < free.size(); ++i) {
-      free[i] = checker.core().motion_is_free(q0.data() + i * q0.shape(1), q1.data() + i * q1.shape(1),
-                                              static_cast<long>(steps(i)), counters);
-    }
-    checker.add(counters);
-  }
-  return output_array(free, {free.size()});
+  const std::size_t width = q0.shape(1);
+  return checker.of_each_row<std::uint8_t>(steps.shape(0), 1, [&](std::size_t i, PlanarChecker::Workspace& w) {
+    const double *start = q0.data() + i * width, *end = q1.data() + i * width;
+    return checker.core().motion_is_free(start, end, static_cast<long>(steps(i)), w);
+  });
 }
 
 auto link_poses(const BoundPlanarChecker& checker, Rows q) {

@@ -7,6 +7,7 @@
 
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
+#include "bindings/motion_arrays.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/planar_arrays.hpp"
 #include "bindings/workspace_pool.hpp"
@@ -21,69 +22,41 @@ using Row = InputArray<double, -1>;
 using Rows = InputArray<double, -1, -1>;
 using Pieces = InputArray<double, -1, static_cast<int>(kPieceNumbers)>;
 
-// A certifier with the workspaces that its callers have returned.
-class BoundPlanarCertifier {
+class BoundPlanarCertifier : public Pooled<PlanarCertifier> {
  public:
   // Arguments as those of PlanarChecker.
   BoundPlanarCertifier(InputArray<std::int32_t, -1, 3> links, InputArray<double, -1, 3> anchors, std::int32_t width,
                        const nb::list& polygons, InputArray<std::int32_t, -1> mounts,
                        InputArray<double, -1, 3, 3> poses, InputArray<double, -1, 3> circles,
                        InputArray<double, -1, 4> boxes, InputArray<std::int32_t, -1, 2> pairs)
-      : polygons_(polygons),
-        certifier_(planar_arrays::links_from(links, anchors), width,
-                   planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes),
-                   planar_arrays::pairs_from(pairs)) {}
-
-  template <class Work>
-  void with_workspace(Work work) {
-    pool_.with_one([&] { return certifier_.new_workspace(); }, work,
-                   [&](auto& workspace) { add(PlanarCertifier::take_counters(workspace)); });
-  }
-
-  const PlanarCertifier& certifier() const { return certifier_; }
+      : Pooled(planar_arrays::links_from(links, anchors), width,
+               planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), pairs_from(pairs)),
+        polygons_(polygons) {}
 
   nb::dict statistics() {
-    const PlanarMotionCounters total = pool_.alone([&] { return total_; });
+    const GridCounters total = counted();
     nb::dict out;
     out["motions"] = total.motions;
     out["grids"] = total.grids;
     out["states"] = total.states;
     out["intervals"] = total.intervals;
-    out["lines"] = total.lines;
+    out["lines"] = total.planes;
     out["swept"] = total.swept;
     return out;
   }
 
  private:
   nb::list polygons_;  // kept alive
-  PlanarCertifier certifier_;
-  WorkspacePool<PlanarCertifier::WorkspacePointer> pool_;
-  PlanarMotionCounters total_;
-
-  void add(const PlanarMotionCounters& c) {
-    total_.motions += c.motions, total_.grids += c.grids, total_.states += c.states;
-    total_.intervals += c.intervals, total_.lines += c.lines, total_.swept += c.swept;
-  }
 };
 
 // MotionAnswer of each of n straight motions; `given`: ends before whole turns were taken off.
 auto check_straight(BoundPlanarCertifier& bound, Rows q0, Rows q1, Rows given, double tolerance, int threads) {
-  std::vector<std::uint8_t> answers(q0.shape(0));
-  {
-    nb::gil_scoped_release release;
-    const std::size_t width = q0.shape(1);
-    in_parallel(answers.size(), threads, [&](std::size_t from, std::size_t to) {
-      bound.with_workspace([&](PlanarCertifier::Workspace& w) {
-        for (std::size_t i = from; i < to; ++i) {
-          const double *start = q0.data() + i * width, *end = q1.data() + i * width;
-          const PlanarPiece piece = bound.certifier().straight(start, end);
-          const PlanarMotion motion{start, end, given.data() + i * width, &piece, 1};
-          answers[i] = static_cast<std::uint8_t>(bound.certifier().check(motion, tolerance, w).answer);
-        }
-      });
-    });
-  }
-  return output_array(answers, {answers.size()});
+  const std::size_t width = q0.shape(1);
+  return bound.of_each_row<std::uint8_t>(q0.shape(0), threads, [&](std::size_t i, PlanarCertifier::Workspace& w) {
+    const double *start = q0.data() + i * width, *end = q1.data() + i * width;
+    const PlanarPiece piece = bound.core().straight(start, end);
+    return bound.core().check({start, end, given.data() + i * width, &piece, 1}, tolerance, w).answer;
+  });
 }
 
 // A motion's pieces, of rows of numbers; the straight one if there are none.
@@ -99,59 +72,48 @@ int check_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Row given, Pieces 
   MotionReport report;
   {
     nb::gil_scoped_release release;
-    const std::vector<PlanarPiece> pieces = pieces_from(bound.certifier(), q0.data(), q1.data(), rows);
+    const std::vector<PlanarPiece> pieces = pieces_from(bound.core(), q0.data(), q1.data(), rows);
     bound.with_workspace([&](PlanarCertifier::Workspace& w) {
       const PlanarMotion motion{q0.data(), q1.data(), given.data(), pieces.data(), pieces.size()};
-      report = bound.certifier().check(motion, tolerance, w);
+      report = bound.core().check(motion, tolerance, w);
     });
   }
   return static_cast<int>(report.answer);
 }
 
-// (answer, proved free up to, refused at, pair) of one motion, and if wanted the proofs: pairs (k,), intervals (k, 2),
-// directions (k, 2), gaps and bulges (k, 2).
+// See `explained_motion`; the proofs if wanted.
 nb::tuple explain_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Row given, Pieces rows, double tolerance,
                          bool proved) {
   MotionReport report;
   std::vector<PlanarProof> proofs;
   {
     nb::gil_scoped_release release;
-    const std::vector<PlanarPiece> pieces = pieces_from(bound.certifier(), q0.data(), q1.data(), rows);
+    const std::vector<PlanarPiece> pieces = pieces_from(bound.core(), q0.data(), q1.data(), rows);
     bound.with_workspace([&](PlanarCertifier::Workspace& w) {
       const PlanarMotion motion{q0.data(), q1.data(), given.data(), pieces.data(), pieces.size()};
-      report = bound.certifier().explain(motion, tolerance, proved ? &proofs : nullptr, w);
+      report = bound.core().explain(motion, tolerance, proved ? &proofs : nullptr, w);
     });
   }
-  std::vector<std::int32_t> pairs;
-  std::vector<double> intervals, directions, gaps;
-  for (const PlanarProof& p : proofs) {
-    pairs.push_back(p.pair);
-    intervals.insert(intervals.end(), {p.from, p.to});
-    const PlanarVector direction = p.direction.vector();
-    directions.insert(directions.end(), {direction.x, direction.y});
-    gaps.insert(gaps.end(), {p.gap, p.bulge});
-  }
-  const std::size_t n = proofs.size();
-  return nb::make_tuple(static_cast<int>(report.answer), report.free_until, report.refused, report.pair,
-                        output_array(pairs, {n}), output_array(intervals, {n, std::size_t{2}}),
-                        output_array(directions, {n, std::size_t{2}}), output_array(gaps, {n, std::size_t{2}}));
+  return explained_motion<2>(report, proofs, [](PlanarDirection d, std::vector<double>& row) {
+    row.insert(row.end(), {d.vector().x, d.vector().y});
+  });
 }
 
 // Configurations at parameters (n,) of a motion.
 auto piece_states(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, Row parameters) {
-  const std::vector<PlanarPiece> pieces = pieces_from(bound.certifier(), q0.data(), q1.data(), rows);
+  const std::vector<PlanarPiece> pieces = pieces_from(bound.core(), q0.data(), q1.data(), rows);
   const std::size_t n = parameters.shape(0), width = q0.shape(0);
   std::vector<double> q(n * width);
   bound.with_workspace([&](PlanarCertifier::Workspace& w) {
     const PlanarMotion motion{q0.data(), q1.data(), q1.data(), pieces.data(), pieces.size()};
-    bound.certifier().states(motion, parameters.data(), n, q.data(), w);
+    bound.core().states(motion, parameters.data(), n, q.data(), w);
   });
   return output_array(q, {n, width});
 }
 
 // Link in whose frame each pair's proofs are, -1 for the world.
 auto pair_frames(const BoundPlanarCertifier& bound) {
-  const std::vector<std::int32_t> frames = bound.certifier().frames();
+  const std::vector<std::int32_t> frames = bound.core().frames();
   return output_array(frames, {frames.size()});
 }
 

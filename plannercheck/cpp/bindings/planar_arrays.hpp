@@ -40,11 +40,5 @@ inline std::vector<PlanarBody> bodies_from(const nanobind::list& polygons, Input
   return out;
 }
 
-inline std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
-  std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};
-  return out;
-}
-
 }  // namespace planar_arrays
 }  // namespace plannercheck

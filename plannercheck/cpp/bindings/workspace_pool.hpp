@@ -1,54 +1,29 @@
-// Workspaces that callers have returned: what they learnt serves the next call, on however many threads.
+// A core (checker, certifier) with the workspaces that its callers have returned: what they learnt serves the next
+// call, on however many threads.
+//
+// In: work for a workspace, or for rows on several threads. Out: what the work writes, and the sums of what all
+// workspaces have counted. A core has a type Workspace, new_workspace(), and take_counters(workspace).
 #pragma once
 
+#include <nanobind/nanobind.h>
+
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "bindings/array_types.hpp"
+
 namespace plannercheck {
 
-// Pointer: owns a workspace.
-template <class Pointer>
-class WorkspacePool {
- public:
-  // work(workspace), with one from the pool or from create(); then returned(workspace), one caller at a time.
-  template <class Create, class Work, class Returned>
-  void with_one(Create create, Work work, Returned returned) {
-    Pointer workspace;
-    {
-      const std::lock_guard lock(mutex_);
-      if (!spare_.empty()) {
-        workspace = std::move(spare_.back());
-        spare_.pop_back();
-      }
-    }
-    if (!workspace) workspace = create();
-    work(*workspace);
-    const std::lock_guard lock(mutex_);
-    returned(*workspace);
-    spare_.push_back(std::move(workspace));
-  }
-
-  // What `look` returns, while no caller is in `returned`. It must not run Python, whose garbage collector may ask
-  // again from within.
-  template <class Look>
-  auto alone(Look look) {
-    const std::lock_guard lock(mutex_);
-    return look();
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<Pointer> spare_;
-};
-
-// part(first, last) over parts of n rows, one a thread; an exception of any is thrown at the end.
+// part(k) for k = 0 … count − 1, one a thread; an exception of any is thrown at the end.
 template <class Part>
-void in_parallel(std::size_t n, int threads, Part part) {
+void on_threads(std::size_t count, Part part) {
   // Joined at the end of their scope, also where the system has no more of them and throws.
   struct Joined {
     std::vector<std::thread> threads;
@@ -56,13 +31,11 @@ void in_parallel(std::size_t n, int threads, Part part) {
       for (std::thread& thread : threads) thread.join();
     }
   };
-  const std::size_t count =
-      std::min<std::size_t>(static_cast<std::size_t>(std::max(threads, 1)), std::max<std::size_t>(n, 1));
   std::mutex mutex;
   std::exception_ptr failure;  // an exception that leaves a thread would end the process
   const auto guarded = [&](std::size_t k) {
     try {
-      part(n * k / count, n * (k + 1) / count);
+      part(k);
     } catch (...) {
       const std::lock_guard lock(mutex);
       failure = std::current_exception();
@@ -75,5 +48,72 @@ void in_parallel(std::size_t n, int threads, Part part) {
   }
   if (failure) std::rethrow_exception(failure);
 }
+
+template <class Core>
+class Pooled {
+ public:
+  using Workspace = typename Core::Workspace;
+  using Counters = decltype(Core::take_counters(std::declval<Workspace&>()));
+
+  template <class... Arguments>
+    requires std::constructible_from<Core, Arguments...>
+  explicit Pooled(Arguments&&... arguments) : core_(std::forward<Arguments>(arguments)...) {}
+
+  const Core& core() const { return core_; }
+
+  // work(workspace), with one that no other caller has.
+  template <class Work>
+  void with_workspace(Work work) {
+    std::shared_ptr<Workspace> workspace;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!spare_.empty()) {
+        workspace = std::move(spare_.back());
+        spare_.pop_back();
+      }
+    }
+    if (!workspace) workspace = core_.new_workspace();
+    work(*workspace);
+    const std::lock_guard lock(mutex_);
+    total_ += Core::take_counters(*workspace);
+    spare_.push_back(std::move(workspace));
+  }
+
+  // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
+  template <class Value, class Work>
+  auto of_rows(std::size_t n, int threads, Work work) {
+    std::vector<Value> values(n);
+    {
+      const nanobind::gil_scoped_release release;
+      const auto wanted = static_cast<std::size_t>(std::max(threads, 1));
+      const std::size_t parts = std::min(wanted, std::max<std::size_t>(n, 1));
+      on_threads(parts, [&](std::size_t k) {
+        const std::size_t first = n * k / parts, past = n * (k + 1) / parts;
+        with_workspace([&](Workspace& w) { work(first, past - first, values.data() + first, w); });
+      });
+    }
+    return output_array(values, {n});
+  }
+
+  // The same row by row: of(row, workspace) returns its value.
+  template <class Value, class Of>
+  auto of_each_row(std::size_t n, int threads, Of of) {
+    return of_rows<Value>(n, threads, [&](std::size_t first, std::size_t count, Value* values, Workspace& w) {
+      for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<Value>(of(first + i, w));
+    });
+  }
+
+  // The sums so far. Python's objects must not be made under the lock: its garbage collector may ask again from within.
+  Counters counted() {
+    const std::lock_guard lock(mutex_);
+    return total_;
+  }
+
+ private:
+  Core core_;
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<Workspace>> spare_;
+  Counters total_;
+};
 
 }  // namespace plannercheck

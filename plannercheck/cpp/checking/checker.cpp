@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "broad_phase/broad_phase.hpp"
+#include "checking/state_blocks.hpp"
 #include "robots/kinematics_lanes.hpp"
 
 namespace plannercheck {
@@ -28,6 +29,21 @@ std::vector<bool> lasting_collisions(const std::vector<MountedBody>& bodies,
 }
 
 }  // namespace
+
+PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
+  sum.queries.blocks += more.queries.blocks, sum.queries.exact += more.queries.exact;
+  sum.guest_queries += more.guest_queries, sum.host_queries += more.host_queries;
+  sum.games += more.games, sum.rounds += more.rounds;
+  return sum;
+}
+
+CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more) {
+  sum.states += more.states, sum.pairs += more.pairs, sum.bounds += more.bounds;
+  sum.boxes += more.boxes, sum.overlaps += more.overlaps, sum.skipped += more.skipped;
+  for (std::size_t i = 0; i < sum.stages.size(); ++i) sum.stages[i] += more.stages[i];
+  sum.pair += more.pair;
+  return sum;
+}
 
 struct CheckerCore::Workspace {
   CheckerCounters counters;
@@ -171,11 +187,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
   w.poser.begin(kinematics, needed_.data());
   for (std::size_t row = 0; row < n; row += kBlockStates) {
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
-    for (std::size_t state = 0; state < kBlockStates; ++state) {
-      const double* from = q + (row + std::min(state, count - 1)) * width;
-      Lanes* to = &w.columns[state / kLanes * width];
-      for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = from[c];
-    }
+    load_rows<kBlockStates>(q + row * width, count, width, w.columns.data());
     pose_links(width, static_cast<int>(count), w);
     find_near(static_cast<int>(count), sought, w);
     for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
@@ -222,32 +234,16 @@ bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0,
   const std::size_t width = at(kinematics.width());
   w.columns.resize(kBlockGroups * width);
   w.poser.begin(kinematics, needed_.data());
-  const auto all_free = [&](long first, long stride, long last) {
-    for (long k = first; k <= last; k += stride * kBlockStates) {
-      const long count = std::min<long>(kBlockStates, (last - k) / stride + 1);
-      for (long state = 0; state < kBlockStates; ++state) {
-        const double t = static_cast<double>(k + stride * std::min(state, count - 1)) / static_cast<double>(steps);
-        Lanes* to = &w.columns[static_cast<std::size_t>(state / kLanes) * width];
-        for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = (1 - t) * q0[c] + t * q1[c];
-      }
-      pose_links(width, static_cast<int>(count), w);
-      find_near(static_cast<int>(count), Sought::kAnyCollision, w);
-      const auto states = static_cast<std::size_t>(count);
-      for (std::size_t state = 0; state < states; ++state) {
-        if (is_free(state, w)) continue;
-        while (++state < states) w.counters.skipped += static_cast<long>(w.broad_phase.near[state].size());
-        return false;
-      }
+  return is_free_coarse_to_fine<kBlockStates>(q0, q1, steps, width, w.columns.data(), [&](std::size_t states) {
+    pose_links(width, static_cast<int>(states), w);
+    find_near(static_cast<int>(states), Sought::kAnyCollision, w);
+    for (std::size_t state = 0; state < states; ++state) {
+      if (is_free(state, w)) continue;
+      while (++state < states) w.counters.skipped += static_cast<long>(w.broad_phase.near[state].size());
+      return false;
     }
     return true;
-  };
-  if (!all_free(0, steps, steps)) return false;
-  long stride = 1;
-  while (stride < steps) stride *= 2;
-  for (; stride > 1; stride /= 2) {
-    if (!all_free(stride / 2, stride, steps - 1)) return false;
-  }
-  return true;
+  });
 }
 
 }  // namespace plannercheck

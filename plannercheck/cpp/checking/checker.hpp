@@ -29,6 +29,9 @@ struct CheckerCounters {
   PairCounters pair;
 };
 
+PairCounters& operator+=(PairCounters& sum, const PairCounters& more);
+CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more);
+
 struct CheckerOptions {
   PairOptions pair;
   bool bounds = true;  // balls and the tree of obstacles

@@ -79,8 +79,6 @@ void MotionCertifier::find_near(std::size_t mover, Vec3 low, Vec3 high, std::vec
   }
 }
 
-MotionCertifier::~MotionCertifier() = default;
-
 void MotionCertifier::states(const double* q0, const double* q1, const double* t, std::size_t n, double* q) const {
   ConfigurationPath path(at(model_.width), model_.parts);
   path.set(q0, q1);

@@ -47,35 +47,26 @@ struct MotionModel {
   double joints = 0;  // on the longest chain
 };
 
-// What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction`, in the pair's
-// frame, from b to a; their points leave their chords by at most `bulge`, which is less.
-struct MotionProof {
-  std::int32_t pair;
-  double from, to;
-  Vec3 direction;
-  double gap, bulge;
-};
+using MotionProof = IntervalProof<Vec3>;
 
-struct MotionCounters {
-  long motions = 0, grids = 0, states = 0;
-  long pairs = 0, intervals = 0;  // pairs past the boxes around paths; their intervals past spheres
-  long planes = 0, swept = 0;     // gaps along planes, and descents
+struct MotionCounters : GridCounters {
   PairCounters pair;
 };
+
+inline MotionCounters& operator+=(MotionCounters& sum, const MotionCounters& more) {
+  static_cast<GridCounters&>(sum) += more;
+  sum.pair += more.pair;
+  return sum;
+}
 
 class MotionCertifier {
  public:
   // `hints`: whether planes of earlier motions are tried.
   explicit MotionCertifier(MotionModel model, bool hints);
-  ~MotionCertifier();
 
-  class Workspace;
-  // Workspaces are hidden: they hold lanes.
-  struct WorkspaceDeleter {
-    void operator()(Workspace* workspace) const;
-  };
-  using WorkspacePointer = std::unique_ptr<Workspace, WorkspaceDeleter>;
-  WorkspacePointer new_workspace() const;
+  struct Workspace;  // hidden, since it holds lanes
+  std::shared_ptr<Workspace> new_workspace() const;
+  // What has been counted since the last call.
   static MotionCounters take_counters(Workspace& workspace);
 
   std::int32_t width() const { return model_.width; }

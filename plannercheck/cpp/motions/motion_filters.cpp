@@ -144,7 +144,7 @@ unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum
   return open & all_intervals();
 }
 
-void MotionFilters::boxes_settle(OpenPair& found, Vec3 direction, double beyond) {
+void MotionFilters::boxes_settle(DirectedPair& found, Vec3 direction, double beyond) {
   const CertifiedPair& p = pair(found.pair);
   const bool still = stands_still(p.b);
   const double *a = grid_.poses(p.a), *b = still ? nullptr : grid_.poses(p.b);

@@ -9,6 +9,7 @@
 #include <array>
 #include <vector>
 
+#include "motions/adaptive_subdivision.hpp"
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_grid.hpp"
 
@@ -20,13 +21,8 @@ inline constexpr double kStretch = 1 + 2e-6;
 // The sphere around a body's centre.
 inline double sphere_radius(const Body& body) { return (body.radius + body.swell) * kStretch; }
 
-// Intervals of a pair that the filters leave open; the state at which the boxes' gap along a direction is least; and
-// that direction, in the pair's frame, from b to a.
-struct OpenPair {
-  std::int32_t pair;
-  unsigned open;
-  double depth;
-  std::size_t state;
+// With a direction that its bounds suggest, in the pair's frame, from b to a.
+struct DirectedPair : OpenPair {
   Vec3 direction;
 };
 
@@ -60,9 +56,9 @@ class MotionFilters {
   std::array<Vec3, 2> box_around_path(std::int32_t body, std::int32_t chain) const;
   // What bounding spheres leave open: on chords against each other or against the box of a body that stands still.
   unsigned near(const CertifiedPair& pair) const;
-  // Settles what the bodies' boxes do along a direction of the frame, with `beyond` to spare, and notes where they are
-  // deepest in each other.
-  void boxes_settle(OpenPair& found, Vec3 direction, double beyond = 0);
+  // Settles what the bodies' boxes do along a direction of the frame, with `beyond` to spare, and notes the state at
+  // which their gap along it is least.
+  void boxes_settle(DirectedPair& found, Vec3 direction, double beyond = 0);
   // A direction to begin with, of length 1 up to rounding: the way out of b's box if a's centre is outside, else
   // between the centres.
   Vec3 between(const CertifiedPair& pair, std::size_t state);

@@ -5,7 +5,6 @@
 #include "robots/kinematics_lanes.hpp"
 
 namespace plannercheck {
-namespace {}  // namespace
 
 MotionGrid::MotionGrid(const std::vector<MountedBody>& bodies, std::size_t width, std::size_t links)
     : bodies_(&bodies),

@@ -17,8 +17,8 @@ namespace plannercheck {
 
 inline constexpr std::size_t kStep = static_cast<std::size_t>(kLanes);  // states that are posed at once
 
-// States of one grid at most, and the length of a row: whole lanes may be read from one state further.
-inline constexpr std::size_t kGridStates = 32, kGridRow = 40;
+// The length of a row: room for all states, and whole lanes may be read from one state further.
+inline constexpr std::size_t kGridRow = 40;
 
 class MotionGrid {
  public:

@@ -1,4 +1,4 @@
-// How the check of a motion ended, in space and in the plane.
+// What the check of a motion finds and counts, in space (directions are Vec3) and in the plane (PlanarDirection).
 #pragma once
 
 #include <cstdint>
@@ -18,5 +18,35 @@ struct MotionReport {
   double free_until = 1, refused = -1;
   std::int32_t pair = -1;
 };
+
+// What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction`, in the pair's
+// frame, from b to a; their points leave their chords by at most `bulge`, which is less.
+template <class Direction>
+struct IntervalProof {
+  std::int32_t pair;
+  double from, to;
+  Direction direction;
+  double gap, bulge;
+};
+
+// What a descent on the swept bodies finds at all poses that it was given.
+template <class Direction>
+struct SweptAnswer {
+  bool apart = false;   // proved: more than the limit apart along `direction`
+  Direction direction;  // in the pair's frame, from b to a, of length 1 up to rounding
+  double gap = 0;       // along it: a lower bound but for the rounding that the limit has to cover
+};
+
+struct GridCounters {
+  long motions = 0, grids = 0, states = 0;
+  long pairs = 0, intervals = 0;  // looked at on grids; their intervals past bounding spheres or circles
+  long planes = 0, swept = 0;     // gaps along planes, or lines in the plane, and descents
+};
+
+inline GridCounters& operator+=(GridCounters& sum, const GridCounters& more) {
+  sum.motions += more.motions, sum.grids += more.grids, sum.states += more.states;
+  sum.pairs += more.pairs, sum.intervals += more.intervals, sum.planes += more.planes, sum.swept += more.swept;
+  return sum;
+}
 
 }  // namespace plannercheck

@@ -95,9 +95,9 @@ double gap_along(const Body& a, const Body& b, const PosedPair& pose, Vec3 direc
   return difference_at(a, b, pose, direction, counters).along;
 }
 
-SweptAnswer swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit, Vec3 hint,
-                           PairCounters& counters) {
-  SweptAnswer answer;
+SweptAnswer<Vec3> swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit,
+                                 Vec3 hint, PairCounters& counters) {
+  SweptAnswer<Vec3> answer;
   NearSimplex simplex;
   Vec3 v = norm_1(hint) > 0 ? hint : Vec3{1, 0, 0};
   double square = 0;  // |v|² once v is a point of the simplex
@@ -112,20 +112,14 @@ SweptAnswer swept_distance(const Body& a, const Body& b, const PosedPair* poses,
       if (other.along < lowest.along) lowest = other;
     }
     if (round == 0 || lowest.along > answer.gap) answer.direction = d, answer.gap = lowest.along;
-    if (lowest.along > limit) {
-      answer.reach = Reach::kApart;
-      return answer;
-    }
+    answer.apart = lowest.along > limit;
+    if (answer.apart) return answer;
     // The vertex is no nearer to the origin than the simplex: as near as doubles tell.
     if (simplex.count > 0 && length - lowest.along <= kDescentProgress * length) return answer;
     simplex.point[static_cast<std::size_t>(simplex.count++)] = lowest.point;
     v = nearest(simplex);
     const double now = dot(v, v);
-    if (now <= limit * limit || simplex.count == 4) {
-      answer.reach = Reach::kWithin;
-      return answer;
-    }
-    if (round > 0 && now >= square) return answer;
+    if (now <= limit * limit || simplex.count == 4 || (round > 0 && now >= square)) return answer;
     square = now;
   }
   return answer;

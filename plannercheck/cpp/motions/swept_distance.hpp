@@ -9,6 +9,7 @@
 
 #include <array>
 
+#include "motions/motion_report.hpp"
 #include "narrow_phase/pair_frame.hpp"
 
 namespace plannercheck {
@@ -33,21 +34,9 @@ struct PosedPair {
   FrameTurn frame;
 };
 
-enum class Reach {
-  kApart,   // proved: the hulls are more than the limit apart along `direction`, at every pose that was given
-  kWithin,  // points of the swept differences are within the limit of each other, up to rounding
-  kUnsure,  // doubles do not tell
-};
-
-struct SweptAnswer {
-  Reach reach = Reach::kUnsure;
-  Vec3 direction;  // in the frame, from b to a, of length 1 up to rounding
-  double gap = 0;  // along it, if apart: a lower bound but for the rounding that the limit has to cover
-};
-
 // The vertices of the bodies (without their swells) at `count` poses, 1 or 2, from a direction to begin with.
-SweptAnswer swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit, Vec3 hint,
-                           PairCounters& counters);
+SweptAnswer<Vec3> swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit,
+                                 Vec3 hint, PairCounters& counters);
 
 // The gap of the vertices along a direction of the frame at one pose.
 double gap_along(const Body& a, const Body& b, const PosedPair& pose, Vec3 direction, PairCounters& counters);

@@ -1,7 +1,9 @@
 #include "planar/checker_2d.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "checking/state_blocks.hpp"
 #include "math/vec.hpp"
 #include "planar/kinematics_2d.hpp"
 
@@ -14,34 +16,34 @@ constexpr double kCircleMargin = 1e-12;
 
 }  // namespace
 
-// kLanes states.
-struct PlanarChecker::Block {
+// Of kLanes states.
+struct PlanarChecker::Workspace {
   struct CircleLanes {
     Lanes x, y, radius;
   };
 
+  PlanarCheckerCounters counters;
   std::vector<Lanes> columns;
   std::vector<PlanarLinkLanes> links;
   std::vector<CircleLanes> circles;
 };
 
-// Lanes beyond n repeat the last row.
-void PlanarChecker::load(const double* q, std::size_t n, Block& block) const {
-  block.columns.resize(width_);
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const double* row = q + std::min(lane, n - 1) * width_;
-    for (std::size_t c = 0; c < width_; ++c) block.columns[c][lane] = row[c];
-  }
+std::shared_ptr<PlanarChecker::Workspace> PlanarChecker::new_workspace() const {
+  auto w = std::make_shared<Workspace>();
+  w->columns.resize(width_);
+  w->circles.resize(bodies_.size());
+  return w;
 }
 
-void PlanarChecker::pose(Block& block) const {
-  pose_planar_links(links_, block.columns, block.links);
-  block.circles.resize(bodies_.size());
+PlanarCheckerCounters PlanarChecker::take_counters(Workspace& w) { return std::exchange(w.counters, {}); }
+
+void PlanarChecker::pose(Workspace& w) const {
+  pose_planar_links(links_, w.columns, w.links);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const PlanarBody& body = bodies_[b];
     if (body.link < 0) continue;
-    const PlanarLinkLanes& link = block.links[at(body.link)];
-    Block::CircleLanes& circle = block.circles[b];
+    const PlanarLinkLanes& link = w.links[at(body.link)];
+    Workspace::CircleLanes& circle = w.circles[b];
     circle.x = link.x + (link.cos * body.x - link.sin * body.y);
     circle.y = link.y + (link.sin * body.x + link.cos * body.y);
     circle.radius = body.radius + kCircleMargin * (absolute(link.x) + absolute(link.y));
@@ -49,18 +51,18 @@ void PlanarChecker::pose(Block& block) const {
 }
 
 // The lanes in which the bounds of a pair meet.
-unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Block& block) const {
+unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Workspace& w) const {
   constexpr unsigned kAll = (1U << kLanes) - 1;
   const PlanarBody &a = bodies_[at(pair[0])], &b = bodies_[at(pair[1])];
   if (!bounds_ || (a.link < 0 && b.link < 0)) return kAll;
   Lanes dx, dy, reach;
   if (a.link >= 0 && b.link >= 0) {
-    const Block::CircleLanes &one = block.circles[at(pair[0])], &two = block.circles[at(pair[1])];
+    const Workspace::CircleLanes &one = w.circles[at(pair[0])], &two = w.circles[at(pair[1])];
     dx = one.x - two.x;
     dy = one.y - two.y;
     reach = one.radius + two.radius;
   } else {
-    const Block::CircleLanes& circle = block.circles[at(a.link >= 0 ? pair[0] : pair[1])];
+    const Workspace::CircleLanes& circle = w.circles[at(a.link >= 0 ? pair[0] : pair[1])];
     const std::array<double, 4>& box = a.link >= 0 ? b.box : a.box;
     const Lanes zero = broadcast(0);
     dx = larger(larger(box[0] - circle.x, circle.x - box[2]), zero);
@@ -71,19 +73,19 @@ unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Bloc
   return kAll & ~bits(apart);
 }
 
-PosedPolygon PlanarChecker::posed(std::int32_t index, std::size_t state, const Block& block) const {
+PosedPolygon PlanarChecker::posed(std::int32_t index, std::size_t state, const Workspace& w) const {
   const PlanarBody& body = bodies_[at(index)];
   if (body.link < 0) return {body.shape, body.pose};
-  const PlanarLinkLanes& link = block.links[at(body.link)];
+  const PlanarLinkLanes& link = w.links[at(body.link)];
   const double c = link.cos[state], s = link.sin[state];
   return {body.shape, {{c, -s, link.x[state], s, c, link.y[state]}}};
 }
 
 // found(state, pair) for collisions; with `first_only`, for the first pair of each state.
 template <class Found>
-void PlanarChecker::judge(Block& block, std::size_t count, bool first_only, PlanarCheckerCounters& counters,
-                          Found found) const {
-  pose(block);
+void PlanarChecker::judge(std::size_t count, bool first_only, Workspace& w, Found found) const {
+  pose(w);
+  PlanarCheckerCounters& counters = w.counters;
   const unsigned all = (1U << count) - 1;
   unsigned open = all;  // states whose verdict is not known
   counters.states += static_cast<long>(count);
@@ -93,13 +95,13 @@ void PlanarChecker::judge(Block& block, std::size_t count, bool first_only, Plan
       counters.skipped += static_cast<long>(count * (pairs_.size() - k));
       return;
     }
-    const unsigned close = near(pairs_[k], block) & open;
+    const unsigned close = near(pairs_[k], w) & open;
     counters.skipped += static_cast<long>(count) - __builtin_popcount(open);
     counters.bounds += __builtin_popcount(open & ~close);
     for (std::size_t state = 0; state < count; ++state) {
       if ((close >> state & 1U) == 0) continue;
       ++counters.tests;
-      const PosedPolygon a = posed(pairs_[k][0], state, block), b = posed(pairs_[k][1], state, block);
+      const PosedPolygon a = posed(pairs_[k][0], state, w), b = posed(pairs_[k][1], state, w);
       if (!planar_intersect(a, b, first_, counters.pair)) continue;
       found(state, k);
       if (first_only) open &= ~(1U << state);
@@ -107,69 +109,50 @@ void PlanarChecker::judge(Block& block, std::size_t count, bool first_only, Plan
   }
 }
 
-void PlanarChecker::link_poses(const double* q, std::size_t n, double* poses) const {
-  Block block;
+template <class Work>
+void PlanarChecker::each_block(const double* q, std::size_t n, Workspace& w, Work work) const {
   for (std::size_t row = 0; row < n; row += kLanes) {
     const std::size_t count = std::min<std::size_t>(kLanes, n - row);
-    load(q + row * width_, count, block);
-    pose(block);
+    load_rows<kLanes>(q + row * width_, count, width_, w.columns.data());
+    work(row, count);
+  }
+}
+
+void PlanarChecker::link_poses(const double* q, std::size_t n, double* poses) const {
+  const auto workspace = new_workspace();
+  Workspace& w = *workspace;
+  each_block(q, n, w, [&](std::size_t, std::size_t count) {
+    pose(w);
     for (std::size_t state = 0; state < count; ++state) {
-      for (const PlanarLinkLanes& link : block.links) {
+      for (const PlanarLinkLanes& link : w.links) {
         const double c = link.cos[state], s = link.sin[state];
         const double matrix[9] = {c, -s, link.x[state], s, c, link.y[state], 0, 0, 1};
         poses = std::copy_n(matrix, 9, poses);
       }
     }
-  }
+  });
 }
 
-void PlanarChecker::first_collisions(const double* q, std::size_t n, std::int32_t* first,
-                                     PlanarCheckerCounters& counters) const {
-  Block block;
+void PlanarChecker::first_collisions(const double* q, std::size_t n, std::int32_t* first, Workspace& w) const {
   std::fill_n(first, n, -1);
-  for (std::size_t row = 0; row < n; row += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
-    load(q + row * width_, count, block);
-    judge(block, count, true, counters,
-          [&](std::size_t state, std::size_t k) { first[row + state] = static_cast<std::int32_t>(k); });
-  }
+  each_block(q, n, w, [&](std::size_t row, std::size_t count) {
+    judge(count, true, w, [&](std::size_t state, std::size_t k) { first[row + state] = static_cast<std::int32_t>(k); });
+  });
 }
 
-void PlanarChecker::all_collisions(const double* q, std::size_t n, std::uint8_t* colliding,
-                                   PlanarCheckerCounters& counters) const {
-  Block block;
+void PlanarChecker::all_collisions(const double* q, std::size_t n, std::uint8_t* colliding, Workspace& w) const {
   std::fill_n(colliding, n * pairs_.size(), std::uint8_t{0});
-  for (std::size_t row = 0; row < n; row += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, n - row);
-    load(q + row * width_, count, block);
-    judge(block, count, false, counters,
-          [&](std::size_t state, std::size_t k) { colliding[(row + state) * pairs_.size() + k] = 1; });
-  }
+  each_block(q, n, w, [&](std::size_t row, std::size_t count) {
+    judge(count, false, w, [&](std::size_t state, std::size_t k) { colliding[(row + state) * pairs_.size() + k] = 1; });
+  });
 }
 
-bool PlanarChecker::motion_is_free(const double* q0, const double* q1, long steps,
-                                   PlanarCheckerCounters& counters) const {
-  Block block;
-  block.columns.resize(width_);
-  const auto all_free = [&](long first, long stride, long last) {
+bool PlanarChecker::motion_is_free(const double* q0, const double* q1, long steps, Workspace& w) const {
+  return is_free_coarse_to_fine<kLanes>(q0, q1, steps, width_, w.columns.data(), [&](std::size_t count) {
     bool free = true;
-    for (long k = first; k <= last && free; k += stride * kLanes) {
-      const long count = std::min<long>(kLanes, (last - k) / stride + 1);
-      for (long lane = 0; lane < kLanes; ++lane) {
-        const double t = static_cast<double>(k + stride * std::min(lane, count - 1)) / static_cast<double>(steps);
-        for (std::size_t c = 0; c < width_; ++c) block.columns[c][lane] = (1 - t) * q0[c] + t * q1[c];
-      }
-      judge(block, static_cast<std::size_t>(count), true, counters, [&](std::size_t, std::size_t) { free = false; });
-    }
+    judge(count, true, w, [&](std::size_t, std::size_t) { free = false; });
     return free;
-  };
-  if (!all_free(0, steps, steps)) return false;
-  long stride = 1;
-  while (stride < steps) stride *= 2;
-  for (; stride > 1; stride /= 2) {
-    if (!all_free(stride / 2, stride, steps - 1)) return false;
-  }
-  return true;
+  });
 }
 
 }  // namespace plannercheck

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "planar/polygon_test.hpp"
@@ -40,6 +41,13 @@ struct PlanarCheckerCounters {
   PlanarCounters pair;
 };
 
+inline PlanarCheckerCounters& operator+=(PlanarCheckerCounters& sum, const PlanarCheckerCounters& more) {
+  sum.states += more.states, sum.pairs += more.pairs, sum.bounds += more.bounds;
+  sum.tests += more.tests, sum.skipped += more.skipped;
+  sum.pair += more.pair;
+  return sum;
+}
+
 class PlanarChecker {
  public:
   PlanarChecker(std::vector<PlanarLink> links, std::int32_t width, std::vector<PlanarBody> bodies,
@@ -51,6 +59,12 @@ class PlanarChecker {
         bounds_(bounds),
         first_(first) {}
 
+  // What one thread poses and counts.
+  struct Workspace;
+  std::shared_ptr<Workspace> new_workspace() const;
+  // What has been counted since the last call.
+  static PlanarCheckerCounters take_counters(Workspace& workspace);
+
   std::size_t width() const { return width_; }
   std::size_t link_count() const { return links_.size(); }
   std::size_t pair_count() const { return pairs_.size(); }
@@ -58,15 +72,13 @@ class PlanarChecker {
   // Poses of all links (n, links, 3, 3) at n configurations (n, width).
   void link_poses(const double* q, std::size_t n, double* poses) const;
   // The index of the first pair that shares a point, or -1.
-  void first_collisions(const double* q, std::size_t n, std::int32_t* first, PlanarCheckerCounters& counters) const;
+  void first_collisions(const double* q, std::size_t n, std::int32_t* first, Workspace& workspace) const;
   // colliding[i * pair_count() + k] for configuration i and pair k.
-  void all_collisions(const double* q, std::size_t n, std::uint8_t* colliding, PlanarCheckerCounters& counters) const;
+  void all_collisions(const double* q, std::size_t n, std::uint8_t* colliding, Workspace& workspace) const;
   // Whether the states (1 - t) q0 + t q1 at t = 0, 1/steps, ..., 1 are all free; coarse to fine.
-  bool motion_is_free(const double* q0, const double* q1, long steps, PlanarCheckerCounters& counters) const;
+  bool motion_is_free(const double* q0, const double* q1, long steps, Workspace& workspace) const;
 
  private:
-  struct Block;
-
   std::vector<PlanarLink> links_;
   std::size_t width_;
   std::vector<PlanarBody> bodies_;
@@ -74,12 +86,14 @@ class PlanarChecker {
   bool bounds_;
   Precision first_;
 
-  void load(const double* q, std::size_t n, Block& block) const;
-  void pose(Block& block) const;
-  unsigned near(const std::array<std::int32_t, 2>& pair, const Block& block) const;
-  PosedPolygon posed(std::int32_t body, std::size_t state, const Block& block) const;
+  void pose(Workspace& workspace) const;
+  unsigned near(const std::array<std::int32_t, 2>& pair, const Workspace& workspace) const;
+  PosedPolygon posed(std::int32_t body, std::size_t state, const Workspace& workspace) const;
+  // Calls work(row, how many) for blocks of n configurations, loaded.
+  template <class Work>
+  void each_block(const double* q, std::size_t n, Workspace& workspace, Work work) const;
   template <class Found>
-  void judge(Block& block, std::size_t count, bool first_only, PlanarCheckerCounters& counters, Found found) const;
+  void judge(std::size_t count, bool first_only, Workspace& workspace, Found found) const;
 };
 
 }  // namespace plannercheck

@@ -63,8 +63,6 @@ PlanarCertifier::PlanarCertifier(std::vector<PlanarLink> links, std::int32_t wid
   reach_ += furthest;
 }
 
-PlanarCertifier::~PlanarCertifier() = default;
-
 std::vector<std::int32_t> PlanarCertifier::frames() const {
   std::vector<std::int32_t> out;
   for (const PlanarMotionPair& pair : pairs_) out.push_back(pair.frame);

@@ -30,19 +30,7 @@ struct PlanarMotion {
   std::size_t count;
 };
 
-// As MotionProof.
-struct PlanarProof {
-  std::int32_t pair;
-  double from, to;
-  PlanarDirection direction;
-  double gap, bulge;
-};
-
-struct PlanarMotionCounters {
-  long motions = 0, grids = 0, states = 0;
-  long intervals = 0;         // of pairs, past the circles
-  long lines = 0, swept = 0;  // gaps along lines, and descents
-};
+using PlanarProof = IntervalProof<PlanarDirection>;
 
 // What a body's path is seen from: a link, or -1 for the world.
 struct PlanarMotionPair {
@@ -54,16 +42,11 @@ class PlanarCertifier {
  public:
   PlanarCertifier(std::vector<PlanarLink> links, std::int32_t width, std::vector<PlanarBody> bodies,
                   const std::vector<std::array<std::int32_t, 2>>& pairs);
-  ~PlanarCertifier();
 
-  class Workspace;
-  // Workspaces are hidden: they hold lanes.
-  struct WorkspaceDeleter {
-    void operator()(Workspace* workspace) const;
-  };
-  using WorkspacePointer = std::unique_ptr<Workspace, WorkspaceDeleter>;
-  WorkspacePointer new_workspace() const;
-  static PlanarMotionCounters take_counters(Workspace& workspace);
+  struct Workspace;  // hidden, since it holds lanes
+  std::shared_ptr<Workspace> new_workspace() const;
+  // What has been counted since the last call.
+  static GridCounters take_counters(Workspace& workspace);
 
   // Per pair: what its proofs are seen from.
   std::vector<std::int32_t> frames() const;

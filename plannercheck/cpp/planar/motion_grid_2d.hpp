@@ -10,8 +10,8 @@
 
 namespace plannercheck {
 
-// States of one grid at most, and the length of a row: whole lanes may be read from one state further.
-inline constexpr std::size_t kPlanarStates = 32, kPlanarRow = 48;
+// The length of a row: room for all states, and whole lanes may be read from one state further.
+inline constexpr std::size_t kPlanarRow = 48;
 
 class PlanarGrid {
  public:

@@ -45,6 +45,12 @@ struct PlanarCounters {
   long exact = 0;          // signs that double-double left open, too
 };
 
+inline PlanarCounters& operator+=(PlanarCounters& sum, const PlanarCounters& more) {
+  sum.rounds += more.rounds, sum.vertices += more.vertices;
+  sum.double_double += more.double_double, sum.exact += more.exact;
+  return sum;
+}
+
 struct NotFiniteError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };

@@ -84,9 +84,9 @@ double planar_gap(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& 
   return planar_difference(a, b, places, direction).along;
 }
 
-PlanarApart planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces* places, int count, double limit,
-                         PlanarDirection hint) {
-  PlanarApart answer;
+SweptAnswer<PlanarDirection> planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces* places,
+                                          int count, double limit, PlanarDirection hint) {
+  SweptAnswer<PlanarDirection> answer;
   PlanarSimplex simplex;
   PlanarDirection d = hint;
   double length = 0, square = 0;  // |v| and |v|² once v is a point of the simplex

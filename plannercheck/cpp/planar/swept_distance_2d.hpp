@@ -8,6 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "motions/motion_report.hpp"
+
 namespace plannercheck {
 
 struct PlanarVector {
@@ -57,15 +59,9 @@ struct PlanarPlaces {
   PlanarPlace a, b, frame;
 };
 
-struct PlanarApart {
-  bool apart = false;  // the polygons are more than the limit apart along `direction` at every pose that was given
-  PlanarDirection direction;  // in the frame, from b to a
-  double gap = 0;             // along it: a lower bound but for the rounding that the limit has to cover
-};
-
 // At `count` poses, 1 or 2, from a direction to begin with.
-PlanarApart planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces* places, int count, double limit,
-                         PlanarDirection hint);
+SweptAnswer<PlanarDirection> planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces* places,
+                                          int count, double limit, PlanarDirection hint);
 
 // The gap along a direction of the frame at one pose.
 double planar_gap(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces& places, PlanarDirection direction);

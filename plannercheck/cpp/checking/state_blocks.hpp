@@ -1,0 +1,53 @@
+// Configurations in lanes: blocks of rows as they are given, or of states along a straight motion, coarse to fine.
+//
+// Number c of a block's state s is lane s % kLanes of columns[s / kLanes * width + c]. States past the last one repeat
+// it, so that every lane holds a configuration.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "math/simd.hpp"
+
+namespace plannercheck {
+
+// n rows of `width` numbers, as the first of `states`.
+template <std::size_t states>
+void load_rows(const double* q, std::size_t n, std::size_t width, Lanes* columns) {
+  for (std::size_t state = 0; state < states; ++state) {
+    const double* from = q + std::min(state, n - 1) * width;
+    Lanes* to = columns + state / kLanes * width;
+    for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = from[c];
+  }
+}
+
+// Whether the states (1 − t) q0 + t q1 at t = 0, 1/steps, …, 1 are all free, by blocks of `states`; coarse to fine, so
+// that a collision is met early. all_free(n): whether the first n states of the columns are.
+template <std::size_t states, class AllFree>
+bool is_free_coarse_to_fine(const double* q0, const double* q1, long steps, std::size_t width, Lanes* columns,
+                            AllFree all_free) {
+  const auto every = [&](long first, long stride, long last) {
+    for (long k = first; k <= last; k += stride * static_cast<long>(states)) {
+      const long count = std::min<long>(states, (last - k) / stride + 1);
+      for (std::size_t group = 0; group < states / kLanes; ++group) {
+        Lanes t;
+        for (long lane = 0; lane < kLanes; ++lane) {
+          const long state = std::min(static_cast<long>(group) * kLanes + lane, count - 1);
+          t[lane] = static_cast<double>(k + stride * state) / static_cast<double>(steps);
+        }
+        for (std::size_t c = 0; c < width; ++c) columns[group * width + c] = (1 - t) * q0[c] + t * q1[c];
+      }
+      if (!all_free(static_cast<std::size_t>(count))) return false;
+    }
+    return true;
+  };
+  if (!every(0, steps, steps)) return false;
+  long stride = 1;
+  while (stride < steps) stride *= 2;
+  for (; stride > 1; stride /= 2) {
+    if (!every(stride / 2, stride, steps - 1)) return false;
+  }
+  return true;
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,281 @@
+// Adaptive subdivision of a motion, in space and in the plane: grids of states, finer where pairs are not settled.
+//
+// In: a run, which poses the grids and measures the pairs; pairs for the first grid. Out: whether all of them are
+// settled, else where and by which pair the motion is refused.
+//
+// Idea (see motion_certifier.hpp). On each grid all pairs pass the run's filters. What these leave open is taken
+// deepest first: the state that looks most like a collision, the plane found last, a descent on the swept bodies. An
+// interval is cut further for the pairs that nothing settles, until they are settled or found within the tolerance.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "math/vec.hpp"
+#include "motions/motion_report.hpp"
+
+namespace plannercheck {
+
+// Grids have 2, 4 or 8k states: whole lanes on every instruction set.
+inline constexpr int kIntervals[] = {1, 3, 7, 15, 23, 31};
+inline constexpr std::size_t kGridStates = 32;  // at most
+
+// Into how many intervals one is cut that has pairs left: ε shrinks to a ninth.
+inline constexpr int kCut = 3;
+
+// The smallest first grid on which no point leaves its chords by more than `coarse`, m, given a bound of |p''|.
+inline int first_intervals(double curvature, double coarse) {
+  for (const int n : kIntervals) {
+    if (curvature / 8 <= coarse * n * n) return n;
+  }
+  return kIntervals[std::size(kIntervals) - 1];
+}
+
+// What separated a pair last: a plane, in 2D a line.
+template <class Direction>
+struct Plane {
+  std::uint64_t motion = 0;  // by which it was found, 0 if there is none
+  Direction direction;       // in the pair's frame
+};
+
+// Intervals of a pair that the filters leave open, and the state at which its bounds are deepest in each other.
+struct OpenPair {
+  std::int32_t pair;
+  unsigned open;
+  double depth;
+  std::size_t state;
+};
+
+// A pair that is not settled on an interval; `refused`: the parameter of an end at which it is within the tolerance, −1
+// if there is none.
+struct Failure {
+  std::size_t interval;
+  std::int32_t pair;
+  double refused;
+};
+
+// What a thread keeps. Space names the types of space or the plane: Direction, Grid, Open (an OpenPair), Counters, and
+// for a run Pair (two bodies), Poses (of both at a state), Workspace.
+template <class Space>
+struct SubdivisionWorkspace {
+  using Direction = typename Space::Direction;
+
+  SubdivisionWorkspace(typename Space::Grid made, std::size_t pairs) : grid(std::move(made)), planes(pairs) {}
+
+  // With that the planes of earlier motions are none of this one's.
+  void begin_motion() {
+    ++counters.motions;
+    ++motion;
+    failures.clear();
+  }
+
+  typename Space::Grid grid;
+  std::vector<typename Space::Open> open;
+  std::vector<Failure> failures;         // a stack: grids inside grids
+  std::vector<Plane<Direction>> planes;  // per pair
+  std::uint64_t motion = 0;              // how many were begun
+  typename Space::Counters counters;
+};
+
+// One motion's check. A class Run derives from it and provides, a pair's index being its row in the table:
+//   pose_grid(from, to, intervals)       poses the states of a grid;
+//   near(index)                          the intervals that spheres or circles leave open of a pair, as bits;
+//   found_open(index, near)              what is open of these, and where it is deepest;
+//   first_direction(open)                in the pair's frame, from b to a, where the motion has no plane of the pair
+//   yet; apart(index)                         a larger gap at both ends of an interval settles it, m; poses(pair,
+//   state)                   those of both bodies and of the pair's frame; gap_at(pair, poses, direction)       m;
+//   swept(pair, poses, count, limit, hint)   a descent at one pose or two, a SweptAnswer;
+//   touches(state of a pair, state)      whether no interval at the state can be settled;
+//   proves_clear(state of a pair, state) whether the pair is more than the tolerance apart there;
+//   fail(state of a pair, interval)      what to do where plane and descent settle nothing, by `end_within` and
+//   `leave`; proof(state of a pair, from, to, least gap of both ends).
+template <class Run, class Space>
+class AdaptiveSubdivision {
+ public:
+  using Direction = typename Space::Direction;
+  using Proofs = std::vector<IntervalProof<Direction>>;
+
+  // Looks for the first place where the motion is refused. With `proofs`, notes down those of all pairs.
+  void in_order(Proofs* proofs) { ordered_ = true, proofs_ = proofs; }
+
+ protected:
+  using Pair = typename Space::Pair;
+  using Poses = typename Space::Poses;
+  using Open = typename Space::Open;
+  using Workspace = typename Space::Workspace;
+
+  AdaptiveSubdivision(const std::vector<Pair>& pairs, Workspace& workspace) : pairs_(pairs), w_(workspace) {}
+
+  const std::vector<Pair>& pairs_;
+  Workspace& w_;
+  bool ordered_ = false;
+  Proofs* proofs_ = nullptr;
+  MotionReport report_;
+
+  // What is known of a pair on the grid, besides its plane.
+  struct PairState {
+    const Pair& pair;
+    std::int32_t index;
+    double apart;
+    Plane<Direction>& plane;
+    unsigned measured = 0, checked = 0;  // states whose gap along the plane is known; states that are proved clear
+    std::array<double, kGridStates> gaps;
+  };
+
+  // What a run may replace: the motion's parameter of one of the grids, and a choice of what the next grid poses.
+  double parameter(double t) const { return t; }
+  void choose(const std::vector<std::int32_t>&) {}
+
+  void place(double from, double to, int intervals) {
+    ++w_.counters.grids;
+    w_.counters.states += intervals + 1;
+    self().pose_grid(from, to, intervals);
+  }
+
+  // ----- grids inside grids
+
+  // Whether all pairs are settled on the grid that is placed; if not, the report says where the motion is refused.
+  bool judge_grid(const std::vector<std::int32_t>& candidates) {
+    const std::size_t base = w_.failures.size();
+    const unsigned all = (1U << w_.grid.intervals()) - 1;
+    w_.open.clear();
+    w_.counters.pairs += static_cast<long>(candidates.size());
+    for (const std::int32_t index : candidates) {
+      const unsigned near = proofs_ != nullptr ? all : self().near(index);
+      if (near == 0) continue;
+      w_.counters.intervals += __builtin_popcount(near);
+      const Open found = self().found_open(index, near);
+      if (found.open != 0) w_.open.push_back(found);
+    }
+    // The likeliest to collide first: whose bounds are deepest in each other.
+    std::sort(w_.open.begin(), w_.open.end(), [](const auto& a, const auto& b) { return a.depth < b.depth; });
+    for (const Open& found : w_.open) {
+      if (!settle(found)) return false;
+    }
+    return w_.failures.size() == base || cut_failures(base);
+  }
+
+  bool cut_failures(std::size_t base) {
+    std::vector<Failure> failures(w_.failures.begin() + static_cast<std::ptrdiff_t>(base), w_.failures.end());
+    w_.failures.resize(base);
+    std::stable_sort(failures.begin(), failures.end(),
+                     [](const Failure& a, const Failure& b) { return a.interval < b.interval; });
+    std::array<double, kGridStates> t;
+    for (std::size_t i = 0; i <= w_.grid.intervals(); ++i) t[i] = w_.grid.parameter(i);
+    for (std::size_t k = 0; k < failures.size();) {
+      const std::size_t interval = failures[k].interval;
+      report_.free_until = self().parameter(t[interval]);
+      Failure first{interval, -1, 2};  // the one that is refused first
+      std::vector<std::int32_t> pairs;
+      for (; k < failures.size() && failures[k].interval == interval; ++k) {
+        if (failures[k].refused >= 0 && failures[k].refused < first.refused) first = failures[k];
+        pairs.push_back(failures[k].pair);
+      }
+      if (first.refused <= t[interval]) return refuse_at(first.refused, first.pair);
+      self().choose(pairs);
+      place(t[interval], t[interval + 1], kCut);
+      if (!judge_grid(pairs)) return false;
+      if (first.pair >= 0) {
+        report_.free_until = self().parameter(t[interval + 1]);
+        return refuse_at(first.refused, first.pair);
+      }
+    }
+    return true;
+  }
+
+  bool refuse_at(double t, std::int32_t pair) {
+    report_.refused = self().parameter(t), report_.pair = pair;
+    return false;
+  }
+
+  // ----- one pair on one grid
+
+  // Settles the intervals of a pair or leaves them as failures; false if the pair is within the tolerance.
+  bool settle(const Open& found) {
+    PairState s{pairs_[at(found.pair)], found.pair, self().apart(found.pair), w_.planes[at(found.pair)], 0, 0, {}};
+    if (s.plane.motion != w_.motion) s.plane = {w_.motion, self().first_direction(found)};
+    // In order, too: what it learns of the plane may decide where rounding does.
+    if (found.depth < 0 && self().touches(s, found.state) && !ordered_) {
+      return refuse_at(w_.grid.parameter(found.state), found.pair);
+    }
+    for (unsigned open = found.open; open != 0; open &= open - 1) {
+      const auto i = static_cast<std::size_t>(__builtin_ctz(open));
+      if (plane_settles(s, i) || sweep_settles(s, i)) {
+        prove(s, i);
+      } else if (!self().fail(s, i)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool plane_settles(PairState& s, std::size_t i) { return gap(s, i) > s.apart && gap(s, i + 1) > s.apart; }
+
+  double gap(PairState& s, std::size_t state) {
+    if ((s.measured >> state & 1U) == 0) {
+      s.measured |= 1U << state;
+      ++w_.counters.planes;
+      s.gaps[state] = self().gap_at(s.pair, self().poses(s.pair, state), s.plane.direction);
+    }
+    return s.gaps[state];
+  }
+
+  bool sweep_settles(PairState& s, std::size_t i) {
+    const std::array<Poses, 2> ends{self().poses(s.pair, i), self().poses(s.pair, i + 1)};
+    return sweep(s, ends.data(), 2, s.apart);
+  }
+
+  bool sweep_at(PairState& s, std::size_t state, double limit) {
+    const Poses here = self().poses(s.pair, state);
+    return sweep(s, &here, 1, limit);
+  }
+
+  bool sweep(PairState& s, const Poses* poses, int count, double limit) {
+    ++w_.counters.swept;
+    const SweptAnswer<Direction> answer = self().swept(s.pair, poses, count, limit, s.plane.direction);
+    learn(s, answer.direction);
+    return answer.apart;
+  }
+
+  void learn(PairState& s, Direction direction) {
+    s.plane = {w_.motion, direction};
+    s.measured = 0;
+  }
+
+  void prove(PairState& s, std::size_t i) {
+    if (proofs_ == nullptr) return;
+    const double least = smaller(gap(s, i), gap(s, i + 1));
+    proofs_->push_back(self().proof(s, w_.grid.parameter(i), w_.grid.parameter(i + 1), least));
+  }
+
+  // ----- an interval that neither its plane nor a descent settles
+
+  // The parameter of an end at which the pair is within the tolerance, −1 if there is none.
+  double end_within(PairState& s, std::size_t i) {
+    if (!clear(s, i)) return w_.grid.parameter(i);
+    return clear(s, i + 1) ? -1 : w_.grid.parameter(i + 1);
+  }
+
+  // Whether the pair is proved to be more than the tolerance apart at a state; if not, it is within it.
+  bool clear(PairState& s, std::size_t state) {
+    if ((s.checked >> state & 1U) != 0) return true;
+    if (!self().proves_clear(s, state)) return false;
+    s.checked |= 1U << state;
+    return true;
+  }
+
+  // False if the pair is within the tolerance at an end. In order, the interval is looked at further all the same.
+  bool leave(PairState& s, std::size_t i, double refused) {
+    if (!ordered_ && refused >= 0) return refuse_at(refused, s.index);
+    w_.failures.push_back({i, s.index, refused});
+    return true;
+  }
+
+ private:
+  Run& self() { return static_cast<Run&>(*this); }
+};
+
+}  // namespace plannercheck
