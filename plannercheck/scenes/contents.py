@@ -45,15 +45,7 @@ class AllowedCollisions:
 
 
 class SceneContents(DeclaredStates):
-    """Named obstacles, posed in the world, and what links carry; `Scene` has files besides.
-
-    Attributes:
-        name: For reports.
-        allowed: Which links and objects may touch.
-        states: Start, goal and samples by robot name.
-        link_padding: What a MoveIt scene asks to be kept from links, by name, m; a checker takes it as `padding=`.
-        frames: Which frames a MoveIt scene knows besides links and objects.
-    """
+    """Named obstacles, posed in the world, and what links carry; `Scene` adds files, and documents the attributes."""
 
     def __init__(self, name: str = "") -> None:
         """Makes an empty scene."""

@@ -13,7 +13,6 @@ from plannercheck.common.checked_yaml import (
     Node,
     mapping,
     number,
-    numbers,
     parse_yaml,
     read_bytes,
     required,
@@ -22,7 +21,7 @@ from plannercheck.common.checked_yaml import (
     within,
 )
 from plannercheck.common.errors import PlannercheckError, shortened
-from plannercheck.scenes.moveit_states import check_robot_state
+from plannercheck.scenes.moveit_states import check_robot_state, joint_values
 
 
 @dataclass(frozen=True)
@@ -58,18 +57,10 @@ def motion_request(document: Node) -> MotionRequest:
     if not goals:
         raise PlannercheckError("'goal_constraints' is empty: one goal with joint_constraints is needed")
     with within("start_state"):
-        joints = _joint_state(mapping(required(start, "joint_state"), "'joint_state'"))
+        joints = joint_values(mapping(required(start, "joint_state"), "'joint_state'"))
     group = text(document.get("group_name") or "", "group_name")
     constrained = tuple(_joint_goal(mapping(g, "a goal"), k) for k, g in enumerate(goals))
     return MotionRequest(group, joints, constrained, start)
-
-
-def _joint_state(node: Node) -> dict[str, float]:
-    names = [text(n, "name") for n in sequence(required(node, "name"), "'name'")]
-    values = numbers(required(node, "position"), "position", len(names))
-    if len(set(names)) != len(names):
-        raise PlannercheckError(f"joint_state names a joint twice: {', '.join(names)}")
-    return dict(zip(names, values, strict=True))
 
 
 def _joint_goal(node: Node, index: int) -> dict[str, float]:
