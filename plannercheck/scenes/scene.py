@@ -25,7 +25,8 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
             position: [0.05, 0.0, 0.0]
           - cone: {radius: 0.03, length: 0.1}       # apex at z = +length / 2
       - name: tap
-        mesh: {file: tap.stl, scale: 0.001}    # its convex hull; scale is optional, one factor or three
+        mesh: {file: tap.stl, scale: 0.001}    # its convex hull; scale is optional, one factor or three; the
+                                               # file may be package://NAME/..., as in a URDF
       - name: wedge
         hull: {vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}   # or {file: wedge.npy}
         matrix: [[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]   # instead of the above
@@ -77,7 +78,7 @@ class Scene(SceneContents):
         Args:
             path: A file of our own format, a MoveIt planning scene in YAML (told by its keys), or the bare
                 name of a shipped scene, e.g. "bookshelf".
-            package_dirs: Folders in which `package://` meshes of MoveIt scenes are looked for.
+            package_dirs: Folders in which `package://` meshes are looked for, before all folders above the file.
 
         Returns:
             The scene.
