@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.meshes import load_mesh
+from plannercheck.bodies.meshes import hull_of_triangles, load_mesh
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere
 from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
@@ -28,6 +28,9 @@ _OBJECT_KEYS = (
     *("header", "pose", "id", "type", "primitives", "primitive_poses", "meshes", "mesh_poses"),
     *("planes", "plane_poses", "subframe_names", "subframe_poses", "operation"),
 )
+
+# More than any mesh has; whole numbers up to here are doubles.
+_MOST_VERTICES = 2**53
 
 # Names and codes of the operation that puts an object into a scene; ROS 2 writes a byte.
 _ADD = (None, 0, "0", "add", "ADD", b"\0", "\0")
@@ -133,14 +136,12 @@ def _mesh(node: Node, find_file: FindFile) -> Hull:
             return load_mesh(find_file(text(node["resource"], "resource")), scale)
         rows = sequence(required(node, "vertices"), "'vertices'")
         vertices = np.array([vector(row, "vertices", "xyz") for row in rows]).reshape(-1, 3)
-        return Hull(vertices[_used(node, len(vertices))])
+        return hull_of_triangles(vertices, _triangles(node))
 
 
-def _used(node: Node, count: int) -> NDArray[np.int64]:
-    """Indices of the vertices that a mesh's triangles use; all, if it has none."""
+def _triangles(node: Node) -> NDArray[np.int64]:
+    """Indices of vertices (m, 3), bare or in messages; absurd ones stay beyond all vertices."""
     rows = sequence(node.get("triangles"), "'triangles'")
     rows = [row.get("vertex_indices") if isinstance(row, dict) else row for row in rows]
-    used = sorted({int(i) for row in rows for i in numbers(row, "triangles", 3)})
-    if used and not (used[0] >= 0 and used[-1] < count):
-        raise PlannercheckError(f"triangles use vertices {used[0]} to {used[-1]}, but there are {count} vertices")
-    return np.array(used or range(count), dtype=np.int64)
+    corners = np.array([numbers(row, "triangles", 3) for row in rows]).reshape(-1, 3)
+    return np.asarray(np.clip(corners, -1, _MOST_VERTICES), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""MoveIt planning scenes in YAML, as ROS, MoveIt and MotionBenchMaker write them.
+"""MoveIt planning scenes in YAML, as ROS, MoveIt and MotionBenchMaker write them, or their worlds or objects alone.
 
 In: parsed YAML, a scene without objects. Out: the scene as MoveIt would have it.
 
@@ -33,12 +33,21 @@ _SCENE_KEYS = (
     *("link_padding", "link_scale", "object_colors", "world", "is_diff"),
 )
 _TELLING_KEYS = frozenset({"world", "robot_state", "robot_model_name", "allowed_collision_matrix"})
+
+# The fields of moveit_msgs/PlanningSceneWorld, and what tells a moveit_msgs/CollisionObject.
 _WORLD_KEYS = ("collision_objects", "octomap")
+_OBJECT_TELLING_KEYS = frozenset({"id", "primitives", "meshes", "planes"})
 
 
-def is_planning_scene(document: Node) -> bool:
-    """Whether a parsed YAML document is a MoveIt planning scene, by its keys."""
-    return not _TELLING_KEYS.isdisjoint(document)
+def as_planning_scene(document: Node) -> Node | None:
+    """The planning scene that a parsed YAML document is, or is the world or an object of, by its keys; None if none."""
+    if not _TELLING_KEYS.isdisjoint(document):
+        return document
+    if not set(_WORLD_KEYS).isdisjoint(document):
+        return {"world": document}
+    if not _OBJECT_TELLING_KEYS.isdisjoint(document):
+        return {"world": {"collision_objects": [document]}}
+    return None
 
 
 def read_planning_scene(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequence[Path] = ()) -> None:

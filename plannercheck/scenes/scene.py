@@ -1,6 +1,6 @@
 """Scenes: the obstacles around a robot, by name, and where planning starts and ends.
 
-In: `add_...` calls, a scene file of our own format, or a MoveIt planning scene (see moveit_scene.py). Out:
+In: `add_...` calls, a scene file of our own format, or one of MoveIt's (see moveit_scene.py, moveit_text.py). Out:
 `bodies`, each a shape posed in the world, what links carry (`attached`), and what may touch. A scene can be changed at
 any time, in place; a checker takes what is there when it is built, and `checker.with_scene` takes up changes without
 preparing anything again.
@@ -76,8 +76,9 @@ class Scene(SceneContents):
         """Loads a scene file.
 
         Args:
-            path: A file of our own format, a MoveIt planning scene in YAML (told by its keys), or the bare
-                name of a shipped scene, e.g. "bookshelf".
+            path: A file of our own format; a planning scene, a planning scene's world or a collision object of MoveIt
+                in YAML (told by their keys); MoveIt's text format (`.scene`); or the bare name of a shipped scene,
+                e.g. "bookshelf".
             package_dirs: Folders in which `package://` meshes are looked for, before all folders above the file.
 
         Returns:
@@ -88,7 +89,11 @@ class Scene(SceneContents):
         return scene
 
     def save(self, path: str | Path) -> None:
-        """Writes the scene in our own format; poses and sizes are read back as the same doubles."""
+        """Writes the scene in our own format; poses and sizes are read back as the same doubles.
+
+        A path that ends in `.scene` gets MoveIt's text format, which holds obstacles alone, their rotations as
+        quaternions, and no capsules.
+        """
         write_scene(self, Path(path))
 
 

@@ -1,7 +1,7 @@
 """Reads and writes scene files of our own format, which scene.py documents.
 
-In: a YAML file, a scene without objects. Out: the scene as the file has it, and back. A file with the keys of a MoveIt
-planning scene goes to moveit_scene.py.
+In: a file, a scene without objects. Out: the scene as the file has it, and back. YAML with the keys of MoveIt's
+messages goes to moveit_scene.py, a file called `.scene` to moveit_text.py.
 """
 
 from __future__ import annotations
@@ -35,8 +35,10 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file, is_folder
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
 from plannercheck.scenes import moveit_scene as moveit
+from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.moveit_messages import single_document
 from plannercheck.scenes.scene_paths import FindFile, file_finder
 
 # Keys of pairs, and whether they may touch; two links, which a misspelt object may not pass for, have their own.
@@ -57,7 +59,7 @@ _SHAPE_KEYS = ("box", *_SIZED, "mesh", "hull")
 
 
 def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = ()) -> None:
-    """Reads a scene of either format.
+    """Reads a scene of any format.
 
     Args:
         scene: Is filled, and named after the file if that does not give a name.
@@ -67,12 +69,21 @@ def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = 
     if not is_file(path):
         raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
     with within(f"scene file {str(path)!r}"):
-        document = parse_yaml(read_bytes(path))
-        if moveit.is_planning_scene(document):
-            moveit.read_planning_scene(scene, document, path.parent, package_dirs)
+        content = read_bytes(path)
+        if path.suffix.lower() == moveit_text.SUFFIX:
+            moveit_text.read_scene_text(scene, content)
         else:
-            _read(scene, document, path.parent, package_dirs)
+            _read_yaml(scene, content, path.parent, package_dirs)
     scene.name = scene.name or path.stem
+
+
+def _read_yaml(scene: SceneContents, content: bytes, folder: Path, package_dirs: Sequence[Path]) -> None:
+    document = parse_yaml(single_document(content))
+    message = moveit.as_planning_scene(document)
+    if message is None:
+        _read(scene, document, folder, package_dirs)
+    else:
+        moveit.read_planning_scene(scene, message, folder, package_dirs)
 
 
 def _read(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequence[Path]) -> None:
@@ -227,19 +238,25 @@ def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> 
 
 
 def write_scene(scene: SceneContents, path: Path) -> None:
-    """Writes a scene so that reading it gives the same doubles."""
-    folder = path.resolve().parent
+    """Writes a scene, as MoveIt's text if the path ends in `.scene`, else in our own format."""
+    with within(f"scene file {str(path)!r}"):
+        is_text = path.suffix.lower() == moveit_text.SUFFIX
+        text = moveit_text.scene_text(scene) if is_text else _yaml_text(scene, path.resolve().parent)
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise PlannercheckError(f"scene file {str(path)!r} can't be written: {error.strerror}") from None
+
+
+def _yaml_text(scene: SceneContents, folder: Path) -> str:
+    """A scene in our own format: reading it gives the same doubles."""
     document: Node = {"name": scene.name} if scene.name else {}
     document["objects"] = [_object_node(item, folder) for item in scene.objects]
     document |= {"attached": [_attached_node(item, folder) for item in scene.attached]} if scene.attached else {}
     document |= _allowed_nodes(scene)
     states = {robot: states_node(scene, robot, folder) for robot in scene.states}
     document |= {"states": states} if states else {}
-    lines = yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
-    try:
-        path.write_text(lines, encoding="utf-8")
-    except OSError as error:
-        raise PlannercheckError(f"scene file {str(path)!r} can't be written: {error.strerror}") from None
+    return str(yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True))
 
 
 def _object_node(item: SceneObject, folder: Path) -> Node:
