@@ -223,7 +223,7 @@ def test_scenes_of_such_shapes_are_saved_and_checked(tmp_path):
     robot = pc.Robot.load("panda")
     q = robot.random_configurations(300, 0)
     valid = pc.Checker(robot, scene).check_states(q)
-    assert 0 < (valid != pc.Checker(robot).check_states(q)).sum()
+    assert (valid != pc.Checker(robot).check_states(q)).sum() > 0
     assert np.array_equal(pc.Checker(robot, pc.Scene.load(tmp_path / "s.yaml")).check_states(q), valid)
     by_hand = pc.Scene()
     by_hand.add_hull("mesh", ball.vertices, scene.bodies[0].pose)
