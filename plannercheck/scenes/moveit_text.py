@@ -7,7 +7,7 @@ The format is what moveit_core has it to be: `PlanningScene::saveGeometryToStrea
 
     name of the scene
     * id of an object                  the rest of the line
-    x y z                              its pose; left out, with the subframes, in the format before MoveIt 1.1
+    x y z                              its pose; the older format has none, and no subframes
     qx qy qz qw
     1                                  number of shapes, each of which is
     cylinder                           sphere (radius), box (x y z), cylinder and cone (radius length), mesh (see _mesh)
