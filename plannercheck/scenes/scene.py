@@ -57,6 +57,7 @@ from plannercheck.common.package_data import is_file, is_folder, is_planar_file,
 from plannercheck.common.public_names import set_module
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.scene_files import read_scene, write_scene
+from plannercheck.scenes.scene_table import scene_html
 
 
 @set_module("plannercheck")
@@ -95,6 +96,9 @@ class Scene(SceneContents):
         quaternions, and no capsules.
         """
         write_scene(self, Path(path))
+
+    def _repr_html_(self) -> str:
+        return scene_html(self)
 
 
 def shipped_scenes() -> list[str]:
