@@ -93,9 +93,8 @@ def test_a_package_that_is_nowhere_is_named(tmp_path, document, name):
     path = scene_file(tmp_path, document)
     with pytest.raises(
         PlannercheckError,
-        match=rf"s\.yaml': {name}: .*{ADDRESS}' is in none of the package_dirs \(none were given\), nor in a folder "
-        "above the scene: package://NAME/... needs the folder that contains NAME",
+        match=rf"s\.yaml': {name}: .*{ADDRESS}' is .*package://NAME/... needs the folder that contains NAME",
     ):
         pc.Scene.load(path)
-    with pytest.raises(PlannercheckError, match=f"none of the package_dirs .{tmp_path}"):
+    with pytest.raises(PlannercheckError, match=f"package_dirs .{tmp_path}"):
         pc.Scene.load(path, package_dirs=[tmp_path])
