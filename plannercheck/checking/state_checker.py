@@ -26,7 +26,7 @@ from plannercheck.checking.pair_table import Acm, pair_table
 from plannercheck.checking.scene_placement import place_objects
 from plannercheck.checking.settings import COUNTED, UNCOUNTED, Settings, known_parts, stand_ins, without
 from plannercheck.checking.verdicts import PairVerdict, Verdict
-from plannercheck.common.arrays import contiguous, read_only
+from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.threads import checked_threads
@@ -348,7 +348,7 @@ class StateChecker:
         known = self._judge_row(q)
         if known is None:  # not an array of doubles yet, e.g. a list
             row = self._single(q)
-            known = self._judge_row(contiguous(row[0]))
+            known = self._judge_row(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
     def _row_validity(self) -> Callable[[ArrayLike], bool | None]:
