@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, SceneObject, unplaced
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
+from plannercheck.common.atomic_files import written_aside
 from plannercheck.common.checked_yaml import (
     BROKEN_FILE,
     Node,
@@ -243,9 +244,9 @@ def write_scene(scene: SceneContents, path: Path) -> None:
         is_text = path.suffix.lower() == moveit_text.SUFFIX
         text = moveit_text.scene_text(scene) if is_text else _yaml_text(scene, path.resolve().parent)
     try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise PlannercheckError(f"scene file {str(path)!r} can't be written: {error.strerror}") from None
+        written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    except PlannercheckError as error:
+        raise PlannercheckError(f"scene {error}") from None
 
 
 def _yaml_text(scene: SceneContents, folder: Path) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+from pathlib import Path
+
 import coal
 import numpy as np
 import pinocchio
@@ -334,6 +337,29 @@ def test_scene_files_that_say_too_little_are_refused(tmp_path, document, message
     path.write_text(document)
     with pytest.raises(PlannercheckError, match=message):
         Scene.load(path)
+
+
+@pytest.mark.parametrize("name", ["s.yaml", "s.scene"])
+def test_a_file_that_can_not_be_written_stays_as_it_was(tmp_path, monkeypatch, name):
+    scene = Scene("s")
+    scene.add_box("a", (1, 1, 1))
+    scene.save(tmp_path / name)
+    before = (tmp_path / name).read_text()
+
+    def full(path, text, **options):
+        with path.open("w") as file:
+            file.write(text[:10])
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    scene.add_box("b", (1, 1, 1))
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(PlannercheckError, match=f"scene file '.*{name}' can't be written: No space left on device"):
+        scene.save(tmp_path / name)
+    assert (tmp_path / name).read_text() == before
+    with pytest.raises(
+        PlannercheckError, match=r"scene file '.*nowhere.*' can't be written: No such file or directory"
+    ):
+        scene.save(tmp_path / "nowhere" / name)
 
 
 def test_notebooks_show_a_table_of_the_objects(folder):
