@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.bodies.given_shapes import GivenShape, given_polytope
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import checked_pose
 from plannercheck.common.core import core
 from plannercheck.common.public_names import set_module
 
@@ -48,11 +48,16 @@ class Distance:
 
 
 @set_module("plannercheck")
-def distance(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None) -> Distance:
+def distance(
+    P: Polytope | GivenShape,
+    R: Polytope | GivenShape,
+    pose_p: ArrayLike | None = None,
+    pose_r: ArrayLike | None = None,
+) -> Distance:
     """The distance of two posed bodies, swells included.
 
     Args:
-        P: A body.
+        P: A body, as for `intersects`.
         R: Another.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
         pose_r: Pose (4, 4) of R in the world, m.
@@ -63,7 +68,7 @@ def distance(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: 
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    poses = (checked_pose(pose, name)[None] for pose, name in ((pose_p, "pose_p"), (pose_r, "pose_r")))
-    first, second = poses
-    overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, first, R.core, second)
+    P, pose_p = given_polytope(P, pose_p, "P")
+    R, pose_r = given_polytope(R, pose_r, "R")
+    overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None])
     return Distance(0.0 if overlap[0] else float(found[0]), on_p[0], on_r[0], float(lower[0]), along[0])

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal, TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies.certificates import (
     Bodies,
@@ -25,6 +24,7 @@ from plannercheck.bodies.certificates import (
     separation,
     shared_point,
 )
+from plannercheck.bodies.given_shapes import GivenShape, given_polytope
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
 from plannercheck.common.core import core
@@ -90,16 +90,17 @@ def pair_options(method: Method = "oracle", *switches: bool, **named: bool) -> A
 
 @set_module("plannercheck")
 def intersects(
-    P: Polytope,
-    R: Polytope,
+    P: Polytope | GivenShape,
+    R: Polytope | GivenShape,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
     method: Method = "oracle",
 ) -> bool:
-    """Whether two posed polytopes share a point; touching counts.
+    """Whether two posed bodies share a point; touching counts.
 
     Args:
-        P: A body.
+        P: A body: a `Polytope`; or a shape such as `Box`, points (n, 3) in m, a trimesh.Trimesh, or a geometry of coal
+            or python-fcl, of which one is made: of points and meshes, the hull. For many tests, make it yourself.
         R: Another.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
         pose_r: Pose (4, 4) of R in the world, m.
@@ -111,14 +112,15 @@ def intersects(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    pose_p, pose_r = _posed(pose_p, "pose_p"), _posed(pose_r, "pose_r")
+    P, pose_p = given_polytope(P, pose_p, "P")
+    R, pose_r = given_polytope(R, pose_r, "R")
     return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), False)["shared"])
 
 
 @set_module("plannercheck")
 def certify(
-    P: Polytope,
-    R: Polytope,
+    P: Polytope | GivenShape,
+    R: Polytope | GivenShape,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
     method: Method = "oracle",
@@ -126,7 +128,7 @@ def certify(
     """The verdict of `intersects` with what proves it.
 
     Args:
-        P: A body.
+        P: A body, as for `intersects`.
         R: Another.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity.
         pose_r: Pose (4, 4) of R in the world, m.
@@ -138,7 +140,9 @@ def certify(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
-    return certify_posed(P, R, _posed(pose_p, "pose_p"), _posed(pose_r, "pose_r"), method)
+    P, pose_p = given_polytope(P, pose_p, "P")
+    R, pose_r = given_polytope(R, pose_r, "R")
+    return certify_posed(P, R, pose_p, pose_r, method)
 
 
 def certify_posed(
@@ -154,10 +158,6 @@ def certify_posed(
         if certificate is not None:
             return certificate
     raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")
-
-
-def _posed(pose: ArrayLike | None, name: str) -> NDArray[np.float64]:
-    return checked_pose(pose, name)
 
 
 def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:

@@ -55,6 +55,22 @@ def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> Tr
     return None if mesh is None else TriangleMesh.of(mesh.points * _checked_scale(scale), mesh.triangles)
 
 
+def hull_of_triangles(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Hull:
+    """The hull of a mesh: of the points that triangles use; of all, if there are no triangles.
+
+    Args:
+        points: (n, 3) m.
+        triangles: (m, 3) indices of points.
+
+    Raises:
+        PlannercheckError: If an index is beyond the points, or the hull is none.
+    """
+    used = np.unique(triangles)
+    if len(used) and not (used[0] >= 0 and used[-1] < len(points)):
+        raise PlannercheckError(f"triangles use vertices {used[0]} to {used[-1]}, but there are {len(points)} vertices")
+    return Hull(points[used] if len(used) else points)
+
+
 def check_mesh(path: Path) -> None:
     """Raises for a file that would crash the libraries which read it."""
     if path.suffix.lower() == ".ply":

@@ -17,6 +17,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.bodies.given_shapes import GivenShape, given_shape, in_frame, is_geometry
 from plannercheck.bodies.shapes import Body, Shape, checked_pose
 from plannercheck.common.arrays import read_only_copy
 from plannercheck.common.errors import PlannercheckError
@@ -31,7 +32,7 @@ class Part:
     """One shape of an object.
 
     Attributes:
-        shape: What it is.
+        shape: What it is; points (n, 3) and objects of trimesh, coal and python-fcl become one in an object.
         pose: (4, 4) in the object's frame, m; None is the identity.
         source: The file and scale of a mesh, so that a saved scene can name it.
     """
@@ -47,7 +48,7 @@ class Part:
             object.__setattr__(self, "pose", read_only_copy(self.pose))
 
 
-Parts: TypeAlias = Shape | Iterable[Part]
+Parts: TypeAlias = GivenShape | Iterable[Part]
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ class SceneObject:
         names = [self.name] if len(self.parts) == 1 else [f"{self.name}/{k}" for k in range(len(self.parts))]
         carried = None if self.link is None else self.name
         bodies = (
-            Body(name, self.link, _in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
+            Body(name, self.link, in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
             for name, part in zip(names, self.parts, strict=True)
         )
         object.__setattr__(self, "bodies", tuple(bodies))
@@ -154,19 +155,33 @@ def scene_object(name: str, parts: Parts, pose: ArrayLike | None = None) -> Scen
 
     Args:
         name: Of the object.
-        parts: One shape, or several posed ones.
+        parts: One shape, or several posed ones; shapes of other libraries and points as `given_shape` takes them.
         pose: (4, 4) of the object's frame in the world, m; None is the identity.
 
     Returns:
         The object.
     """
-    shapes = (Part(parts),) if isinstance(parts, Shape) else tuple(parts)
+    shapes = tuple(_known_part(part, f"object {name!r}") for part in _listed(parts))
     if not name or not shapes:
         raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
-    for part in shapes:
-        if not isinstance(part, Part) or not isinstance(part.shape, Shape):
-            raise PlannercheckError(f"object {name!r} must be a shape such as Box, or Parts, not {type(part).__name__}")
     return SceneObject(name, shapes, checked_pose(pose, f"object {name!r}"))
+
+
+def _listed(parts: Parts) -> tuple[Part | GivenShape, ...]:
+    """Several shapes or parts, or what stands for one shape: points are a list, too."""
+    if is_geometry(parts) or isinstance(parts, Part | str) or hasattr(parts, "__array__"):
+        return (parts,)
+    if not isinstance(parts, Iterable):
+        return (parts,)
+    listed = tuple(parts)
+    return listed if all(isinstance(each, Part) or is_geometry(each) for each in listed) else (listed,)
+
+
+def _known_part(part: Part | GivenShape, what: str) -> Part:
+    """The part with one of our shapes; where another library has posed it, that is part of the pose."""
+    given, pose, source = (part.shape, part.pose, part.source) if isinstance(part, Part) else (part, None, None)
+    shape, own = given_shape(given, what)
+    return Part(shape, pose if own is None else in_frame(checked_pose(pose, what), own, what), source)
 
 
 def unplaced(item: SceneObject) -> PlannercheckError:
@@ -177,14 +192,6 @@ def unplaced(item: SceneObject) -> PlannercheckError:
         f"{kind} {item.name!r} is posed in frame {frame or 'world'!r} at a state of the robot: build a checker, whose "
         "scene (checker.scene) knows where it is"
     )
-
-
-def _in_frame(frame: Array, pose: ArrayLike | None, what: str) -> Array:
-    """The product of two poses; of an identity with a pose, exactly that pose."""
-    if pose is None or np.array_equal(frame, np.eye(4)):
-        return frame if pose is None else checked_pose(pose, what)
-    local = checked_pose(pose, what)
-    return frame if np.array_equal(local, np.eye(4)) else checked_pose(frame @ local, what)
 
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:

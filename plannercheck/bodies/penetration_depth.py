@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies.distance import distance
+from plannercheck.bodies.given_shapes import GivenShape, given_polytope
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import checked_pose
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
@@ -56,11 +56,16 @@ class Depth:
 
 
 @set_module("plannercheck")
-def depth(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None) -> Depth:
+def depth(
+    P: Polytope | GivenShape,
+    R: Polytope | GivenShape,
+    pose_p: ArrayLike | None = None,
+    pose_r: ArrayLike | None = None,
+) -> Depth:
     """How deep two posed bodies are in each other, swells included.
 
     Args:
-        P: A body.
+        P: A body, as for `intersects`.
         R: Another; the product of the numbers of vertices is at most `MOST_DIFFERENCES`.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity.
         pose_r: Pose (4, 4) of R in the world, m.
@@ -71,13 +76,15 @@ def depth(P: Polytope, R: Polytope, pose_p: ArrayLike | None = None, pose_r: Arr
     Raises:
         PlannercheckError: If a pose is not finite or not rigid, or the bodies have too many vertices.
     """
+    P, pose_p = given_polytope(P, pose_p, "P")
+    R, pose_r = given_polytope(R, pose_r, "R")
     count = len(P.vertices) * len(R.vertices)
     if count > MOST_DIFFERENCES:
         raise PlannercheckError(
             f"depths are for small bodies: {len(P.vertices)} times {len(R.vertices)} vertices are more than "
             f"{MOST_DIFFERENCES}; distance(...).lower_bound bounds the depth of any bodies"
         )
-    poses = [checked_pose(pose, name) for pose, name in ((pose_p, "pose_p"), (pose_r, "pose_r"))]
+    poses = [pose_p, pose_r]
     apart = distance(P, R, *poses)
     if apart.distance > 0:
         return Depth(0.0, 0.0, apart.direction)

@@ -241,7 +241,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             True if no pair shares a point.
         """
         known = self._judge_row(q)
-        return bool(self.check_states(self._single(q))[0]) if known is None else known
+        if known is None:  # not an array of doubles yet, e.g. a list
+            row = self._single(q)
+            known = self._judge_row(np.ascontiguousarray(row[0]))
+        return bool(self.check_states(row)[0]) if known is None else known
 
     def state_validity(self) -> Callable[[Any], bool] | None:
         """A compiled function that judges states of an OMPL RealVectorStateSpace of nq numbers; None if there is none.

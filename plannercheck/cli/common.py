@@ -39,7 +39,7 @@ def add_robot_argument(parser: argparse.ArgumentParser) -> None:
 
 def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: empty") -> None:
     """Adds --scene."""
-    parser.add_argument("--scene", help=f"name of a shipped scene, or a scene file, also MoveIt's in YAML; {note}")
+    parser.add_argument("--scene", help=f"name of a shipped scene, or a scene file, MoveIt's as well; {note}")
 
 
 def add_checker_arguments(parser: argparse.ArgumentParser) -> None:

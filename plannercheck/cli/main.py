@@ -20,6 +20,7 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from types import FrameType
 from typing import TextIO, cast
 
+from plannercheck.cli.suggestions import SuggestingParser
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.escaping import TerminalText, on_terminal
 from plannercheck.common.version import __version__
@@ -144,7 +145,7 @@ def _drop_output() -> None:
 
 def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """The parser, complete for the command that is asked for."""
-    parser = argparse.ArgumentParser(
+    parser = SuggestingParser(
         prog="plannercheck",
         description="Exact collision verdicts for motion planning.",
         epilog="Exit codes: 0 all valid or solved, 1 something is not, 2 bad input, 3 the command could not finish.",

@@ -45,15 +45,7 @@ class AllowedCollisions:
 
 
 class SceneContents(DeclaredStates):
-    """Named obstacles, posed in the world, and what links carry; `Scene` has files besides.
-
-    Attributes:
-        name: For reports.
-        allowed: Which links and objects may touch.
-        states: Start, goal and samples by robot name.
-        link_padding: What a MoveIt scene asks to be kept from links, by name, m; a checker takes it as `padding=`.
-        frames: Which frames a MoveIt scene knows besides links and objects.
-    """
+    """Named obstacles, posed in the world, and what links carry; `Scene` adds files, and documents the attributes."""
 
     def __init__(self, name: str = "") -> None:
         """Makes an empty scene."""
@@ -83,7 +75,8 @@ class SceneContents(DeclaredStates):
 
         Args:
             name: Of the object.
-            parts: A shape, or parts posed in the object's frame.
+            parts: A shape, or parts posed in the object's frame. A shape may also be points (n, 3) in m, a
+                trimesh.Trimesh, or a geometry of coal or python-fcl: of points and meshes, the hull is taken.
             pose: (4, 4) of the object's frame in the world, m; None is the identity.
         """
         self.put(scene_object(name, parts, pose))
@@ -173,7 +166,7 @@ class SceneContents(DeclaredStates):
             link: Of the robot.
             pose: (4, 4) of the object's frame in the link's, m; None is the identity.
             touch_links: Links, or other attached objects, that it may touch.
-            parts: The shape, or posed shapes, of a new object.
+            parts: The shape, or posed shapes, of a new object, as for `add`.
         """
         if parts is None and name not in self._objects:
             raise unknown_name("object to attach", name, self._objects)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import tarfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 import numpy as np
@@ -20,6 +20,7 @@ from plannercheck.common.checked_yaml import BROKEN_FILE, parse_yaml, read_bytes
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.input_limits import INPUT_LIMITS
 from plannercheck.common.package_data import is_folder
+from plannercheck.scenes.moveit_goals import InverseKinematics
 from plannercheck.scenes.moveit_request import MotionRequest, motion_request
 from plannercheck.scenes.moveit_scene import attach_from_state, read_planning_scene
 from plannercheck.scenes.scene import Scene
@@ -69,6 +70,7 @@ class ProblemSet:
     members: dict[str, tuple[str, str]]
     _read: Callable[[str], bytes]
     _folder: Path
+    _ik: InverseKinematics | None = None
 
     def __len__(self) -> int:
         return len(self.members)
@@ -83,7 +85,7 @@ class ProblemSet:
             scene, folder = Scene(), self._folder / Path(scene_file).parent
             read_planning_scene(scene, parse_yaml(self._read(scene_file)), folder)
         with within(f"{self.name}, {request_file}"):
-            request = motion_request(parse_yaml(self._read(request_file)))
+            request = motion_request(parse_yaml(self._read(request_file)), self._ik, scene.frames)
             name = f"{self.name}/{number}"
             scene.name = scene.name or name
             with within("start_state"):
@@ -91,11 +93,13 @@ class ProblemSet:
             return _problem(name, scene, request)
 
 
-def load_problems(path: str | Path) -> ProblemSet:
+def load_problems(path: str | Path, ik: InverseKinematics | None = None) -> ProblemSet:
     """Opens a problem set.
 
     Args:
         path: The folder, one that holds just it, or a tar archive.
+        ik: Finds joint values for goals that are poses, as for `moveit_request.read_request`; poses in a fixed frame
+            of the scene come in the planning frame.
 
     Returns:
         The set: it has a length, and gives its problems when iterated.
@@ -103,9 +107,11 @@ def load_problems(path: str | Path) -> ProblemSet:
     path = Path(path)
     if is_folder(path):
         names = [str(p.relative_to(path)) for p in sorted(path.rglob("*.yaml"))]
-        return _problem_set(path, names, lambda name: read_bytes(path / name), path)
-    contents = _archive(path)
-    return _problem_set(path, sorted(contents), contents.__getitem__, path.parent)
+        found = _problem_set(path, names, lambda name: read_bytes(path / name), path)
+    else:
+        contents = _archive(path)
+        found = _problem_set(path, sorted(contents), contents.__getitem__, path.parent)
+    return replace(found, _ik=ik)
 
 
 def _archive(path: Path) -> dict[str, bytes]:

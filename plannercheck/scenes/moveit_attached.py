@@ -18,7 +18,8 @@ from plannercheck.common.checked_yaml import Node, check_keys, mapping, required
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_frames import find_frame
-from plannercheck.scenes.moveit_objects import FindMesh, ObjectMessage, read_object
+from plannercheck.scenes.moveit_objects import ObjectMessage, read_object
+from plannercheck.scenes.scene_paths import FindFile
 
 # The fields of moveit_msgs/AttachedCollisionObject; how hands let go and what objects weigh is accepted and not read.
 _KEYS = ("link_name", "object", "touch_links", "detach_posture", "weight")
@@ -41,7 +42,7 @@ class AttachedMessage:
     state: StatedJoints
 
 
-def read_attached(state: Node, joints: StatedJoints, find_mesh: FindMesh) -> list[AttachedMessage]:
+def read_attached(state: Node, joints: StatedJoints, find_file: FindFile) -> list[AttachedMessage]:
     """Reads what a robot state with these joints attaches."""
     found: list[AttachedMessage] = []
     for k, item in enumerate(sequence(state.get("attached_collision_objects"), "'attached_collision_objects'")):
@@ -50,7 +51,7 @@ def read_attached(state: Node, joints: StatedJoints, find_mesh: FindMesh) -> lis
             check_keys(node, _KEYS)
             link = text(required(node, "link_name"), "link_name")
             touched = tuple(text(name, "touch_links") for name in sequence(node.get("touch_links"), "'touch_links'"))
-            read = read_object(mapping(required(node, "object"), "'object'"), find_mesh)
+            read = read_object(mapping(required(node, "object"), "'object'"), find_file)
             if any(other.object.name == read.name for other in found):
                 raise PlannercheckError(f"{read.name!r} is attached twice")
             found.append(AttachedMessage(link, touched, read, joints))

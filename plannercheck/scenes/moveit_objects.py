@@ -8,30 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.meshes import load_mesh
+from plannercheck.bodies.meshes import hull_of_triangles, load_mesh
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere
 from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.common.package_data import is_file
 from plannercheck.scenes.moveit_messages import header_frame, is_all_zeros, pose, subframe_poses, vector
+from plannercheck.scenes.scene_paths import FindFile
 
 Matrix = NDArray[np.float64]
-
-# Turns a mesh's resource into a path.
-FindMesh = Callable[[str], Path]
 
 # The fields of moveit_msgs/CollisionObject; `type`, an entry of a database, is accepted and not read.
 _OBJECT_KEYS = (
     *("header", "pose", "id", "type", "primitives", "primitive_poses", "meshes", "mesh_poses"),
     *("planes", "plane_poses", "subframe_names", "subframe_poses", "operation"),
 )
+
+# More than any mesh has; whole numbers up to here are doubles.
+_MOST_VERTICES = 2**53
 
 # Names and codes of the operation that puts an object into a scene; ROS 2 writes a byte.
 _ADD = (None, 0, "0", "add", "ADD", b"\0", "\0")
@@ -70,7 +69,7 @@ class ObjectMessage:
     subframes: dict[str, Matrix]
 
 
-def read_object(node: Node, find_mesh: FindMesh) -> ObjectMessage:
+def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
     """Reads a collision object.
 
     As in MoveIt (`PlanningScene::shapesAndPosesFromCollisionObjectMessage`), an object whose pose is the identity or
@@ -88,7 +87,7 @@ def read_object(node: Node, find_mesh: FindMesh) -> ObjectMessage:
         subframes = subframe_poses(node)
         placed = _object_pose(own)
         posed = [(_primitive(p), q) for p, q in _posed(node, "primitives", "primitive_poses")]
-        posed += [(_mesh(m, find_mesh), q) for m, q in _posed(node, "meshes", "mesh_poses")]
+        posed += [(_mesh(m, find_file), q) for m, q in _posed(node, "meshes", "mesh_poses")]
         frame = header_frame(node)
     if len(posed) == 1 and np.array_equal(placed, np.eye(4)) and not (own and is_all_zeros(own)):
         return ObjectMessage(name, (Part(posed[0][0]),), posed[0][1], frame, subframes)
@@ -128,39 +127,21 @@ def _primitive_kind(value: Any) -> str:
     raise unknown_name("primitive type", str(value), [f"{code} ({kind})" for kind, (code, _, _) in _PRIMITIVES.items()])
 
 
-def _mesh(node: Node, find_mesh: Callable[[str], Path]) -> Hull:
+def _mesh(node: Node, find_file: FindFile) -> Hull:
     """The hull of a mesh, given in the file itself or as another file with a scale along each axis."""
     with within("meshes"):
         check_keys(node, ("vertices", "triangles", "resource", "dimensions"))
         if "resource" in node:
             scale = numbers(node["dimensions"], "dimensions", 3) if node.get("dimensions") else 1.0
-            return load_mesh(find_mesh(text(node["resource"], "resource")), scale)
+            return load_mesh(find_file(text(node["resource"], "resource")), scale)
         rows = sequence(required(node, "vertices"), "'vertices'")
         vertices = np.array([vector(row, "vertices", "xyz") for row in rows]).reshape(-1, 3)
-        return Hull(vertices[_used(node, len(vertices))])
+        return hull_of_triangles(vertices, _triangles(node))
 
 
-def _used(node: Node, count: int) -> NDArray[np.int64]:
-    """Indices of the vertices that a mesh's triangles use; all, if it has none."""
+def _triangles(node: Node) -> NDArray[np.int64]:
+    """Indices of vertices (m, 3), bare or in messages; absurd ones stay beyond all vertices."""
     rows = sequence(node.get("triangles"), "'triangles'")
     rows = [row.get("vertex_indices") if isinstance(row, dict) else row for row in rows]
-    used = sorted({int(i) for row in rows for i in numbers(row, "triangles", 3)})
-    if used and not (used[0] >= 0 and used[-1] < count):
-        raise PlannercheckError(f"triangles use vertices {used[0]} to {used[-1]}, but there are {count} vertices")
-    return np.array(used or range(count), dtype=np.int64)
-
-
-def mesh_finder(folder: Path, package_dirs: Sequence[Path]) -> FindMesh:
-    """A function that turns a mesh's resource, a path or a file:// or package:// address, into a path."""
-
-    def find(resource: str) -> Path:
-        if not resource.startswith("package://"):
-            return folder / resource.removeprefix("file://")
-        relative = resource.removeprefix("package://")
-        found = [d / relative for d in package_dirs if is_file(d / relative)]
-        if not found:
-            looked = ", ".join(str(d) for d in package_dirs) or "none were given"
-            raise PlannercheckError(f"mesh {resource!r} is in none of the package_dirs ({looked})")
-        return found[0]
-
-    return find
+    corners = np.array([numbers(row, "triangles", 3) for row in rows]).reshape(-1, 3)
+    return np.asarray(np.clip(corners, -1, _MOST_VERTICES), dtype=np.int64)

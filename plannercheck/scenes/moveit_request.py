@@ -1,6 +1,7 @@
 """MoveIt motion-plan requests in YAML: where a plan starts, and its goals in joint space.
 
-In: `moveit_msgs/MotionPlanRequest`, as ROS, MoveIt and MotionBenchMaker write it. Out: a MotionRequest.
+In: `moveit_msgs/MotionPlanRequest`, as ROS, MoveIt and MotionBenchMaker write it; for goals that are poses (see
+moveit_goals.py) an inverse kinematics. Out: a MotionRequest.
 """
 
 from __future__ import annotations
@@ -9,20 +10,12 @@ import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from plannercheck.common.checked_yaml import (
-    Node,
-    mapping,
-    number,
-    numbers,
-    parse_yaml,
-    read_bytes,
-    required,
-    sequence,
-    text,
-    within,
-)
-from plannercheck.common.errors import PlannercheckError, shortened
-from plannercheck.scenes.moveit_states import check_robot_state
+from plannercheck.bodies.objects import SceneFrames
+from plannercheck.common.checked_yaml import Node, mapping, parse_yaml, read_bytes, required, sequence, text, within
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.scenes.moveit_goals import GoalReader, InverseKinematics
+from plannercheck.scenes.moveit_messages import single_document
+from plannercheck.scenes.moveit_states import check_robot_state, joint_values
 
 
 @dataclass(frozen=True)
@@ -32,7 +25,7 @@ class MotionRequest:
     Attributes:
         group: The planning group's name, as given.
         start: Value by joint name, rad or m: all joints that the start state gives.
-        goals: The same for each goal, with the joints that it constrains.
+        goals: The same for each goal, with the joints that it constrains; of a pose, those that the IK gives.
         state: The start state as it was read, e.g. for what it attaches to links.
     """
 
@@ -42,14 +35,32 @@ class MotionRequest:
     state: Node = field(default_factory=dict, repr=False, compare=False)
 
 
-def read_request(path: str | Path) -> MotionRequest:
-    """Reads a motion-plan request, `moveit_msgs/MotionPlanRequest` in YAML."""
+def read_request(path: str | Path, ik: InverseKinematics | None = None) -> MotionRequest:
+    """Reads a motion-plan request, `moveit_msgs/MotionPlanRequest` in YAML.
+
+    Args:
+        path: The file.
+        ik: Finds joint values for goals that are poses, `ik(PoseGoal)`: one mapping of joint names to rad or m,
+            several, or None if there are none. Without it, such goals are refused.
+
+    Raises:
+        PlannercheckError: If the file is no request, or a goal has no joint values.
+    """
     with within(f"request file {str(path)!r}"):
-        return motion_request(parse_yaml(read_bytes(Path(path))))
+        return motion_request(parse_yaml(single_document(read_bytes(Path(path)))), ik)
 
 
-def motion_request(document: Node) -> MotionRequest:
-    """Takes the start and the joint goals from a parsed motion-plan request."""
+def motion_request(
+    document: Node, ik: InverseKinematics | None = None, frames: SceneFrames | None = None
+) -> MotionRequest:
+    """Takes the start and the goals from a parsed motion-plan request.
+
+    Args:
+        document: The request.
+        ik: As for `read_request`.
+        frames: Of the scene that the request is for: poses in its fixed frames are handed to `ik` in the planning
+            frame.
+    """
     start = mapping(required(document, "start_state"), "'start_state'")
     check_robot_state(start, "request")
     if _has_constraints(mapping(document.get("path_constraints"), "'path_constraints'")):
@@ -58,35 +69,11 @@ def motion_request(document: Node) -> MotionRequest:
     if not goals:
         raise PlannercheckError("'goal_constraints' is empty: one goal with joint_constraints is needed")
     with within("start_state"):
-        joints = _joint_state(mapping(required(start, "joint_state"), "'joint_state'"))
+        joints = joint_values(mapping(required(start, "joint_state"), "'joint_state'"))
     group = text(document.get("group_name") or "", "group_name")
-    constrained = tuple(_joint_goal(mapping(g, "a goal"), k) for k, g in enumerate(goals))
+    reader = GoalReader(group, joints, ik, frames)
+    constrained = tuple(values for k, g in enumerate(goals) for values in reader.read(mapping(g, "a goal"), k))
     return MotionRequest(group, joints, constrained, start)
-
-
-def _joint_state(node: Node) -> dict[str, float]:
-    names = [text(n, "name") for n in sequence(required(node, "name"), "'name'")]
-    values = numbers(required(node, "position"), "position", len(names))
-    if len(set(names)) != len(names):
-        raise PlannercheckError(f"joint_state names a joint twice: {', '.join(names)}")
-    return dict(zip(names, values, strict=True))
-
-
-def _joint_goal(node: Node, index: int) -> dict[str, float]:
-    """Joint values of one goal; tolerances are left out, the goal is the state itself."""
-    with within(f"goal_constraints {index}"):
-        for key in ("position_constraints", "orientation_constraints", "visibility_constraints"):
-            if sequence(node.get(key), repr(key)):
-                raise PlannercheckError(f"{key} are not supported, goals are joint_constraints")
-        constraints = [mapping(c, "a constraint") for c in sequence(node.get("joint_constraints"), "they")]
-        goal = {
-            text(required(c, "joint_name"), "joint_name"): number(c.get("position"), "position") for c in constraints
-        }
-        if not goal or len(goal) != len(constraints):
-            raise PlannercheckError(
-                f"joint_constraints must name each joint once; given are {', '.join(map(shortened, goal)) or 'none'}"
-            )
-        return goal
 
 
 def _has_constraints(node: Node) -> bool:

@@ -1,4 +1,4 @@
-"""MoveIt planning scenes in YAML, as ROS, MoveIt and MotionBenchMaker write them.
+"""MoveIt planning scenes in YAML, as ROS, MoveIt and MotionBenchMaker write them, or their worlds or objects alone.
 
 In: parsed YAML, a scene without objects. Out: the scene as MoveIt would have it.
 
@@ -23,8 +23,9 @@ from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_attached import attach_from_world, attach_with_shapes, read_attached
 from plannercheck.scenes.moveit_frames import find_frame, scene_frames
 from plannercheck.scenes.moveit_matrix import allowed_collisions
-from plannercheck.scenes.moveit_objects import ObjectMessage, mesh_finder, read_object
+from plannercheck.scenes.moveit_objects import ObjectMessage, read_object
 from plannercheck.scenes.moveit_states import check_robot_state, stated_joints
+from plannercheck.scenes.scene_paths import FindFile, file_finder
 
 # The fields of moveit_msgs/PlanningScene; the ones that no verdict depends on are accepted and not read.
 _SCENE_KEYS = (
@@ -32,12 +33,21 @@ _SCENE_KEYS = (
     *("link_padding", "link_scale", "object_colors", "world", "is_diff"),
 )
 _TELLING_KEYS = frozenset({"world", "robot_state", "robot_model_name", "allowed_collision_matrix"})
+
+# The fields of moveit_msgs/PlanningSceneWorld, and what tells a moveit_msgs/CollisionObject.
 _WORLD_KEYS = ("collision_objects", "octomap")
+_OBJECT_TELLING_KEYS = frozenset({"id", "primitives", "meshes", "planes"})
 
 
-def is_planning_scene(document: Node) -> bool:
-    """Whether a parsed YAML document is a MoveIt planning scene, by its keys."""
-    return not _TELLING_KEYS.isdisjoint(document)
+def as_planning_scene(document: Node) -> Node | None:
+    """The planning scene that a parsed YAML document is, or is the world or an object of, by its keys; None if none."""
+    if not _TELLING_KEYS.isdisjoint(document):
+        return document
+    if not set(_WORLD_KEYS).isdisjoint(document):
+        return {"world": document}
+    if not _OBJECT_TELLING_KEYS.isdisjoint(document):
+        return {"world": {"collision_objects": [document]}}
+    return None
 
 
 def read_planning_scene(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequence[Path] = ()) -> None:
@@ -47,7 +57,7 @@ def read_planning_scene(scene: SceneContents, document: Node, folder: Path, pack
         scene: Is filled.
         document: The YAML document.
         folder: Where relative paths of meshes start.
-        package_dirs: Where `package://` meshes are looked for.
+        package_dirs: Where `package://` meshes are looked for before the folders above.
     """
     check_keys(document, _SCENE_KEYS)
     scene.name = text(document.get("name") or "", "name")
@@ -61,25 +71,23 @@ def read_planning_scene(scene: SceneContents, document: Node, folder: Path, pack
     world = mapping(document.get("world"), "'world'")
     check_keys(world, _WORLD_KEYS)
     _refuse_octomap(mapping(world.get("octomap"), "'octomap'"))
-    find_mesh = mesh_finder(folder, package_dirs)
+    find_file = file_finder(folder, package_dirs)
     obstacles = []
     for k, item in enumerate(sequence(world.get("collision_objects"), "'collision_objects'")):
         with within(f"collision object {k}"):
             node = mapping(item, "it")
             required(node, "id")
-        obstacles.append(read_object(node, find_mesh))
-    _add_objects(scene, state, obstacles, folder, package_dirs)
+        obstacles.append(read_object(node, find_file))
+    _add_objects(scene, state, obstacles, find_file)
     with within("allowed_collision_matrix"):
         scene.allowed = allowed_collisions(mapping(document.get("allowed_collision_matrix"), "it"))
 
 
-def _add_objects(
-    scene: SceneContents, state: Node, obstacles: Sequence[ObjectMessage], folder: Path, package_dirs: Sequence[Path]
-) -> None:
+def _add_objects(scene: SceneContents, state: Node, obstacles: Sequence[ObjectMessage], find_file: FindFile) -> None:
     """Adds what the state attaches and the obstacles; in MoveIt's order, since each may be posed in earlier ones."""
     with within("robot_state"):
         joints = stated_joints(state)
-        attached = read_attached(state, joints, mesh_finder(folder, package_dirs))
+        attached = read_attached(state, joints, find_file)
         attach_with_shapes(scene, attached)
     replaced = {item.name for item in scene.attached}
     names = [read.name for read in obstacles]
@@ -105,7 +113,7 @@ def attach_from_state(scene: SceneContents, state: Node, folder: Path) -> None:
     Objects that it gives with shapes take the place of those that the scene calls so, whether attached or not.
     """
     check_robot_state(state, "request", scene.frames)
-    attached = read_attached(state, stated_joints(state), mesh_finder(folder, ()))
+    attached = read_attached(state, stated_joints(state), file_finder(folder))
     attach_with_shapes(scene, attached)
     attach_from_world(scene, attached)
 

@@ -1,6 +1,6 @@
 """Scenes: the obstacles around a robot, by name, and where planning starts and ends.
 
-In: `add_...` calls, a scene file of our own format, or a MoveIt planning scene (see moveit_scene.py). Out:
+In: `add_...` calls, a scene file of our own format, or one of MoveIt's (see moveit_scene.py, moveit_text.py). Out:
 `bodies`, each a shape posed in the world, what links carry (`attached`), and what may touch. A scene can be changed at
 any time, in place; a checker takes what is there when it is built, and `checker.with_scene` takes up changes without
 preparing anything again.
@@ -25,7 +25,8 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
             position: [0.05, 0.0, 0.0]
           - cone: {radius: 0.03, length: 0.1}       # apex at z = +length / 2
       - name: tap
-        mesh: {file: tap.stl, scale: 0.001}    # its convex hull; scale is optional, one factor or three
+        mesh: {file: tap.stl, scale: 0.001}    # its convex hull; scale is optional, one factor or three; the
+                                               # file may be package://NAME/..., as in a URDF
       - name: wedge
         hull: {vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}   # or {file: wedge.npy}
         matrix: [[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]   # instead of the above
@@ -56,6 +57,7 @@ from plannercheck.common.package_data import is_file, is_folder, is_planar_file,
 from plannercheck.common.public_names import set_module
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.scene_files import read_scene, write_scene
+from plannercheck.scenes.scene_table import scene_html
 
 
 @set_module("plannercheck")
@@ -75,9 +77,10 @@ class Scene(SceneContents):
         """Loads a scene file.
 
         Args:
-            path: A file of our own format, a MoveIt planning scene in YAML (told by its keys), or the bare
-                name of a shipped scene, e.g. "bookshelf".
-            package_dirs: Folders in which `package://` meshes of MoveIt scenes are looked for.
+            path: A file of our own format; a planning scene, a planning scene's world or a collision object of MoveIt
+                in YAML (told by their keys); MoveIt's text format (`.scene`); or the bare name of a shipped scene,
+                e.g. "bookshelf".
+            package_dirs: Folders in which `package://` meshes are looked for, before all folders above the file.
 
         Returns:
             The scene.
@@ -87,8 +90,15 @@ class Scene(SceneContents):
         return scene
 
     def save(self, path: str | Path) -> None:
-        """Writes the scene in our own format; poses and sizes are read back as the same doubles."""
+        """Writes the scene in our own format; poses and sizes are read back as the same doubles.
+
+        A path that ends in `.scene` gets MoveIt's text format, which holds obstacles alone, their rotations as
+        quaternions, and no capsules.
+        """
         write_scene(self, Path(path))
+
+    def _repr_html_(self) -> str:
+        return scene_html(self)
 
 
 def shipped_scenes() -> list[str]:

@@ -1,7 +1,7 @@
 """Reads and writes scene files of our own format, which scene.py documents.
 
-In: a YAML file, a scene without objects. Out: the scene as the file has it, and back. A file with the keys of a MoveIt
-planning scene goes to moveit_scene.py.
+In: a file, a scene without objects. Out: the scene as the file has it, and back. YAML with the keys of MoveIt's
+messages goes to moveit_scene.py, a file called `.scene` to moveit_text.py.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, SceneObject, unplaced
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
+from plannercheck.common.atomic_files import written_aside
 from plannercheck.common.checked_yaml import (
     BROKEN_FILE,
     Node,
@@ -35,8 +36,11 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file, is_folder
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion, rotation_of_rpy
 from plannercheck.scenes import moveit_scene as moveit
+from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.moveit_messages import single_document
+from plannercheck.scenes.scene_paths import FindFile, file_finder
 
 # Keys of pairs, and whether they may touch; two links, which a misspelt object may not pass for, have their own.
 _LINK_PAIRS = ("allowed_links", "forbidden_links")
@@ -56,79 +60,89 @@ _SHAPE_KEYS = ("box", *_SIZED, "mesh", "hull")
 
 
 def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = ()) -> None:
-    """Reads a scene of either format.
+    """Reads a scene of any format.
 
     Args:
         scene: Is filled, and named after the file if that does not give a name.
         path: The file.
-        package_dirs: Where `package://` meshes of MoveIt scenes are looked for.
+        package_dirs: Where `package://` meshes are looked for before the folders above the file.
     """
     if not is_file(path):
         raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
     with within(f"scene file {str(path)!r}"):
-        document = parse_yaml(read_bytes(path))
-        if moveit.is_planning_scene(document):
-            moveit.read_planning_scene(scene, document, path.parent, package_dirs)
+        content = read_bytes(path)
+        if path.suffix.lower() == moveit_text.SUFFIX:
+            moveit_text.read_scene_text(scene, content)
         else:
-            _read(scene, document, path.parent)
+            _read_yaml(scene, content, path.parent, package_dirs)
     scene.name = scene.name or path.stem
 
 
-def _read(scene: SceneContents, document: Node, folder: Path) -> None:
+def _read_yaml(scene: SceneContents, content: bytes, folder: Path, package_dirs: Sequence[Path]) -> None:
+    document = parse_yaml(single_document(content))
+    message = moveit.as_planning_scene(document)
+    if message is None:
+        _read(scene, document, folder, package_dirs)
+    else:
+        moveit.read_planning_scene(scene, message, folder, package_dirs)
+
+
+def _read(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequence[Path]) -> None:
     if "urdf" in document:
         raise PlannercheckError("is a robot, not a scene")
     check_keys(document, _SCENE_KEYS)
     scene.name = text(document.get("name", ""), "name")
+    find_file = file_finder(folder, package_dirs)
     for k, item in enumerate(sequence(required(document, "objects"), "'objects'")):
-        _add_object(scene, mapping(item, f"object {k}"), k, folder)
+        _add_object(scene, mapping(item, f"object {k}"), k, find_file)
     for k, item in enumerate(sequence(document.get("attached"), "'attached'")):
-        _attach_object(scene, mapping(item, f"attached object {k}"), k, folder)
+        _attach_object(scene, mapping(item, f"attached object {k}"), k, find_file)
     _read_allowed(scene, document)
     for robot, item in mapping(document.get("states"), "'states'").items():
         with within(f"states of {robot!r}"):
             read_states(scene, robot, mapping(item, "they"), folder)
 
 
-def _add_object(scene: SceneContents, node: Node, index: int, folder: Path) -> None:
+def _add_object(scene: SceneContents, node: Node, index: int, find_file: FindFile) -> None:
     with within(f"object {index}"):
         name = text(required(node, "name"), "name")
     with within(f"object {name!r}"):
         check_keys(node, ("name", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
-        parts, pose = _parts(node, folder), _pose(node)
+        parts, pose = _parts(node, find_file), _pose(node)
     scene.add(name, parts, pose)
 
 
-def _attach_object(scene: SceneContents, node: Node, index: int, folder: Path) -> None:
+def _attach_object(scene: SceneContents, node: Node, index: int, find_file: FindFile) -> None:
     with within(f"attached object {index}"):
         name = text(required(node, "name"), "name")
     with within(f"attached object {name!r}"):
         check_keys(node, ("name", "link", "touch_links", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
         link = text(required(node, "link"), "link")
         touched = [text(item, "touch_links") for item in sequence(node.get("touch_links"), "'touch_links'")]
-        parts, pose = _parts(node, folder), _pose(node)
+        parts, pose = _parts(node, find_file), _pose(node)
     scene.attach(name, link, pose, touched, parts)
 
 
-def _parts(node: Node, folder: Path) -> list[Part]:
+def _parts(node: Node, find_file: FindFile) -> list[Part]:
     """The parts of an object, posed in its frame."""
     if "parts" not in node:
-        return [_part(node, folder, None)]
+        return [_part(node, find_file, None)]
     _one_of(node, ("parts", *_SHAPE_KEYS))
     parts = []
     for k, item in enumerate(sequence(node["parts"], "'parts'")):
         with within(f"part {k}"):
             part = mapping(item, "it")
             check_keys(part, (*_SHAPE_KEYS, *_POSE_KEYS))
-            parts.append(_part(part, folder, _pose(part)))
+            parts.append(_part(part, find_file, _pose(part)))
     return parts
 
 
-def _part(node: Node, folder: Path, pose: NDArray[np.float64] | None) -> Part:
+def _part(node: Node, find_file: FindFile, pose: NDArray[np.float64] | None) -> Part:
     """The shape that a mapping describes, posed in an object's frame."""
     kind = _one_of(node, _SHAPE_KEYS)
     with within(kind):
         values = mapping(node[kind], "it")
-        shape, source = _shape(kind, values, folder)
+        shape, source = _shape(kind, values, find_file)
     return Part(shape, pose, source)
 
 
@@ -141,12 +155,12 @@ def _one_of(node: Node, keys: Sequence[str]) -> str:
     return given[0]
 
 
-def _shape(kind: str, values: Node, folder: Path) -> tuple[Shape, tuple[Path, Any] | None]:
+def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, tuple[Path, Any] | None]:
     """A shape from its key and values, and the file and scale of a mesh."""
     if kind == "mesh":
-        return _mesh(values, folder)
+        return _mesh(values, find_file)
     if kind == "hull":
-        return _hull(values, folder), None
+        return _hull(values, find_file), None
     if kind == "box":
         check_keys(values, ("size",))
         return Box(tuple(numbers(required(values, "size"), "size", 3))), None  # type: ignore[arg-type]
@@ -155,18 +169,18 @@ def _shape(kind: str, values: Node, folder: Path) -> tuple[Shape, tuple[Path, An
     return make(*(number(required(values, key), key) for key in keys)), None
 
 
-def _mesh(values: Node, folder: Path) -> tuple[Hull, tuple[Path, Any]]:
+def _mesh(values: Node, find_file: FindFile) -> tuple[Hull, tuple[Path, Any]]:
     check_keys(values, ("file", "scale"))
     scale = values.get("scale", 1.0)
     factors = numbers(scale, "scale", 3) if isinstance(scale, list) else number(scale, "scale")
-    path = folder / text(required(values, "file"), "file")
+    path = find_file(text(required(values, "file"), "file"))
     return load_mesh(path, factors), (path, factors)
 
 
-def _hull(values: Node, folder: Path) -> Hull:
+def _hull(values: Node, find_file: FindFile) -> Hull:
     check_keys(values, ("vertices", "file"))
     if _one_of(values, ("vertices", "file")) == "file":
-        return _hull_file(folder / text(required(values, "file"), "file"))
+        return _hull_file(find_file(text(required(values, "file"), "file")))
     rows = sequence(values["vertices"], "'vertices'")
     return Hull(np.array([numbers(row, f"vertices row {k}", 3) for k, row in enumerate(rows)]).reshape(-1, 3))
 
@@ -225,19 +239,25 @@ def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> 
 
 
 def write_scene(scene: SceneContents, path: Path) -> None:
-    """Writes a scene so that reading it gives the same doubles."""
-    folder = path.resolve().parent
+    """Writes a scene, as MoveIt's text if the path ends in `.scene`, else in our own format."""
+    with within(f"scene file {str(path)!r}"):
+        is_text = path.suffix.lower() == moveit_text.SUFFIX
+        text = moveit_text.scene_text(scene) if is_text else _yaml_text(scene, path.resolve().parent)
+    try:
+        written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    except PlannercheckError as error:
+        raise PlannercheckError(f"scene {error}") from None
+
+
+def _yaml_text(scene: SceneContents, folder: Path) -> str:
+    """A scene in our own format: reading it gives the same doubles."""
     document: Node = {"name": scene.name} if scene.name else {}
     document["objects"] = [_object_node(item, folder) for item in scene.objects]
     document |= {"attached": [_attached_node(item, folder) for item in scene.attached]} if scene.attached else {}
     document |= _allowed_nodes(scene)
     states = {robot: states_node(scene, robot, folder) for robot in scene.states}
     document |= {"states": states} if states else {}
-    lines = yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
-    try:
-        path.write_text(lines, encoding="utf-8")
-    except OSError as error:
-        raise PlannercheckError(f"scene file {str(path)!r} can't be written: {error.strerror}") from None
+    return str(yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True))
 
 
 def _object_node(item: SceneObject, folder: Path) -> Node:

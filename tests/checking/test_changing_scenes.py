@@ -384,7 +384,7 @@ def test_what_is_carried_and_always_touches_is_said(panda):
         (lambda s, c: s.attach("box", HAND, touch_links="panda_link1"), "must be a list of names"),
         (lambda s, c: s.attach("box", HAND, parts=Sphere(1)), "'box' exists already"),
         (lambda s, c: s.detach("box", None), "unknown attached object 'box'"),
-        (lambda s, c: s.add("new", [Sphere(1)]), "must be a shape such as Box, or Parts, not Sphere"),
+        (lambda s, c: s.add("new", ["sphere"]), "object 'new': a body must be a shape such as Box"),
         (lambda s, c: c.attach("box", None, "panda_hnad"), "unknown link that carries 'box' 'panda_hnad'"),
         (lambda s, c: c.attach(HAND, Sphere(1), HAND), "a link or body of the robot is named 'panda_hand'"),
         (lambda s, c: c.attach("box", None, HAND, at(0, 0, 0), q=np.zeros(7)), "not both"),

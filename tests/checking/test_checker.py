@@ -78,6 +78,15 @@ def test_one_configuration_in_any_form(checker, samples, verdicts, form):
     assert [checker.is_valid(form(q)) for q in samples[:40]] == verdicts[:40].tolist()
 
 
+@pytest.mark.parametrize("form", [list, tuple, lambda q: q.astype(np.longdouble), lambda q: np.repeat(q, 2)[::2]])
+def test_what_is_no_array_of_doubles_is_judged_as_fast(checker, samples, verdicts, form, monkeypatch):
+    """Lists took the long way through sets of configurations, for 20 times as long."""
+    for owner in type(checker).__mro__:
+        if "check_states" in vars(owner):
+            monkeypatch.delattr(owner, "check_states")
+    assert [checker.is_valid(form(q)) for q in samples[:40]] == verdicts[:40].tolist()
+
+
 @pytest.mark.parametrize("bad", [[], np.zeros(6), np.zeros((1, 7)), np.full(7, np.nan), "1234567", None])
 def test_what_is_no_configuration(checker, bad):
     with pytest.raises(pc.PlannercheckError, match="configuration"):

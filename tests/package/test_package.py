@@ -130,6 +130,10 @@ def test_versions_agree():
     assert installed == pc.__version__
 
 
+def test_type_checkers_may_read_the_annotations():
+    assert (Path(pc.__file__).parent / "py.typed").is_file()  # PEP 561
+
+
 def modules():
     return sorted(p for p in Path(pc.__file__).parent.rglob("*.py") if p.name != "__main__.py")
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+from pathlib import Path
+
 import coal
 import numpy as np
 import pinocchio
@@ -334,3 +337,43 @@ def test_scene_files_that_say_too_little_are_refused(tmp_path, document, message
     path.write_text(document)
     with pytest.raises(PlannercheckError, match=message):
         Scene.load(path)
+
+
+@pytest.mark.parametrize("name", ["s.yaml", "s.scene"])
+def test_a_file_that_can_not_be_written_stays_as_it_was(tmp_path, monkeypatch, name):
+    scene = Scene("s")
+    scene.add_box("a", (1, 1, 1))
+    scene.save(tmp_path / name)
+    before = (tmp_path / name).read_text()
+
+    def full(path, text, **options):
+        with path.open("w") as file:
+            file.write(text[:10])
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    scene.add_box("b", (1, 1, 1))
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(PlannercheckError, match=f"scene file '.*{name}' can't be written: No space left on device"):
+        scene.save(tmp_path / name)
+    assert (tmp_path / name).read_text() == before
+    with pytest.raises(
+        PlannercheckError, match=r"scene file '.*nowhere.*' can't be written: No such file or directory"
+    ):
+        scene.save(tmp_path / "nowhere" / name)
+
+
+def test_notebooks_show_a_table_of_the_objects(folder):
+    scene = Scene.load(folder / "everything.yaml")
+    scene.add_box("<script>alert(1)</script>", (1, 1, 1))
+    scene.attach("mug", "panda_hand", pose_of([0, 0, 0.1]), parts=Cylinder(0.03, 0.1))
+    shown = scene._repr_html_()
+    assert "<td>worktop</td><td>box 1.2 × 0.6 × 0.04</td><td>0.6, 0, 0.8</td><td>the world</td>" in shown
+    assert "<td>mug</td><td>cylinder of radius 0.03, length 0.1</td><td>0, 0, 0.1</td><td>panda_hand</td>" in shown
+    assert "sphere of radius 0.04, capsule of radius 0.01, length 0.05, cone of radius 0.03, length 0.1" in shown
+    assert "<td>hull of 4 points</td>" in shown
+    assert "<script>" not in shown
+    assert shown.count("<tr>") == 1 + len(scene.objects) + len(scene.attached)
+    for k in range(100):
+        scene.add_sphere(f"ball {k}", 0.1)
+    assert "… and 67 more" in scene._repr_html_()
+    assert scene._repr_html_().count("<tr>") == 42

@@ -82,6 +82,16 @@ def _scene(path: Path) -> None:
     pc.Scene.load(again)
 
 
+def _scene_text(path: Path) -> None:
+    again = path.with_name("again.scene")
+    pc.Scene.load(path).save(again)
+    pc.Scene.load(again)
+
+
+def _pose_request(path: Path) -> None:
+    read_request(path, lambda goal: {"j": float(goal.pose[0, 3]), "k": 0.5})
+
+
 def _planar_scene(path: Path) -> None:
     again = path.with_name("again.yaml")
     pc.planar.Scene.load(path).save(again)
@@ -161,8 +171,11 @@ FILES: dict[str, Loader] = {
     "scene_arrays": Loader(lambda path: _scene(path.with_name("s.yaml")), (".npy",), _BOTH),
     "planar_scene": Loader(_planar_scene, (".yaml",)),
     "moveit_scene": Loader(_scene),
+    "moveit_world": Loader(_scene),
+    "scene_text": Loader(_scene_text, (".scene",), _BOTH),
     "collision_matrix": Loader(_scene),
     "moveit_request": Loader(read_request),
+    "pose_request": Loader(_pose_request),
     "problem_folder": Loader(_problem_folder, (".yaml",)),
     "problem_archive": Loader(_problems, (), _BYTES),
     "path": Loader(lambda path: read_path(path, JOINTS, len(JOINTS)), (), _BOTH),

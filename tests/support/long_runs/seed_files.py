@@ -109,6 +109,101 @@ goal_constraints:
 group_name: arm
 workspace_parameters: {min_corner: [-1, -1, -1], max_corner: [1, 1, 1]}
 """
+POSE_REQUEST = """start_state:
+  joint_state: {name: [j, k], position: [0.1, 0.5]}
+goal_constraints:
+  - position_constraints:
+      - header: {frame_id: base}
+        link_name: b
+        target_point_offset: {x: 0, y: 0, z: 0.1}
+        constraint_region:
+          primitives: [{type: 2, dimensions: [0.001]}]
+          primitive_poses: [{position: {x: 0.5, y: 0, z: 1}, orientation: {x: 0, y: 0, z: 0, w: 0}}]
+        weight: 1.0
+    orientation_constraints:
+      - header: {frame_id: base}
+        link_name: b
+        orientation: {x: 0, y: 0, z: 0.6, w: 0.8}
+        absolute_x_axis_tolerance: 0.01
+        weight: 1.0
+  - joint_constraints: [{joint_name: j, position: 0.3}, {joint_name: k, position: 0.1}]
+group_name: arm
+"""
+WORLD = """collision_objects:
+  - id: can
+    pose: {position: {x: 0.1, y: 0, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 1}}
+    primitives: [{type: 3, dimensions: [0.14, 0.03]}, {type: sphere, dimensions: [0.1]}]
+    primitive_poses: [{position: [0, 0, 1], orientation: [0, 0, 0, 1]}, {position: [0, 0, 0]}]
+    operation: 0
+octomap: {header: {frame_id: ''}, octomap: {data: []}}
+---
+"""
+OBJECT = """id: can
+header: {frame_id: world}
+meshes: [{vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], triangles: [[0, 2, 1], [1, 2, 3]]}]
+mesh_poses: [{position: [0, 0, 1], orientation: [0, 0, 0, 1]}]
+subframe_names: [tip]
+subframe_poses: [{position: [0, 0, 1], orientation: [0, 0, 0, 1]}]
+"""
+SCENE_TEXT = """(noname)
+* Box on the left
+1 2 3
+0 0 0.6 0.8
+3
+box
+0.1 0.2 0.3
+0.5 0 0
+0.6 0 0 0.8
+0 0 0 0
+cylinder
+0.03 0.14
+0 0 1e-3
+0 0 0 1
+0.5 0.5 0.5 1
+mesh
+4 4
+0 0 0
+1 0 0
+0 1 0
+0 0 1
+0 2 1
+0 1 3
+0 3 2
+1 2 3
+0 0 -1
+0 0 0 1
+0 0 0 0
+1
+tip
+0 0 0.5
+0 0 0 1
+* can
+0 0 0
+0 0 0 1
+1
+cone
+0.1 0.2
+0 0 0
+0 0 0 1
+0 0 0 0
+0
+.
+"""
+OLD_SCENE_TEXT = """old
+* foo
+2
+sphere
+0.77
+0 0 0.025
+0 0 0 1
+0.82 0.75 0.60 1
+box
+.77 0.39 0.05
+0 0 1.445
+0 0 0 1
+0 0 0 0
+.
+"""
 OMPL_PATH = "Geometric path with 2 states\nRealVectorState [0.1 0.2 0.3]\nRealVectorState [0.5 0.2 -0.3]\n"
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 TRIANGLES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
@@ -156,7 +251,12 @@ def _scenes(files: _Files, rng: np.random.Generator) -> None:
     np.save(files.of("scene_arrays", "hull.npy"), rng.normal(size=(8, 3)))
     np.save(files.of("scene_arrays", "samples.npy"), rng.normal(size=(8, 7)))
     files.of("moveit_scene", "s.yaml", MOVEIT)
+    files.of("moveit_world", "w.yaml", WORLD)
+    files.of("moveit_world", "o.yaml", OBJECT)
+    files.of("scene_text", "new.scene", SCENE_TEXT)
+    files.of("scene_text", "old.scene", OLD_SCENE_TEXT)
     files.of("moveit_request", "r.yaml", REQUEST)
+    files.of("pose_request", "r.yaml", POSE_REQUEST)
     files.of("collision_matrix", "s.yaml", MATRIX)
     for kind in ("problem_folder", "problem_archive"):
         members = {"scene0001.yaml": MOVEIT, "request0001.yaml": REQUEST}

@@ -1,0 +1,196 @@
+"""Bodies as users have them: our shapes, arrays of points, and objects of trimesh, coal and python-fcl.
+
+In: any of these. Out: one of our shapes and where it stands, or a prepared `Polytope`. Boxes, spheres, capsules,
+cylinders and cones stay what they are, also trimesh's primitives; of meshes, convex polytopes and points the convex
+hull is taken, as of mesh files. No library is imported for this: whoever has such an object has imported it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.bodies.meshes import hull_of_triangles
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose, hull_and_swell
+from plannercheck.bodies.triangle_meshes import triangles_of_coal
+from plannercheck.common.checked_yaml import within
+from plannercheck.common.errors import PlannercheckError, shortened
+
+Array = NDArray[np.float64]
+
+# A trimesh.Trimesh, or a geometry or collision object of coal or python-fcl.
+GeometryObject: TypeAlias = Any
+GivenShape: TypeAlias = Shape | ArrayLike | GeometryObject
+PlacedShape: TypeAlias = tuple[Shape, Array | None]
+
+_KNOWN = (
+    "a shape such as Box, points (n, 3) in m, a trimesh.Trimesh, or a box, sphere, capsule, cylinder, cone, convex or "
+    "mesh of coal or python-fcl"
+)
+
+
+def is_geometry(value: object) -> bool:
+    """Whether a value is one of our shapes or an object of another library that may be one; arrays are not."""
+    return isinstance(value, Shape) or _library(value) is not None
+
+
+def given_shape(value: GivenShape, what: str) -> PlacedShape:
+    """One of our shapes for a body as users have it.
+
+    Args:
+        value: The body.
+        what: What it is for, for errors, e.g. "object 'can'".
+
+    Returns:
+        The shape, and its pose (4, 4) in the frame in which it was given, m; None if it stands there itself.
+
+    Raises:
+        PlannercheckError: If it is none, or one whose points its library does not give.
+    """
+    if isinstance(value, Shape):
+        return value, None
+    library = _library(value)
+    with within(what):
+        return (Hull(_points(value)), None) if library is None else _READERS[library](value)
+
+
+def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: str) -> tuple[Polytope, Array]:
+    """A prepared body and its pose (4, 4) in the world, m; a `Polytope` is taken as it is.
+
+    Args:
+        value: A `Polytope`, or what `given_shape` takes; cylinders and cones are the polytopes around them.
+        pose: Of the body in the world; None is the identity.
+        name: Of the argument, for errors: "P", whose pose is called "pose_p".
+    """
+    placed = checked_pose(pose, f"pose_{name.lower()}")
+    if isinstance(value, Polytope):
+        return value, placed
+    if not is_geometry(value):
+        with within(name):
+            points = _points(value)
+        return Polytope(points, name=name), placed
+    shape, own = given_shape(value, name)
+    return Polytope(*hull_and_swell(shape), name=name), in_frame(placed, own, name)
+
+
+def in_frame(frame: Array, pose: ArrayLike | None, what: str) -> Array:
+    """The product of two poses; of an identity with a pose, exactly that pose."""
+    if pose is None or np.array_equal(frame, np.eye(4)):
+        return frame if pose is None else checked_pose(pose, what)
+    local = checked_pose(pose, what)
+    return frame if np.array_equal(local, np.eye(4)) else checked_pose(frame @ local, what)
+
+
+def _library(value: object) -> str | None:
+    """The library of which an object's class, or one that it derives from, is."""
+    modules = {each.__module__.partition(".")[0] for each in type(value).__mro__}
+    return next((name for name in _READERS if name in modules), None)
+
+
+def _points(value: GivenShape) -> Array:
+    """Points (n, 3) in m."""
+    try:
+        given = np.asarray(value)
+        points = np.asarray(given, dtype=np.float64) if given.dtype.kind in "fiu" else None
+    except (TypeError, ValueError, OverflowError):
+        points = None
+    if points is None:
+        raise PlannercheckError(f"a body must be {_KNOWN}, not {type(value).__name__} {shortened(repr(value))}")
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise PlannercheckError(f"points of a body must have shape (n, 3), not {points.shape}")
+    return points
+
+
+def _of_trimesh(value: Any) -> PlacedShape:
+    """A mesh, or a primitive, whose size is known and not only its mesh's."""
+    kind, primitive = type(value).__name__, getattr(value, "primitive", None)
+    if primitive is not None and kind in _PRIMITIVES:
+        return _PRIMITIVES[kind](primitive), checked_pose(primitive.transform, f"trimesh's {kind}")
+    if not hasattr(value, "vertices"):
+        raise PlannercheckError(f"of trimesh, meshes are known, not {kind}: give each mesh, as scene.dump() lists them")
+    faces = np.asarray(getattr(value, "faces", ()), dtype=np.int64)
+    return hull_of_triangles(_points(value.vertices), faces), None
+
+
+_PRIMITIVES: dict[str, Callable[[Any], Shape]] = {
+    "Box": lambda primitive: _box(primitive.extents),
+    "Sphere": lambda primitive: Sphere(primitive.radius),
+    "Cylinder": lambda primitive: Cylinder(primitive.radius, primitive.height),
+    "Capsule": lambda primitive: Capsule(primitive.radius, primitive.height),
+}
+
+
+def _of_coal(value: Any) -> PlacedShape:
+    import coal  # slow to import, but it is there, since it has made the value
+
+    if isinstance(value, coal.CollisionObject):
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = value.getRotation(), value.getTranslation()
+        return shape_of_coal(value.collisionGeometry()), checked_pose(pose, "coal's CollisionObject")
+    return shape_of_coal(value), None
+
+
+def shape_of_coal(value: Any) -> Shape:
+    """Our shape for one of coal's; of meshes and convex polytopes the hull.
+
+    Raises:
+        PlannercheckError: For other shapes, and for a swept sphere radius around anything but spheres and capsules.
+    """
+    import coal
+
+    radius = float(value.getSweptSphereRadius()) if hasattr(value, "getSweptSphereRadius") else 0.0
+    match value:
+        case coal.Sphere():
+            return Sphere(value.radius + radius)
+        case coal.Capsule():
+            return Capsule(value.radius + radius, 2 * value.halfLength)
+    if radius:
+        raise PlannercheckError(f"coal's swept_sphere_radius {radius} is not supported: give the checker a padding")
+    match value:
+        case coal.Box():
+            return _box(2 * np.asarray(value.halfSide))
+        case coal.Cylinder():
+            return Cylinder(value.radius, 2 * value.halfLength)
+        case coal.Cone():
+            return Cone(value.radius, 2 * value.halfLength)
+        case coal.ConvexBase():
+            return Hull(np.array(value.points(), dtype=np.float64))
+        case coal.TriangleP():
+            return Hull(np.array([value.a, value.b, value.c], dtype=np.float64))
+    mesh = triangles_of_coal(value)
+    if mesh is None:
+        raise PlannercheckError(f"a body must be {_KNOWN}, not coal's {type(value).__name__}")
+    return hull_of_triangles(mesh.points, mesh.triangles)
+
+
+def _of_fcl(value: Any) -> PlacedShape:
+    kind = type(value).__name__
+    if kind in _FCL_SHAPES:
+        return _FCL_SHAPES[kind](value), None
+    if kind == "CollisionObject":
+        raise PlannercheckError("python-fcl does not tell what a CollisionObject holds: give its geometry and pose")
+    if kind in ("Convex", "BVHModel"):
+        raise PlannercheckError(f"python-fcl does not tell the points of a {kind}: give the points themselves")
+    raise PlannercheckError(f"a body must be {_KNOWN}, not python-fcl's {kind}")
+
+
+_FCL_SHAPES: dict[str, Callable[[Any], Shape]] = {
+    "Box": lambda shape: _box(shape.side),
+    "Sphere": lambda shape: Sphere(shape.radius),
+    "Capsule": lambda shape: Capsule(shape.radius, shape.lz),
+    "Cylinder": lambda shape: Cylinder(shape.radius, shape.lz),
+    "Cone": lambda shape: Cone(shape.radius, shape.lz),
+    "TriangleP": lambda shape: Hull(np.array([shape.a, shape.b, shape.c], dtype=np.float64)),
+}
+
+
+def _box(size: ArrayLike) -> Box:
+    x, y, z = np.asarray(size, dtype=np.float64).tolist()
+    return Box((x, y, z))
+
+
+_READERS: dict[str, Callable[[Any], PlacedShape]] = {"trimesh": _of_trimesh, "coal": _of_coal, "fcl": _of_fcl}
