@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from ompl import base, geometric
 
 import plannercheck as pc
-from plannercheck.ompl import setup, space_of
+from plannercheck.ompl import planner_names, setup, space_of
+from plannercheck.ompl.planning import plan
+from plannercheck.ompl.simple_setup import INFORMED_PLANNERS
 
 P = pc.planar
+# Seconds a search; FMT and BFMT take as long as their samples need.
+SHORT, SAMPLES = 0.1, 60
 
 
 def arm() -> tuple[P.Checker, np.ndarray, np.ndarray]:
@@ -51,6 +56,7 @@ SPACES = [(case, {}) for case in CASES] + [
     for case in ("vehicle", "trailer")
     for curve in ("dubins", "reeds_shepp")
 ]
+WITHOUT_INFORMED = ("angles", "arm", "trailer")
 
 
 @pytest.fixture(scope="module")
@@ -73,3 +79,39 @@ def test_every_space_has_a_projection(problems, case, options):
     space = space_of(checker, **options)
     evaluator.project(space.state(made.getSpaceInformation(), start), seen)
     assert seen == pytest.approx(start[:2])
+
+
+@pytest.mark.parametrize(("case", "options"), SPACES, ids=lambda value: value if isinstance(value, str) else None)
+@pytest.mark.parametrize("name", planner_names())
+def test_every_planner_plans_or_says_where_it_can(problems, case, options, name):
+    checker, start, goal = problems[case]
+    made, space = setup(checker, **options), space_of(checker, **options)
+    information = made.getSpaceInformation()
+    made.setStartAndGoalStates(space.state(information, start), space.state(information, goal))
+    planner = getattr(geometric, name)(information)
+    if hasattr(planner, "setNumSamples"):
+        planner.setNumSamples(SAMPLES)
+    made.setPlanner(planner)
+    if case in WITHOUT_INFORMED and name in INFORMED_PLANNERS:
+        with pytest.raises(pc.PlannercheckError, match=f"^{name} can't plan .* AORRTC, BITstar, Informed"):
+            made.solve(SHORT)
+        return
+    made.solve(base.timedPlannerTerminationCondition(SHORT))
+    if made.haveExactSolutionPath():
+        assert made.getSolutionPath().check()
+
+
+def test_plan_says_it_too(problems):
+    with pytest.raises(pc.PlannercheckError, match=r"BITstar can't plan with angles .* all others serve every space"):
+        plan(*problems["angles"], planner="BITstar")
+
+
+def test_informed_planners_serve_any_space_with_another_objective(problems):
+    """Only for the length are samples drawn from where a shorter path may be."""
+    checker, start, goal = problems["angles"]
+    made, space = setup(checker), space_of(checker)
+    information = made.getSpaceInformation()
+    made.setOptimizationObjective(pc.ompl.clearance_objective(checker, made))
+    made.setStartAndGoalStates(space.state(information, start), space.state(information, goal))
+    made.setPlanner(geometric.InformedRRTstar(information))
+    made.solve(SHORT)
