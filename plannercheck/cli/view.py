@@ -28,11 +28,11 @@ from plannercheck.planar.robot_files import is_planar
 from plannercheck.validation.formats.chunks import read_chunks
 from plannercheck.validation.formats.paths import read_path
 from plannercheck.view.frames import DEFAULT_FRAMES, along_path
-from plannercheck.view.model import Picture
+from plannercheck.view.joints import joints_of
 from plannercheck.view.page import write_page
 from plannercheck.view.picture import picture
 from plannercheck.view.server import DEFAULT_PORT, serve
-from plannercheck.view.surfaces import delivered_meshes
+from plannercheck.view.surfaces import delivered_meshes, visual_meshes
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +41,8 @@ Without FILE, --path and --q, the scene's start for the robot is shown, or else 
 
 Colliding bodies are red, with the points that they share; separating planes are blue, with the nearest points of their
 two bodies. The page that --html writes needs no network: drag turns, shift-drag moves, the wheel comes nearer, a click
-names a body. Its address may set the view: page.html#frame=3&azimuth=-60&elevation=20&hide=plane
+names a body, ? lists the keys. Its address may set the view: page.html#frame=3&azimuth=-60&elevation=20&hide=plane and
+theme=dark or theme=light, which otherwise the browser chooses.
 
 Examples:
   plannercheck view --robot panda --scene bookshelf --html panda.html
@@ -73,7 +74,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="separating planes a frame, of the nearest pairs; default: 3 for one configuration, else 1",
     )
-    parser.add_argument("--meshes", action="store_true", help="also draw the collision meshes as they were delivered")
+    parser.add_argument(
+        "--meshes", action="store_true", help="also draw the robot's visual and collision meshes as delivered"
+    )
     parser.add_argument("--html", type=Path, metavar="FILE", help="write one page that needs no network, and stop")
     parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="to serve at; default: %(default)s")
     parser.add_argument("--host", default="localhost", help="to serve on; default: %(default)s, this machine alone")
@@ -83,13 +86,20 @@ def run(options: argparse.Namespace) -> int:
     """Runs the command."""
     _check(options)
     checker = load_checker(options)
-    drawn = _picture(options, checker)
+    rows, labels = _frames(options, checker)
+    meshes, visuals = (delivered_meshes(options.robot), visual_meshes(options.robot)) if options.meshes else (None, ())
+    is_path = options.path is not None
+    drawn = picture(
+        checker, rows, labels=labels, animated=is_path, planes=options.planes, meshes=meshes, visuals=visuals
+    )
     if options.html is not None:
         write_page(drawn, options.html)
         size = options.html.stat().st_size / 1e6
         print(f"{drawn.title}, {drawn.frames} frames: written to {options.html} ({size:.1f} MB)")
         return 0
-    stage = serve(drawn, options.port, options.host)
+    has_sliders = len(checker.robot.joint_names) == checker.robot.nq > 0
+    joints = joints_of(checker, rows, meshes, visuals) if has_sliders else None
+    stage = serve(drawn, options.port, options.host, joints)
     address = f"http://{options.host}:{stage.server.get_port()}"
     print(f"{drawn.title}, {drawn.frames} frames: {address}, until Ctrl-C", flush=True)
     try:
@@ -107,13 +117,6 @@ def _check(options: argparse.Namespace) -> None:
         raise PlannercheckError("--frames and --first must be at least 1, --planes at least 0")
     if options.meshes and is_planar(options.robot, "robots"):
         raise PlannercheckError("--meshes is for robots in space")
-
-
-def _picture(options: argparse.Namespace, checker: AnyChecker) -> Picture:
-    meshes = delivered_meshes(options.robot) if options.meshes else None
-    rows, labels = _frames(options, checker)
-    is_path = options.path is not None
-    return picture(checker, rows, labels=labels, animated=is_path, planes=options.planes, meshes=meshes)
 
 
 def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, tuple[str, ...]]:

@@ -20,6 +20,7 @@ from ompl import base
 
 from plannercheck.common.angles import nearest_turn, nearest_turns, wrapped
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.ompl.projections import register_projection
 from plannercheck.robots.configurations import PLAIN, ConfigurationMap, is_continuous
 from plannercheck.robots.robot import Robot
 
@@ -70,6 +71,7 @@ class JointSpace:
         for k, turning in enumerate(self.continuous.tolist()):
             part = base.SO2StateSpace() if turning else bounded_space(self._lower[k : k + 1], self._upper[k : k + 1])
             space.addSubspace(part, 1.0)
+        register_projection(space)
         return space
 
     def read(self, state: Any) -> list[float]:

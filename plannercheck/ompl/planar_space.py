@@ -17,6 +17,7 @@ from ompl import base
 from plannercheck.common.angles import nearest_turns, wrapped
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.joint_space import bounded_space
+from plannercheck.ompl.projections import register_projection
 from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
@@ -82,6 +83,7 @@ class PlanarSpace:
         for k in range(self._first, self._width):
             limits = self._lower[k : k + 1], self._upper[k : k + 1]
             space.addSubspace(base.SO2StateSpace() if self.continuous[k] else bounded_space(*limits), 1.0)
+        register_projection(space)
         return space
 
     def read(self, state: Any) -> list[float]:

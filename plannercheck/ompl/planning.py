@@ -29,6 +29,7 @@ from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.motion_validators import Space, motion_validator
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
+from plannercheck.ompl.simple_setup import SimpleSetup
 from plannercheck.ompl.start_and_goal import checked_end, judged
 from plannercheck.ompl.state_validators import ExactStates
 from plannercheck.planar.checker import Checker as PlanarChecker
@@ -69,7 +70,12 @@ def setup(
         turning_radius: Of the two latter, m.
 
     Returns:
-        An `ompl.geometric.SimpleSetup` with space, state and motion validators set.
+        An `ompl.geometric.SimpleSetup` with space, state and motion validators set. Its `simplifySolution` keeps the
+        path that was found if OMPL's simpler one collides; of paths that `getPathSimplifier()` is given, OMPL says so
+        by returning False alone.
+
+        AORRTC, BITstar, InformedRRTstar and SORRTstar serve bounded joints and planar robots without joints; OMPL's
+        other planners serve every space.
 
     Raises:
         PlannercheckError: If a joint is neither bounded nor continuous, or takes several numbers.
@@ -114,7 +120,7 @@ def _setup(checker: AnyChecker, space: Space, resolution: float | None, toleranc
     for name, length in (("resolution", resolution), ("tolerance", tolerance)):
         if length is not None and not (np.isfinite(length) and length > 0):
             raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
-    setup = geometric.SimpleSetup(space.ompl_space())
+    setup = SimpleSetup(space.ompl_space())
     information = setup.getSpaceInformation()
     setup.setStateValidityChecker(_state_validity(information, checker, space))
     information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))
@@ -243,13 +249,13 @@ def _configurations(space: Space, states: list[Any], checker: AnyChecker, resolu
 
 
 def _shortened(setup: Any) -> Any:
-    """The found path, shortened; as it was found if OMPL calls the shorter one invalid."""
+    """The found path, shortened; as it was found if a motion of the shorter one collides."""
     found = setup.getSolutionPath()
     shorter = geometric.PathGeometric(found)
     limit = base.timedPlannerTerminationCondition(SIMPLIFICATION_TIME)
     # The flag would have every step of the simplification run at least once, however long that takes.
     kept = setup.getPathSimplifier().simplify(shorter, limit, atLeastOnce=False)
-    return shorter if kept else found
+    return shorter if kept and shorter.check() else found
 
 
 def _unsolved(robot: AnyRobot, planner: str, spent: float, reason: str) -> Plan:

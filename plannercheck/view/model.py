@@ -16,18 +16,22 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 Bools = NDArray[np.bool_]
 
-# What a mesh is: the hull of a link, a link's mesh as it was delivered, or an obstacle.
-Layer: TypeAlias = Literal["hull", "mesh", "obstacle"]
+# What a mesh is: the hull of a link, a link's mesh for collisions as it was delivered, or for the eye; an obstacle, or
+# the floor.
+Layer: TypeAlias = Literal["hull", "mesh", "visual", "obstacle", "floor"]
 
 # Red, green and blue from 0 to 1, and how opaque.
 COLOURS: dict[Layer, tuple[float, float, float]] = {
     "hull": (0.67, 0.74, 0.80),
     "mesh": (0.55, 0.61, 0.68),
+    "visual": (0.86, 0.86, 0.83),
     "obstacle": (0.85, 0.70, 0.51),
+    "floor": (0.56, 0.62, 0.58),
 }
 COLLIDING = (0.84, 0.12, 0.10)
 PLANE = (0.16, 0.45, 0.80)
 OBSTACLE_OPACITY = 0.45
+FLOOR_OPACITY = 0.6
 # Of hulls around the meshes as delivered, which show through.
 VEIL_OPACITY = 0.35
 

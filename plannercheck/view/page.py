@@ -45,6 +45,7 @@ def data_of(picture: Picture) -> dict[str, Any]:
         "animated": picture.animated,
         "verdicts": [picture.verdict(frame) for frame in range(picture.frames)],
         "valid": [not pairs for pairs in picture.collisions],
+        "colours": {layer: list(colour) for layer, colour in COLOURS.items()},
         "red": list(COLLIDING),
         "blue": list(PLANE),
         "centre": picture.centre.tolist(),

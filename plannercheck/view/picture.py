@@ -16,9 +16,10 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.view.evidence import Evidence
+from plannercheck.view.floors import with_floor
 from plannercheck.view.model import OBSTACLE_OPACITY, VEIL_OPACITY, Mesh, Picture, Plane, Witness
 from plannercheck.view.planar_bodies import planar_meshes, planar_witnesses
-from plannercheck.view.surfaces import Surface, surface_of
+from plannercheck.view.surfaces import Surface, Visual, surface_of
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -39,6 +40,7 @@ def picture(
     animated: bool = False,
     planes: int | None = None,
     meshes: Mapping[str, Surface] | None = None,
+    visuals: Sequence[Visual] = (),
 ) -> Picture:
     """Makes a picture.
 
@@ -50,6 +52,7 @@ def picture(
         planes: Separating planes a frame, of the nearest pairs; default: 3 for one frame, 1 for several; in the plane
             none are drawn.
         meshes: Of `delivered_meshes`, to be drawn inside their hulls.
+        visuals: Of `visual_meshes`, what the links look like, to be drawn inside the hulls, too.
 
     Returns:
         The picture.
@@ -69,10 +72,12 @@ def picture(
         points, found = planar_witnesses(checker, rows, colliding), list[Plane]()
     else:
         assert isinstance(checker, Checker)
-        drawn = space_meshes(checker, rows, _bodies_hit(checker, colliding), meshes or {})
+        hit = _bodies_hit(checker, colliding)
+        drawn = with_floor(space_meshes(checker, rows, hit, meshes or {}, veiled=bool(visuals)))
+        drawn += visual_layer(checker, rows, hit, visuals)
         count = planes if planes is not None else _PLANES_OF_ONE if len(rows) == 1 else _PLANES_OF_MANY
         points, found = _evidence(checker, rows, colliding, count)
-    centre, radius = _focus([mesh for mesh in drawn if mesh.layer != "obstacle"] or drawn)
+    centre, radius = _focus([mesh for mesh in drawn if mesh.layer not in ("obstacle", "floor")] or drawn)
     return Picture(
         title=f"{checker.robot.name} in {checker.scene.name}",
         labels=tuple(names),
@@ -86,7 +91,9 @@ def picture(
     )
 
 
-def space_meshes(checker: Checker, rows: Floats, hit: Bools, delivered: Mapping[str, Surface]) -> list[Mesh]:
+def space_meshes(
+    checker: Checker, rows: Floats, hit: Bools, delivered: Mapping[str, Surface], veiled: bool = False
+) -> list[Mesh]:
     """A mesh for each body, and one for each delivered mesh.
 
     Args:
@@ -94,6 +101,7 @@ def space_meshes(checker: Checker, rows: Floats, hit: Bools, delivered: Mapping[
         rows: (n, nq) configurations.
         hit: (n, bodies) which bodies collide.
         delivered: Triangles by body's name.
+        veiled: Whether all hulls are to be seen through.
     """
     poses = drawn_poses(checker, rows)
     owners = (*(body.link or body.name for body in checker.robot.bodies), *checker.scene.body_objects)
@@ -105,9 +113,22 @@ def space_meshes(checker: Checker, rows: Floats, hit: Bools, delivered: Mapping[
             drawn.append(Mesh(body.name, owner, "obstacle", *surface, at, hit[:, k], OBSTACLE_OPACITY))
             continue
         inside = delivered.get(body.name)
-        drawn.append(Mesh(body.name, owner, "hull", *surface, at, hit[:, k], VEIL_OPACITY if inside else 1.0))
+        drawn.append(Mesh(body.name, owner, "hull", *surface, at, hit[:, k], VEIL_OPACITY if inside or veiled else 1.0))
         if inside is not None:
             drawn.append(Mesh(body.name, owner, "mesh", *inside, at, hit[:, k]))
+    return drawn
+
+
+def visual_layer(checker: Checker, rows: Floats, hit: Bools, visuals: Sequence[Visual]) -> list[Mesh]:
+    """What the links look like: a link is red where any of its bodies collides; arguments as for `space_meshes`."""
+    if not visuals:
+        return []
+    links, drawn = checker.robot.link_poses(rows), list[Mesh]()
+    for each in visuals:
+        poses = links[:, checker.robot.link_index(each.link)] @ each.pose
+        of_link = [k for k, body in enumerate(checker.bodies) if body.link == each.link]
+        at = poses if (poses != poses[0]).any() else poses[:1]
+        drawn.append(Mesh(each.name, each.link, "visual", *each.surface, at, np.any(hit[:, of_link], axis=1)))
     return drawn
 
 

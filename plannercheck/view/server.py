@@ -1,10 +1,12 @@
-"""A picture in the browser through viser, for looking around and stepping through frames.
+"""A picture in the browser through viser, for looking around, stepping through frames and moving joints.
 
-In: a `Picture`. Out: a running server, which only its own page can talk to. Needs `pip install 'plannercheck[view]'`.
+In: a `Picture`, the robot's `Joints` if there shall be sliders. Out: a running server, which only its own page can talk
+to. Needs `pip install 'plannercheck[view]'`.
 """
 
 from __future__ import annotations
 
+import threading
 import time
 from typing import Any
 
@@ -12,6 +14,7 @@ import numpy as np
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import quaternion_of_rotation
+from plannercheck.view.joints import Joints
 from plannercheck.view.model import PLANE, Mesh, Picture
 from plannercheck.view.origins import own_pages_only
 
@@ -20,17 +23,20 @@ DEFAULT_PORT = 8080
 _ANIMATION_STEP, _SET_STEP = 1 / 30, 0.8
 # Where one looks from at first, seen from the centre, in radii: from behind robots that look along x.
 _EYE = np.array([-1.6, -2.2, 1.2])
+# By which sliders move joints, rad and m.
+_SLIDER_STEP = 1e-3
 # Radius of drawn points and thickness of lines as parts of the radius of what is looked at.
 _POINT_PART, _LINE_PART = 0.008, 0.004
 
 
-def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -> Stage:
+def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost", joints: Joints | None = None) -> Stage:
     """Starts a viser server that shows a picture.
 
     Args:
         picture: The picture.
         port: Where to listen.
         host: On which of this machine's addresses to listen; "0.0.0.0" is all of them.
+        joints: Of `joints_of`, with the same configurations: sliders that move them, each with its verdict at once.
 
     Returns:
         The stage; its `server.stop()` ends it, its `play()` plays frames as long as the box is ticked.
@@ -47,7 +53,7 @@ def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost") -
         ) from None
     with own_pages_only(host):
         server = viser.ViserServer(host=host, port=port, verbose=False)
-    return Stage(server, picture)
+    return Stage(server, picture, joints)
 
 
 class Stage:
@@ -56,20 +62,25 @@ class Stage:
     Attributes:
         server: viser's server.
         meshes: viser's handle of each of the picture's meshes.
+        sliders: viser's handle of each joint's slider.
+        verdict: viser's handle of the words above the controls.
     """
 
-    def __init__(self, server: Any, picture: Picture) -> None:
-        self.server, self._picture = server, picture
+    def __init__(self, server: Any, picture: Picture, joints: Joints | None = None) -> None:
+        self.server, self._picture, self._joints = server, picture, joints
+        self._drawing = threading.RLock()  # viser calls from several threads
+        self._at: list[float] | None = None  # the sliders' values that are shown; None while they are put there
         self._marks: list[Any] = []
         server.scene.set_up_direction("+z")
         server.scene.world_axes.visible = False
         self.meshes = [self._added(k, mesh) for k, mesh in enumerate(picture.meshes)]
-        self._verdict = server.gui.add_markdown("")
+        self.verdict = server.gui.add_markdown("")
         self._slider = server.gui.add_slider("frame", 0, max(picture.frames - 1, 1), 1, 0, disabled=picture.frames == 1)
         self._slider.on_update(lambda _: self.show(int(self._slider.value)))
         self._playing = server.gui.add_checkbox("play", False, disabled=picture.frames == 1)
         for layer in dict.fromkeys(mesh.layer for mesh in picture.meshes):
             self._add_switch(layer)
+        self.sliders = self._added_sliders(joints) if joints is not None else []
         server.initial_camera.look_at = picture.centre
         server.initial_camera.position = picture.centre + picture.radius * _EYE
         self.show(0)
@@ -102,29 +113,67 @@ class Stage:
                 self._slider.value = (int(self._slider.value) + 1) % self._picture.frames
 
     def show(self, frame: int) -> None:
-        """Shows a frame."""
+        """Shows a frame; the sliders follow."""
+        with self._drawing:
+            self._draw(self._picture, frame)
+            if self._joints is not None:
+                self._put_sliders(self._joints.rows[frame].tolist())
+
+    def _put_sliders(self, q: list[float]) -> None:
+        """Puts the sliders where the joints are; viser calls for each, as if someone had moved it."""
+        self._at = None
+        for slider, value in zip(self.sliders, q, strict=True):
+            slider.value = value
+        self._at = self._slider_values()
+
+    def _slider_values(self) -> list[float]:
+        return [float(slider.value) for slider in self.sliders]
+
+    def _added_sliders(self, joints: Joints) -> list[Any]:
+        with self.server.gui.add_folder("joints"):
+            ranges = zip(
+                joints.names, joints.lower.tolist(), joints.upper.tolist(), joints.rows[0].tolist(), strict=True
+            )
+            sliders = [
+                self.server.gui.add_slider(name, low, max(high, low + _SLIDER_STEP), _SLIDER_STEP, value)
+                for name, low, high, value in ranges
+            ]
+        for slider in sliders:
+            slider.on_update(lambda _: self.follow_sliders())
+        return sliders
+
+    def follow_sliders(self) -> None:
+        """Shows the joints where the sliders are; of several calls in a row, the first one does it for all."""
+        with self._drawing:
+            wanted = self._slider_values()
+            if self._joints is None or self._at in (None, wanted):
+                return
+            self._at = wanted
+            self._draw(self._joints.picture_of(wanted), 0)
+
+    def _draw(self, picture: Picture, frame: int) -> None:
         with self.server.atomic():
-            for mesh, handle in zip(self._picture.meshes, self.meshes, strict=True):
+            for mesh, handle in zip(picture.meshes, self.meshes, strict=True):
                 x, y, z, w = quaternion_of_rotation(mesh.pose(frame)[:3, :3])
                 handle.position, handle.wxyz = mesh.pose(frame)[:3, 3], (w, x, y, z)
                 handle.color = _bytes(mesh.colour(frame))
             for mark in self._marks:
                 mark.remove()
-            self._marks = [*self._drawn_witnesses(frame), *self._drawn_planes(frame)]
-        self._verdict.content = f"**{self._picture.labels[frame]}**: {self._picture.verdict(frame)}"
+            self._marks = [*self._drawn_witnesses(picture, frame), *self._drawn_planes(picture, frame)]
+        self.verdict.content = f"**{picture.labels[frame]}**: {picture.verdict(frame)}"
 
-    def _drawn_witnesses(self, frame: int) -> list[Any]:
+    def _drawn_witnesses(self, picture: Picture, frame: int) -> list[Any]:
         return [
             self.server.scene.add_icosphere(
                 f"/witness/{k}", radius=self._picture.radius * _POINT_PART, color=(20, 20, 20), position=each.point
             )
-            for k, each in enumerate(self._picture.witnesses)
+            for k, each in enumerate(picture.witnesses)
             if each.frame == frame
         ]
 
-    def _drawn_planes(self, frame: int) -> list[Any]:
+    def _drawn_planes(self, picture: Picture, frame: int) -> list[Any]:
         drawn, scene, blue, thick = [], self.server.scene, _bytes(PLANE), self._picture.radius * _LINE_PART
-        for k, plane in enumerate(self._picture.planes):
+        for k, plane in enumerate(picture.planes):
             if plane.frame == frame:
                 corners, faces = square(plane.centre, plane.normal, plane.size)
                 drawn.append(

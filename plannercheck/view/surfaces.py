@@ -1,4 +1,4 @@
-"""Triangles to draw: of the bodies that verdicts are about, and of the meshes as they were delivered.
+"""Triangles to draw: of the bodies that verdicts are about, of the meshes as delivered, and of what links look like.
 
 In: shapes, or a robot's name or file. Out: vertices (n, 3) in m and triangles (m, 3), in the body's frame. Curved
 shapes are drawn coarser than they are checked.
@@ -6,18 +6,23 @@ shapes are drawn coarser than they are checked.
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import coal
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import fans, prepared
 from plannercheck.bodies.shapes import Hull, Shape
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import example_robot_data
+from plannercheck.common.silence import urdf_silence
 from plannercheck.robots.description import RobotDescription, find_description, read_description
-from plannercheck.robots.urdf import read_geometry, read_model
+from plannercheck.robots.urdf import bodies_of, read_geometry, read_model
 
 Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
 
@@ -57,17 +62,73 @@ def delivered_meshes(name_or_path: str | Path) -> dict[str, Surface]:
     Raises:
         PlannercheckError: If the robot is planar, or one of its files can't be read.
     """
-    path = find_description(name_or_path)
-    if path.suffix == ".urdf":
-        description = RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
-    else:
-        description = read_description(path)
+    description = _description(name_or_path)
     model = read_model(description.urdf, description.floating)
     geometry = read_geometry(model, description.urdf, description.package_dirs)
     meshes = {each.name: each.geometry for each in geometry.geometryObjects if hasattr(each.geometry, "tri_indices")}
     if not meshes:
         raise PlannercheckError(f"robot {str(name_or_path)!r} has no collision meshes: its bodies are simple shapes")
     return {name: _triangles(mesh) for name, mesh in meshes.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Visual:
+    """What a link looks like: one <visual> of the URDF.
+
+    Attributes:
+        name: Pinocchio's.
+        link: The link that it is fixed to.
+        pose: (4, 4) on the link, m.
+        surface: Its triangles.
+    """
+
+    name: str
+    link: str
+    pose: NDArray[np.float64]
+    surface: Surface
+
+
+def visual_meshes(name_or_path: str | Path) -> tuple[Visual, ...]:
+    """What a robot's links look like, by the <visual> elements of its URDF.
+
+    Args:
+        name_or_path: As for `Robot.load`.
+
+    Returns:
+        All of them; none, with a warning, if a mesh does not load, since no verdict depends on them.
+
+    Raises:
+        PlannercheckError: If the robot is planar, or its description can't be read.
+    """
+    description = _description(name_or_path)
+    model, urdf = read_model(description.urdf, description.floating), description.urdf
+    folders = [str(folder) for folder in (*description.package_dirs, *urdf.resolve().parents)]
+    try:
+        loader = coal.CachedMeshLoader(coal.NODE_TYPE.BV_OBB)
+        with urdf_silence()():
+            geometry = pin.buildGeomFromUrdf(model, str(urdf), pin.VISUAL, package_dirs=folders, mesh_loader=loader)
+    except (ValueError, RuntimeError) as error:
+        warnings.warn(
+            f"URDF {urdf}: what its links look like is left out: {error!s:.200}", RuntimeWarning, stacklevel=2
+        )
+        return ()
+    pairs = zip(geometry.geometryObjects, bodies_of(model, geometry), strict=True)
+    return tuple(
+        Visual(
+            body.name,
+            str(body.link),
+            body.pose,
+            _triangles(each.geometry) if hasattr(each.geometry, "tri_indices") else surface_of(body.shape, body.name),
+        )
+        for each, body in pairs
+    )
+
+
+def _description(name_or_path: str | Path) -> RobotDescription:
+    path = find_description(name_or_path)
+    if path.suffix == ".urdf":
+        return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
+    return read_description(path)
 
 
 def _triangles(mesh: Any) -> Surface:

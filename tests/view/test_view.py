@@ -69,7 +69,7 @@ def test_poses_are_pinocchios(checker, rows, drawn):
         for name, pose in shown.items():
             np.testing.assert_allclose(pose, expected[name], atol=1e-12)
     for mesh, body in zip(drawn.meshes[len(checker.robot.bodies) :], checker.scene.bodies, strict=True):
-        assert mesh.layer == "obstacle"
+        assert mesh.layer == ("floor" if body.name == "floor" else "obstacle")
         assert np.array_equal(mesh.pose(1), body.pose)
 
 

@@ -1,0 +1,45 @@
+"""Projections of spaces that OMPL has none for: KPIECE1, BKPIECE1 and LBKPIECE1 fill their cells evenly.
+
+In: an OMPL compound space of ours. Out: its first two numbers as the default projection: x and y of a planar robot, or
+else the two joints next to the base, which move most of the robot (MoveIt's setup assistant takes these two as well).
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+from ompl import base
+
+# Joints whose values are the projection.
+_JOINTS = 2
+
+
+class FirstJoints(base.ProjectionEvaluator):  # type: ignore[misc]  # OMPL's bindings are untyped
+    """The values of the first two joints of a space that has a part for each joint, rad or m."""
+
+    def __init__(self, space: Any) -> None:
+        """Looks at the parts of an OMPL compound space, and does not hold it: it holds this."""
+        super().__init__(space)
+        parts = [space.getSubspace(k) for k in range(min(_JOINTS, space.getSubspaceCount()))]
+        self._turning = [isinstance(part, base.SO2StateSpace) for part in parts]
+        bounds = base.RealVectorBounds(len(parts))  # OMPL makes 20 cells of each range
+        for k, part in enumerate(parts):
+            bounds.setLow(k, -pi if self._turning[k] else part.getBounds().low[0])
+            bounds.setHigh(k, pi if self._turning[k] else part.getBounds().high[0])
+        self.setBounds(bounds)
+
+    def getDimension(self) -> int:  # noqa: N802  # OMPL's name
+        """How many numbers a projection has: 2, or 1 if there is one joint."""
+        return len(self._turning)
+
+    def project(self, state: Any, projection: Any) -> None:
+        """Writes the joints' values into an array (dimension,)."""
+        for k, turning in enumerate(self._turning):
+            projection[k] = state[k].value if turning else state[k][0]
+
+
+def register_projection(space: Any) -> None:
+    """Gives an OMPL compound space of ours a default projection; other spaces have OMPL's own."""
+    has_root = isinstance(space.getSubspace(0), base.SE2StateSpace)
+    space.registerDefaultProjection(base.SubspaceProjectionEvaluator(space, 0) if has_root else FirstJoints(space))

@@ -1,0 +1,90 @@
+"""OMPL's SimpleSetup with what OMPL leaves undone: simplified paths are checked, planners that can't plan are named.
+
+In: an OMPL space. Out: `SimpleSetup`, used as OMPL's own.
+
+A program's own class, a goal for one, holds the program's variables, among them the set-up. The set-up holds the goal
+through C++, where Python's collector does not look, so that none of them would ever be freed. At the end of the program
+set-ups therefore let go of what may be the program's own.
+"""
+
+from __future__ import annotations
+
+import atexit
+from contextlib import suppress
+from typing import Any
+from weakref import WeakSet
+
+from ompl import base, geometric
+
+from plannercheck.common.errors import PlannercheckError
+
+# They draw samples from where a shorter path may be, which OMPL's PathLengthDirectInfSampler can't do in all spaces;
+# its error for a space begins so.
+INFORMED_PLANNERS = ("AORRTC", "BITstar", "InformedRRTstar", "SORRTstar")
+_NO_SAMPLER = "PathLengthDirectInfSampler only supports"
+
+
+class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindings are untyped
+    """OMPL's SimpleSetup; what is said here is what differs."""
+
+    def __init__(self, space: Any) -> None:
+        """Takes the space."""
+        super().__init__(space)
+        _MADE.add(self)
+
+    def solve(self, *arguments: Any, **named: Any) -> Any:
+        """Solves the problem.
+
+        Raises:
+            PlannercheckError: If the planner has no samples for this space.
+        """
+        try:
+            return super().solve(*arguments, **named)
+        except RuntimeError as error:  # once the planner is set up: AORRTC's destructor needs that
+            if not str(error).startswith(_NO_SAMPLER):
+                raise
+        raise PlannercheckError(
+            f"{type(self.getPlanner()).__name__} can't plan with angles beside other joints: of OMPL's planners "
+            f"{', '.join(INFORMED_PLANNERS)} serve bounded joints and planar robots without joints, all others serve "
+            "every space (RRTstar and PRMstar look for short paths, too)"
+        )
+
+    def simplifySolution(self, *arguments: Any, **named: Any) -> None:  # noqa: N802  # OMPL's name
+        """Simplifies the path that was found, and leaves it as it was if a motion of the simpler one collides."""
+        if not self.haveSolutionPath():
+            super().simplifySolution(*arguments, **named)
+            return
+        path = self.getSolutionPath()
+        found = geometric.PathGeometric(path)
+        super().simplifySolution(*arguments, **named)
+        if not path.check():  # OMPL warns at most
+            path.assign(found)
+
+
+_MADE: WeakSet[SimpleSetup] = WeakSet()
+
+
+class _NoMotions(base.MotionValidator):  # type: ignore[misc]  # OMPL's bindings are untyped
+    """Stands where the program's own validator stood."""
+
+
+@atexit.register
+def _let_go() -> None:
+    """Puts OMPL's own goals, judges, samplers and objectives where the program may have put some of its classes."""
+    for setup in list(_MADE):
+        information = setup.getSpaceInformation()
+        setup.getProblemDefinition().clearSolutionPaths()
+        setup.setGoal(base.GoalStates(information))
+        setup.setOptimizationObjective(base.PathLengthOptimizationObjective(information))
+        setup.setStateValidityChecker(base.AllValidStateValidityChecker(information))
+        information.setMotionValidator(_NoMotions(information))
+        information.setValidStateSamplerAllocator(base.UniformValidStateSampler)
+        _renew(setup.getPlanner())
+
+
+def _renew(planner: Any) -> None:
+    """Makes a planner of OMPL's forget the objective and the samplers that it took at its last search."""
+    if planner is not None and type(planner).__module__.startswith("ompl."):
+        planner.clear()
+        with suppress(RuntimeError):  # some want a goal first
+            planner.setup()
