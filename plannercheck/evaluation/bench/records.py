@@ -46,12 +46,20 @@ def write_record(path: Path, rows: Sequence[Any]) -> None:
 
 
 def command_line(arguments: Sequence[str]) -> str:
-    """What was typed: `plannercheck ...`, or `python` with a script's path in the checkout."""
-    script = Path(arguments[0]).absolute()
+    """What was typed, as anyone may type it: without `--output` and without folders of this machine.
+
+    Args:
+        arguments: As in `sys.argv`: the program's or the script's file first.
+    """
+    script, rest = Path(arguments[0]).absolute(), list(arguments[1:])
+    while "--output" in rest:
+        k = rest.index("--output")
+        del rest[k : k + 2]
+    rest = [Path(part).name if Path(part).is_absolute() else part for part in rest]
     if script.suffix != ".py" or script.name == "__main__.py":
-        return shlex.join(["plannercheck", *arguments[1:]])
+        return shlex.join(["plannercheck", *rest])
     inside = script.is_relative_to(_CHECKOUT)
-    return shlex.join(["python", str(script.relative_to(_CHECKOUT) if inside else script.name), *arguments[1:]])
+    return shlex.join(["python", str(script.relative_to(_CHECKOUT) if inside else script.name), *rest])
 
 
 def commit() -> str | None:

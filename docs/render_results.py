@@ -1,0 +1,42 @@
+"""Fills the tables of the documentation from docs/results: `python docs/render_results.py`.
+
+In: `docs/results/*.json`, written by `plannercheck bench ... --output` and by `tests/benchmarks/*.py --output`, and
+`docs/results/older/*.json`, figures that pages stated before and that no run has replaced yet. Out: README.md and the
+pages of docs/, in which the lines between `<!-- table: NAME -->` and `<!-- end of table -->` are rendered again. A test
+holds that every page is what this script renders. `result_tables.py` says what each table shows.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from result_tables import ROOT, TABLES, older, record
+
+_MARKED = re.compile(r"(<!-- table: (?P<name>[\w/]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+
+
+def main() -> None:
+    """Writes all pages that have tables."""
+    for page in pages():
+        text = page.read_text(encoding="utf-8")
+        page.write_text(rendered(text), encoding="utf-8")
+
+
+def pages() -> list[Path]:
+    """README.md and the pages of the documentation."""
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*/*.md"))]
+
+
+def rendered(text: str) -> str:
+    """A page with its tables rendered again."""
+    return _MARKED.sub(lambda found: f"{found[1]}\n{content(found['name'])}\n{found[3]}", text)
+
+
+def content(name: str) -> str:
+    """What stands between the marks of one name, ending in a line break."""
+    return older(record(name)) if name.startswith("older/") else TABLES[name]()
+
+
+if __name__ == "__main__":
+    main()
