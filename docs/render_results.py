@@ -3,17 +3,31 @@
 In: `docs/results/*.json`, written by `plannercheck bench ... --output` and by `tests/benchmarks/*.py --output`, and
 `docs/results/older/*.json`, figures that pages stated before and that no run has replaced yet. Out: README.md and the
 pages of docs/, in which the lines between `<!-- table: NAME -->` and `<!-- end of table -->` are rendered again. A test
-holds that every page is what this script renders. `result_tables.py` says what each table shows.
+holds that every page is what this script renders. `result_tables.py` and `result_tables_inside.py` say
+what each table shows.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
-from result_tables import ROOT, TABLES, older, record
+import result_tables as beside
+import result_tables_inside as inside
+from result_markdown import ROOT, older, record
 
 _MARKED = re.compile(r"(<!-- table: (?P<name>[\w/]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+
+# What a name between marks stands for.
+TABLES: dict[str, Callable[[], str]] = {
+    make.__name__: make
+    for make in (
+        *(beside.overview, beside.overview_sources, beside.states, beside.set_up, beside.motions, beside.plans),
+        *(beside.pairs, inside.motions_cost, inside.changing_scenes, inside.hierarchies, inside.preparation),
+        *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
+    )
+}
 
 
 def main() -> None:

@@ -1,0 +1,200 @@
+"""Tables of what plannercheck itself does and takes, in Markdown, from docs/results.
+
+In: files of results. Out: text for `render_results.py`, under each table the command, the date, the commit and the
+machine that its figures come from.
+"""
+
+from __future__ import annotations
+
+from result_markdown import number, provenance, record, table, times
+
+
+def motions_cost() -> str:
+    """A proved motion beside our own check of 32 states, and how it grows as the clearance shrinks."""
+    found = record("motions_cost")
+    compared = [row for row in found["rows"] if "which" in row]
+    grown = [row for row in found["rows"] if "clearance" in row]
+    first = table(
+        ("scene", "motions", "proved, µs", "32 states, µs", "ratio"),
+        [
+            (
+                row["scene"],
+                f"{row['motions']} ({row['which']})",
+                number(row["ours"]),
+                number(row["sampled"]),
+                f"{row['ours'] / row['sampled']:.2f}",
+            )
+            for row in compared
+        ],
+    )
+    second = table(
+        ("clearance, mm", "proved, µs", "32 states, µs"),
+        [(f"{1e3 * row['clearance']:g}", number(row["ours"]), number(row["sampled"])) for row in grown],
+    )
+    return first + "\n" + second + "\n" + provenance(found)
+
+
+def changing_scenes() -> str:
+    """CPU ms of a changed scene."""
+    found = record("changing_scenes")
+    columns = list(found["rows"][0])
+    return table(columns, [[row[name] for name in columns] for row in found["rows"]]) + "\n" + provenance(found)
+
+
+def hierarchies() -> str:
+    """Vertex blocks visited, worst of 1,000 queries, and the cost of preparation."""
+    found = record("hierarchies")
+    counted = [row for row in found["rows"] if row["family"] != "preparation"]
+    first = table(
+        (
+            "bodies",
+            "vertices",
+            "levels: hull",
+            "polar",
+            "blocks a query: hull",
+            "polar",
+            "walk: blocks",
+            "rounds",
+            "games",
+        ),
+        [
+            (
+                row["family"],
+                f"{row['vertices']:,}",
+                *(row[name] for name in ("hull_levels", "polar_levels", "hull_blocks", "polar_blocks")),
+                *(row[name] for name in ("walk_blocks", "walk_rounds", "walk_games")),
+            )
+            for row in counted
+        ],
+    )
+    return first + "\n" + provenance(found)
+
+
+def preparation() -> str:
+    """What preparing a body takes."""
+    found = record("hierarchies")
+    lines = [
+        (
+            f"{row['vertices']:,}",
+            number(row["microseconds_a_vertex"]),
+            number(row["hull_given"]),
+            number(row["bytes_a_vertex"]),
+        )
+        for row in found["rows"]
+        if row["family"] == "preparation"
+    ]
+    header = ("vertices", "µs a vertex", "with the hull given", "bytes a vertex")
+    return table(header, lines) + "\n" + provenance(found)
+
+
+def complexity() -> str:
+    """Visited vertices and rounds, worst and mean, by method."""
+    found = record("complexity")
+    lines = [
+        (
+            row["where"],
+            row["family"],
+            row["method"],
+            f"{row['vertices']:,}",
+            number(row["rounds_mean"]),
+            row["rounds_worst"],
+            f"{row['visited_mean']:,.0f}",
+            f"{row['visited_worst']:,}",
+        )
+        for row in found["rows"]
+    ]
+    header = ("where", "bodies", "method", "vertices", "rounds: mean", "worst", "visited: mean", "worst")
+    return table(header, lines) + "\n" + provenance(found)
+
+
+def stages() -> str:
+    """Which stage decides, and the mean time of what it decides."""
+    found = record("stages")
+    kinds = list(dict.fromkeys(row["kind"] for row in found["rows"]))
+    names = list(dict.fromkeys(row["stage"] for row in found["rows"]))
+    by_both = {(row["kind"], row["stage"]): row for row in found["rows"]}
+    timed = [kind for kind in kinds if any(by_both[kind, name]["microseconds"] for name in names)]
+    header = ["stage"]
+    for kind in kinds:
+        header += [kind, "µs"] if kind in timed else [kind]
+    lines = []
+    for name in names:
+        cells = [name]
+        for kind in kinds:
+            row = by_both[kind, name]
+            cells.append(f"{row['percent']:.1f} %")
+            if kind in timed:
+                cells.append(number(row["microseconds"]))
+        lines.append(cells)
+    return table(header, lines) + "\n" + provenance(found)
+
+
+def planar() -> str:
+    """Rounds and time of the algorithm in the plane, and beside shapely."""
+    found = record("planar")
+    grown = [row for row in found["rows"] if "rounds_worst" in row]
+    beside = [row for row in found["rows"] if "shapely_ns" in row]
+    first = table(
+        ("vertices", "gap", "rounds: mean", "worst", "vertices read: mean", "worst", "ns"),
+        [
+            (
+                f"{row['vertices']:,}",
+                f"±{row['gap']:g}",
+                f"{row['rounds_mean']:.1f}",
+                row["rounds_worst"],
+                f"{row['read_mean']:.0f}",
+                row["read_worst"],
+                number(row["nanoseconds"]),
+            )
+            for row in grown
+        ],
+    )
+    second = table(
+        (
+            "vertices",
+            "gap",
+            "ours at poses, ns",
+            "ours from arrays, ns",
+            "shapely, prepared, ns",
+            "verdicts that differ",
+        ),
+        [
+            (
+                f"{row['vertices']:,}",
+                f"±{row['gap']:g}",
+                number(row["poses_ns"]),
+                number(row["arrays_ns"]),
+                times(row["shapely_ns"], row["poses_ns"]),
+                row["differ"],
+            )
+            for row in beside
+        ],
+    )
+    return first + "\n" + second + "\n" + provenance(found)
+
+
+def clearance() -> str:
+    """Nanoseconds a distance, beside coal's."""
+    found = record("clearance")
+    lines = [
+        (f"{row['vertices']:,}", f"{row['gap']:g}", number(row["ours"]), times(row["coal"], row["ours"]))
+        for row in found["rows"]
+    ]
+    return table(("vertices", "gap, radii", "ours, ns", "coal, ns"), lines) + "\n" + provenance(found)
+
+
+def switches() -> str:
+    """What each way of skipping work brings."""
+    found = record("switches")
+    lines = [(row["states"], row["off"], number(row["microseconds"]), f"{row['ratio']:.2f}") for row in found["rows"]]
+    return table(("states", "off", "µs a state", "×"), lines) + "\n" + provenance(found)
+
+
+def scale() -> str:
+    """Scenes of many boxes."""
+    found = record("scale")
+    lines = [
+        (f"{row['boxes']:,}", f"{row['pairs']:,}", number(row["microseconds"]), f"{row['preparation']:.2f}")
+        for row in found["rows"]
+    ]
+    return table(("boxes", "pairs", "µs a state", "prepared, s"), lines) + "\n" + provenance(found)
