@@ -6,6 +6,7 @@ In: files of docs/results. Out: text for the tables of `result_tables.py`.
 from __future__ import annotations
 
 import json
+import re
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "docs" / "results"
 WIDTH = 120
+_BLANK = "\x01"  # stands for a blank that no line may end at
 
 Record = dict[str, Any]
 
@@ -30,20 +32,34 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return "".join(f"| {' | '.join(map(str, line))} |\n" for line in lines)
 
 
-def paragraph(text: str) -> str:
-    """Text in lines of the usual length."""
-    return textwrap.fill(text, WIDTH, break_long_words=False, break_on_hyphens=False) + "\n"
+def paragraph(text: str, first: str = "", rest: str = "") -> str:
+    """Text in lines of the usual length; code is never broken."""
+    whole = re.sub(r"`[^`]+`", lambda code: code[0].replace(" ", _BLANK), text)
+    lines = textwrap.wrap(
+        whole, WIDTH, initial_indent=first, subsequent_indent=rest, break_long_words=False, break_on_hyphens=False
+    )
+    return "".join(f"{line}\n" for line in lines).replace(_BLANK, " ")
 
 
-def provenance(found: Record) -> str:
+def items(texts: Iterable[str]) -> str:
+    """A list."""
+    return "".join(paragraph(text, "- ", "  ") for text in texts)
+
+
+def source(found: Record) -> str:
     """What was run, when, at which commit, on what."""
     machine = found["machine"]
     load = machine["load"]
     shared = ", which other work shared" if load and float(load) > 1.2 else ""
-    return paragraph(
+    return (
         f"`{found['command']}`, {found['date']}, commit {found['commit']}: {machine['processor']}, "
         f"{machine['processors']} processors (load {load}{shared}), instruction set {machine['instruction set']}."
     )
+
+
+def provenance(found: Record) -> str:
+    """`source` as a paragraph."""
+    return paragraph(source(found))
 
 
 def older(found: Record) -> str:
@@ -54,7 +70,7 @@ def older(found: Record) -> str:
         if "columns" in block:
             parts.append(table(block["columns"], block["rows"]))
         elif "list" in block:
-            parts.append("".join(f"- {item}\n" for item in block["list"]))
+            parts.append(items(block["list"]))
         else:
             parts.append(paragraph(block["text"]))
     return "\n".join(parts)

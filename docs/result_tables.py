@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from result_markdown import number, provenance, record, table, times
+from result_markdown import items, number, provenance, record, source, table, times
 
 Row = dict[str, Any]
 
@@ -72,8 +72,7 @@ def chosen(name: str, **wanted: str) -> dict[str, Row]:
 def overview_sources() -> str:
     """Where the overview's figures come from."""
     names = ("states_panda", "motions_against_peers", "plans", "pairs")
-    listed = "".join(f"- {provenance(record(name))}" for name in names)
-    return listed + f"- {record('older/vamp')['note']}\n"
+    return items([*(source(record(name)) for name in names), record("older/vamp")["note"]])
 
 
 def states() -> str:
