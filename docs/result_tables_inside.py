@@ -6,6 +6,8 @@ machine that its figures come from.
 
 from __future__ import annotations
 
+import re
+
 from result_markdown import number, provenance, record, table, times
 
 
@@ -88,8 +90,12 @@ def preparation() -> str:
 
 
 def complexity() -> str:
-    """Visited vertices and rounds, worst and mean, by method."""
+    """Visited vertices and rounds, worst and mean, by method: of the smallest and the largest bodies."""
     found = record("complexity")
+    sizes: dict[tuple[str, ...], list[int]] = {}
+    for row in found["rows"]:
+        sizes.setdefault((row["where"], row["family"], row["method"]), []).append(row["vertices"])
+    ends = {kind: (min(several), max(several)) for kind, several in sizes.items()}
     lines = [
         (
             row["where"],
@@ -102,6 +108,7 @@ def complexity() -> str:
             f"{row['visited_worst']:,}",
         )
         for row in found["rows"]
+        if row["vertices"] in ends[row["where"], row["family"], row["method"]]
     ]
     header = ("where", "bodies", "method", "vertices", "rounds: mean", "worst", "visited: mean", "worst")
     return table(header, lines) + "\n" + provenance(found)
@@ -116,13 +123,14 @@ def stages() -> str:
     timed = [kind for kind in kinds if any(by_both[kind, name]["microseconds"] for name in names)]
     header = ["stage"]
     for kind in kinds:
-        header += [kind, "µs"] if kind in timed else [kind]
+        title = re.sub(r"\d{4,}", lambda digits: f"{int(digits[0]):,}", kind)
+        header += [title, "µs"] if kind in timed else [title]
     lines = []
     for name in names:
         cells = [name]
         for kind in kinds:
             row = by_both[kind, name]
-            cells.append(f"{row['percent']:.1f} %")
+            cells.append(f"{row['percent']:.1f} %" if row["percent"] else "0")
             if kind in timed:
                 cells.append(number(row["microseconds"]))
         lines.append(cells)
@@ -198,3 +206,27 @@ def scale() -> str:
         for row in found["rows"]
     ]
     return table(("boxes", "pairs", "µs a state", "prepared, s"), lines) + "\n" + provenance(found)
+
+
+def ndim_rounds() -> str:
+    """Rounds and visited vertices of the paper's trees in any dimension."""
+    found = record("ndim_rounds")
+    columns = list(found["rows"][0])
+    return table(columns, [[row[name] for name in columns] for row in found["rows"]]) + "\n" + provenance(found)
+
+
+def ndim_speed() -> str:
+    """A query in any dimension beside a linear program."""
+    found = record("ndim_speed")
+    lines = [
+        (
+            row["d"],
+            f"{row['n']:,}",
+            f"{row['gap']:g}",
+            number(row["oracle"]),
+            times(row["trees"], row["oracle"]) if "trees" in row else "–",
+            times(row["program"], row["oracle"]),
+        )
+        for row in found["rows"]
+    ]
+    return table(("d", "n", "gap", "oracle, ms", "trees, ms", "program, ms"), lines) + "\n" + provenance(found)

@@ -301,6 +301,9 @@ def missed(options: argparse.Namespace) -> None:
         values = [counts[family, row] for family in families]
         print(f"{row:30s}" + "".join(f"{value:10d}" for value in (*values, sum(values))))
     print(f"{time.perf_counter() - began:.0f} s")
+    if options.output:
+        found = [{"family": family, **{row: counts[family, row] for row in rows}} for family in families]
+        write_record(options.output, found)
 
 
 # ----- cost
@@ -417,7 +420,7 @@ def main() -> None:
     parser.add_argument("--motions", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--problems", nargs="*", default=(), help="MotionBenchMaker archives")
-    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows of cost as JSON")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()
     (missed if options.part == "missed" else cost)(options)
 
