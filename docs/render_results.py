@@ -26,7 +26,8 @@ TABLES: dict[str, Callable[[], str]] = {
         *(beside.overview, beside.overview_sources, beside.states, beside.set_up, beside.motions, beside.plans),
         *(beside.pairs, inside.motions_cost, inside.changing_scenes, inside.hierarchies, inside.preparation),
         *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
-        *(inside.ndim_rounds, inside.ndim_speed),
+        *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
+        *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games),
     )
 }
 

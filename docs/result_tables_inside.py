@@ -230,3 +230,63 @@ def ndim_speed() -> str:
         for row in found["rows"]
     ]
     return table(("d", "n", "gap", "oracle, ms", "trees, ms", "program, ms"), lines) + "\n" + provenance(found)
+
+
+def motions_missed() -> str:
+    """Proved motions against dense states, and what sampling misses."""
+    return missed("motions_missed")
+
+
+def planar_motions_missed() -> str:
+    """The same in the plane."""
+    return missed("planar_motions_missed")
+
+
+def missed(name: str) -> str:
+    """A column a family of motions, and one for all."""
+    found = record(name)
+    counted = [key for key in found["rows"][0] if key != "family"]
+    lines = []
+    for key in counted:
+        values = [row[key] for row in found["rows"]]
+        lines.append((key, *(f"{value:,}" for value in (*values, sum(values)))))
+    header = ("", *(row["family"] for row in found["rows"]), "all")
+    return table(header, lines) + "\n" + provenance(found)
+
+
+def planar_motions_cost() -> str:
+    """Planar motions proved, beside sampling."""
+    found = record("planar_motions_cost")
+    lines = [
+        (
+            f"{row['robot']}, {row['scene']}",
+            row["curve"],
+            f"{row['motions']} ({row['which']})",
+            number(row["proved"]),
+            times(row["1 cm"], row["proved"]),
+            times(row["10 cm"], row["proved"]),
+        )
+        for row in found["rows"]
+        if "which" in row
+    ]
+    header = ("robot, scene", "curve", "motions", "proved, µs", "1 cm, µs", "10 cm, µs")
+    return table(header, lines) + "\n" + provenance(found)
+
+
+def kinematic_rounding() -> str:
+    """How far computed poses are off, and the proven bound."""
+    found = record("kinematic_rounding")
+    lines = [
+        (row["robot"], row["joints"], f"{row['far']:.2f}", f"{row['measured']:.1e}", f"{row['bound']:.1e}")
+        for row in found["rows"]
+    ]
+    header = ("robot", "joints", "farthest point, m", "measured, m", "proven bound, m")
+    return table(header, lines) + "\n" + provenance(found)
+
+
+def games() -> str:
+    """The solver's games."""
+    found = record("games")
+    lines = [(row["game"], number(row["nanoseconds"]), number(row["one_more"])) for row in found["rows"]]
+    header = ("game", "solved from nothing, ns", "one more row or column, ns")
+    return table(header, lines) + "\n" + provenance(found)

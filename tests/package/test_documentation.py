@@ -218,6 +218,13 @@ def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= MOST_README_LINES
 
 
+def test_links_lead_somewhere():
+    """Those of files that Sphinx does not read, or that a reader of the repository follows."""
+    link = re.compile(r"\]\(([^)#:]+)(?:#[^)]*)?\)")
+    targets = [(page, target) for page in PAGES for target in link.findall(page.read_text("utf-8"))]
+    assert [(page.name, target) for page, target in targets if not (page.parent / target).exists()] == []
+
+
 def test_pages_know_one_way_of_installing():
     other = re.compile(r"pip install (?:-e|plannercheck|'plannercheck|--upgrade)")
     assert [page.name for page in PAGES if other.search(page.read_text("utf-8"))] == []
