@@ -1,4 +1,4 @@
-"""Writes docs/commands.md from the parsers of the command line: `python docs/command_reference.py`.
+"""Writes docs/reference/commands.md from the parsers of the command line: `python docs/command_reference.py`.
 
 In: `plannercheck.cli.main`. Out: a page with the help of every command and subcommand, as `--help` prints it. It is
 made anew whenever the documentation is built, so it can't fall behind.
@@ -18,8 +18,8 @@ _WIDTH = "100"
 _HEAD = """\
 # Command reference
 
-Made from the parsers: what `plannercheck COMMAND --help` prints. Exit codes of all commands: 0 all is well, 1 something
-is invalid or unsolved, 2 bad input.
+Made from the parsers: what `plannercheck COMMAND --help` prints. [Command line](command_line.md) has an overview,
+examples, exit codes and environment variables.
 """
 
 
@@ -46,4 +46,4 @@ def _subparsers(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentP
 
 
 if __name__ == "__main__":
-    write_reference(Path(__file__).with_name("commands.md"))
+    write_reference(Path(__file__).with_name("reference") / "commands.md")

@@ -20,6 +20,7 @@ autodoc_member_order = "bysource"
 autoclass_content = "both"
 napoleon_google_docstring = True
 napoleon_use_ivar = True
+napoleon_use_rtype = False
 source_suffix = {".md": "markdown"}
 myst_heading_anchors = 3
 html_theme = "alabaster"
@@ -31,4 +32,4 @@ html_theme_options = {
 html_static_path: list[str] = []
 exclude_patterns = ["build"]
 
-write_reference(HERE / "commands.md")
+write_reference(HERE / "reference" / "commands.md")

@@ -1,6 +1,6 @@
 """`plannercheck bench`: run time against error, beside other methods and libraries.
 
-In: a subcommand and its options. Out: a table on the terminal and, with --output, CSV and plots in a folder.
+In: a subcommand and its options. Out: a table on the terminal and, with --output, CSV, JSON and plots in a folder.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from plannercheck.evaluation.bench.ablation import SwitchRow
 from plannercheck.evaluation.bench.complexity import ComplexityRow
 from plannercheck.evaluation.bench.methods import KINDS, methods
 from plannercheck.evaluation.bench.pairs import PairRow
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.evaluation.bench.scene_size import ScaleRow
 from plannercheck.evaluation.bench.states import StateRow
 from plannercheck.motions.checker import Checker
@@ -72,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         sub.add_argument(
             "--rounds", type=_positive, default=rounds, help=f"turns of each contender (default: {rounds})"
         )
-        sub.add_argument("--output", type=Path, metavar="FOLDER", help="write CSV and plots there")
+        sub.add_argument("--output", type=Path, metavar="FOLDER", help="write CSV, JSON and plots there")
         sub.set_defaults(measure=subcommand.run)
 
 
@@ -287,6 +288,7 @@ def _keep(
     if folder is None:
         return
     output.write_csv(folder / f"{name}.csv", rows)
+    write_record(folder / f"{name}.json", rows)
     try:
         if draw is not None:
             draw(rows, folder / name)

@@ -35,8 +35,8 @@ from plannercheck.validation.path_recheck import check_path
 Floats = NDArray[np.float64]
 
 _EPILOG = """\
-Every motion in space is proved free, not sampled; one that comes within 0.1 mm of a collision may be refused.
-Motions in the plane are checked at states so close that no point moves further than 1 cm between them.
+Every motion is proved free, not sampled, in space and in the plane; one that comes within 0.1 mm of a collision may be
+refused.
 
 Exit codes: 0 solved, 1 not (all) solved, 2 bad input, such as a start or goal that collides (the pairs are named) or
 is beyond the limits; in a set, such problems count as not solved.

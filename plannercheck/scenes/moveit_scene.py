@@ -3,10 +3,10 @@
 In: parsed YAML, a scene without objects. Out: the scene as MoveIt would have it.
 
 Objects are posed in the frame that their header names (moveit_frames.py), and their primitives and meshes relative to
-them (moveit_objects.py). docs/moveit.md has for every field of the messages whether it is used, refused or ignored:
-what would change verdicts and is not supported is an error (planes, octomaps, moved virtual joints) or a warning that
-names it (link scales, scenes that are diffs). Of the robot's state, attached objects are taken, and where links are in
-whose frames objects are posed. Link padding is kept as `scene.link_padding`, for `Checker(padding=)`.
+them (moveit_objects.py). docs/reference/moveit.md has for every field of the messages whether it is used, refused or
+ignored: what would change verdicts and is not supported is an error (planes, octomaps, moved virtual joints) or a
+warning that names it (link scales, scenes that are diffs). Of the robot's state, attached objects are taken, and where
+links are in whose frames objects are posed. Link padding is kept as `scene.link_padding`, for `Checker(padding=)`.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ import argparse
 import time
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
@@ -18,6 +19,7 @@ import plannercheck as pc
 from plannercheck.bodies.shapes import Cylinder
 from plannercheck.checking import prepared_bodies
 from plannercheck.cli.common import table
+from plannercheck.evaluation.bench.records import write_record
 
 CASES = (("panda", "bookshelf"), ("ur5", "kitchen"), ("pr2", "kitchen"), ("talos", "kitchen"))
 
@@ -26,7 +28,8 @@ def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=7)
-    rounds = parser.parse_args().rounds
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
+    options = parser.parse_args()
     warnings.simplefilter("ignore", RuntimeWarning)
     header = (
         "robot",
@@ -39,7 +42,10 @@ def main() -> None:
         "moved while attached",
         "prepared",
     )
-    print(table(header, [_row(*case, rounds) for case in CASES]))
+    rows = [_row(*case, options.rounds) for case in CASES]
+    print(table(header, rows))
+    if options.output:
+        write_record(options.output, [dict(zip(header, row, strict=True)) for row in rows])
 
 
 def _row(robot_name: str, scene_name: str, rounds: int) -> tuple[object, ...]:

@@ -20,6 +20,7 @@ from __future__ import annotations
 import argparse
 import time
 import warnings
+from pathlib import Path
 
 import coal
 import numpy as np
@@ -30,6 +31,7 @@ import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.common.core import core
 from plannercheck.evaluation.bench.other_libraries import coal_hull
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.evaluation.stress.body_families import family
 
 FAMILIES = ("box", "round", "cloud", "flat", "needle", "prism")
@@ -166,12 +168,13 @@ def all_distances(bodies, poses):
 
 
 def cost(sizes, poses_a_size, seed):
-    rng = np.random.default_rng(seed)
+    rng, rows = np.random.default_rng(seed), []
     print(f"{'vertices':>8s} {'gap':>6s} {'ours ns':>9s} {'coal ns':>9s} {'ratio':>6s}   off by at most: ours, coal")
     for n in sizes:
         bodies = [pc.Polytope(family("box" if n == 8 else "round", n, k)) for k in (1, 2)]
         for gap in (1.0, 0.1, 0.001):  # of a radius
-            cost_at(n, bodies, gap, poses_a_size, rng)
+            rows.append(cost_at(n, bodies, gap, poses_a_size, rng))
+    return rows
 
 
 def cost_at(n, bodies, gap, count, rng):
@@ -194,6 +197,7 @@ def cost_at(n, bodies, gap, count, rng):
             times[run].append((time.process_time() - began) / count)
     mine, coals = min(times[ours]) * 1e9, min(times[theirs]) * 1e9
     print(f"{n:8d} {gap:6g} {mine:9.0f} {coals:9.0f} {coals / mine:6.2f}   {off[0]:.0e} m, {off[1]:.0e} m", flush=True)
+    return {"vertices": n, "gap": gap, "ours": mine, "coal": coals, "ours_off": off[0], "coal_off": off[1]}
 
 
 def main():
@@ -204,11 +208,14 @@ def main():
     parser.add_argument("--poses", type=int, default=1000)
     parser.add_argument("--sizes", type=int, nargs="+", default=[8, 32, 150, 1000, 10000])
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows of cost as JSON")
     options = parser.parse_args()
     if options.what == "accuracy":
         accuracy(options.pairs, options.seed)
     else:
-        cost(options.sizes, options.poses, options.seed)
+        rows = cost(options.sizes, options.poses, options.seed)
+        if options.output:
+            write_record(options.output, rows)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 import plannercheck as pc
 from plannercheck.bodies.intersection import pair_options
 from plannercheck.common.core import core
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts
 
@@ -50,8 +51,9 @@ def worst_walk(body: pc.Polytope, name: str, rng: np.random.Generator) -> dict[s
     return {**worst, "exact": exact}
 
 
-def show_logarithm(sizes: list[int]) -> None:
-    """Prints the table of levels, blocks, rounds and games."""
+def show_logarithm(sizes: list[int]) -> list[dict[str, object]]:
+    """Prints the table of levels, blocks, rounds and games, and gives its rows."""
+    rows: list[dict[str, object]] = []
     print("Worst of 1,000; exact: how many pairs the walk left to exact arithmetic.")
     print("                      levels        blocks a query     coupled walk, near contact")
     print("family   vertices   hull  polar     hull  polar       blocks   rounds   games   exact")
@@ -69,10 +71,16 @@ def show_logarithm(sizes: list[int]) -> None:
                 f"   {walk['exact']:5d}",
                 flush=True,
             )
+            levels = {"hull_levels": shape["inner"]["levels"], "polar_levels": shape["polar"]["levels"]}
+            asked_blocks = {"hull_blocks": hull, "polar_blocks": polar}
+            named = {f"walk_{key}": value for key, value in walk.items()}
+            rows.append({"family": name, "vertices": len(body.vertices), **levels, **asked_blocks, **named})
+    return rows
 
 
-def show_preparation(sizes: list[int]) -> None:
-    """Prints seconds and bytes a vertex for round bodies."""
+def show_preparation(sizes: list[int]) -> list[dict[str, object]]:
+    """Prints seconds and bytes a vertex for round bodies, and gives the rows."""
+    rows: list[dict[str, object]] = []
     print("\nvertices   us a vertex   with the hull given   bytes a vertex")
     for size in (150, *sizes[1:]):
         points = families.family("round", size, 0)
@@ -87,15 +95,21 @@ def show_preparation(sizes: list[int]) -> None:
             given.append(time.perf_counter() - start)
         scale = 1e6 / size
         print(f"{size:8d}   {min(whole) * scale:11.1f}   {min(given) * scale:19.1f}   {body.nbytes / size:14.0f}")
+        times = {"microseconds_a_vertex": min(whole) * scale, "hull_given": min(given) * scale}
+        rows.append({"family": "preparation", "vertices": size, **times, "bytes_a_vertex": body.nbytes / size})
+    return rows
 
 
 def main() -> None:
     """Runs both tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--largest", type=int, default=100_000, help="largest number of vertices")
-    sizes = [n for n in (100, 1000, 10_000, 100_000) if n <= parser.parse_args().largest]
-    show_logarithm(sizes)
-    show_preparation(sizes)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
+    options = parser.parse_args()
+    sizes = [n for n in (100, 1000, 10_000, 100_000) if n <= options.largest]
+    rows = [*show_logarithm(sizes), *show_preparation(sizes)]
+    if options.output:
+        write_record(options.output, rows)
 
 
 if __name__ == "__main__":

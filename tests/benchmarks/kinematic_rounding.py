@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from multiprecision import composed, deviation_of_robot, vertices_of
 
 import plannercheck as pc
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.robots.description import shipped_robots
 
 
@@ -37,9 +38,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--configurations", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()
     print("| robot | joints | reach, m | measured, m | bound, m | bound / measured | bound / reach |")
     print("|---|---|---|---|---|---|---|")
+    rows: list[dict[str, object]] = []
     for name in shipped_robots():
         robot = pc.Robot.load(name)
         q = robot.random_configurations(options.configurations, options.seed)
@@ -49,6 +52,11 @@ def main() -> None:
             f"| {bound / measured:.0f} | {bound / far:.1e} |",
             flush=True,
         )
+        rows.append(
+            {"robot": name, "joints": robot.model.njoints - 1, "far": far, "measured": measured, "bound": bound}
+        )
+    if options.output:
+        write_record(options.output, rows)
 
 
 if __name__ == "__main__":

@@ -31,6 +31,7 @@ import plannercheck as pc
 from plannercheck.bodies.shapes import Body
 from plannercheck.common.package_data import example_robot_data
 from plannercheck.evaluation.bench.other_libraries import coal_shape
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.motions.sampling import coarse_to_fine
 from plannercheck.robots.description import find_description, read_description
 from plannercheck.scenes.motion_bench_maker import load_problems
@@ -299,6 +300,9 @@ def missed(options: argparse.Namespace) -> None:
     )
     print_misses(counts, rows)
     print(f"{time.perf_counter() - began:.0f} s")
+    if options.output:
+        found = [{"family": family, **{row: counts[family, row] for row in rows}} for family in families]
+        write_record(options.output, found)
 
 
 # ----- cost
@@ -324,8 +328,9 @@ def unit_motions(checker: pc.Checker, n: int, seed: int) -> tuple[np.ndarray, np
     return q0[inside][:n], q1[inside][:n]
 
 
-def compare_cost(name: str, checkers: list[pc.Checker], n: int) -> None:
-    """Prints a line: all motions, then those that are free."""
+def compare_cost(name: str, checkers: list[pc.Checker], n: int) -> list[dict[str, object]]:
+    """Prints a line: all motions, then those that are free; and gives a row for each."""
+    rows: list[dict[str, object]] = []
     motions = [(checker, *unit_motions(checker, n, k)) for k, checker in enumerate(checkers)]
     free = [checker.check_motions(q0, q1) for checker, q0, q1 in motions]
     text, differ = f"{name:18s}", 0
@@ -343,14 +348,17 @@ def compare_cost(name: str, checkers: list[pc.Checker], n: int) -> None:
         )
         ours, theirs = best["ours"] / count * 1e6, best["sampled"] / count * 1e6
         text += f" | {which:4s} {ours:7.1f} us, sampled {theirs:7.1f} us, ratio {ours / theirs:5.2f}"
+        rows.append({"scene": name, "which": which, "motions": count, "ours": ours, "sampled": theirs})
         if which == "all":
             differ = sum(int((sampled(c, a, b) != f).sum()) for (c, a, b), f in zip(motions, free, strict=True))
             text = f"{text} ({differ} of {count} verdicts differ)"
     print(text, flush=True)
+    return rows
 
 
-def growth(robot: pc.Robot) -> None:
-    """Prints how the time of a motion grows as its clearance shrinks: a turning arm under a plate."""
+def growth(robot: pc.Robot) -> list[dict[str, object]]:
+    """Prints how the time of a motion grows as its clearance shrinks: a turning arm under a plate. Gives the rows."""
+    rows: list[dict[str, object]] = []
     q0, q1 = np.zeros(robot.nq), np.zeros(robot.nq)
     q0[:] = q1[:] = robot.reference
     q0[0], q1[0] = -0.5, 0.5
@@ -374,19 +382,25 @@ def growth(robot: pc.Robot) -> None:
             f"clearance {clearance * 1e3:7.2f} mm: {best['ours'] / 200 * 1e6:7.1f} us, free: {free}; 32 states "
             f"{sampled_time / 200 * 1e6:7.1f} us"
         )
+        times = {"ours": best["ours"] / 200 * 1e6, "sampled": sampled_time / 200 * 1e6}
+        rows.append({"scene": "plate", "clearance": clearance, "free": bool(free), **times})
+    return rows
 
 
 def cost(options: argparse.Namespace) -> None:
     """Prints the times."""
     robot = pc.Robot.load("panda")
     print("motions of 1 rad, one thread, us a motion")
+    rows: list[dict[str, object]] = []
     for scene in SCENES:
-        compare_cost(scene, [pc.Checker(robot, pc.Scene.load(scene))], options.motions)
+        rows += compare_cost(scene, [pc.Checker(robot, pc.Scene.load(scene))], options.motions)
     for archive in options.problems:
         problems = list(load_problems(archive))[::PROBLEM_STRIDE]
         checkers = [pc.Checker(robot_of(problem, robot), problem.scene) for problem in problems]
-        compare_cost(Path(archive).name.split(".")[0], checkers, options.motions // len(checkers))
-    growth(robot)
+        rows += compare_cost(Path(archive).name.split(".")[0], checkers, options.motions // len(checkers))
+    rows += growth(robot)
+    if options.output:
+        write_record(options.output, rows)
 
 
 def main() -> None:
@@ -396,6 +410,7 @@ def main() -> None:
     parser.add_argument("--motions", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--problems", nargs="*", default=(), help="MotionBenchMaker archives")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()
     (missed if options.part == "missed" else cost)(options)
 

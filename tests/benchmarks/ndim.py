@@ -25,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 from ndim_pairs import depth_program, depths, near_poses, random_body, random_pose
 
 from plannercheck import ndim
+from plannercheck.evaluation.bench.records import write_record
 
 DIMENSIONS = (2, 3, 4, 5, 6)
 # Least weights and depths above this are clear: HiGHS keeps 1e-7.
@@ -158,18 +159,28 @@ ADVERSARIES = {
 }
 
 
-def rounds(seed: int, dimensions: list[int], queries: int = 200) -> None:
-    """Prints rounds and vertices visited by the walk: round bodies, then adversarial ones."""
-    print("| d | bodies | n | m (polar) | depths | rounds: mean | worst | visited: mean | worst | oracle's rounds |")
+ROUNDS = (
+    *("d", "bodies", "n", "m (polar)", "depths"),
+    *("rounds: mean", "rounds: worst", "visited: mean", "visited: worst", "oracle's rounds"),
+)
+
+
+def rounds(seed: int, dimensions: list[int], queries: int = 200) -> list[dict[str, object]]:
+    """Prints rounds and vertices visited by the walk: round bodies, then adversarial ones; gives the rows."""
+    rows: list[dict[str, object]] = []
+    print("| " + " | ".join(ROUNDS) + " |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     for d in dimensions:
         for make, numbers in {round_body: SIZES[d], **ADVERSARIES.get(d, {})}.items():
             for n in numbers:
-                print(rounds_of(make, d, n, seed, queries), flush=True)
+                cells = rounds_of(make, d, n, seed, queries)
+                print("| " + " | ".join(cells) + " |", flush=True)
+                rows.append(dict(zip(ROUNDS, cells, strict=True)))
+    return rows
 
 
-def rounds_of(make, d: int, n: int, seed: int, queries: int) -> str:
-    """One row of the table."""
+def rounds_of(make, d: int, n: int, seed: int, queries: int) -> list[str]:
+    """The cells of one row of the table."""
     rng = np.random.default_rng(seed)
     p, r = make(rng, n, d), make(rng, n, d)
     P, R = ndim.Polytope(p, memory=1 << 30), ndim.Polytope(r, memory=1 << 30)
@@ -180,13 +191,13 @@ def rounds_of(make, d: int, n: int, seed: int, queries: int) -> str:
         oracle.append(ndim.verdict(P, R, pose, method="oracle")[1].rounds)
     name = make.__name__.removesuffix("_body")
     if P.tree is None or R.polar_tree is None:
-        return f"| {d} | {name} | {len(p)} | no trees: {P.tree_note or R.tree_note} | | | | | | {np.mean(oracle):.1f} |"
+        note = f"no trees: {P.tree_note or R.tree_note}"
+        return [str(d), name, str(len(p)), note, "", "", "", "", "", f"{np.mean(oracle):.1f}"]
     walked, visited = ([getattr(e, part) for e in efforts] for part in ("rounds", "visited"))
     depths = f"{P.tree.depth} + {R.polar_tree.depth}{'' if P.uses_tree and R.uses_tree else ', cut'}"
-    return (
-        f"| {d} | {name} | {len(p):,} | {len(R.polar_tree.points):,} | {depths} "
-        f"| {np.mean(walked):.1f} | {max(walked)} | {np.mean(visited):.0f} | {max(visited)} | {np.mean(oracle):.1f} |"
-    )
+    sizes = [str(d), name, f"{len(p):,}", f"{len(R.polar_tree.points):,}", depths]
+    counted = [f"{np.mean(walked):.1f}", str(max(walked)), f"{np.mean(visited):.0f}", str(max(visited))]
+    return [*sizes, *counted, f"{np.mean(oracle):.1f}"]
 
 
 def feasible_by_program(p: np.ndarray, r: np.ndarray, pose) -> bool:
@@ -200,8 +211,9 @@ def feasible_by_program(p: np.ndarray, r: np.ndarray, pose) -> bool:
     return linprog(np.zeros(n + len(r)), A_eq=rows, b_eq=right, bounds=(0, None), method="highs").status == 0
 
 
-def speed(seed: int, dimensions: list[int], queries: int = 20) -> None:
-    """Prints ms a query: minima of two interleaved passes, means over queries."""
+def speed(seed: int, dimensions: list[int], queries: int = 20) -> list[dict[str, object]]:
+    """Prints ms a query: minima of two interleaved passes, means over queries; gives the rows."""
+    rows: list[dict[str, object]] = []
     print("| d | n | gap | program, ms | oracle, ms | trees, ms | program / oracle | program / trees |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for d in dimensions:
@@ -225,6 +237,8 @@ def speed(seed: int, dimensions: list[int], queries: int = 20) -> None:
                     f"| {ms['program'] / ms['oracle']:.1f} | {over} |",
                     flush=True,
                 )
+                rows.append({"d": d, "n": n, "gap": gap, **ms})
+    return rows
 
 
 def timed(ways: dict, poses: list) -> dict[str, float]:
@@ -266,11 +280,14 @@ def main() -> None:
     parser.add_argument("--pairs", type=int, default=100_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--dimensions", type=int, nargs="*", default=list(DIMENSIONS), choices=DIMENSIONS)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows of rounds or speed as JSON")
     options = parser.parse_args()
     if options.table == "agreement":
         agreement(options.pairs, options.seed)
     else:
-        {"rounds": rounds, "speed": speed, "trees": trees}[options.table](options.seed, options.dimensions)
+        rows = {"rounds": rounds, "speed": speed, "trees": trees}[options.table](options.seed, options.dimensions)
+        if options.output and rows:
+            write_record(options.output, rows)
 
 
 if __name__ == "__main__":

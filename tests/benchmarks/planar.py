@@ -24,6 +24,7 @@ import planar_cases as cases
 from planar_brute_force import is_separated_across, share_point
 
 import plannercheck as pc
+from plannercheck.evaluation.bench.records import write_record
 
 QUERIES = 1000
 REPETITIONS = 9
@@ -65,8 +66,9 @@ def furthest(polygon: np.ndarray, direction: np.ndarray) -> np.ndarray:
     return np.asarray(polygon[near[np.argmax(polygon[near] @ direction)]])
 
 
-def growth(largest: int) -> None:
-    """Prints rounds, vertices and time against n."""
+def growth(largest: int) -> list[dict[str, object]]:
+    """Prints rounds, vertices and time against n, and gives the rows."""
+    rows: list[dict[str, object]] = []
     print("| vertices | gap | shared | rounds: mean | worst | vertices read: mean | worst | open signs | ns |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
     first: dict[float, tuple[int, float]] = {}
@@ -86,17 +88,22 @@ def growth(largest: int) -> None:
                 f"| {counts.vertices.mean():.0f} | {counts.vertices.max()} "
                 f"| {counts.double_double.sum()} + {counts.exact.sum()} | {nanoseconds:,.0f} |"
             )
+            steps = {"rounds_mean": counts.rounds.mean(), "rounds_worst": counts.rounds.max()}
+            read = {"read_mean": counts.vertices.mean(), "read_worst": counts.vertices.max()}
+            rows.append({"vertices": len(polygon), "gap": spread, **steps, **read, "nanoseconds": nanoseconds})
             last = int(counts.rounds.max()), nanoseconds
             if 10**exponent == largest:
                 ratio = last[0] / first[spread][0], last[1] / first[spread][1]
                 print(f"  ±{spread:g}: rounds grew {ratio[0]:.2f}-fold, time {ratio[1]:.1f}-fold")
+    return rows
 
 
-def against_shapely() -> None:
+def against_shapely() -> list[dict[str, object]]:
     """Prints times beside shapely's: one polygon against itself at 1,000 poses, and against 1,000 arrays so posed.
 
     shapely takes the latter, as polygons made beforehand. Those and our arrays fill more memory than the caches.
     """
+    rows: list[dict[str, object]] = []
     print("\n| vertices | gap | at poses, ns | arrays, ns | shapely prepared, ns | over poses | over arrays | differ |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for n in PEER_SIZES:
@@ -118,6 +125,9 @@ def against_shapely() -> None:
                 f"| {n:,} | ±{spread:g} | {1e6 * ours:,.0f} | {1e6 * arrays:,.0f} | {1e6 * theirs:,.0f} "
                 f"| {theirs / ours:.1f} × | {theirs / arrays:.1f} × | {differ} |"
             )
+            times = {"poses_ns": 1e6 * ours, "arrays_ns": 1e6 * arrays, "shapely_ns": 1e6 * theirs}
+            rows.append({"vertices": n, "gap": spread, **times, "differ": differ})
+    return rows
 
 
 def doubtful_sides(pairs: list[tuple[np.ndarray, ...]]) -> list[np.ndarray | None]:
@@ -231,11 +241,13 @@ def main() -> int:
     parser.add_argument("--largest", type=int, default=10**6)
     parser.add_argument("--pairs", type=int, default=0, help="only compare this many pairs with exact arithmetic")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()
     if options.pairs:
         return 1 if compare(options.pairs, options.seed) else 0
-    growth(options.largest) if options.largest else None
-    against_shapely()
+    rows = [*(growth(options.largest) if options.largest else []), *against_shapely()]
+    if options.output:
+        write_record(options.output, rows)
     return 0
 
 

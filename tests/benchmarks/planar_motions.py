@@ -26,6 +26,7 @@ import shapely
 from motion_timing import least_times, print_misses
 
 import plannercheck as pc
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.planar.curves import Curve
 
 P = pc.planar
@@ -241,13 +242,18 @@ def missed(options: argparse.Namespace) -> None:
     )
     print_misses(counts, rows)
     print(f"{time.perf_counter() - began:.0f} s")
+    if options.output:
+        families = sorted({family for family, _ in counts})
+        found = [{"family": family, **{row: counts[family, row] for row in rows}} for family in families]
+        write_record(options.output, found)
 
 
 # ----- cost
 
 
-def compare_cost(scene: str, name: str, curve: Curve, n: int) -> None:
-    """Prints a line: all motions, then those that are free."""
+def compare_cost(scene: str, name: str, curve: Curve, n: int) -> list[dict[str, object]]:
+    """Prints a line: all motions, then those that are free; and gives a row for each."""
+    rows: list[dict[str, object]] = []
     checker = P.Checker(P.Robot.load(name), P.Scene.load(scene))
     generator = np.random.default_rng(0)
     q0 = free_states(checker, n, generator)
@@ -267,12 +273,16 @@ def compare_cost(scene: str, name: str, curve: Curve, n: int) -> None:
             }
         )
         us = {key: value / len(a) * 1e6 for key, value in best.items()}
+        what = {"scene": scene, "robot": name, "curve": curve, "which": which, "motions": len(a)}
+        rows.append({**what, **us})
         text += f" | {which:4s} {len(a):5d}: " + ", ".join(f"{key} {value:8.1f} us" for key, value in us.items())
     print(text, flush=True)
+    return rows
 
 
-def growth() -> None:
+def growth() -> list[dict[str, object]]:
     """Prints how the time of a motion grows as its clearance shrinks: a forklift that turns beside a wall."""
+    rows: list[dict[str, object]] = []
     robot = P.Robot.load("forklift")
     radius = float(np.linalg.norm(np.vstack([body.vertices for body in robot.bodies[:1]]), axis=1).max())
     for clearance in (1.0, 0.1, 0.01, 3e-3, 1e-3, 5e-4, 2e-4, 1.1e-4):
@@ -291,15 +301,22 @@ def growth() -> None:
             f"clearance {clearance * 1e3:7.2f} mm: {best['proved'] / 200 * 1e6:7.2f} us, free: {free}; sampled at 1 cm "
             f"{best['1 cm'] / 200 * 1e6:7.2f} us"
         )
+        us = {name: spent / 200 * 1e6 for name, spent in best.items()}
+        rows.append({"scene": "wall", "clearance": clearance, "free": bool(free), **us})
+    return rows
 
 
 def cost(options: argparse.Namespace) -> None:
     """Prints the times."""
     print("motions of up to 3 m each way and 1 rad, one thread, us a motion, batches")
+    rows: list[dict[str, object]] = []
     for scene, name in SHIPPED:
         for curve in ("straight", "dubins", "reeds_shepp"):
-            compare_cost(scene, name, curve, options.motions if curve == "straight" else options.motions // 10)
-    growth()
+            n = options.motions if curve == "straight" else options.motions // 10
+            rows += compare_cost(scene, name, curve, n)
+    rows += growth()
+    if options.output:
+        write_record(options.output, rows)
 
 
 def main() -> None:
@@ -308,6 +325,7 @@ def main() -> None:
     parser.add_argument("part", choices=("missed", "cost"))
     parser.add_argument("--motions", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()
     (missed if options.part == "missed" else cost)(options)
 

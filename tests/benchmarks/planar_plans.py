@@ -13,6 +13,7 @@ import argparse
 import sys
 import time
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ import shapely
 from ompl import base, geometric, util
 
 import plannercheck as pc
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.ompl import space_of
 from plannercheck.ompl.motion_validators import motion_validator
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
@@ -100,8 +102,14 @@ def shapelys_verdicts(checker: pc.planar.Checker, q: np.ndarray) -> np.ndarray:
     return valid
 
 
-def row_of(task: tuple[str, str, Any, float | None], judge: str, seeds: range) -> str:
-    """A line of the table."""
+COLUMNS = (
+    *("scene", "robot", "curve", "motions", "solved", "median s"),
+    *("states at 1 mm", "differ", "colliding", "on plans"),
+)
+
+
+def row_of(task: tuple[str, str, Any, float | None], judge: str, seeds: range) -> list[str]:
+    """The cells of a line of the table."""
     scene, name, curve, radius = task
     checker = pc.planar.Checker(pc.planar.Robot.load(name), pc.planar.Scene.load(scene))
     space = space_of(checker, curve, radius)
@@ -123,10 +131,8 @@ def row_of(task: tuple[str, str, Any, float | None], judge: str, seeds: range) -
             plans += not valid.all()
     tried = len(planners) * len(seeds)
     spent = f"{np.median(times):.2f}" if times else "-"
-    return (
-        f"| {scene} | {name} | {curve} | {judge} | {len(times)} of {tried} | {spent} | {states:,} | {differ} "
-        f"| {colliding:,} | {plans} |"
-    )
+    counted = [f"{states:,}", str(differ), f"{colliding:,}", str(plans)]
+    return [scene, name, curve, judge, f"{len(times)} of {tried}", spent, *counted]
 
 
 def main() -> int:
@@ -134,16 +140,19 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--tasks", type=int, nargs="*", default=range(len(TASKS)), help="which lines of TASKS")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()
     seeds = range(1, options.seeds + 1)
     util.setLogLevel(util.LOG_NONE)
-    print(
-        "| scene | robot | curve | motions | solved | median s | states at 1 mm | differ | colliding | on plans |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
-    )
+    print(f"| {' | '.join(COLUMNS)} |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    rows: list[dict[str, object]] = []
     for task in (TASKS[k] for k in options.tasks):
         for judge in JUDGES:
-            print(row_of(task, judge, seeds), flush=True)
+            cells = row_of(task, judge, seeds)
+            print(f"| {' | '.join(cells)} |", flush=True)
+            rows.append(dict(zip(COLUMNS, cells, strict=True)))
+    if options.output:
+        write_record(options.output, rows)
     return 0
 
 

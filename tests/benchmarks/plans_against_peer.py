@@ -32,6 +32,7 @@ from ompl import base, geometric, util
 
 import plannercheck as pc
 from plannercheck.evaluation.bench.other_libraries import COAL_TOLERANCES, coal_geometry_data, coal_geometry_model
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.ompl import LONGEST_MOTION
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.scenes.motion_bench_maker import load_problems
@@ -144,19 +145,44 @@ def run(options: argparse.Namespace) -> None:
     robot = pc.Robot.load("panda")
     util.setLogLevel(util.LOG_NONE)
     everything: dict[str, Tally] = {"ours": Tally(), "peer": Tally()}
+    rows: list[dict[str, object]] = []
     print(f"{'':34s} {'solved':>14s}  {'median ms':>9s} {'mean ms':>9s} {'95 % ms':>9s}")
     for archive in options.sets:
         tallies = {"ours": Tally(), "peer": Tally()}
         for problem in islice(load_problems(archive), 0, None, options.every):
             checker = pc.Checker(robot_of(problem, robot), problem.scene)
             one_problem(checker, problem, options, tallies)
-        show(Path(archive).name.split(".")[0], tallies)
+        name_of_set = Path(archive).name.split(".")[0]
+        show(name_of_set, tallies)
+        rows += rows_of(name_of_set, tallies)
         for name, tally in tallies.items():
             for attribute in ("times", "calls", "depths"):
                 getattr(everything[name], attribute).extend(getattr(tally, attribute))
             for attribute in ("tried", "colliding", "refused"):
                 setattr(everything[name], attribute, getattr(everything[name], attribute) + getattr(tally, attribute))
     show("all", everything)
+    if options.output:
+        write_record(options.output, [*rows, *rows_of("all", everything)])
+
+
+def rows_of(name: str, tallies: dict[str, Tally]) -> list[dict[str, object]]:
+    """A row for each side, for the record."""
+    return [
+        {
+            "set": name,
+            "side": side,
+            "solved": len(tally.times),
+            "tried": tally.tried,
+            "median_ms": 1e3 * float(np.median(tally.times)),
+            "mean_ms": 1e3 * float(np.mean(tally.times)),
+            "call_median_ms": 1e3 * float(np.median(tally.calls)) if tally.calls else None,
+            "refused": tally.refused,
+            "colliding": tally.colliding,
+            "deepest_median_mm": 1e3 * float(np.median(tally.depths)) if tally.depths else None,
+            "deepest_mm": 1e3 * float(np.max(tally.depths)) if tally.depths else None,
+        }
+        for side, tally in tallies.items()
+    ]
 
 
 def one_problem(checker, problem, options, tallies):
@@ -211,6 +237,7 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=1, help="take every so-many-th problem of a set")
     parser.add_argument("--range", type=float, default=LONGEST_MOTION, help="of both planners, rad")
     parser.add_argument("--time", type=float, default=10.0, help="limit of a search, s")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     run(parser.parse_args())
 
 

@@ -1,4 +1,6 @@
-"""Long runs of what docs/reliability.md promises: `python tests/benchmarks/reliability.py [PART ...] --scale 100`.
+"""Long runs of what docs/explanation/reliability.md promises.
+
+Run: `python tests/benchmarks/reliability.py [PART ...] --scale 100`.
 
 Each part counts its trials and says what broke, and the table of all is a line of JSON each in --output. With --scale
 100 they are those that a release needs: 100 kills and resumes over all formats; 1,000 damaged journals, cache files and

@@ -11,6 +11,7 @@ import argparse
 import functools
 import time
 import warnings
+from pathlib import Path
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from plannercheck.bodies.shapes import hull_and_swell
 from plannercheck.checking.unreachable_pairs import reach
 from plannercheck.cli.inspect import times_without
 from plannercheck.common.package_data import example_robot_data
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.robots.description import find_description, read_description
 
 CASES = (("panda", "bookshelf"), ("ur5", "kitchen"), ("baxter", "kitchen"), ("talos", "empty"), ("tiago", "empty"))
@@ -53,8 +55,9 @@ def proof_time(checker: pc.Checker) -> float:
     return min(spent)
 
 
-def show(robot: pc.Robot, scene: pc.Scene, states: int) -> None:
-    """Prints one robot in one scene."""
+def show(robot: pc.Robot, scene: pc.Scene, states: int) -> list[dict[str, object]]:
+    """Prints one robot in one scene, and gives a row for each way of skipping."""
+    rows: list[dict[str, object]] = []
     start = time.process_time()
     checker = pc.Checker(robot, scene)
     built = time.process_time() - start
@@ -66,19 +69,27 @@ def show(robot: pc.Robot, scene: pc.Scene, states: int) -> None:
     for name, seconds in spent.items():
         ratio = seconds / spent["nothing"]
         print(f"  without {name:14} {1e6 * seconds / states:8.2f} us a state  {ratio:6.2f} x")
+        what = {"robot": robot.name, "scene": scene.name, "without": name}
+        rows.append({**what, "microseconds": 1e6 * seconds / states, "ratio": ratio})
+    return rows
 
 
 def main() -> None:
     """Prints all cases."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--states", type=int, default=2000)
-    states = parser.parse_args().states
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
+    options = parser.parse_args()
+    states = options.states
     warnings.simplefilter("ignore")  # bases that stand on floors
+    rows: list[dict[str, object]] = []
     for robot, scene in CASES:
-        show(pc.Robot.load(robot), pc.Scene.load(scene), states)
-    show(whole_talos(), pc.Scene.load("empty"), states)
+        rows += show(pc.Robot.load(robot), pc.Scene.load(scene), states)
+    rows += show(whole_talos(), pc.Scene.load("empty"), states)
     for span in SPANS:
-        show(pc.Robot.load("panda"), many_boxes(span), states // 4)
+        rows += show(pc.Robot.load("panda"), many_boxes(span), states // 4)
+    if options.output:
+        write_record(options.output, rows)
 
 
 if __name__ == "__main__":

@@ -11,12 +11,14 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 
 import plannercheck as pc
 from plannercheck.bodies.intersection import pair_options
 from plannercheck.common.core import core
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts
 from plannercheck.scenes.scene import shipped_scenes
@@ -54,7 +56,7 @@ def random(p: contacts.Solid, r: contacts.Solid, rng: np.random.Generator) -> tu
     return contacts.random_poses(p, r, POSES, rng)
 
 
-def show_pairs(name: str, posed: Callable[..., tuple[contacts.Points, contacts.Points]]) -> None:
+def show_pairs(name: str, posed: Callable[..., tuple[contacts.Points, contacts.Points]]) -> list[dict[str, object]]:
     """Prints shares and costs over all pairs of bodies; each query comes alone, so that no plane is cached."""
     rng = np.random.default_rng(SEED)
     counts, spent = np.zeros(len(STAGES)), np.zeros(len(STAGES))
@@ -70,7 +72,7 @@ def show_pairs(name: str, posed: Callable[..., tuple[contacts.Points, contacts.P
                 spent[stage] += best_time(
                     lambda c=chosen, p=body_p, r=body_r: core.intersect_batch(p.core, c[0], r.core, c[1], options)
                 )
-    show(name, counts, spent)
+    return show(name, counts, spent)
 
 
 def best_time(work: Callable[[], object]) -> float:
@@ -83,13 +85,17 @@ def best_time(work: Callable[[], object]) -> float:
     return min(times)
 
 
-def show(name: str, counts: np.ndarray, spent: np.ndarray | None = None) -> None:
-    """Prints one line a stage."""
+def show(name: str, counts: np.ndarray, spent: np.ndarray | None = None) -> list[dict[str, object]]:
+    """Prints one line a stage, and gives the rows."""
+    rows: list[dict[str, object]] = []
     print(f"\n{name}: {int(counts.sum())} queries that bounds leave")
     for k, stage in enumerate(STAGES):
         share = 100 * counts[k] / counts.sum()
         cost = f"{1e6 * spent[k] / counts[k]:10.2f} us" if spent is not None and counts[k] else ""
         print(f"  {stage:15} {share:10.5f} %{cost}")
+        each = 1e6 * spent[k] / counts[k] if spent is not None and counts[k] else None
+        rows.append({"kind": name, "queries": counts.sum(), "stage": stage, "percent": share, "microseconds": each})
+    return rows
 
 
 def border_states(checker: pc.Checker, q: np.ndarray) -> np.ndarray:
@@ -127,8 +133,9 @@ def fallback_ratio(checker: pc.Checker, q: np.ndarray) -> tuple[int, float]:
     return int(needs.sum()), float(both[0] / both[1]) if needs.any() else 1.0
 
 
-def show_states(states: int) -> None:
+def show_states(states: int) -> list[dict[str, object]]:
     """Prints shares on robot states, random ones and near the border, and what finer arithmetic costs them."""
+    rows: list[dict[str, object]] = []
     robot = pc.Robot.load("panda")
     checkers = {name: pc.Checker(robot, pc.Scene.load(name)) for name in SCENES}
     for kind in ("random", "near the border"):
@@ -143,20 +150,23 @@ def show_states(states: int) -> None:
             total += len(q)
             pairs += checker.statistics()["pairs"] - before["pairs"]
             ratios[scene] = fallback_ratio(checker, q)
-        show(f"{total} {kind} states of the Panda, {pairs} pairs", counts)
+        rows += show(f"{total} {kind} states of the Panda, {pairs} pairs", counts)
         print(f"  decided in doubles: {100 - 100 * counts[DOUBLES:].sum() / pairs:.6f} % of the pairs")
         for scene, (needs, ratio) in ratios.items():
             print(f"  {scene:10} {needs:6} states in blocks that doubles leave; time of all over others {ratio:.3f}")
+    return rows
 
 
 def main() -> None:
     """Runs all three."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--states", type=int, default=20_000, help="robot states a scene")
-    states = parser.parse_args().states
-    show_pairs("random poses", random)
-    show_pairs("near touching", near_touching)
-    show_states(states)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
+    options = parser.parse_args()
+    rows = [*show_pairs("random poses", random), *show_pairs("near touching", near_touching)]
+    rows += show_states(options.states)
+    if options.output:
+        write_record(options.output, rows)
 
 
 if __name__ == "__main__":

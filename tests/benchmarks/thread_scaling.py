@@ -12,11 +12,13 @@ import os
 import time
 from multiprocessing.queues import Queue
 from multiprocessing.synchronize import Barrier
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 import plannercheck as pc
+from plannercheck.evaluation.bench.records import write_record
 
 ROUNDS = 60
 
@@ -56,6 +58,7 @@ def main() -> None:
     parser.add_argument("--scene", default="bookshelf")
     parser.add_argument("--states", type=int, default=50_000)
     parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, help="at most; default: the cores")
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()
     checker = pc.Checker(pc.Robot.load(options.robot), pc.Scene.load(options.scene))
     q = checker.robot.random_configurations(options.states, 0)
@@ -67,6 +70,7 @@ def main() -> None:
             checker.check_states(q, threads)
             best[threads] = min(best[threads], time.perf_counter() - began)
     print("threads  µs a state  times as fast as one   processes, µs a state  times as fast as one")
+    rows: list[dict[str, object]] = []
     alone = seconds_of_processes(options.robot, options.scene, q, 1)
     for threads, seconds in best.items():
         apart = alone if threads == 1 else seconds_of_processes(options.robot, options.scene, q, threads)
@@ -74,6 +78,9 @@ def main() -> None:
             f"{threads:7d}  {1e6 * seconds / len(q):10.2f}  {best[1] / seconds:20.2f}"
             f"   {1e6 * apart / len(q):21.2f}  {alone / apart:20.2f}"
         )
+        rows.append({"count": threads, "threads": 1e6 * seconds / len(q), "processes": 1e6 * apart / len(q)})
+    if options.output:
+        write_record(options.output, rows)
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import plannercheck as pc
+from plannercheck.evaluation.bench.records import write_record
 
 ROBOT, SCENE, SEED = "panda", "bookshelf", 0
 MADE_AT_ONCE = 1_000_000
@@ -127,6 +128,7 @@ def main() -> None:
     parser.add_argument("--states", type=int, default=10_000_000)
     parser.add_argument("--folder", type=Path, help="where the files go; default: a temporary folder")
     parser.add_argument("--runs", nargs="+", choices=RUNS, default=RUNS)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()
     ways: dict[str, Callable[[Path, Path, int], dict[str, float]]] = {"alone": alone, "killed": killed, "dask": on_dask}
     if options.folder is not None:
@@ -139,11 +141,15 @@ def main() -> None:
             f"outside  peak MB  same bytes",
             flush=True,
         )
+        rows: list[dict[str, object]] = []
         for run in options.runs:
             output = folder / f"{run}.npz"
             found = ways[run](folder / "q.npy", output, options.states)
             same = filecmp.cmp(output, folder / f"{options.runs[0]}.npz", shallow=False)
             print(shown(run, found, same), flush=True)
+            rows.append({"run": run, "same": same, **found})
+        if options.output:
+            write_record(options.output, rows)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The long runs of docs/reliability.md, with few trials each: that they run, count and notice."""
+"""The long runs of docs/explanation/reliability.md, with few trials each: that they run, count and notice."""
 
 from __future__ import annotations
 

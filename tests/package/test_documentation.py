@@ -8,12 +8,16 @@ file. `<!-- only parsed: why -->` before a block has its commands parsed alone, 
 from __future__ import annotations
 
 import importlib
+import inspect
+import json
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
+import zlib
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,13 +30,30 @@ from plannercheck.cli.main import COMMANDS, main, parser_for
 from plannercheck.common.package_data import shipped_folder
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+MADE = ROOT / "docs/reference/commands.md"  # by the build, from the parsers
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted({*(ROOT / "docs").glob("**/*.md")} - {MADE})]
 BLOCK = re.compile(
     r"(?:<!-- (?P<mark>only parsed|not run): .+? -->\n)?```(?P<language>\w+)\n(?P<text>.*?)```", re.DOTALL
 )
 FILE = re.compile(r"(?:<!-- |# )(?P<name>[\w.]+\.(?:urdf|yaml))")
 # More marks than these would hide that blocks rot.
-MOST_MARKED = 15
+MOST_MARKED = 20
+# Where public names are, and classes that public calls give without being public names themselves.
+FACES = ("plannercheck", *(f"plannercheck.{name}" for name in ("planar", "ndim", "ompl", "view", "proofs")))
+GIVEN = (
+    "plannercheck.bodies.objects.SceneObject",
+    "plannercheck.bodies.shapes.Body",
+    "plannercheck.checking.verdicts.MotionProof",
+    "plannercheck.checking.verdicts.MotionVerdict",
+    "plannercheck.checking.verdicts.PairCount",
+    "plannercheck.checking.verdicts.PairVerdict",
+    "plannercheck.ompl.plans.Plan",
+    "plannercheck.view.model.Mesh",
+    "plannercheck.view.model.Plane",
+    "plannercheck.view.model.Witness",
+)
+MOST_README_LINES = 150
+RESULTS = ROOT / "docs/results"
 
 
 class Block(NamedTuple):
@@ -80,7 +101,7 @@ def execute(block, namespace, page):
                 parser_for(arguments).parse_args(arguments)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_blocks_run(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     prepare(tmp_path)
@@ -104,15 +125,109 @@ def test_the_reference_has_every_command(tmp_path, monkeypatch):
         assert f"\n## plannercheck {name}\n" in page
 
 
-def test_the_documentation_builds_without_warnings(tmp_path):
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The documentation, built with warnings as errors."""
     pytest.importorskip("sphinx", reason="pip install '.[docs]'")
     pytest.importorskip("myst_parser")
-    shutil.copytree(ROOT, tmp_path / "root", ignore=lambda folder, names: [n for n in names if _is_not_docs(folder, n)])
-    command = [sys.executable, "-m", "sphinx", "-W", "-q", str(tmp_path / "root/docs"), str(tmp_path / "html")]
+    folder = tmp_path_factory.mktemp("docs")
+    shutil.copytree(ROOT, folder / "root", ignore=lambda name, names: [n for n in names if _is_not_docs(name, n)])
+    command = [sys.executable, "-m", "sphinx", "-W", "-q", str(folder / "root/docs"), str(folder / "html")]
     env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
     done = subprocess.run(command, capture_output=True, text=True, env=env)
     assert done.returncode == 0, done.stderr
-    assert "plannercheck validate" in (tmp_path / "html/commands.html").read_text("utf-8")
+    return folder / "html"
+
+
+def test_the_documentation_builds_without_warnings(site):
+    assert "plannercheck validate" in (site / "reference/commands.html").read_text("utf-8")
+
+
+def test_no_public_name_is_missing_from_the_reference(site):
+    documented = names_in_inventory(site / "objects.inv")
+    missing = [name for name in public_names() if name not in documented]
+    assert missing == []
+
+
+def names_in_inventory(path):
+    """Python names that the built pages describe."""
+    data = path.read_bytes().split(b"\n", 4)[4]
+    entries = (line.split(" ", 2) for line in zlib.decompress(data).decode("utf-8").splitlines())
+    return {name for name, kind, _ in entries if kind.startswith("py:")}
+
+
+def public_names():
+    """Public names of all faces, and the methods and properties of the classes among them."""
+    for face in FACES:
+        module = importlib.import_module(face)
+        for name in sorted(getattr(module, "__all__", None) or names_of(module)):
+            target = getattr(module, name)
+            if not inspect.ismodule(target):
+                yield f"{face}.{name}"
+                yield from members_of(target, f"{face}.{name}")
+    for path in GIVEN:
+        module, _, name = path.rpartition(".")
+        yield path
+        yield from members_of(getattr(importlib.import_module(module), name), path)
+
+
+def names_of(module):
+    """Names that a module without `__all__` gives away: of objects that say that they are its own."""
+    return [name for name, value in vars(module).items() if getattr(value, "__module__", None) == module.__name__]
+
+
+def members_of(target, path):
+    if inspect.isclass(target):
+        for name in dir(target):
+            member = inspect.getattr_static(target, name)
+            called = isinstance(member, property | cached_property | classmethod | staticmethod)
+            ours = not name.startswith("_") and _is_ours(target, name)
+            if ours and (called or inspect.isfunction(member)):
+                yield f"{path}.{name}"
+
+
+def _is_ours(target, name):
+    """Whether a member comes from plannercheck, not from what a class is built on."""
+    owner = next(base for base in target.__mro__ if name in vars(base))
+    return owner.__module__.split(".")[0] == "plannercheck"
+
+
+def test_tables_of_figures_are_rendered_from_results(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    script = importlib.import_module("render_results")
+    stale = [
+        page.name for page in script.pages() if script.rendered(page.read_text("utf-8")) != page.read_text("utf-8")
+    ]
+    assert stale == [], "run: python docs/render_results.py"
+
+
+def test_every_result_is_shown():
+    names = {str(path.relative_to(ROOT / "docs/results").with_suffix("")) for path in RESULTS.glob("**/*.json")}
+    text = "".join(page.read_text("utf-8") for page in [*PAGES, *(ROOT / "docs").glob("result_*.py")])
+    assert [name for name in sorted(names) if f'"{name}"' not in text and f"table: {name} " not in text] == []
+
+
+def test_results_say_where_they_come_from():
+    for path in RESULTS.glob("**/*.json"):
+        found = json.loads(path.read_text("utf-8"))
+        assert {"date", "commit", "machine"} <= found.keys(), path
+        assert "command" in found or "source" in found, path
+
+
+def test_the_readme_is_short():
+    assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= MOST_README_LINES
+
+
+def test_links_lead_somewhere():
+    """Those of files that Sphinx does not read, or that a reader of the repository follows."""
+    link = re.compile(r"\]\(([^)#:]+)(?:#[^)]*)?\)")
+    targets = [(page, target) for page in PAGES for target in link.findall(page.read_text("utf-8"))]
+    assert [(page.name, target) for page, target in targets if not (page.parent / target).exists()] == []
+
+
+def test_pages_know_one_way_of_installing():
+    other = re.compile(r"pip install (?:-e|plannercheck|'plannercheck|--upgrade)")
+    assert [page.name for page in PAGES if other.search(page.read_text("utf-8"))] == []
 
 
 def _is_not_docs(folder, name):

@@ -1,0 +1,58 @@
+"""Fills the tables of the documentation from docs/results: `python docs/render_results.py`.
+
+In: `docs/results/*.json`, written by `plannercheck bench ... --output` and by `tests/benchmarks/*.py --output`, and
+`docs/results/older/*.json`, figures that pages stated before and that no run has replaced yet. Out: README.md and the
+pages of docs/, in which the lines between `<!-- table: NAME -->` and `<!-- end of table -->` are rendered again. A test
+holds that every page is what this script renders. `result_tables.py` and `result_tables_inside.py` say
+what each table shows.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import result_tables as beside
+import result_tables_inside as inside
+from result_markdown import ROOT, older, record
+
+_MARKED = re.compile(r"(<!-- table: (?P<name>[\w/]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
+
+# What a name between marks stands for.
+TABLES: dict[str, Callable[[], str]] = {
+    make.__name__: make
+    for make in (
+        *(beside.overview, beside.overview_sources, beside.states, beside.set_up, beside.motions, beside.plans),
+        *(beside.pairs, inside.motions_cost, inside.changing_scenes, inside.hierarchies, inside.preparation),
+        *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
+        *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
+        *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games),
+    )
+}
+
+
+def main() -> None:
+    """Writes all pages that have tables."""
+    for page in pages():
+        text = page.read_text(encoding="utf-8")
+        page.write_text(rendered(text), encoding="utf-8")
+
+
+def pages() -> list[Path]:
+    """README.md and the pages of the documentation."""
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*/*.md"))]
+
+
+def rendered(text: str) -> str:
+    """A page with its tables rendered again."""
+    return _MARKED.sub(lambda found: f"{found[1]}\n{content(found['name'])}\n{found[3]}", text)
+
+
+def content(name: str) -> str:
+    """What stands between the marks of one name, ending in a line break."""
+    return older(record(name)) if name.startswith("older/") else TABLES[name]()
+
+
+if __name__ == "__main__":
+    main()
