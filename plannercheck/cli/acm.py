@@ -24,9 +24,9 @@ from plannercheck.cli.common import check_folder, table
 from plannercheck.common.atomic_files import written_aside
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.robot_files import is_planar
-from plannercheck.robots.description import DisabledPair, RobotDescription, description_of, shipped_robots
+from plannercheck.robots.description import RobotDescription, description_of, shipped_robots
 from plannercheck.robots.robot import Robot
-from plannercheck.robots.srdf import disabled_collisions, read_srdf
+from plannercheck.robots.srdf import DisabledPair, disabled_collisions
 
 _EPILOG = """\
 Pairs are left out for MoveIt's reasons: adjacent; default, they collide in the reference; always, in at least 95 % of
@@ -94,7 +94,7 @@ def _matrix(description: RobotDescription, options: argparse.Namespace) -> Colli
 
 
 def _declared(description: RobotDescription) -> list[DisabledPair]:
-    from_srdf = disabled_collisions(read_srdf(description.srdf)) if description.srdf else []
+    from_srdf = disabled_collisions(description.semantics.root) if description.semantics else []
     return [*from_srdf, *description.disabled_pairs]
 
 
@@ -109,8 +109,8 @@ def _write(matrix: CollisionMatrix, description: RobotDescription, path: Path) -
     if path.suffix in (".yaml", ".yml"):
         text = yaml_text(matrix.disabled())
     elif path.suffix in (".srdf", ".xml"):
-        semantics = read_srdf(description.srdf) if description.srdf else None
-        text = srdf_text(matrix.robot.model.name, matrix.disabled(), semantics)
+        root = None if description.semantics is None else description.semantics.root
+        text = srdf_text(matrix.robot.model.name, matrix.disabled(), root)
     else:
         raise PlannercheckError(f"--output must end in .srdf or .yaml, not {path.name!r}")
     written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,7 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
+from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
 from plannercheck.robots.xacro import xacro_hint
 
 _KEYS = (
@@ -56,21 +58,6 @@ _KEYS = (
     "convex_decomposition",
     "disabled_pairs",
 )
-
-
-@dataclass(frozen=True)
-class DisabledPair:
-    """Two links that are not tested against each other.
-
-    Attributes:
-        link_a: One link.
-        link_b: The other.
-        reason: Why, e.g. "adjacent".
-    """
-
-    link_a: str
-    link_b: str
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -100,6 +87,11 @@ class RobotDescription:
     values: Mapping[str, Any] = field(default_factory=dict)
     disabled_pairs: tuple[DisabledPair, ...] = ()
     decomposition: Decomposition | None = None
+
+    @cached_property
+    def semantics(self) -> Srdf | None:
+        """The SRDF, parsed once; None if there is none."""
+        return None if self.srdf is None else Srdf(self.srdf, read_srdf(self.srdf))
 
 
 def shipped_robots() -> list[str]:

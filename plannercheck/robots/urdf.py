@@ -179,7 +179,7 @@ def _warn_if_empty(geometry: pin.GeometryModel, urdf: Path) -> None:
     if not len(geometry.geometryObjects):
         drawn = " (it has <visual> ones, which are only drawn)" if _root(urdf).find("link/visual") is not None else ""
         warnings.warn(
-            f"URDF {urdf} has no <collision> elements{drawn}: nothing will ever collide", RuntimeWarning, stacklevel=5
+            f"URDF {urdf} has no <collision> elements{drawn}: nothing will ever collide", RuntimeWarning, stacklevel=6
         )
 
 
@@ -252,7 +252,7 @@ def _hull_of(geometry: pin.GeometryObject) -> Hull:
         raise PlannercheckError(f"collision geometry {geometry.name!r} ({geometry.meshPath}): {error}") from None
     hint = mesh_hint(points)
     if hint:
-        warnings.warn(f"collision mesh {geometry.meshPath!r} {hint} (scale= in the URDF)", RuntimeWarning, stacklevel=6)
+        warnings.warn(f"collision mesh {geometry.meshPath!r} {hint} (scale= in the URDF)", RuntimeWarning, stacklevel=7)
     return hull
 
 
