@@ -94,7 +94,7 @@ class ConfigurationMap(OwnsArrays):
         if array.ndim not in (1, 2) or array.shape[-1] != self.width:
             raise PlannercheckError(
                 f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "
-                f"the joints are {', '.join(self.joint_names)}"
+                f"{_listed(self.joint_names)}"
             )
         rows = np.atleast_2d(array)  # not reshaped: a robot without joints has configurations of no numbers
         _check_finite(rows)
@@ -258,6 +258,10 @@ def _group_columns(model: pin.Model, joints: Sequence[str]) -> tuple[dict[str, i
         starts[name] = len(limits)
         limits += joint_limits(model, joint)
     return starts, limits
+
+
+def _listed(joints: Sequence[str]) -> str:
+    return f"the joints are {', '.join(joints)}" if joints else "no joint moves: a configuration is an empty array"
 
 
 # Beyond this, products of poses could overflow; no joint gets there.

@@ -108,7 +108,9 @@ class Columns:
     def check_width(self, width: int) -> None:
         """Raises unless rows without names have as many numbers as a configuration."""
         if width != self.width:
-            raise PlannercheckError(f"must have {self.width} columns ({', '.join(self.joints)}), not {width}")
+            raise PlannercheckError(
+                f"must have {self.width} columns ({', '.join(self.joints) or 'no joint moves'}), not {width}"
+            )
 
     def in_radians(self, rows: Floats) -> Floats:
         """Rows (n, nq) with degrees turned into radians."""

@@ -152,4 +152,4 @@ def _table(rows: Sequence[Any], width: int) -> Floats:
         raise PlannercheckError("is no table of numbers") from None
     if table.size and (table.ndim != 2 or table.shape[1] != width):
         raise PlannercheckError(f"its states have {table.shape[-1]} numbers, not {width}")
-    return table.reshape(-1, width)
+    return table.reshape(-1 if width else len(table), width)
