@@ -264,7 +264,7 @@ def test_starts_and_goals(checker, capsys):
 SCENES = {
     "objects: [{name: a, box: {sise: [1, 1, 1]}}]": "object 'a': box: unknown key 'sise': did you mean 'size'",
     "objects: [{name: a, box: {size: [1, 1]}}]": "'size' needs 3 numbers, not 2",
-    "objects: [{name: a, box: {size: [1, 1, -1]}}]": "box size z must be positive",
+    "objects: [{name: a, box: {size: [1, 1, -1]}}]": "box size z must be finite and not negative",
     "objects: [{name: a, cylinder: {radius: 1}}]": "key 'length' is missing",
     "objects: [{name: a}]": "needs exactly one of the keys box",
     "objects: [{name: a, mesh: {file: a.stl}}]": "mesh file 'a.stl' does not exist",
