@@ -46,6 +46,9 @@ from plannercheck.common.package_data import example_robot_data, is_file, is_fol
 from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
 from plannercheck.robots.xacro import xacro_hint
 
+# What a URDF's name ends with.
+URDF_SUFFIXES = (".urdf", ".xml")
+
 _KEYS = (
     "name",
     "urdf",
@@ -102,7 +105,7 @@ def shipped_robots() -> list[str]:
 def find_description(name_or_path: str | Path) -> Path:
     """The YAML file of a shipped robot's name, or the path itself."""
     path = Path(name_or_path)
-    if path.suffix in (".yaml", ".yml", ".urdf"):
+    if path.suffix in (".yaml", ".yml", *URDF_SUFFIXES):
         if not is_file(path):
             raise PlannercheckError(f"robot file {path} does not exist")
         return path
@@ -119,7 +122,7 @@ def find_description(name_or_path: str | Path) -> Path:
 def description_of(name_or_path: str | Path) -> RobotDescription:
     """What the YAML of a robot says, or of a URDF alone, that there is none."""
     path = find_description(name_or_path)
-    if path.suffix == ".urdf":
+    if path.suffix in URDF_SUFFIXES:
         return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
     with within(f"robot file {path}"):
         return read_description(path)

@@ -1,7 +1,7 @@
 """Loads a robot: from what a description says to the parts that `Robot` is made of.
 
 In: a robot's description (its URDF, SRDF, group, disabled pairs), and the state at which joints are held. Out:
-`RobotParts`. Pinocchio reads the URDF; the SRDF is parsed once.
+`RobotParts`. Pinocchio reads the URDF; each file is parsed once.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import Body
+from plannercheck.common.checked_yaml import within
 from plannercheck.robots.decomposed_links import decomposed
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
@@ -25,6 +26,8 @@ from plannercheck.robots.reference_configuration import given_values
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, group_state, warn_of_unheeded
 from plannercheck.robots.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
+from plannercheck.robots.urdf_file import UrdfFile
+from plannercheck.robots.urdf_hints import warn_of_odd_numbers
 
 Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64] | str | None
 
@@ -95,11 +98,14 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     Returns:
         The parts.
     """
-    model = read_model(description.urdf, description.floating)
-    geometry = read_geometry(model, description.urdf, description.package_dirs)
+    urdf = UrdfFile.read(description.urdf)
+    model = read_model(urdf, description.floating)
+    geometry = read_geometry(model, urdf, description.package_dirs)
+    warn_of_odd_numbers(urdf)
     tree = link_tree(model)
-    bodies = bodies_of(model, geometry)
-    mimics = usable_mimics(model, description.urdf)
+    with within(f"URDF {urdf.path}"):
+        bodies = bodies_of(model, geometry)
+    mimics = usable_mimics(model, urdf)
     srdf = description.semantics
     if srdf is not None:
         warn_of_unheeded(srdf, tree)

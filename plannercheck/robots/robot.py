@@ -27,7 +27,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.robots.anchored_objects import placed
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed, planning_group, whole_robot
-from plannercheck.robots.description import RobotDescription, description_of, find_description
+from plannercheck.robots.description import URDF_SUFFIXES, RobotDescription, description_of, find_description
 from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.kinematic_error import KinematicRounding
 from plannercheck.robots.kinematics import JointTable
@@ -89,7 +89,7 @@ class Robot:
         description = description_of(path)
         if decomposition is not None:
             description = replace(description, decomposition=decomposition)
-        with contextlib.nullcontext() if path.suffix == ".urdf" else within(f"robot file {path}"):
+        with contextlib.nullcontext() if path.suffix in URDF_SUFFIXES else within(f"robot file {path}"):
             return cls.from_description(description)
 
     @classmethod

@@ -19,7 +19,7 @@ from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere
 from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_files import folders_above, package_file, where_sought
 from plannercheck.scenes.moveit_messages import header_frame, is_all_zeros, pose, subframe_poses, vector
 
 Matrix = NDArray[np.float64]
@@ -156,11 +156,9 @@ def mesh_finder(folder: Path, package_dirs: Sequence[Path]) -> FindMesh:
     def find(resource: str) -> Path:
         if not resource.startswith("package://"):
             return folder / resource.removeprefix("file://")
-        relative = resource.removeprefix("package://")
-        found = [d / relative for d in package_dirs if is_file(d / relative)]
-        if not found:
-            looked = ", ".join(str(d) for d in package_dirs) or "none were given"
-            raise PlannercheckError(f"mesh {resource!r} is in none of the package_dirs ({looked})")
-        return found[0]
+        found = package_file(resource, package_dirs, folders_above(folder / "scene"))
+        if found is None:
+            raise PlannercheckError(f"mesh {resource!r} is not found. {where_sought(package_dirs)}")
+        return found
 
     return find

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.polytope import fans, prepared
 from plannercheck.bodies.shapes import Hull, Shape
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_data import example_robot_data
-from plannercheck.robots.description import RobotDescription, find_description, read_description
+from plannercheck.robots.description import description_of
 from plannercheck.robots.urdf import read_geometry, read_model
 
 Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
@@ -57,11 +56,7 @@ def delivered_meshes(name_or_path: str | Path) -> dict[str, Surface]:
     Raises:
         PlannercheckError: If the robot is planar, or one of its files can't be read.
     """
-    path = find_description(name_or_path)
-    if path.suffix == ".urdf":
-        description = RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
-    else:
-        description = read_description(path)
+    description = description_of(name_or_path)
     model = read_model(description.urdf, description.floating)
     geometry = read_geometry(model, description.urdf, description.package_dirs)
     meshes = {each.name: each.geometry for each in geometry.geometryObjects if hasattr(each.geometry, "tri_indices")}

@@ -176,8 +176,8 @@ def test_the_srdf_of_another_robot(folder):
 
 def test_a_missing_package(folder, capsys):
     (folder / "arm.urdf").write_text(urdf(MESH % "package://my_arm/meshes/link.stl"))
-    message = r"package://NAME/... needs the folder that contains NAME, from package_dirs= or the robot YAML's"
-    with pytest.raises(pc.PlannercheckError, match=rf"none given\): {message}"):
+    message = r"package://NAME/... needs the folder that contains NAME, or a folder whose package.xml calls it so"
+    with pytest.raises(pc.PlannercheckError, match=rf"none given\), ROS_PACKAGE_PATH .*{message}"):
         pc.Robot.from_urdf("arm.urdf")
     assert "needs the folder that contains NAME" in said(capsys, "inspect", "--robot", "arm.urdf")
 

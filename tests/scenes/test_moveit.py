@@ -175,7 +175,8 @@ def test_mesh_resources_are_found(tmp_path):
         path.write_text(yaml.dump({"world": {"collision_objects": [node]}}))
         vertices = Scene.load(path, package_dirs=[tmp_path]).bodies[0].shape.vertices
         assert vertices.max() == 2
-    with pytest.raises(PlannercheckError, match=r"package://pkg/t\.obj' is in none of the package_dirs"):
+    path.write_text(path.read_text().replace("t.obj", "u.obj"))
+    with pytest.raises(PlannercheckError, match=r"package://pkg/u\.obj' is not found. Searched were the folders above"):
         Scene.load(path)
 
 
