@@ -25,7 +25,7 @@ from plannercheck.motions.checker import Checker
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
-from plannercheck.validation.formats.paths import PathFile, read_path
+from plannercheck.validation.formats.paths import PathFile, read_robot_path
 from plannercheck.validation.paths import PathVerdict, validate_path
 
 # A path's verdict, and what came of proving it.
@@ -86,7 +86,7 @@ def _in_space(options: argparse.Namespace) -> list[Judged]:
 
 def _read(path: Path, robot: AnyRobot, options: argparse.Namespace) -> PathFile:
     """A path, whose motions are straight, or to be taken so."""
-    file = read_path(path, robot.joint_names, robot.nq)
+    file = read_robot_path(path, robot)
     if file.bent_by and not options.straight:
         raise PlannercheckError(
             f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "

@@ -29,6 +29,7 @@ from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed, planning_group, whole_robot
 from plannercheck.robots.description import URDF_SUFFIXES, RobotDescription, description_of, find_description
 from plannercheck.robots.forward_kinematics import ForwardKinematics
+from plannercheck.robots.joint_values import JointValues
 from plannercheck.robots.kinematic_error import KinematicRounding
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.loading import Reference, RobotParts, robot_parts, urdf_description
@@ -169,7 +170,7 @@ class Robot:
         Returns:
             (n, nq), rad and m. Continuous joints are in [-pi, pi), unlimited positions within 1 m of zero.
         """
-        return self._map.random(n, seed)
+        return self.joint_values.random(n, seed)
 
     def check_configurations(self, q: ArrayLike) -> Floats:
         """Validates configurations: numbers, width, finite, unit quaternions. Limits are not looked at.
@@ -181,6 +182,11 @@ class Robot:
             (n, nq) float64 in C order, n = 1 for a single one.
         """
         return self._map.checked(q)
+
+    @cached_property
+    def joint_values(self) -> JointValues:
+        """Configurations of a robot without a group by one number a joint."""
+        return JointValues(self._map, self.model, self.mimics, self.group is None)
 
     def expand(self, q: ArrayLike) -> Floats:
         """Fills in the held joints.
