@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from plannercheck import planar
 from plannercheck.checking.padding import Padding
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.cli.robot_options import add_urdf_arguments, given_options, robot_of
 from plannercheck.common.atomic_files import written_aside
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
@@ -30,12 +31,13 @@ Floats = NDArray[np.float64]
 
 
 def add_robot_argument(parser: argparse.ArgumentParser) -> None:
-    """Adds --robot."""
+    """Adds --robot and what belongs to it."""
     parser.add_argument(
         "--robot",
         required=True,
         help="name of a shipped robot (see `plannercheck robots`), or a robot YAML or URDF file",
     )
+    add_urdf_arguments(parser)
 
 
 def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: empty") -> None:
@@ -75,17 +77,24 @@ def planar_checker(options: argparse.Namespace) -> planar.Checker:
     """The checker of a planar --robot in --scene."""
     if options.padding != "0":
         raise PlannercheckError("--padding is for robots in space")
+    if given_options(options):
+        raise PlannercheckError(f"{' and '.join(given_options(options))}: planar robots have no URDF")
     scene = planar.Scene("empty") if options.scene is None else planar.Scene.load(options.scene)
     return planar.Checker(planar.Robot.load(options.robot), scene, self_collision=not options.no_self_collision)
 
 
 def space_checker(options: argparse.Namespace, own_joints: bool = False) -> Checker:
     """The checker of --robot in --scene in space; arguments as of `load_checker`."""
-    robot = Robot.load(options.robot)
+    robot = robot_of(options)
     if own_joints and robot.group is None and robot.nq:
         robot = robot.with_group(joints_of_their_own(robot.model, robot.mimics), "all joints")
-    scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
+    scene = scene_of(options)
     return Checker(robot, scene, not options.no_self_collision, padding_of(options, scene))
+
+
+def scene_of(options: argparse.Namespace) -> Scene:
+    """What --scene says, in space."""
+    return Scene("empty") if options.scene is None else Scene.load(options.scene, options.package_dirs or ())
 
 
 def padding_of(options: argparse.Namespace, scene: Scene) -> Padding:

@@ -27,9 +27,10 @@ from plannercheck.cli.common import (
     percentage,
     table,
 )
+from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
-from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.urdf import read_geometry
 
 _EPILOG = """\
@@ -74,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     checker = load_checker(options)
     print(f"{checker!r}, prepared in {time.perf_counter() - began:.2f} s\n")
     if isinstance(checker, Checker):
-        _show_bodies(checker, meshes_of(checker, description_of(options.robot)))
+        _show_bodies(checker, meshes_of(checker, described(options)))
     else:
         _show_polygons(checker)
     _show_sample(checker, options.states, options.seed)

@@ -22,6 +22,7 @@ from plannercheck.cli.common import (
     joint_vector,
     load_checker,
 )
+from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.start_and_goal import checked_end
 from plannercheck.planar.robot_files import is_planar
@@ -110,7 +111,7 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _picture(options: argparse.Namespace, checker: AnyChecker) -> Picture:
-    meshes = delivered_meshes(options.robot) if options.meshes else None
+    meshes = delivered_meshes(described(options)) if options.meshes else None
     rows, labels = _frames(options, checker)
     is_path = options.path is not None
     return picture(checker, rows, labels=labels, animated=is_path, planes=options.planes, meshes=meshes)

@@ -280,7 +280,7 @@ class Proof:
         return load_one(path)
 
 
-def confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
+def confirmed(proof: Proof, robot: Any, scene: str | None) -> Verification:
     """Whether a proof's model is that of a robot in a scene (`proof_confirmation.py`); no entry is looked at."""
     found: Verification = _verifier(proof.kind).model_confirmed(proof, robot, scene)
     return found

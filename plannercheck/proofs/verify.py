@@ -8,6 +8,7 @@ to hold (`entries.py`) where the proof's own table of joints puts the links (`ch
 from __future__ import annotations
 
 import time
+from typing import Any
 
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.proofs.faults import UnprovedError
@@ -52,12 +53,12 @@ def verified(proof: Proof) -> Verification:
     return Verification(fault is None, fault, confirmed, time.perf_counter() - began)
 
 
-def model_confirmed(proof: Proof, robot: str, scene: str | None) -> Verification:
+def model_confirmed(proof: Proof, robot: Any, scene: str | None) -> Verification:
     """Whether a proof's model is that of files.
 
     Args:
         proof: In space.
-        robot: A shipped robot's name, a YAML or a URDF file.
+        robot: A shipped robot's name, a YAML or a URDF file, or its description.
         scene: A shipped scene's name or a file; None for the empty one.
 
     Returns:

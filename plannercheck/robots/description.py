@@ -119,8 +119,10 @@ def find_description(name_or_path: str | Path) -> Path:
     return shipped
 
 
-def description_of(name_or_path: str | Path) -> RobotDescription:
-    """What the YAML of a robot says, or of a URDF alone, that there is none."""
+def description_of(name_or_path: str | Path | RobotDescription) -> RobotDescription:
+    """What the YAML of a robot says, or of a URDF alone, that there is none; a description is what it is."""
+    if isinstance(name_or_path, RobotDescription):
+        return name_or_path
     path = find_description(name_or_path)
     if path.suffix in URDF_SUFFIXES:
         return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))

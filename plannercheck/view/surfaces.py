@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.polytope import fans, prepared
 from plannercheck.bodies.shapes import Hull, Shape
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.robots.description import description_of
+from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.urdf import read_geometry, read_model
 
 Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
@@ -44,11 +44,11 @@ def _sheet(corners: NDArray[np.float64]) -> NDArray[np.int32]:
     return np.concatenate([above, above[:, ::-1]])
 
 
-def delivered_meshes(name_or_path: str | Path) -> dict[str, Surface]:
+def delivered_meshes(robot: str | Path | RobotDescription) -> dict[str, Surface]:
     """The collision meshes of a robot as they were delivered, concave as they may be.
 
     Args:
-        name_or_path: As for `Robot.load`.
+        robot: As for `Robot.load`, or its description.
 
     Returns:
         Triangles by name of the body; bodies that are no meshes are left out.
@@ -56,12 +56,14 @@ def delivered_meshes(name_or_path: str | Path) -> dict[str, Surface]:
     Raises:
         PlannercheckError: If the robot is planar, or one of its files can't be read.
     """
-    description = description_of(name_or_path)
+    description = description_of(robot)
     model = read_model(description.urdf, description.floating)
     geometry = read_geometry(model, description.urdf, description.package_dirs)
     meshes = {each.name: each.geometry for each in geometry.geometryObjects if hasattr(each.geometry, "tri_indices")}
     if not meshes:
-        raise PlannercheckError(f"robot {str(name_or_path)!r} has no collision meshes: its bodies are simple shapes")
+        raise PlannercheckError(
+            f"robot {description.name or description.urdf.stem!r} has no collision meshes: its bodies are simple shapes"
+        )
     return {name: _triangles(mesh) for name, mesh in meshes.items()}
 
 
