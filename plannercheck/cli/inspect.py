@@ -147,7 +147,7 @@ def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
 
 def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, TriangleMesh]:
     """The meshes of a robot, and of the scene's objects from files, by name of the body."""
-    geometry = read_geometry(checker.robot.model, description.urdf, description.package_dirs)
+    geometry = read_geometry(checker.robot.model, description.file, description.package_dirs)
     found = {each.name: triangles_of_coal(each.geometry) for each in geometry.geometryObjects}
     for item in (*checker.scene.objects, *checker.scene.attached):
         for part, body in zip(item.parts, item.bodies, strict=True):

@@ -30,12 +30,18 @@ def add_urdf_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="where package:// addresses of robot and scene start; may be given several times",
     )
+    group.add_argument(
+        "--xacro-arg",
+        action="append",
+        metavar="NAME:=VALUE",
+        help="an argument of a robot that is a .xacro; may be given several times",
+    )
     group.add_argument("--floating", action="store_true", help="the root link is free to move")
 
 
 def given_options(options: argparse.Namespace) -> list[str]:
     """Which of these options are given."""
-    names = ("srdf", "group", "package_dirs", "floating")
+    names = ("srdf", "group", "package_dirs", "xacro_arg", "floating")
     return [f"--{name.replace('_', '-')}" for name in names if getattr(options, name, None)]
 
 
@@ -52,8 +58,17 @@ def described(options: argparse.Namespace) -> RobotDescription:
         changes["floating"] = True
     if options.package_dirs:
         changes["package_dirs"] = (*options.package_dirs, *description.package_dirs)
+    if options.xacro_arg:
+        changes["xacro_args"] = {**description.xacro_args, **dict(map(_argument, options.xacro_arg))}
     description = dataclasses.replace(description, **changes) if changes else description
     return dataclasses.replace(description, **_group(options.group, description)) if options.group else description
+
+
+def _argument(text: str) -> tuple[str, str]:
+    name, sign, value = text.partition(":=")
+    if not sign or not name:
+        raise PlannercheckError(f"--xacro-arg must be NAME:=VALUE, not {text!r}")
+    return name, value
 
 
 def _group(text: str, description: RobotDescription) -> Mapping[str, Any]:

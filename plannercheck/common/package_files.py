@@ -8,6 +8,7 @@ are followed, since colcon workspaces are made of them.
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -45,6 +46,12 @@ def package_file(address: str, folders: Sequence[Path], above: Sequence[Path] = 
     name, _, rest = address.removeprefix(scheme).partition("/")
     found = _first(folder / name / rest for folder in (*folders, *above))
     return found or _first(package / rest for package in _packages(name, folders, above))
+
+
+def package_folder(name: str, folders: Sequence[Path], above: Sequence[Path] = ()) -> Path | None:
+    """The folder of a package; arguments as of `package_file`."""
+    near = (folder / name for folder in (*folders, *above))
+    return next((each for each in itertools.chain(near, _packages(name, folders, above)) if is_folder(each)), None)
 
 
 def where_sought(folders: Sequence[Path]) -> str:

@@ -36,6 +36,8 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
     folders = [each for each in description.package_dirs if each.resolve() != example_robot_data()]
     if folders:
         content["package_dirs"] = [_named(each, folder) for each in folders]
+    if description.xacro_args:
+        content["xacro_args"] = dict(description.xacro_args)
     if description.floating:
         content["floating"] = True
     if joints is not None:

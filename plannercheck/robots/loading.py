@@ -26,7 +26,6 @@ from plannercheck.robots.reference_configuration import given_values
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, group_state, warn_of_unheeded
 from plannercheck.robots.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
-from plannercheck.robots.urdf_file import UrdfFile
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
 
 Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64] | str | None
@@ -72,6 +71,7 @@ def urdf_description(
     group: str | Sequence[str] | None,
     floating: bool,
     decomposition: Decomposition | None,
+    xacro_args: Mapping[str, str] | None,
 ) -> RobotDescription:
     """The description of a robot that has no YAML; arguments as of `Robot.from_urdf`."""
     name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
@@ -85,6 +85,7 @@ def urdf_description(
         group=name,
         joints=joints,
         decomposition=decomposition,
+        xacro_args=dict(xacro_args or {}),
     )
 
 
@@ -98,7 +99,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     Returns:
         The parts.
     """
-    urdf = UrdfFile.read(description.urdf)
+    urdf = description.file
     model = read_model(urdf, description.floating)
     geometry = read_geometry(model, urdf, description.package_dirs)
     warn_of_odd_numbers(urdf)

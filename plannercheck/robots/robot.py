@@ -104,11 +104,12 @@ class Robot:
         *,
         floating: bool = False,
         decomposition: Decomposition | None = None,
+        xacro_args: Mapping[str, str] | None = None,
     ) -> Robot:
         """Builds a robot from a URDF.
 
         Args:
-            urdf: Path of the URDF.
+            urdf: Path of the URDF, or of a .xacro that is expanded.
             srdf: Path of an SRDF, for self pairs, groups and states.
             package_dirs: Folders in which the URDF's package:// paths start.
             group: An SRDF group or joint names in order; None for Pinocchio's own q.
@@ -117,11 +118,12 @@ class Robot:
                 its limits, the nearest to Pinocchio's neutral configuration. rad and m.
             floating: Whether the root link is free to move.
             decomposition: Makes concave links of convex pieces, with CoACD; None takes their hulls.
+            xacro_args: Values of the arguments of a URDF that is a .xacro, by name.
 
         Returns:
             The robot.
         """
-        description = urdf_description(urdf, srdf, package_dirs, group, floating, decomposition)
+        description = urdf_description(urdf, srdf, package_dirs, group, floating, decomposition, xacro_args)
         return cls.from_description(description, reference)
 
     @classmethod

@@ -27,7 +27,6 @@ from plannercheck.common.package_data import is_file
 from plannercheck.common.package_files import folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
 from plannercheck.robots.urdf_file import UrdfFile
-from plannercheck.robots.xacro import xacro_hint
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
 _BOUNDS = coal.NODE_TYPE.BV_OBB
@@ -84,7 +83,7 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
             else:
                 model = pin.buildModelFromXML(file.mended, *root)
     except (ValueError, RuntimeError, IndexError) as error:
-        reason = xacro_hint(file.path) or _one_line(file.messages(floating, ()), str(error))
+        reason = file.hint or _one_line(file.messages(floating, ()), str(error))
         raise PlannercheckError(f"URDF {file.path} does not parse: {reason}") from None
     _check_names(model, file.path)
     _check_limits(model, file.path)
@@ -172,8 +171,8 @@ def _check_complete(model: pin.Model, geometry: pin.GeometryModel, file: UrdfFil
     for link in file.root.findall("link"):
         name, wanted = link.get("name", ""), len(link.findall("collision"))
         if loaded[name] != wanted:
-            if xacro_hint(file.path):
-                raise PlannercheckError(f"URDF {file.path}: {xacro_hint(file.path)}")
+            if file.hint:
+                raise PlannercheckError(f"URDF {file.path}: {file.hint}")
             raise PlannercheckError(
                 f"URDF {file.path}: {loaded[name]} of {wanted} collision elements of link {name!r} could be read; "
                 f"a URDF may hold box, cylinder, sphere and mesh; {_one_line(file.messages(False, folders))}"

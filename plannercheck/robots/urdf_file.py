@@ -8,10 +8,11 @@ them. A file that both can read is left to them as it is.
 
 from __future__ import annotations
 
+import copy
 import re
 import tempfile
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -20,7 +21,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.input_limits import check_xml_text
 from plannercheck.common.package_data import is_file
 from plannercheck.robots.urdf_messages import native_messages
-from plannercheck.robots.xacro import xacro_hint
+from plannercheck.robots.xacro import XACRO_SUFFIX, expanded, xacro_hint
 
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _DECLARATION = re.compile(r"<\?xml\b.*?\?>", re.DOTALL)
@@ -49,12 +50,27 @@ class UrdfFile:
     _root: Element | None
 
     @classmethod
-    def read(cls, path: Path) -> UrdfFile:
+    def read(cls, path: Path, arguments: Mapping[str, str] | None = None, folders: Sequence[Path] = ()) -> UrdfFile:
         """Reads a file; if it is no XML, `root` will say so: urdfdom reads some that are none.
 
+        Args:
+            path: Of a URDF, or of a xacro.
+            arguments: Of the xacro, by name.
+            folders: Where the xacro's packages are sought first.
+
+        Returns:
+            The file.
+
         Raises:
-            PlannercheckError: If there is no such file, or it is nested too deep.
+            PlannercheckError: If there is no such file, it is nested too deep, or a xacro can't be expanded.
         """
+        if path.suffix == XACRO_SUFFIX:
+            text = expanded(path, arguments or {}, folders)
+            root, fault = _parsed(text)
+            check_xml_text(text.encode(), f"URDF {path}")
+            return cls(path, text if root is None else _with_names(root) or text, fault, root)
+        if arguments:
+            raise PlannercheckError(f"URDF {path} is no .xacro, so that it takes no arguments: {', '.join(arguments)}")
         if not is_file(path):
             raise PlannercheckError(f"URDF {path} does not exist")
         try:
@@ -78,24 +94,30 @@ class UrdfFile:
             raise PlannercheckError(f"URDF {self.path} is not well-formed XML: {self.fault}")
         return self._root
 
+    @property
+    def hint(self) -> str:
+        """Says so if the file is a xacro that was not expanded; else empty."""
+        return xacro_hint(self.path)
+
     def with_meshes(self, files: dict[str, Path]) -> UrdfFile:
         """The same with other files for some of its collision meshes, by the name that it gives them."""
         if not files:
             return self
-        for mesh in self.root.iterfind("link/collision/geometry/mesh"):
+        root = copy.deepcopy(self.root)
+        for mesh in root.iterfind("link/collision/geometry/mesh"):
             found = files.get(mesh.get("filename", ""))
             if found is not None:
                 mesh.set("filename", str(found))
-        return UrdfFile(self.path, ElementTree.tostring(self.root, encoding="unicode"), "", self.root)
+        return UrdfFile(self.path, ElementTree.tostring(root, encoding="unicode"), "", root)
 
     def messages(self, floating: bool, folders: Sequence[str]) -> str:
         """What urdfdom, Pinocchio and assimp say about it; empty if that can't be found out."""
         if self.mended is None:
             return native_messages(self.path, floating, folders)
         with tempfile.TemporaryDirectory() as folder:
-            copy = Path(folder) / self.path.name
-            copy.write_text(self.mended, encoding="utf-8")
-            return native_messages(copy, floating, folders).replace(str(copy), str(self.path))
+            written = Path(folder) / self.path.name
+            written.write_text(self.mended, encoding="utf-8")
+            return native_messages(written, floating, folders).replace(str(written), str(self.path))
 
 
 def _parsed(content: bytes | str) -> tuple[Element | None, str]:

@@ -57,8 +57,8 @@ def delivered_meshes(robot: str | Path | RobotDescription) -> dict[str, Surface]
         PlannercheckError: If the robot is planar, or one of its files can't be read.
     """
     description = description_of(robot)
-    model = read_model(description.urdf, description.floating)
-    geometry = read_geometry(model, description.urdf, description.package_dirs)
+    model = read_model(description.file, description.floating)
+    geometry = read_geometry(model, description.file, description.package_dirs)
     meshes = {each.name: each.geometry for each in geometry.geometryObjects if hasattr(each.geometry, "tri_indices")}
     if not meshes:
         raise PlannercheckError(

@@ -211,10 +211,13 @@ def test_a_mesh_that_is_cut_short(folder):
 
 def test_xacro(folder, capsys):
     content = urdf().replace("0.1 0.1 0.2", "${size}").replace("<robot", '<robot xmlns:xacro="http://ros.org/xacro"')
-    message = "it is a xacro, which has to be expanded first: xacro "
-    for name in ("arm.urdf.xacro", "arm.urdf"):
-        (folder / name).write_text(content)
-        with pytest.raises(pc.PlannercheckError, match=message + name):
+    messages = {
+        "arm.urdf": "it is a xacro, which has to be expanded first: xacro arm.urdf",
+        "arm.urdf.xacro": "xacro arm.urdf.xacro can't be expanded: name 'size' is not defined",
+    }
+    for name, message in messages.items():
+        (folder / name).write_text(content.replace("http://ros.org/xacro", "http://www.ros.org/wiki/xacro"))
+        with pytest.raises(pc.PlannercheckError, match=message):
             pc.Robot.from_urdf(name)
         assert message in said(capsys, "inspect", "--robot", name)
 
