@@ -1,7 +1,7 @@
 """Polytopes around circles and balls: what curved shapes become.
 
 In: a radius and an excess, the part of the radius by which points may stick out. Out: points and faces of a
-polygon or polytope that contains the circle or ball.
+polygon or polytope that contains the circle or ball; faces of the prisms and capsules made of them.
 
 A circle gets a regular polygon whose edges touch it. A ball gets an octahedron whose edges are divided in
 equal steps of angle; its points are put on a sphere, which is then blown up until the nearest face just
@@ -96,3 +96,30 @@ def ball_around(excess: float) -> Ball:
     raise PlannercheckError(
         f"excess {excess:g} needs more than {4 * MAX_DIVISIONS**2} points around a ball, choose 4e-6 or more"
     )
+
+
+def capsule_faces(ball: Ball, upper: NDArray[np.int64], lower: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """A ball's triangles, renumbered for points [upper, lower], with a quadrilateral at each equator edge."""
+    top, bottom = np.full(len(ball.points), -1), np.full(len(ball.points), -1)
+    top[upper], bottom[lower] = np.arange(len(upper)), len(upper) + np.arange(len(lower))
+    is_upper = (ball.lattice[ball.triangles, 2] >= 0).all(axis=1)
+    caps = [*top[ball.triangles[is_upper]], *bottom[ball.triangles[~is_upper]]]
+    equator = np.flatnonzero(ball.lattice[:, 2] == 0)
+    ring = equator[np.argsort(np.arctan2(ball.points[equator, 1], ball.points[equator, 0]))]
+    after = np.roll(ring, -1)
+    return [*caps, *np.column_stack([bottom[ring], bottom[after], top[after], top[ring]])]
+
+
+def prism_faces(k: int) -> list[NDArray[np.int64]]:
+    """Faces of a prism: points 0 to k - 1 are the lower polygon, counter-clockwise from above."""
+    return list(_read_only_prism_faces(k))
+
+
+@lru_cache(maxsize=16)
+def _read_only_prism_faces(k: int) -> tuple[NDArray[np.int64], ...]:
+    low = np.arange(k)
+    following = np.roll(low, -1)
+    faces = low[::-1].copy(), low + k, *np.column_stack([low, following, following + k, low + k])
+    for face in faces:
+        face.setflags(write=False)
+    return faces

@@ -22,6 +22,9 @@ from plannercheck.common.package_data import is_file
 # No link or object is as large: meshes in millimetres are, from 2 cm on. m.
 _LARGEST_USUAL_MESH = 20.0
 
+# What Git keeps in place of a large file.
+_LFS_POINTER = b"version https://git-lfs"
+
 
 def load_mesh(path: str | Path, scale: float | Sequence[float] = 1.0) -> Hull:
     """Loads the points of a mesh.
@@ -72,7 +75,14 @@ def hull_of_triangles(points: NDArray[np.float64], triangles: NDArray[np.int64])
 
 
 def check_mesh(path: Path) -> None:
-    """Raises for a file that would crash the libraries which read it."""
+    """Raises for a file that would crash the libraries which read it, or is a pointer to one that was not fetched."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(len(_LFS_POINTER))
+    except OSError:
+        return  # who reads it will say why
+    if start == _LFS_POINTER:
+        raise PlannercheckError("is a Git LFS pointer, not the mesh itself: `git lfs pull` fetches it")
     if path.suffix.lower() == ".ply":
         check_ply(path)
 

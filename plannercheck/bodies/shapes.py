@@ -8,12 +8,13 @@ Shapes are centred at their frame's origin and lie along z; a cone's apex is at 
 are exact. Curved shapes become polytopes that contain them and stick out by at most `excess` times the
 radius: cylinders and cones are the prism and pyramid over a polygon around the circle, a capsule is a
 sphere's polytope, cut along its ring of points at z = 0 and pulled apart. Faces with more than three corners
-are flat exactly: their corners share a coordinate or form a parallelogram.
+are flat exactly: their corners share a coordinate or form a parallelogram. A size of zero makes a plate, a segment or a
+point, which is a body like any other; its faces are left to be found.
 """
 
 from __future__ import annotations
 
-import functools
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -22,7 +23,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.bodies.circumscribed import ROUNDING_MARGIN, Ball, ball_around, ring_around
+from plannercheck.bodies.circumscribed import ROUNDING_MARGIN, ball_around, capsule_faces, prism_faces, ring_around
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
@@ -57,11 +58,14 @@ class Box:
         size = _numbers(self.size, "box size")
         if len(size) != 3:
             raise PlannercheckError(f"box size needs 3 edge lengths in m, not {len(size)}: {list(size)}")
-        edges = (_positive(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
+        edges = (_length(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
         object.__setattr__(self, "size", tuple(edges))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """The eight corners (8, 3) in m and six quadrilaterals, exact whatever the excess."""
+        if min(self.size) == 0:
+            corners = itertools.product(*({-edge / 2, edge / 2} for edge in self.size))
+            return np.array(list(corners)) + 0.0, None
         signs = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
         return signs * (np.array(self.size) / 2), prism_faces(4)
 
@@ -78,11 +82,13 @@ class Sphere:
     radius: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _positive(self.radius, "sphere radius"))
+        object.__setattr__(self, "radius", _length(self.radius, "sphere radius"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A polytope (n, 3) in m around the sphere and its triangles."""
         ball = ball_around(_checked_excess(excess))
+        if self.radius == 0:
+            return np.zeros((1, 3)), None
         return self.radius * ball.points, list(ball.triangles)
 
 
@@ -100,12 +106,14 @@ class Cylinder:
     length: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _positive(self.radius, "cylinder radius"))
-        object.__setattr__(self, "length", _positive(self.length, "cylinder length"))
+        object.__setattr__(self, "radius", _length(self.radius, "cylinder radius"))
+        object.__setattr__(self, "length", _length(self.length, "cylinder length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A prism (2 k, 3) in m over a polygon around the circle, and its faces."""
         ring = ring_around(self.radius, _checked_excess(excess))
+        if self.radius == 0 or self.length == 0:
+            return _without_volume(ring, self.length), None
         low = np.column_stack([ring, np.full(len(ring), -self.length / 2)])
         return np.vstack([low, low * (1.0, 1.0, -1.0)]), prism_faces(len(ring))
 
@@ -124,12 +132,14 @@ class Cone:
     length: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _positive(self.radius, "cone radius"))
-        object.__setattr__(self, "length", _positive(self.length, "cone length"))
+        object.__setattr__(self, "radius", _length(self.radius, "cone radius"))
+        object.__setattr__(self, "length", _length(self.length, "cone length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A pyramid (k + 1, 3) in m over a polygon around the base circle, and its faces."""
         ring = ring_around(self.radius, _checked_excess(excess))
+        if self.radius == 0 or self.length == 0:
+            return _without_volume(ring, self.length), None
         base = np.column_stack([ring, np.full(len(ring), -self.length / 2)])
         k = np.arange(len(ring))
         sides = np.column_stack([k, np.roll(k, -1), np.full(len(k), len(k))])
@@ -150,19 +160,23 @@ class Capsule:
     length: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _positive(self.radius, "capsule radius"))
-        object.__setattr__(self, "length", _positive(self.length, "capsule length"))
+        object.__setattr__(self, "radius", _length(self.radius, "capsule radius"))
+        object.__setattr__(self, "length", _length(self.length, "capsule length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A polytope (n, 3) in m around the capsule; faces are None only for lengths over a million radii."""
         ball = ball_around(_checked_excess(excess))
+        if self.radius == 0:
+            return _segment(self.length), None
+        if self.length == 0:
+            return self.radius * ball.points, list(ball.triangles)
         height = ball.lattice[:, 2]
         upper, lower = np.flatnonzero(height >= 0), np.flatnonzero(height <= 0)
         points = self.radius * ball.points[np.concatenate([upper, lower])]
         shift = np.repeat([self.length / 2, -self.length / 2], [len(upper), len(lower)])
         points[:, 2] = np.nextafter(points[:, 2] + shift, shift * np.inf)  # rounded away from the centre: contains
         known = self.length <= _MAX_CAPSULE_RATIO * self.radius
-        return points, _capsule_faces(ball, upper, lower) if known else None
+        return points, capsule_faces(ball, upper, lower) if known else None
 
 
 @set_module("plannercheck")
@@ -213,8 +227,7 @@ def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> HullAndSwell
     if isinstance(shape, Sphere):
         return np.zeros((1, 3)), None, shape.radius
     if isinstance(shape, Capsule):
-        half = shape.length / 2
-        return np.array([[0, 0, -half], [0, 0, half]]), None, shape.radius
+        return _segment(shape.length), None, shape.radius
     return *shape.vertices_and_faces(excess), 0.0
 
 
@@ -298,45 +311,28 @@ def _numbers(values: Sequence[float], what: str) -> tuple[float, ...]:
     return tuple(float(v) for v in array)
 
 
-def _positive(value: float, what: str) -> float:
-    """The value as a float, if it is positive and finite."""
+def _segment(length: float) -> Points:
+    """The ends of a segment along z about the origin: two points, or one of length 0."""
+    return np.array([[0, 0, -length / 2], [0, 0, length / 2]]) if length else np.zeros((1, 3))
+
+
+def _without_volume(ring: Points, length: float) -> Points:
+    """A cylinder or cone of radius 0, a segment, or of length 0, a disc in the polygon of this ring (k, 2)."""
+    return np.column_stack([ring, np.zeros(len(ring))]) if ring.any() else _segment(length)
+
+
+def _length(value: float, what: str) -> float:
+    """The value as a float, if it is finite and not negative."""
     try:
         number = float(value)
     except (TypeError, ValueError, OverflowError):
         raise PlannercheckError(f"{what} must be a number in m, not {value!r}") from None
-    if not (math.isfinite(number) and number > 0):
-        raise PlannercheckError(f"{what} must be positive and finite (m), not {number}")
-    return number
+    if not (math.isfinite(number) and number >= 0):
+        raise PlannercheckError(f"{what} must be finite and not negative (m), not {number}")
+    return number + 0.0  # -0.0 is 0.0
 
 
 def _checked_excess(excess: float) -> float:
     if not (math.isfinite(excess) and 4 * ROUNDING_MARGIN < excess <= 1):
         raise PlannercheckError(f"excess must be within (0, 1], a part of the radius, not {excess}")
     return float(excess)
-
-
-def prism_faces(k: int) -> Faces:
-    """Faces of a prism: points 0 to k - 1 are the lower polygon, counter-clockwise from above."""
-    return list(_read_only_prism_faces(k))
-
-
-@functools.lru_cache(maxsize=16)
-def _read_only_prism_faces(k: int) -> tuple[NDArray[np.int64], ...]:
-    low = np.arange(k)
-    following = np.roll(low, -1)
-    faces = low[::-1].copy(), low + k, *np.column_stack([low, following, following + k, low + k])
-    for face in faces:
-        face.setflags(write=False)
-    return faces
-
-
-def _capsule_faces(ball: Ball, upper: NDArray[np.int64], lower: NDArray[np.int64]) -> Faces:
-    """A ball's triangles, renumbered for points [upper, lower], with a quadrilateral at each equator edge."""
-    top, bottom = np.full(len(ball.points), -1), np.full(len(ball.points), -1)
-    top[upper], bottom[lower] = np.arange(len(upper)), len(upper) + np.arange(len(lower))
-    is_upper = (ball.lattice[ball.triangles, 2] >= 0).all(axis=1)
-    caps = [*top[ball.triangles[is_upper]], *bottom[ball.triangles[~is_upper]]]
-    equator = np.flatnonzero(ball.lattice[:, 2] == 0)
-    ring = equator[np.argsort(np.arctan2(ball.points[equator, 1], ball.points[equator, 0]))]
-    after = np.roll(ring, -1)
-    return [*caps, *np.column_stack([bottom[ring], bottom[after], top[after], top[ring]])]

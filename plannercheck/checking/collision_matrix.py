@@ -25,8 +25,8 @@ from plannercheck.checking.settings import CheckerSwitches
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import joint_width
-from plannercheck.robots.description import DisabledPair
 from plannercheck.robots.robot import Robot
+from plannercheck.robots.srdf import DisabledPair
 from plannercheck.robots.urdf import LinkTree
 
 Floats = NDArray[np.float64]

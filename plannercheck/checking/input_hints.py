@@ -49,7 +49,8 @@ def always_hint(checker: AnyChecker, rows: Floats) -> str:
     more = f" and {len(pairs) - _SHOWN_PAIRS} more pairs" if len(pairs) > _SHOWN_PAIRS else ""
     return (
         f"every configuration collides, each time by these pairs: {shown}{more}; links that touch by design belong "
-        "into the SRDF or the robot YAML's disabled_pairs, obstacles to be touched into the scene's allowed pairs"
+        "into the SRDF or the robot YAML's disabled_pairs, which `plannercheck acm --robot FILE --output FILE.srdf` "
+        "writes and --srdf FILE.srdf takes; obstacles to be touched belong into the scene's allowed pairs"
     )
 
 

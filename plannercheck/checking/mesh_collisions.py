@@ -22,7 +22,7 @@ class LinkMeshes:
 
     def __init__(self, robot: Robot, description: RobotDescription) -> None:
         """Loads the meshes; `description` is the robot's."""
-        geometry = read_geometry(robot.model, description.urdf, description.package_dirs)
+        geometry = read_geometry(robot.model, description.file, description.package_dirs)
         self._robot = robot
         self._bodies: dict[str, list[tuple[coal.CollisionGeometry, Floats]]] = {}
         for body, each in zip(bodies_of(robot.model, geometry), geometry.geometryObjects, strict=True):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -21,12 +20,14 @@ from plannercheck.checking.collision_matrix import (
 from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
 from plannercheck.checking.mesh_collisions import LinkMeshes
 from plannercheck.cli.common import check_folder, table
+from plannercheck.cli.robot_options import add_urdf_arguments, described, given_options
 from plannercheck.common.atomic_files import written_aside
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.robot_files import is_planar
-from plannercheck.robots.description import DisabledPair, RobotDescription, description_of, shipped_robots
+from plannercheck.robots.description import RobotDescription, description_of, shipped_robots
+from plannercheck.robots.description_files import description_text
 from plannercheck.robots.robot import Robot
-from plannercheck.robots.srdf import disabled_collisions, read_srdf
+from plannercheck.robots.srdf import DisabledPair, disabled_collisions
 
 _EPILOG = """\
 Pairs are left out for MoveIt's reasons: adjacent; default, they collide in the reference; always, in at least 95 % of
@@ -50,11 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robot", help="name of a shipped robot, or a robot YAML or URDF file; with --audit, default: all shipped"
     )
-    parser.add_argument(
-        "--srdf", type=Path, help="SRDF to audit, or to take all but the pairs from; default: the robot's"
-    )
+    add_urdf_arguments(parser)
     parser.add_argument("--audit", action="store_true", help="say which pairs are disabled, yet collide")
-    parser.add_argument("--output", type=Path, help="write the proposal: .srdf or .yaml")
+    parser.add_argument("--output", type=Path, help="write the proposal: .srdf, or a robot's .yaml")
     parser.add_argument("--states", type=int, default=10_000, help="random configurations; default: 10000")
     parser.add_argument("--seed", type=int, default=0, help="of the random configurations; default: 0")
     parser.add_argument("--always", type=float, default=ALWAYS, help="share that counts as always; default: 0.95")
@@ -74,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
         raise PlannercheckError(f"robot {options.robot!r} is planar: its self pairs are in its YAML")
     if options.robot is None:
         return _audit_shipped(options)
-    description = _description(options.robot, options.srdf)
+    description = described(options)
     matrix = _matrix(description, options)
     if options.audit:
         return _show_audit(matrix, description, options)
@@ -84,17 +83,12 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _description(robot: str, srdf: Path | None) -> RobotDescription:
-    description = description_of(robot)
-    return description if srdf is None else dataclasses.replace(description, srdf=srdf)
-
-
 def _matrix(description: RobotDescription, options: argparse.Namespace) -> CollisionMatrix:
     return collision_matrix(Robot.from_description(description), options.states, options.seed, options.always)
 
 
 def _declared(description: RobotDescription) -> list[DisabledPair]:
-    from_srdf = disabled_collisions(read_srdf(description.srdf)) if description.srdf else []
+    from_srdf = disabled_collisions(description.semantics.root) if description.semantics else []
     return [*from_srdf, *description.disabled_pairs]
 
 
@@ -107,14 +101,19 @@ def _show_proposal(matrix: CollisionMatrix) -> None:
 
 def _write(matrix: CollisionMatrix, description: RobotDescription, path: Path) -> None:
     if path.suffix in (".yaml", ".yml"):
-        text = yaml_text(matrix.disabled())
+        text = description_text(description, _group(description), yaml_text(matrix.disabled()), path)
     elif path.suffix in (".srdf", ".xml"):
-        semantics = read_srdf(description.srdf) if description.srdf else None
-        text = srdf_text(matrix.robot.model.name, matrix.disabled(), semantics)
+        root = None if description.semantics is None else description.semantics.root
+        text = srdf_text(matrix.robot.model.name, matrix.disabled(), root)
     else:
         raise PlannercheckError(f"--output must end in .srdf or .yaml, not {path.name!r}")
     written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     print(f"\n{len(matrix.disabled())} disabled pairs written to {path}")
+
+
+def _group(description: RobotDescription) -> tuple[str, ...] | None:
+    """The joints of the robot's group; None if it has none."""
+    return None if description.group is None else Robot.from_description(description).joint_names
 
 
 def _show_audit(matrix: CollisionMatrix, description: RobotDescription, options: argparse.Namespace) -> int:
@@ -176,8 +175,9 @@ def _mesh_share(matrix: CollisionMatrix, description: RobotDescription, most: in
 
 def _audit_shipped(options: argparse.Namespace) -> int:
     """Prints a row a robot that disables pairs."""
-    if options.srdf is not None or options.output is not None:
-        raise PlannercheckError("--srdf and --output need --robot")
+    given = [*given_options(options), *(["--output"] if options.output is not None else [])]
+    if given:
+        raise PlannercheckError(f"{' and '.join(given)} need --robot")
     rows = [_row(name, options) for name in shipped_robots() if _declared(description_of(name))]
     header = [
         "robot",

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from plannercheck.cli.common import table
+from plannercheck.cli.robot_options import add_urdf_arguments, robot_of
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
 from plannercheck.evaluation.bench import ablation as switches
@@ -97,6 +98,7 @@ def _sizes(text: str) -> list[int]:
 
 def _add_robot(parser: argparse.ArgumentParser, states: int) -> None:
     parser.add_argument("--robot", default="panda", help="name or file (default: %(default)s)")
+    add_urdf_arguments(parser)
     parser.add_argument("--states", type=_positive, default=states, help="uniformly random (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
 
@@ -144,7 +146,7 @@ def _note(text: str) -> None:
 def _run_states(options: argparse.Namespace) -> None:
     rows: list[StateRow] = []
     for scene in options.scene:
-        checker = _checker(options.robot, scene)
+        checker = _checker(robot_of(options), scene)
         q = checker.robot.random_configurations(options.states, options.seed)
         found = states.measure(checker, list(methods(checker, options.methods)), q, options.rounds, _note)
         _print_states(found)
@@ -152,8 +154,7 @@ def _run_states(options: argparse.Namespace) -> None:
     _keep(options.output, "states", rows, plots.time_against_error)
 
 
-def _checker(robot: str, scene: str) -> Checker:
-    loaded = Robot.load(robot)
+def _checker(loaded: Robot, scene: str) -> Checker:
     if scene == "none":
         return Checker(loaded)
     path = Path(scene)
@@ -226,7 +227,7 @@ def _pair_cells(row: PairRow) -> tuple[object, ...]:
 
 
 def _run_switches(options: argparse.Namespace) -> None:
-    robot = Robot.load(options.robot)
+    robot = robot_of(options)
     scene = Scene("empty") if options.scene == "none" else Scene.load(options.scene)
     rows: list[SwitchRow] = switches.measure(robot, scene, options.states, options.rounds, options.seed)
     cells = [(row.states, row.off, f"{row.microseconds:.2f}", f"{row.ratio:.2f}", row.wrong) for row in rows]
@@ -235,7 +236,7 @@ def _run_switches(options: argparse.Namespace) -> None:
 
 
 def _run_scale(options: argparse.Namespace) -> None:
-    rows = scale.measure(Robot.load(options.robot), options.boxes, options.states, options.rounds, options.seed)
+    rows = scale.measure(robot_of(options), options.boxes, options.states, options.rounds, options.seed)
     header = ("boxes", "pairs", "µs a state", "x", "prepared s", "kB", "bodies kB", "bytes a vertex", "process kB")
     print(table(header, [_scale_cells(row) for row in rows]))
     print(f"asked for: at most {scale.ASKED:g} times the first")

@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.checking.padding import Padding
-from plannercheck.checking.protocols import AnyChecker
+from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.cli.robot_options import add_urdf_arguments, given_options, robot_of
 from plannercheck.common.atomic_files import written_aside
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.robot_files import is_planar
+from plannercheck.robots.joint_values import own_joints as joints_of_their_own
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
@@ -29,12 +31,13 @@ Floats = NDArray[np.float64]
 
 
 def add_robot_argument(parser: argparse.ArgumentParser) -> None:
-    """Adds --robot."""
+    """Adds --robot and what belongs to it."""
     parser.add_argument(
         "--robot",
         required=True,
         help="name of a shipped robot (see `plannercheck robots`), or a robot YAML or URDF file",
     )
+    add_urdf_arguments(parser)
 
 
 def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: empty") -> None:
@@ -53,28 +56,45 @@ def add_checker_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def load_checker(options: argparse.Namespace) -> AnyChecker:
-    """The checker of --robot in --scene, in space or, if the robot's file says so, in the plane."""
+def load_checker(options: argparse.Namespace, own_joints: bool = False) -> AnyChecker:
+    """The checker of --robot in --scene, in space or, if the robot's file says so, in the plane.
+
+    Args:
+        options: Of the command.
+        own_joints: A robot without a group gets one of all joints that move on their own, as planning needs it.
+
+    Returns:
+        The checker.
+    """
     if is_planar(options.robot, "robots"):
         return planar_checker(options)
     if options.scene is not None and is_planar(options.scene, "configs"):
         raise PlannercheckError(f"scene {options.scene!r} is planar, robot {options.robot!r} is not")
-    return space_checker(options)
+    return space_checker(options, own_joints)
 
 
 def planar_checker(options: argparse.Namespace) -> planar.Checker:
     """The checker of a planar --robot in --scene."""
     if options.padding != "0":
         raise PlannercheckError("--padding is for robots in space")
+    if given_options(options):
+        raise PlannercheckError(f"{' and '.join(given_options(options))}: planar robots have no URDF")
     scene = planar.Scene("empty") if options.scene is None else planar.Scene.load(options.scene)
     return planar.Checker(planar.Robot.load(options.robot), scene, self_collision=not options.no_self_collision)
 
 
-def space_checker(options: argparse.Namespace) -> Checker:
-    """The checker of --robot in --scene in space."""
-    robot = Robot.load(options.robot)
-    scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
+def space_checker(options: argparse.Namespace, own_joints: bool = False) -> Checker:
+    """The checker of --robot in --scene in space; arguments as of `load_checker`."""
+    robot = robot_of(options)
+    if own_joints and robot.group is None and robot.nq:
+        robot = robot.with_group(joints_of_their_own(robot.model, robot.mimics), "all joints")
+    scene = scene_of(options)
     return Checker(robot, scene, not options.no_self_collision, padding_of(options, scene))
+
+
+def scene_of(options: argparse.Namespace) -> Scene:
+    """What --scene says, in space."""
+    return Scene("empty") if options.scene is None else Scene.load(options.scene, options.package_dirs or ())
 
 
 def padding_of(options: argparse.Namespace, scene: Scene) -> Padding:
@@ -93,6 +113,14 @@ def vector(text: str, name: str) -> Floats:
         return np.array([float(part) for part in text.replace(",", " ").split()])
     except ValueError:
         raise PlannercheckError(f"{name} must be numbers separated by commas, not {text!r}") from None
+
+
+def joint_vector(text: str, name: str, robot: AnyRobot) -> Floats:
+    """One configuration; of a robot without a group, one number for each joint will do."""
+    values = vector(text, name)
+    maps = robot.joint_values.maps if isinstance(robot, Robot) else ()
+    fits = any(each.width == len(values) for each in maps)
+    return robot.joint_values.configurations(values)[0] if fits and isinstance(robot, Robot) else values
 
 
 def check_folder(path: Path | None) -> None:

@@ -28,9 +28,10 @@ from plannercheck.cli.common import (
     percentage,
     table,
 )
+from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
-from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.urdf import read_geometry
 
 _EPILOG = """\
@@ -75,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
     checker = load_checker(options)
     print(f"{checker!r}, prepared in {time.perf_counter() - began:.2f} s\n")
     if isinstance(checker, Checker):
-        _show_bodies(checker, meshes_of(checker, description_of(options.robot)))
+        _show_bodies(checker, meshes_of(checker, described(options)))
     else:
         _show_polygons(checker)
     _show_sample(checker, options.states, options.seed)
@@ -157,7 +158,7 @@ def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
 
 def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, TriangleMesh]:
     """The meshes of a robot, and of the scene's objects from files, by name of the body."""
-    geometry = read_geometry(checker.robot.model, description.urdf, description.package_dirs)
+    geometry = read_geometry(checker.robot.model, description.file, description.package_dirs)
     found = {each.name: triangles_of_coal(each.geometry) for each in geometry.geometryObjects}
     for item in (*checker.scene.objects, *checker.scene.attached):
         for part, body in zip(item.parts, item.bodies, strict=True):

@@ -111,7 +111,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run_one(options: argparse.Namespace) -> int:
-    checker = load_checker(options)
+    checker = load_checker(options, own_joints=True)
     robot, scene = checker.robot.name, checker.scene
     start = scene.start(robot) if options.start is None else vector(options.start, "--start")
     goal = scene.goal(robot) if options.goal is None else vector(options.goal, "--goal")

@@ -15,6 +15,7 @@ from typing import Any
 
 from plannercheck.cli.checked_paths import show_checks
 from plannercheck.cli.common import percentage, save_json, table
+from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl import LONGEST_MOTION
 from plannercheck.robots.robot import Robot
@@ -39,7 +40,7 @@ _HEADER = (
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
     _check(options)
-    robot = Robot.load(options.robot)
+    robot = robot_of(options)
     results = {path: list(_results(path, robot, options)) for path in options.problems}
     summaries = {path: summary(found) for path, found in results.items()}
     everything = [result for found in results.values() for result in found]

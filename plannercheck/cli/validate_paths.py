@@ -17,15 +17,14 @@ from plannercheck import planar
 from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.checking.verdicts import PairVerdict
-from plannercheck.cli.common import padding_of, planar_checker
+from plannercheck.cli.common import padding_of, planar_checker, scene_of
 from plannercheck.cli.proved_paths import PathProof, check_proof_file, proof_file, write_proof
+from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.robot_files import is_planar
-from plannercheck.robots.robot import Robot
-from plannercheck.scenes.scene import Scene
-from plannercheck.validation.formats.paths import PathFile, read_path
+from plannercheck.validation.formats.paths import PathFile, read_robot_path
 from plannercheck.validation.paths import PathVerdict, validate_path
 
 # A path's verdict, and what came of proving it.
@@ -69,8 +68,7 @@ def _judged(checker: AnyChecker, path: Path, states: NDArray[np.float64], option
 
 
 def _in_space(options: argparse.Namespace) -> list[Judged]:
-    robot = Robot.load(options.robot)
-    scene = Scene("empty") if options.scene is None else Scene.load(options.scene)
+    robot, scene = robot_of(options), scene_of(options)
     checkers: dict[tuple[tuple[str, float], ...], Checker] = {}
     verdicts = []
     for path in options.path:
@@ -86,7 +84,7 @@ def _in_space(options: argparse.Namespace) -> list[Judged]:
 
 def _read(path: Path, robot: AnyRobot, options: argparse.Namespace) -> PathFile:
     """A path, whose motions are straight, or to be taken so."""
-    file = read_path(path, robot.joint_names, robot.nq)
+    file = read_robot_path(path, robot)
     if file.bent_by and not options.straight:
         raise PlannercheckError(
             f"path file {str(path)!r}: its {' and '.join(file.bent_by)} are not zero, so a controller runs splines "

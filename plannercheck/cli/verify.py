@@ -12,6 +12,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from plannercheck.cli.robot_options import add_urdf_arguments, described, given_options
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
 from plannercheck.proofs.verify import model_confirmed
@@ -32,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robot", help="confirm that the proof's joints and bodies are this one's: a shipped robot, a YAML or a URDF"
     )
+    add_urdf_arguments(parser)
     parser.add_argument("--scene", help="with --robot: confirm the obstacles, too; default: the empty scene")
     parser.add_argument("--format", choices=("table", "json"), default="table", help="of what is printed")
 
@@ -49,10 +51,15 @@ def run(options: argparse.Namespace) -> int:
     return 0 if all(result["proved"] for result in results) else 1
 
 
+def _robot(options: argparse.Namespace) -> Any:
+    """The robot's name or file, or with options its description."""
+    return described(options) if given_options(options) else options.robot
+
+
 def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
     proofs = load_proofs(path)
     found = [proof.verify() for proof in proofs]
-    model = None if options.robot is None else model_confirmed(proofs[0], options.robot, options.scene)
+    model = None if options.robot is None else model_confirmed(proofs[0], _robot(options), options.scene)
     return {
         "proof": str(path),
         "proved": all(found) and (model is None or bool(model)),

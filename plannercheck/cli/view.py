@@ -19,14 +19,15 @@ from plannercheck.cli.common import (
     add_robot_argument,
     add_scene_argument,
     check_folder,
+    joint_vector,
     load_checker,
-    vector,
 )
+from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.start_and_goal import checked_end
 from plannercheck.planar.robot_files import is_planar
-from plannercheck.validation.formats.chunks import read_chunks
-from plannercheck.validation.formats.paths import read_path
+from plannercheck.validation.formats.chunks import read_states
+from plannercheck.validation.formats.paths import read_robot_path
 from plannercheck.view.frames import DEFAULT_FRAMES, along_path
 from plannercheck.view.joints import joints_of
 from plannercheck.view.page import write_page
@@ -87,7 +88,8 @@ def run(options: argparse.Namespace) -> int:
     _check(options)
     checker = load_checker(options)
     rows, labels = _frames(options, checker)
-    meshes, visuals = (delivered_meshes(options.robot), visual_meshes(options.robot)) if options.meshes else (None, ())
+    robot = described(options) if options.meshes else None
+    meshes, visuals = (None, ()) if robot is None else (delivered_meshes(robot), visual_meshes(robot))
     is_path = options.path is not None
     drawn = picture(
         checker, rows, labels=labels, animated=is_path, planes=options.planes, meshes=meshes, visuals=visuals
@@ -123,7 +125,7 @@ def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
     """The configurations to show, and what they are called."""
     robot = checker.robot
     if options.path is not None:
-        path = read_path(options.path, robot.joint_names, robot.nq)
+        path = read_robot_path(options.path, robot)
         if path.bent_by:
             warnings.warn(
                 f"straight motions between the points are shown, not the splines that the {' and '.join(path.bent_by)} "
@@ -140,7 +142,7 @@ def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
 
 def _given(text: str, checker: AnyChecker) -> Floats:
     """One configuration (1, nq) from the command line."""
-    q = checked_end(checker, vector(text, "--q"), "--q")
+    q = checked_end(checker, joint_vector(text, "--q", checker.robot), "--q")
     hint = degrees_hint(checker.robot, q)
     if hint:
         warnings.warn(f"--q is beyond the limits; {hint}", RuntimeWarning, stacklevel=2)
@@ -151,7 +153,7 @@ def _of_set(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
     """The first configurations of a file, or the first that collide."""
     found: list[Floats] = []
     labels: list[str] = []
-    for chunk in read_chunks(options.file, checker.robot.joint_names, checker.robot.nq):
+    for chunk in read_states(options.file, checker.robot):
         wanted = ~checker.check_states(chunk.rows) if options.only_invalid else np.ones(len(chunk.rows), dtype=bool)
         rows = np.flatnonzero(wanted)[: options.first - len(labels)]
         found.append(chunk.rows[rows])

@@ -51,11 +51,11 @@ _LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 @contextmanager
 def within(place: str) -> Iterator[None]:
-    """Puts a place, e.g. "object 'can'", before the message of a PlannercheckError."""
+    """Puts a place, e.g. "object 'can'", before the message of a PlannercheckError, which keeps its type."""
     try:
         yield
     except PlannercheckError as error:
-        raise PlannercheckError(f"{place}: {error}") from error.__cause__
+        raise type(error)(f"{place}: {error}") from error.__cause__
 
 
 def read_bytes(path: Path) -> bytes:

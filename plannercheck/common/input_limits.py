@@ -108,6 +108,11 @@ def check_xml(path: Path, what: str) -> None:
         content = path.read_bytes()
     except OSError as error:
         raise PlannercheckError(f"{what} {path} can't be read: {error.strerror or error}") from None
+    check_xml_text(content, f"{what} {path}")
+
+
+def check_xml_text(content: bytes, what: str) -> None:
+    """The same of what has been read already; `what` also names the file."""
     if content.count(b"<") <= INPUT_LIMITS.depth:
         return
     depth, deepest = 0, 0
@@ -126,6 +131,6 @@ def check_xml(path: Path, what: str) -> None:
     try:
         parser.Parse(content, True)
     except xml.parsers.expat.ExpatError as error:
-        raise PlannercheckError(f"{what} {path} is not well-formed XML: {error}") from None
+        raise PlannercheckError(f"{what} is not well-formed XML: {error}") from None
     if deepest > INPUT_LIMITS.depth:
-        raise PlannercheckError(f"{what} {path} is nested deeper than {INPUT_LIMITS.depth} levels (INPUT_LIMITS.depth)")
+        raise PlannercheckError(f"{what} is nested deeper than {INPUT_LIMITS.depth} levels (INPUT_LIMITS.depth)")

@@ -18,7 +18,7 @@ from plannercheck.motions.proof_model import space_model
 from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
-from plannercheck.robots.description import description_of
+from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
@@ -37,12 +37,12 @@ _KINDS = {
 _AGREEMENT = 1e-12
 
 
-def confirm_model(model: Model, robot: str, scene: str | None) -> None:
+def confirm_model(model: Model, robot: str | RobotDescription, scene: str | None) -> None:
     """Compares a model with files.
 
     Args:
         model: Of a proof in space, well-formed.
-        robot: Name of a shipped robot, or a robot YAML or URDF file.
+        robot: Name of a shipped robot, or a robot YAML or URDF file, or a description.
         scene: Name of a shipped scene, or a scene file; None for the empty one.
 
     Raises:
@@ -52,8 +52,10 @@ def confirm_model(model: Model, robot: str, scene: str | None) -> None:
     description = description_of(robot)
     whole = description.joints is None and description.group is None
     _TreeComparison(model, read_tree(description.urdf), description.floating, whole).run()
-    loaded = Robot.load(robot)
-    known = space_model(Checker(loaded, Scene("empty") if scene is None else Scene.load(scene)))
+    loaded = Robot.from_description(description)
+    known = space_model(
+        Checker(loaded, Scene("empty") if scene is None else Scene.load(scene, description.package_dirs))
+    )
     _compare_columns(model, known)
     _compare_bodies(model, known)
 

@@ -118,7 +118,7 @@ def _column_levers(robot: Robot, levers: Floats) -> Floats:
     step, base = 0.5, np.zeros(robot.nq)
     full = np.atleast_2d(robot.expand(base + step * np.eye(robot.nq)))
     moved = np.array([pin.difference(robot.model, robot.expand(base), row) for row in full])
-    return np.abs(moved / step).reshape(robot.nq, -1) @ levers
+    return np.abs(moved / step).reshape(robot.nq, len(levers)) @ levers
 
 
 def checked_resolution(resolution: float | None, default: float) -> float:
@@ -185,7 +185,9 @@ def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) 
             + float(np.linalg.norm(model.jointPlacements[joint].translation))
         )
         reach[parent] = max(reach[parent], carried)
-    return np.concatenate([_joint_levers(model, joint, reach[joint]) for joint in range(1, model.njoints)])
+    return np.concatenate(
+        [np.zeros(0), *(_joint_levers(model, joint, reach[joint]) for joint in range(1, model.njoints))]
+    )
 
 
 # The lengths at the front of a joint's numbers where it turns as well. On its way, a screw of at most half a turn, its

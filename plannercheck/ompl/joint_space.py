@@ -132,6 +132,8 @@ def bounded_space(lower: Floats, upper: Floats) -> Any:
 
 def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats, list[int]]:
     """(nq,) which columns whole turns do not change, bounds, and which columns have bounds of our own."""
+    if not robot.nq:
+        raise PlannercheckError(f"robot {robot.name!r} has no joint that moves: there is nothing to plan")
     model = robot.model
     joints = [model.joints[model.getJointId(name)] for name in robot.joint_names]
     angles = [robot.group is not None and is_continuous(joint) for joint in joints]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.proofs.data import Entry, Model, ProofData, Verification
@@ -71,12 +72,12 @@ def _plane(proof: ProofData) -> Callable[[int, Entry], None]:
     return PlanarEntryChecker(proof).check
 
 
-def model_confirmed(proof: ProofData, robot: str, scene: str | None) -> Verification:
+def model_confirmed(proof: ProofData, robot: Any, scene: str | None) -> Verification:
     """Whether a proof's model is that of files; no entry is looked at.
 
     Args:
         proof: In space or in the plane.
-        robot: A shipped robot's name, a YAML or a URDF file.
+        robot: A shipped robot's name, a YAML or a URDF file, or its description.
         scene: A shipped scene's name or a file; None for the empty one.
 
     Returns:
@@ -96,7 +97,7 @@ def model_confirmed(proof: ProofData, robot: str, scene: str | None) -> Verifica
     return Verification(fault is None, fault, 0, time.perf_counter() - began)
 
 
-def _confirm_in_space(proof: ProofData, robot: str, scene: str | None) -> None:
+def _confirm_in_space(proof: ProofData, robot: Any, scene: str | None) -> None:
     from plannercheck.motions.proof_confirmation import confirm_model  # needs all of the package
     from plannercheck.proofs.well_formed import check_well_formed
 
@@ -105,7 +106,7 @@ def _confirm_in_space(proof: ProofData, robot: str, scene: str | None) -> None:
     confirm_model(proof.model, robot, scene)
 
 
-def _confirm_in_the_plane(proof: ProofData, robot: str, scene: str | None) -> None:
+def _confirm_in_the_plane(proof: ProofData, robot: Any, scene: str | None) -> None:
     from plannercheck.planar.proof_confirmation import confirm_model  # needs all of the package
     from plannercheck.proofs.planar_well_formed import check_well_formed
 

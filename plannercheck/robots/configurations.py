@@ -48,6 +48,7 @@ class ConfigurationMap(OwnsArrays):
         offsets: (full nq,) added to it; the held value itself where there is no column.
         roles: (full nq,) PLAIN for the value itself, COSINE or SINE of it.
         lengths: Of the columns that form unit vectors: quaternions, cosine and sine.
+        starts: First column of each joint.
     """
 
     joint_names: tuple[str, ...]
@@ -58,6 +59,7 @@ class ConfigurationMap(OwnsArrays):
     offsets: Floats
     roles: Ints
     lengths: UnitLengths
+    starts: tuple[int, ...]
 
     @property
     def units(self) -> tuple[tuple[int, int], ...]:
@@ -68,6 +70,24 @@ class ConfigurationMap(OwnsArrays):
     def width(self) -> int:
         """Numbers in a configuration of the group."""
         return len(self.lower)
+
+    def described_columns(self) -> str:
+        """Words for which joint takes which columns."""
+        if not self.joint_names:
+            return "no joint moves: a configuration is an empty array"
+        if len(self.joint_names) == self.width:
+            return f"the joints are {', '.join(self.joint_names)}"
+        ends = (*self.starts[1:], self.width)
+        parts = (self._described(*each) for each in zip(self.joint_names, self.starts, ends, strict=True))
+        return f"the columns are {', '.join(parts)}"
+
+    def _described(self, name: str, start: int, end: int) -> str:
+        if end - start == 1:
+            return f"{start} {name}"
+        unit = next(((first, last) for first, last in self.units if start <= first < end), (end, end))
+        turned = {2: "cosine and sine", 4: "quaternion x, y, z, w"}.get(unit[1] - unit[0], "")
+        kinds = [f"{' '.join('xyz'[: unit[0] - start])}" if unit[0] > start else "", turned]
+        return f"{start} to {end - 1} {name} ({', '.join(filter(None, kinds))})"
 
     def expand(self, q: Floats) -> Floats:
         """Group configurations (n, nq) to Pinocchio's (n, full nq)."""
@@ -94,7 +114,7 @@ class ConfigurationMap(OwnsArrays):
         if array.ndim not in (1, 2) or array.shape[-1] != self.width:
             raise PlannercheckError(
                 f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "
-                f"the joints are {', '.join(self.joint_names)}"
+                f"{self.described_columns()}"
             )
         rows = np.atleast_2d(array)  # not reshaped: a robot without joints has configurations of no numbers
         _check_finite(rows)
@@ -152,7 +172,8 @@ def whole_robot(model: pin.Model) -> ConfigurationMap:
     roles = np.zeros(full, dtype=np.int32)
     columns = np.arange(full, dtype=np.int32)
     lengths = unit_lengths(model, columns.tolist(), zeros, [False] * full)
-    return ConfigurationMap(tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, lengths)
+    starts = tuple(model.idx_qs)[1:]
+    return ConfigurationMap(tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, lengths, starts)
 
 
 def planning_group(
@@ -188,7 +209,8 @@ def planning_group(
             offsets[entries] = values[name]
     lower, upper = (np.array([pair[side] for pair in limits]) for side in (0, 1))
     lengths = unit_lengths(model, columns.tolist(), offsets, (roles != PLAIN).tolist())
-    return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, lengths)
+    firsts = tuple(starts.values())
+    return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, lengths, firsts)
 
 
 def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> tuple[str, float, float]:

@@ -6,6 +6,7 @@ In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, w
     urdf: panda.urdf           # from this file's folder, or else from example-robot-data's share folder
     srdf: panda.srdf           # optional, same; then self pairs are those that Pinocchio keeps with it
     package_dirs: [meshes]     # optional, where package:// starts, besides that share folder
+    xacro_args: {side: left}   # optional, for a URDF that is a .xacro
     floating: false            # optional, whether the root link is free
     group: arm                 # an SRDF group, or {name: arm, joints: [joint1, ...]}; default: all joints
     reference: {joint1: 0.5}   # optional, values of joints in rad or m; those of others are neutral
@@ -25,6 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -42,13 +44,18 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
-from plannercheck.robots.xacro import xacro_hint
+from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
+from plannercheck.robots.urdf_file import UrdfFile
+
+# What a URDF's name ends with.
+URDF_SUFFIXES = (".urdf", ".xml", ".xacro")
 
 _KEYS = (
     "name",
     "urdf",
     "srdf",
     "package_dirs",
+    "xacro_args",
     "floating",
     "group",
     "reference",
@@ -56,21 +63,6 @@ _KEYS = (
     "convex_decomposition",
     "disabled_pairs",
 )
-
-
-@dataclass(frozen=True)
-class DisabledPair:
-    """Two links that are not tested against each other.
-
-    Attributes:
-        link_a: One link.
-        link_b: The other.
-        reason: Why, e.g. "adjacent".
-    """
-
-    link_a: str
-    link_b: str
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -88,6 +80,7 @@ class RobotDescription:
         values: Joint values of the reference state and of held joints, by name, rad or m.
         disabled_pairs: Self pairs of links that are left out.
         decomposition: Which links to make of convex pieces, if any.
+        xacro_args: Values of the arguments of a URDF that is a xacro, by name.
     """
 
     name: str
@@ -100,6 +93,17 @@ class RobotDescription:
     values: Mapping[str, Any] = field(default_factory=dict)
     disabled_pairs: tuple[DisabledPair, ...] = ()
     decomposition: Decomposition | None = None
+    xacro_args: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def file(self) -> UrdfFile:
+        """The URDF, read once."""
+        return UrdfFile.read(self.urdf, self.xacro_args, self.package_dirs)
+
+    @cached_property
+    def semantics(self) -> Srdf | None:
+        """The SRDF, parsed once; None if there is none."""
+        return None if self.srdf is None else Srdf(self.srdf, read_srdf(self.srdf))
 
 
 def shipped_robots() -> list[str]:
@@ -110,12 +114,10 @@ def shipped_robots() -> list[str]:
 def find_description(name_or_path: str | Path) -> Path:
     """The YAML file of a shipped robot's name, or the path itself."""
     path = Path(name_or_path)
-    if path.suffix in (".yaml", ".yml", ".urdf"):
+    if path.suffix in (".yaml", ".yml", *URDF_SUFFIXES):
         if not is_file(path):
             raise PlannercheckError(f"robot file {path} does not exist")
         return path
-    if path.suffix == ".xacro":
-        raise PlannercheckError(f"robot file {path}: {xacro_hint(path) or 'does not exist'}")
     shipped = shipped_folder("robots") / f"{name_or_path}.yaml"
     if not is_file(shipped) and (path.suffix or (is_file(path) or is_folder(path))):
         raise PlannercheckError(f"robot {str(name_or_path)!r} must be a shipped robot's name, a YAML or a URDF file")
@@ -124,10 +126,12 @@ def find_description(name_or_path: str | Path) -> Path:
     return shipped
 
 
-def description_of(name_or_path: str | Path) -> RobotDescription:
-    """What the YAML of a robot says, or of a URDF alone, that there is none."""
+def description_of(name_or_path: str | Path | RobotDescription) -> RobotDescription:
+    """What the YAML of a robot says, or of a URDF alone, that there is none; a description is what it is."""
+    if isinstance(name_or_path, RobotDescription):
+        return name_or_path
     path = find_description(name_or_path)
-    if path.suffix == ".urdf":
+    if path.suffix in URDF_SUFFIXES:
         return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
     with within(f"robot file {path}"):
         return read_description(path)
@@ -159,6 +163,7 @@ def read_description(path: Path) -> RobotDescription:
         values={**mapping(content.get("reference"), "reference"), **mapping(content.get("held"), "held")},
         disabled_pairs=_disabled_pairs(content.get("disabled_pairs")),
         decomposition=_decomposition(content.get("convex_decomposition")),
+        xacro_args={key: str(value) for key, value in mapping(content.get("xacro_args"), "xacro_args").items()},
     )
 
 

@@ -16,9 +16,10 @@ from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.configurations import followed, joint_by_name, joint_width
 from plannercheck.robots.srdf import group_joints, virtual_joints
 from plannercheck.robots.urdf import LinkTree, Mimic, mimic_joints
+from plannercheck.robots.urdf_file import UrdfFile
 
 
-def usable_mimics(model: pin.Model, urdf: Path) -> dict[str, Mimic]:
+def usable_mimics(model: pin.Model, urdf: Path | UrdfFile) -> dict[str, Mimic]:
     """Mimic joints of the URDF whose leader moves; both must be joints of one value."""
     names = set(model.names)
     mimics = {name: mimic for name, mimic in mimic_joints(urdf).items() if name in names and mimic.leader in names}

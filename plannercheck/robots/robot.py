@@ -2,15 +2,13 @@
 
 In: a URDF with its meshes, optionally an SRDF, or a description from robots/. Out: `Robot`, immutable, which
 knows its group's joints and limits, poses its links, and says which of its bodies are tested against each
-other. Pinocchio reads and models; the compiled kernel poses batches and is held against Pinocchio once, when
-the robot is loaded.
+other. `loading` reads the files, `forward_kinematics` poses the links.
 """
 
 from __future__ import annotations
 
 import contextlib
 import copy
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -18,12 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
+from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.objects import SceneObject
-from plannercheck.bodies.shapes import Body
 from plannercheck.common.arrays import read_only
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.errors import unknown_name
@@ -31,25 +27,17 @@ from plannercheck.common.public_names import set_module
 from plannercheck.robots.anchored_objects import placed
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed, planning_group, whole_robot
-from plannercheck.robots.decomposed_links import decomposed
-from plannercheck.robots.description import DisabledPair, RobotDescription, description_of, find_description
+from plannercheck.robots.description import URDF_SUFFIXES, RobotDescription, description_of, find_description
+from plannercheck.robots.forward_kinematics import ForwardKinematics
+from plannercheck.robots.joint_values import JointValues
 from plannercheck.robots.kinematic_error import KinematicRounding
-from plannercheck.robots.kinematics import (
-    AGREEMENT,
-    JointTable,
-    compiled_kinematics,
-    disagreement,
-    joint_table,
-    pinocchio_poses,
-)
-from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
-from plannercheck.robots.reference_configuration import all_values, checked_values, given_values, reference_of
-from plannercheck.robots.self_pairs import self_pairs
-from plannercheck.robots.srdf import group_state, read_srdf, warn_of_unheeded
-from plannercheck.robots.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
+from plannercheck.robots.kinematics import JointTable
+from plannercheck.robots.loading import Reference, RobotParts, robot_parts, urdf_description
+from plannercheck.robots.planning_groups import explicit_group
+from plannercheck.robots.reference_configuration import all_values, checked_values, reference_of
+from plannercheck.robots.urdf import LinkTree, Mimic
 
 Floats = NDArray[np.float64]
-Reference = Mapping[str, Any] | Sequence[float] | Floats | str | None
 
 _SAMPLES = 32  # configurations of `sampled_link_poses`: four of the blocks of eight that are judged at a time
 
@@ -74,40 +62,18 @@ class Robot:
         disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
         reference: (nq,) the group's reference configuration, rad and m.
         model: Pinocchio's model.
-        kinematics: The compiled kinematics; None if Pinocchio itself has to pose.
     """
 
-    def __init__(
-        self,
-        *,
-        name: str,
-        model: pin.Model,
-        tree: LinkTree,
-        bodies: tuple[Body, ...],
-        pairs: NDArray[np.int64],
-        disabled_pairs: tuple[DisabledPair, ...],
-        mimics: Mapping[str, Mimic],
-        values: Mapping[str, Floats],
-        group: str | None,
-        joints: tuple[str, ...] | None,
-        carried: tuple[SceneObject, ...] = (),
-        pieces: Mapping[str, Pieces] | None = None,
-    ) -> None:
-        self.name = name
-        self.model = model
-        self._tree = tree
-        self._own_bodies, self._own_pairs = bodies, read_only(pairs)
-        self.pieces = dict(pieces or {})
-        self._carry(carried)
-        self.disabled_pairs = disabled_pairs
-        self.group = group
-        self._mimics = mimics
-        self._values = values
-        self._joints = joints
-        everywhere = all_values(model, values, mimics)
-        self._map = whole_robot(model) if joints is None else planning_group(model, joints, everywhere, mimics)
-        self.reference = read_only(reference_of(model, joints, everywhere))
-        self.kinematics = self._checked_kinematics()
+    def __init__(self, parts: RobotParts) -> None:
+        model, group = parts.model, parts.joints
+        values = all_values(model, parts.values, parts.mimics)
+        self._parts = parts
+        self.name, self.model, self.group = parts.name, model, parts.group
+        self.disabled_pairs, self.pieces = parts.disabled_pairs, parts.pieces
+        self._map = whole_robot(model) if group is None else planning_group(model, group, values, parts.mimics)
+        self.reference = read_only(reference_of(model, group, values))
+        self._forward = ForwardKinematics(model, self._map, parts.tree.frames, parts.name)
+        self._carry(parts.carried)
 
     @classmethod
     def load(cls, name_or_path: str | Path, decomposition: Decomposition | None = None) -> Robot:
@@ -124,7 +90,7 @@ class Robot:
         description = description_of(path)
         if decomposition is not None:
             description = replace(description, decomposition=decomposition)
-        with contextlib.nullcontext() if path.suffix == ".urdf" else within(f"robot file {path}"):
+        with contextlib.nullcontext() if path.suffix in URDF_SUFFIXES else within(f"robot file {path}"):
             return cls.from_description(description)
 
     @classmethod
@@ -138,11 +104,12 @@ class Robot:
         *,
         floating: bool = False,
         decomposition: Decomposition | None = None,
+        xacro_args: Mapping[str, str] | None = None,
     ) -> Robot:
         """Builds a robot from a URDF.
 
         Args:
-            urdf: Path of the URDF.
+            urdf: Path of the URDF, or of a .xacro that is expanded.
             srdf: Path of an SRDF, for self pairs, groups and states.
             package_dirs: Folders in which the URDF's package:// paths start.
             group: An SRDF group or joint names in order; None for Pinocchio's own q.
@@ -151,58 +118,18 @@ class Robot:
                 its limits, the nearest to Pinocchio's neutral configuration. rad and m.
             floating: Whether the root link is free to move.
             decomposition: Makes concave links of convex pieces, with CoACD; None takes their hulls.
+            xacro_args: Values of the arguments of a URDF that is a .xacro, by name.
 
         Returns:
             The robot.
         """
-        name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
-        description = RobotDescription(
-            name="",
-            urdf=Path(urdf),
-            srdf=None if srdf is None else Path(srdf),
-            package_dirs=tuple(Path(folder) for folder in _listed(package_dirs)),
-            floating=floating,
-            group=name,
-            joints=joints,
-            decomposition=decomposition,
-        )
+        description = urdf_description(urdf, srdf, package_dirs, group, floating, decomposition, xacro_args)
         return cls.from_description(description, reference)
 
     @classmethod
     def from_description(cls, description: RobotDescription, reference: Reference = None) -> Robot:
         """Builds a robot from what its YAML says; `reference` as for `from_urdf`, if it does not say one."""
-        model = read_model(description.urdf, description.floating)
-        geometry = read_geometry(model, description.urdf, description.package_dirs)
-        tree = link_tree(model)
-        bodies = bodies_of(model, geometry)
-        mimics = usable_mimics(model, description.urdf)
-        semantics = read_srdf(description.srdf) if description.srdf else None
-        if semantics is not None and description.srdf is not None:
-            warn_of_unheeded(semantics, description.srdf, tree)
-        if isinstance(reference, str):
-            reference = group_state(semantics, reference, model.names)
-        joints = None
-        if description.joints is not None:
-            joints = explicit_group(model, description.joints, mimics)
-        elif description.group is not None:
-            joints = srdf_group(model, semantics, description.group, tree, mimics)
-        pairs = self_pairs(geometry, bodies, description.srdf, tree, description.disabled_pairs)
-        pieces: Mapping[str, Pieces] = {}
-        if description.decomposition is not None:
-            bodies, pairs, pieces = decomposed(bodies, pairs, geometry, description.decomposition)
-        return cls(
-            name=description.name or model.name,
-            model=model,
-            tree=tree,
-            bodies=bodies,
-            pairs=pairs,
-            pieces=pieces,
-            disabled_pairs=description.disabled_pairs,
-            mimics=mimics,
-            values=given_values(model, description.values or reference),
-            group=description.group,
-            joints=joints,
-        )
+        return cls(robot_parts(description, reference))
 
     @property
     def nq(self) -> int:
@@ -217,7 +144,7 @@ class Robot:
     @property
     def link_names(self) -> tuple[str, ...]:
         """The URDF's links in the order of Pinocchio's body frames."""
-        return self._tree.names
+        return self._parts.tree.names
 
     @property
     def lower(self) -> Floats:
@@ -245,7 +172,7 @@ class Robot:
         Returns:
             (n, nq), rad and m. Continuous joints are in [-pi, pi), unlimited positions within 1 m of zero.
         """
-        return self._map.random(n, seed)
+        return self.joint_values.random(n, seed)
 
     def check_configurations(self, q: ArrayLike) -> Floats:
         """Validates configurations: numbers, width, finite, unit quaternions. Limits are not looked at.
@@ -257,6 +184,11 @@ class Robot:
             (n, nq) float64 in C order, n = 1 for a single one.
         """
         return self._map.checked(q)
+
+    @cached_property
+    def joint_values(self) -> JointValues:
+        """Configurations of a robot without a group by one number a joint."""
+        return JointValues(self._map, self.model, self.mimics, self.group is None)
 
     def expand(self, q: ArrayLike) -> Floats:
         """Fills in the held joints.
@@ -281,15 +213,12 @@ class Robot:
             configuration alone or in a batch, on every instruction set.
         """
         rows = self._map.checked(q)
-        if self.kinematics is None:
-            poses = pinocchio_poses(self.model, self._map, self._tree.frames, rows)
-        else:
-            poses = self.kinematics.link_poses(rows, np.ones(len(self.link_names), dtype=np.uint8))
+        poses = self._forward.poses(rows)
         return poses[0] if np.ndim(q) == 1 else poses
 
     def pinocchio_link_poses(self, q: ArrayLike) -> Floats:
         """World poses of all links by Pinocchio itself; arguments and result as of link_poses."""
-        poses = pinocchio_poses(self.model, self._map, self._tree.frames, self._map.checked(q))
+        poses = self._forward.pinocchio_poses(self._map.checked(q))
         return poses[0] if np.ndim(q) == 1 else poses
 
     @cached_property
@@ -315,10 +244,15 @@ class Robot:
         """The same bound for all configurations from `lower` to `upper`, (nq,) each; m."""
         return float("inf") if self._rounding is None else self._rounding.bound(lower, upper)
 
-    @cached_property
+    @property
+    def kinematics(self) -> Any | None:
+        """The compiled kinematics; None if Pinocchio itself has to pose."""
+        return self._forward.kernel
+
+    @property
     def joint_table(self) -> JointTable | None:
         """The compiled kinematics' table; None if it does not know some joint."""
-        return joint_table(self.model, self._map, self._tree.frames)
+        return self._forward.table
 
     @property
     def configuration_map(self) -> ConfigurationMap:
@@ -328,25 +262,21 @@ class Robot:
     @property
     def link_tree(self) -> LinkTree:
         """How the links hang together."""
-        return self._tree
+        return self._parts.tree
 
     @property
     def mimics(self) -> Mapping[str, Mimic]:
         """The joints that follow others, by name."""
-        return self._mimics
+        return self._parts.mimics
 
     @property
     def frames(self) -> Sequence[int]:
         """Pinocchio's frames of the links, in the order of link_names."""
-        return self._tree.frames
+        return self._parts.tree.frames
 
     @cached_property
     def _rounding(self) -> KinematicRounding | None:
-        table = self.joint_table
-        if table is None or self.kinematics is None:
-            return None
-        moving = [body for body in self.bodies if body.link is not None]
-        return KinematicRounding(table, moving, [self.link_index(str(body.link)) for body in moving])
+        return self._forward.rounding(self.bodies, self._link_indices)
 
     def holding(self, values: Mapping[str, float | Sequence[float]]) -> Robot:
         """The same robot with joints held elsewhere (or, for joints of the group, another reference).
@@ -360,7 +290,9 @@ class Robot:
         """
         given = checked_values(self.model, values)
         kept = {
-            name: value for name, value in self._values.items() if followed(name, self._mimics, given)[0] not in given
+            name: value
+            for name, value in self._parts.values.items()
+            if followed(name, self._parts.mimics, given)[0] not in given
         }
         return self._changed(values={**kept, **given})
 
@@ -374,7 +306,7 @@ class Robot:
         Returns:
             A new robot with the same bodies.
         """
-        return self._changed(group=name, joints=explicit_group(self.model, joints, self._mimics))
+        return self._changed(group=name, joints=explicit_group(self.model, joints, self._parts.mimics))
 
     def carrying(self, objects: Iterable[SceneObject]) -> Robot:
         """The same robot, whose links carry other objects than now.
@@ -388,66 +320,28 @@ class Robot:
         other = copy.copy(self)
         for name in ("kinematic_error", "_rounding"):  # they depend on the bodies
             other.__dict__.pop(name, None)
-        other._carry(placed(self, objects))
+        other._parts = replace(self._parts, carried=placed(self, objects))
+        other._carry(other._parts.carried)
         return other
 
     def _carry(self, objects: tuple[SceneObject, ...]) -> None:
-        check_objects(objects, self.link_names, self._own_bodies)
+        own, pairs = self._parts.bodies, self._parts.pairs
+        check_objects(objects, self.link_names, own)
         self.carried = objects
-        self.bodies = (*self._own_bodies, *(body for item in objects for body in item.bodies))
-        more = carried_pairs(objects, self._own_bodies)
-        self.self_pairs = read_only(np.concatenate([self._own_pairs, np.array(more, dtype=np.int64).reshape(-1, 2)]))
+        self.bodies = (*own, *(body for item in objects for body in item.bodies))
+        more = np.array(carried_pairs(objects, own), dtype=np.int64).reshape(-1, 2)
+        self.self_pairs = read_only(np.concatenate([pairs, more]))
 
     def __repr__(self) -> str:
         group = f"group {self.group!r}, " if self.group else ""
         return f"Robot({self.name!r}, {group}nq={self.nq}, {len(self.bodies)} bodies)"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _build, (self._arguments(),)
-
-    def _arguments(self) -> dict[str, Any]:
-        return {
-            "name": self.name,
-            "model": self.model,
-            "tree": self._tree,
-            "bodies": self._own_bodies,
-            "pairs": self._own_pairs,
-            "carried": self.carried,
-            "pieces": self.pieces,
-            "disabled_pairs": self.disabled_pairs,
-            "mimics": self._mimics,
-            "values": self._values,
-            "group": self.group,
-            "joints": self._joints,
-        }
+        return Robot, (self._parts,)
 
     def _changed(self, **changes: Any) -> Robot:
-        return Robot(**{**self._arguments(), **changes})
+        return Robot(replace(self._parts, **changes))
 
     @cached_property
     def _link_indices(self) -> dict[str, int]:
         return {name: index for index, name in enumerate(self.link_names)}
-
-    def _checked_kinematics(self) -> Any | None:
-        """The compiled kinematics if Pinocchio agrees with it."""
-        kinematics = compiled_kinematics(self.model, self._map, self._tree.frames)
-        if kinematics is None:
-            return None
-        difference = disagreement(kinematics, self.model, self._map, self._tree.frames)
-        if difference <= AGREEMENT:
-            return kinematics
-        warnings.warn(
-            f"robot {self.name!r}: the compiled kinematics differs from Pinocchio by {difference:.3g}; "
-            "posing with Pinocchio instead, which is slower",
-            RuntimeWarning,
-            stacklevel=4,
-        )
-        return None
-
-
-def _listed(folders: str | Path | Sequence[str | Path]) -> Sequence[str | Path]:
-    return [folders] if isinstance(folders, str | Path) else folders
-
-
-def _build(arguments: dict[str, Any]) -> Robot:
-    return Robot(**arguments)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -18,15 +17,14 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import Body
 from plannercheck.common.errors import unknown_name
-from plannercheck.robots.description import DisabledPair
-from plannercheck.robots.srdf import disabled_collisions, disabled_link_names, read_srdf
+from plannercheck.robots.srdf import DisabledPair, Srdf, disabled_collisions, disabled_link_names
 from plannercheck.robots.urdf import LinkTree
 
 
 def self_pairs(
     geometry: pin.GeometryModel,
     bodies: tuple[Body, ...],
-    srdf: Path | None,
+    srdf: Srdf | None,
     tree: LinkTree,
     disabled: Iterable[DisabledPair],
 ) -> NDArray[np.int64]:
@@ -41,14 +39,14 @@ def self_pairs(
     first, second = first[apart], second[apart]
     kept = np.ones(len(first), dtype=bool)
     if srdf is not None:
-        named = (frozenset((pair.link_a, pair.link_b)) for pair in disabled_collisions(read_srdf(srdf)))
+        named = (frozenset((pair.link_a, pair.link_b)) for pair in disabled_collisions(srdf.root))
         kept &= ~_of_links(first, second, bodies, named)
         if kept.all():
             warnings.warn(
-                f"SRDF {srdf} disables no pair of links{_of_another(srdf, tree)}: adjacent ones, which usually touch, "
-                "are tested as well",
+                f"SRDF {srdf.path} disables no pair of links{_of_another(srdf, tree)}: adjacent ones, which usually "
+                "touch, are tested as well",
                 RuntimeWarning,
-                stacklevel=5,
+                stacklevel=6,
             )
     left_out = _disabled_links(disabled, tree)
     if srdf is None:
@@ -73,9 +71,9 @@ def _of_links(
     return np.asarray(np.isin(low * len(number) + high, codes))
 
 
-def _of_another(srdf: Path, tree: LinkTree) -> str:
+def _of_another(srdf: Srdf, tree: LinkTree) -> str:
     """Words if an SRDF speaks of other links than the robot has."""
-    unknown = [name for name in disabled_link_names(read_srdf(srdf)) if name not in tree.names]
+    unknown = [name for name in disabled_link_names(srdf.root) if name not in tree.names]
     return f" of this robot, but of {', '.join(unknown[:3])}, which it has not" if unknown else ""
 
 

@@ -1,7 +1,7 @@
-"""Reads what an SRDF says: planning groups and named states.
+"""Reads what an SRDF says: planning groups, named states, and pairs of links that are not tested.
 
-In: an SRDF and the tree of links. Out: for each group the joints that move it, in document order, and group
-states. Which pairs are tested is left to Pinocchio; what it passes over without a word is said here.
+In: an SRDF and the tree of links. Out: for each group the joints that move it, in document order, group states, and
+disabled pairs. A file is parsed once (`Srdf`); what Pinocchio passes over without a word is said here.
 """
 
 from __future__ import annotations
@@ -10,17 +10,48 @@ import difflib
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Container
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
 from plannercheck.common.package_data import is_file
-from plannercheck.robots.description import DisabledPair
-from plannercheck.robots.urdf import LinkTree
+
+if TYPE_CHECKING:
+    from plannercheck.robots.urdf import LinkTree
 
 # Elements of newer SRDFs that change which pairs are tested and that Pinocchio passes over.
 _UNREAD = ("disable_default_collisions", "enable_collisions")
+
+
+@dataclass(frozen=True)
+class DisabledPair:
+    """Two links that are not tested against each other.
+
+    Attributes:
+        link_a: One link.
+        link_b: The other.
+        reason: Why, e.g. "adjacent".
+    """
+
+    link_a: str
+    link_b: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Srdf:
+    """A parsed SRDF.
+
+    Attributes:
+        path: Of the file.
+        root: Its root element.
+    """
+
+    path: Path
+    root: Element
 
 
 def read_srdf(path: Path) -> Element:
@@ -145,23 +176,25 @@ def disabled_collisions(root: Element) -> list[DisabledPair]:
     return [DisabledPair(p.get("link1", ""), p.get("link2", ""), p.get("reason", "")) for p in pairs]
 
 
-def warn_of_unheeded(root: Element, path: Path, tree: LinkTree) -> None:
+def warn_of_unheeded(srdf: Srdf, tree: LinkTree) -> None:
     """Warns of links that the URDF does not know, as MoveIt does, and of elements that Pinocchio does not read."""
-    named = (link for pair in disabled_collisions(root) for link in (pair.link_a, pair.link_b))
+    named = (link for pair in disabled_collisions(srdf.root) for link in (pair.link_a, pair.link_b))
     unknown = sorted(set(named).difference(tree.names))
     if unknown:
         close = [match for name in unknown[:1] for match in difflib.get_close_matches(name, tree.names, 1)]
         hint = f" (did you mean {close[0]!r} by {unknown[0]!r}?)" if close else ""
         warnings.warn(
-            f"SRDF {path} disables collisions of links that the URDF does not know: {', '.join(unknown)}{hint}; "
+            f"SRDF {srdf.path} disables collisions of links that the URDF does not know: {', '.join(unknown)}{hint}; "
             "these entries change nothing",
             RuntimeWarning,
-            stacklevel=5,
+            stacklevel=6,
         )
-    unread = sorted({each.tag for each in root if each.tag in _UNREAD})
+    unread = sorted({each.tag for each in srdf.root if each.tag in _UNREAD})
     if unread:
         warnings.warn(
-            f"SRDF {path}: {', '.join(unread)} are not read, only disable_collisions are", RuntimeWarning, stacklevel=5
+            f"SRDF {srdf.path}: {', '.join(unread)} are not read, only disable_collisions are",
+            RuntimeWarning,
+            stacklevel=6,
         )
 
 

@@ -1,15 +1,13 @@
 """Reads a URDF through Pinocchio: the model, its collision bodies, and what Pinocchio keeps to itself.
 
-In: paths. Out: a Pinocchio model, `Body` by `Body` in Pinocchio's geometry order, the tree of links, and
-which joint mimics which. The idea: Pinocchio is the model and the truth; what it and urdfdom say about a file that
-they can't read stands in our errors, too.
+In: a URDF (`urdf_file`) and folders of packages. Out: a Pinocchio model, `Body` by `Body` in Pinocchio's geometry
+order, the tree of links, and which joint mimics which. The idea: Pinocchio is the model and the truth; what it and
+urdfdom say about a file that they can't read stands in our errors, too.
 """
 
 from __future__ import annotations
 
-import re
 import warnings
-import xml.etree.ElementTree as ElementTree
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,14 +23,10 @@ from plannercheck.bodies.meshes import check_mesh, mesh_hint
 from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.input_limits import check_xml
 from plannercheck.common.package_data import is_file
+from plannercheck.common.package_files import folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
-from plannercheck.robots.urdf_messages import native_messages
-from plannercheck.robots.xacro import xacro_hint
-
-# Names of mesh files in a URDF that are looked at before they are read.
-_MESH = re.compile(rb"""filename\s*=\s*["']([^"']+\.ply)["']""", re.IGNORECASE)
+from plannercheck.robots.urdf_file import UrdfFile
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
 _BOUNDS = coal.NODE_TYPE.BV_OBB
@@ -70,28 +64,34 @@ class LinkTree:
     joints: dict[str, str]
 
 
-def read_model(urdf: Path, floating: bool = False) -> pin.Model:
+def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
     """Builds Pinocchio's model of a URDF.
 
     Args:
-        urdf: Path of the file.
+        urdf: The file, or its path.
         floating: Whether the root link is free to move (joint `root_joint`).
 
     Returns:
         The model, mimic joints as joints of their own.
     """
-    if not is_file(urdf):
-        raise PlannercheckError(f"URDF {urdf} does not exist")
-    check_xml(urdf, "URDF")
+    file = _file(urdf)
+    root = [pin.JointModelFreeFlyer()] if floating else []
     try:
         with urdf_silence()():
-            model = pin.buildModelFromUrdf(str(urdf), *([pin.JointModelFreeFlyer()] if floating else []))
+            if file.mended is None:
+                model = pin.buildModelFromUrdf(str(file.path), *root)
+            else:
+                model = pin.buildModelFromXML(file.mended, *root)
     except (ValueError, RuntimeError, IndexError) as error:
-        reason = xacro_hint(urdf) or _one_line(native_messages(urdf, floating, ()), str(error))
-        raise PlannercheckError(f"URDF {urdf} does not parse: {reason}") from None
-    _check_names(model, urdf)
-    _check_limits(model, urdf)
+        reason = file.hint or _one_line(file.messages(floating, ()), str(error))
+        raise PlannercheckError(f"URDF {file.path} does not parse: {reason}") from None
+    _check_names(model, file.path)
+    _check_limits(model, file.path)
     return model
+
+
+def _file(urdf: Path | UrdfFile) -> UrdfFile:
+    return UrdfFile.read(urdf) if isinstance(urdf, Path) else urdf
 
 
 def _check_names(model: pin.Model, urdf: Path) -> None:
@@ -112,74 +112,86 @@ def _check_limits(model: pin.Model, urdf: Path) -> None:
             )
 
 
-def read_geometry(model: pin.Model, urdf: Path, package_dirs: Sequence[Path]) -> pin.GeometryModel:
+def read_geometry(model: pin.Model, urdf: Path | UrdfFile, package_dirs: Sequence[Path]) -> pin.GeometryModel:
     """Loads a URDF's collision geometries with their meshes.
 
     Args:
         model: The model of the same URDF.
-        urdf: Path of the file.
+        urdf: The file, or its path.
         package_dirs: Folders in which `package://` paths start.
 
     Returns:
         Pinocchio's geometry model, without pairs.
     """
+    file = _file(urdf)
     # Also relative to the URDF, and to what lies above it: a package's folder often does.
-    folders = [str(folder) for folder in (*package_dirs, *urdf.resolve().parents)]
-    _check_meshes(urdf, folders)
+    above = folders_above(file.path)
+    folders = [str(folder) for folder in (*package_dirs, *above)]
+    file = file.with_meshes(_meshes_elsewhere(file, package_dirs, above))
     try:
-        loader = coal.CachedMeshLoader(_BOUNDS)
-        with urdf_silence()():
-            geometry = pin.buildGeomFromUrdf(model, str(urdf), pin.COLLISION, package_dirs=folders, mesh_loader=loader)
+        geometry = built_geometry(model, file, pin.COLLISION, folders)
     except (ValueError, RuntimeError) as error:
-        reason = _one_line(native_messages(urdf, False, folders), str(error))
-        raise PlannercheckError(
-            f"URDF {urdf}: a collision mesh does not load: {reason}{_where_sought(reason, package_dirs)}"
-        ) from None
-    _check_complete(model, geometry, urdf, folders)
-    _warn_if_empty(geometry, urdf)
+        reason = _one_line(file.messages(False, folders), str(error))
+        sought = f" {where_sought(package_dirs)}" if "could not be found" in reason else ""
+        raise PlannercheckError(f"URDF {file.path}: a collision mesh does not load: {reason}{sought}") from None
+    _check_complete(model, geometry, file, folders)
+    _warn_if_empty(geometry, file)
     return geometry
 
 
-def _check_meshes(urdf: Path, folders: Sequence[str]) -> None:
-    """Raises for meshes that would crash who reads them, wherever they may be found."""
-    for given in dict.fromkeys(_MESH.findall(urdf.read_bytes())):
-        name = given.decode("utf-8", "replace")
-        for found in (Path(name), *(Path(folder) / (name.partition("://")[2] or name) for folder in folders)):
-            if is_file(found):
-                with within(f"URDF {urdf}: collision mesh {str(found)!r}"):
-                    check_mesh(found)
+def built_geometry(
+    model: pin.Model, file: UrdfFile, kind: pin.GeometryType, folders: Sequence[str]
+) -> pin.GeometryModel:
+    """Pinocchio's geometries of one kind; raises ValueError or RuntimeError where it does."""
+    loader = coal.CachedMeshLoader(_BOUNDS)
+    with urdf_silence()():
+        if file.mended is None:
+            return pin.buildGeomFromUrdf(model, str(file.path), kind, None, folders, loader)
+        return pin.buildGeomFromUrdfString(model, file.mended, kind, None, folders, loader)
 
 
-def _where_sought(reason: str, package_dirs: Sequence[Path]) -> str:
-    """What to do about a mesh that was not found; empty if it was."""
-    if "could not be found" not in reason:
-        return ""
-    return (
-        " Searched were the folders above the URDF and package_dirs "
-        f"({', '.join(map(str, package_dirs)) or 'none given'}): package://NAME/... needs the folder that contains "
-        "NAME, from package_dirs= or the robot YAML's package_dirs"
-    )
+def _meshes_elsewhere(file: UrdfFile, package_dirs: Sequence[Path], above: Sequence[Path]) -> dict[str, Path]:
+    """The collision meshes that Pinocchio would not find by itself, by the names that the file gives them.
+
+    Raises:
+        PlannercheckError: For a mesh that would crash who reads it, or is none.
+    """
+    found: dict[str, Path] = {}
+    for link in file.root.iterfind("link"):
+        for mesh in link.iterfind("collision/geometry/mesh"):
+            name = mesh.get("filename", "")
+            plain = name.partition("://")[2] or name
+            known = [each for folder in (Path(), *package_dirs, *above) if is_file(each := folder / plain)]
+            path = None if known or not name else package_file(name, package_dirs, above)
+            if path is not None:
+                found[name] = path
+            for each in known or ([] if path is None else [path]):
+                with within(f"URDF {file.path}: link {link.get('name', '')!r}: collision mesh {str(each)!r}"):
+                    check_mesh(each)
+    return found
 
 
-def _check_complete(model: pin.Model, geometry: pin.GeometryModel, urdf: Path, folders: Sequence[str]) -> None:
+def _check_complete(model: pin.Model, geometry: pin.GeometryModel, file: UrdfFile, folders: Sequence[str]) -> None:
     """Raises if a collision element got lost: urdfdom drops those that it does not know."""
     loaded = Counter(model.frames[each.parentFrame].name for each in geometry.geometryObjects)
-    for link in _root(urdf).findall("link"):
+    for link in file.root.findall("link"):
         name, wanted = link.get("name", ""), len(link.findall("collision"))
         if loaded[name] != wanted:
-            if xacro_hint(urdf):
-                raise PlannercheckError(f"URDF {urdf}: {xacro_hint(urdf)}")
+            if file.hint:
+                raise PlannercheckError(f"URDF {file.path}: {file.hint}")
             raise PlannercheckError(
-                f"URDF {urdf}: {loaded[name]} of {wanted} collision elements of link {name!r} could be read; "
-                f"a URDF may hold box, cylinder, sphere and mesh; {_one_line(native_messages(urdf, False, folders))}"
+                f"URDF {file.path}: {loaded[name]} of {wanted} collision elements of link {name!r} could be read; "
+                f"a URDF may hold box, cylinder, sphere and mesh; {_one_line(file.messages(False, folders))}"
             )
 
 
-def _warn_if_empty(geometry: pin.GeometryModel, urdf: Path) -> None:
+def _warn_if_empty(geometry: pin.GeometryModel, file: UrdfFile) -> None:
     if not len(geometry.geometryObjects):
-        drawn = " (it has <visual> ones, which are only drawn)" if _root(urdf).find("link/visual") is not None else ""
+        drawn = " (it has <visual> ones, which are only drawn)" if file.root.find("link/visual") is not None else ""
         warnings.warn(
-            f"URDF {urdf} has no <collision> elements{drawn}: nothing will ever collide", RuntimeWarning, stacklevel=5
+            f"URDF {file.path} has no <collision> elements{drawn}: nothing will ever collide",
+            RuntimeWarning,
+            stacklevel=6,
         )
 
 
@@ -203,10 +215,10 @@ def link_tree(model: pin.Model) -> LinkTree:
     return LinkTree(tuple(frames[i].name for i in ids), ids, parents, joints)
 
 
-def mimic_joints(urdf: Path) -> dict[str, Mimic]:
+def mimic_joints(urdf: Path | UrdfFile) -> dict[str, Mimic]:
     """The joints that a URDF lets follow others, by name."""
     mimics = {}
-    for joint in _root(urdf).iter("joint"):
+    for joint in _file(urdf).root.iter("joint"):
         tag = joint.find("mimic")
         if tag is not None:
             multiplier, offset = float(tag.get("multiplier", 1)), float(tag.get("offset", 0))
@@ -217,7 +229,8 @@ def mimic_joints(urdf: Path) -> dict[str, Mimic]:
 def _body_of(model: pin.Model, geometry: pin.GeometryObject) -> Body:
     frame = model.frames[geometry.parentFrame]
     pose = frame.placement.actInv(geometry.placement).homogeneous
-    return Body(geometry.name, frame.name, pose, _shape_of(geometry))
+    with within(f"link {frame.name!r}"):
+        return Body(geometry.name, frame.name, pose, _shape_of(geometry))
 
 
 def _shape_of(geometry: pin.GeometryObject) -> Shape:
@@ -252,7 +265,7 @@ def _hull_of(geometry: pin.GeometryObject) -> Hull:
         raise PlannercheckError(f"collision geometry {geometry.name!r} ({geometry.meshPath}): {error}") from None
     hint = mesh_hint(points)
     if hint:
-        warnings.warn(f"collision mesh {geometry.meshPath!r} {hint} (scale= in the URDF)", RuntimeWarning, stacklevel=6)
+        warnings.warn(f"collision mesh {geometry.meshPath!r} {hint} (scale= in the URDF)", RuntimeWarning, stacklevel=7)
     return hull
 
 
@@ -261,14 +274,6 @@ def _points_of(shape: Any) -> NDArray[np.float64] | None:
     if isinstance(shape, coal.ConvexBase):
         return np.asarray(shape.points(), dtype=np.float64)
     return np.array(shape.vertices(), dtype=np.float64) if hasattr(shape, "vertices") else None
-
-
-def _root(urdf: Path) -> ElementTree.Element:
-    """The XML's root; urdfdom reads some files that are no XML."""
-    try:
-        return ElementTree.parse(urdf).getroot()
-    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
-        raise PlannercheckError(f"URDF {urdf} is not well-formed XML: {error}") from None
 
 
 def _one_line(*messages: str) -> str:

@@ -1,22 +1,65 @@
-"""Whether a file is a xacro, which nothing here reads.
+"""xacro files: whether a file is one, and what it expands to.
 
-In: a path. Out: a sentence that says what to do, or an empty one.
+In: a path, arguments, folders of packages. Out: the text of a URDF, by PyPI's xacro in a process of its own (its state
+is global, and it prints), where `$(find PACKAGE)` finds packages as package:// does; or a sentence on what to do.
 """
 
 from __future__ import annotations
 
+import json
+import subprocess
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.isolated_process import run_isolated
+from plannercheck.common.optional_imports import extra_module
+from plannercheck.common.package_data import is_file
+
+XACRO_SUFFIX = ".xacro"
 
 # What only xacro knows.
 _XACRO_SIGNS = (b"<xacro:", b"${")
 
+# A file that takes longer than this to expand is not waited for, s.
+_TIME_LIMIT = 120.0
+
 
 def xacro_hint(path: Path) -> str:
-    """Says so if a file is a xacro; empty if it is none, or can't be read."""
+    """Says so if a file is a xacro that was not expanded; empty if it is none, or can't be read."""
     try:
         content = path.read_bytes()
     except OSError:
         return ""
-    if path.suffix != ".xacro" and not any(sign in content for sign in _XACRO_SIGNS):
+    if path.suffix == XACRO_SUFFIX or not any(sign in content for sign in _XACRO_SIGNS):
         return ""
-    return f"it is a xacro, which has to be expanded first: xacro {path.name} > expanded.urdf"
+    name = path.name
+    return f"it is a xacro, which has to be expanded first: xacro {name} > expanded.urdf; or call it {name}.xacro"
+
+
+def expanded(path: Path, arguments: Mapping[str, str], folders: Sequence[Path]) -> str:
+    """The URDF that a xacro file stands for.
+
+    Args:
+        path: Of the file.
+        arguments: Values of its <xacro:arg>s, by name.
+        folders: Where its packages are sought first.
+
+    Returns:
+        The text.
+
+    Raises:
+        PlannercheckError: If it can't be expanded; the message is xacro's.
+    """
+    if not is_file(path):
+        raise PlannercheckError(f"xacro {path} does not exist")
+    extra_module("xacro", "xacro", "xacro files")
+    task = json.dumps({"arguments": dict(arguments), "folders": [str(folder.resolve()) for folder in folders]})
+    try:
+        ran = run_isolated("plannercheck.robots.xacro_worker", [str(path.absolute())], task.encode(), _TIME_LIMIT)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise PlannercheckError(f"xacro {path} can't be expanded: {error}") from None
+    if ran.returncode:
+        reason = " ".join(ran.stderr.decode(errors="replace").split())
+        raise PlannercheckError(f"xacro {path} can't be expanded: {reason:.600}")
+    return ran.stdout.decode()

@@ -49,6 +49,7 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -57,6 +58,7 @@ from plannercheck.common.package_data import is_file, is_folder, is_planar_file,
 from plannercheck.common.public_names import set_module
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.scene_files import read_scene, write_scene
+from plannercheck.scenes.scene_hints import scale_hint
 from plannercheck.scenes.scene_table import scene_html
 
 
@@ -85,8 +87,11 @@ class Scene(SceneContents):
         Returns:
             The scene.
         """
-        scene = Scene()
-        read_scene(scene, _found(path), [Path(p) for p in package_dirs])
+        scene, file = Scene(), _found(path)
+        read_scene(scene, file, [Path(p) for p in package_dirs])
+        hint = scale_hint(scene)
+        if hint:
+            warnings.warn(f"scene file {str(file)!r}: {hint}", RuntimeWarning, stacklevel=2)
         return scene
 
     def save(self, path: str | Path) -> None:

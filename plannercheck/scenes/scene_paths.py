@@ -1,7 +1,7 @@
 """Where the files are that scenes name.
 
 In: what a scene calls a mesh, or another file: a path, or a file:// or package:// address. Out: the path of the file.
-Packages are looked for as URDFs have it: in given folders that contain packages, then in all folders above the scene.
+Packages are looked for as URDFs have it (common/package_files.py).
 """
 
 from __future__ import annotations
@@ -10,12 +10,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_data import is_file
+from plannercheck.common.package_files import folders_above, package_file, where_sought
 
 # Turns what a scene calls a file into its path.
 FindFile = Callable[[str], Path]
-
-_PACKAGE = "package://"
 
 
 def file_finder(folder: Path, package_dirs: Sequence[Path] = ()) -> FindFile:
@@ -26,23 +24,12 @@ def file_finder(folder: Path, package_dirs: Sequence[Path] = ()) -> FindFile:
         package_dirs: Folders that contain packages; they come before the folders above the scene.
     """
 
-    def find(resource: str) -> Path:
-        if not resource.startswith(_PACKAGE):
-            return folder / resource.removeprefix("file://")
-        relative = resource.removeprefix(_PACKAGE)
-        for place in (*package_dirs, *_folders_above(folder)):
-            if is_file(place / relative):
-                return place / relative
-        looked = ", ".join(str(place) for place in package_dirs) or "none were given"
-        raise PlannercheckError(
-            f"file {resource!r} is in none of the package_dirs ({looked}), nor in a folder above the scene: "
-            f"{_PACKAGE}NAME/... needs the folder that contains NAME"
-        )
+    def find(address: str) -> Path:
+        if not address.startswith("package://"):
+            return folder / address.removeprefix("file://")
+        found = package_file(address, package_dirs, folders_above(folder / "scene"))
+        if found is None:
+            raise PlannercheckError(f"file {address!r} is not found. {where_sought(package_dirs)}")
+        return found
 
     return find
-
-
-def _folders_above(folder: Path) -> tuple[Path, ...]:
-    """The folder and what is above it, by its name as given, then as its links lead."""
-    here = (folder.absolute(), folder.resolve())
-    return tuple(dict.fromkeys(place for each in here for place in (each, *each.parents)))

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bodies.circumscribed import prism_faces
 from plannercheck.bodies.polytope import fans
-from plannercheck.bodies.shapes import prism_faces
 from plannercheck.planar.certificates import SharedPoint
 from plannercheck.planar.checker import Checker
 from plannercheck.view.model import OBSTACLE_OPACITY, Mesh, Witness

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -19,10 +18,9 @@ from numpy.typing import NDArray
 from plannercheck.bodies.polytope import fans, prepared
 from plannercheck.bodies.shapes import Hull, Shape
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_data import example_robot_data
-from plannercheck.common.silence import urdf_silence
-from plannercheck.robots.description import RobotDescription, find_description, read_description
-from plannercheck.robots.urdf import bodies_of, read_geometry, read_model
+from plannercheck.common.package_files import folders_above
+from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.urdf import bodies_of, built_geometry, read_geometry, read_model
 
 Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
 
@@ -50,11 +48,11 @@ def _sheet(corners: NDArray[np.float64]) -> NDArray[np.int32]:
     return np.concatenate([above, above[:, ::-1]])
 
 
-def delivered_meshes(name_or_path: str | Path) -> dict[str, Surface]:
+def delivered_meshes(robot: str | Path | RobotDescription) -> dict[str, Surface]:
     """The collision meshes of a robot as they were delivered, concave as they may be.
 
     Args:
-        name_or_path: As for `Robot.load`.
+        robot: As for `Robot.load`, or its description.
 
     Returns:
         Triangles by name of the body; bodies that are no meshes are left out.
@@ -62,12 +60,14 @@ def delivered_meshes(name_or_path: str | Path) -> dict[str, Surface]:
     Raises:
         PlannercheckError: If the robot is planar, or one of its files can't be read.
     """
-    description = _description(name_or_path)
-    model = read_model(description.urdf, description.floating)
-    geometry = read_geometry(model, description.urdf, description.package_dirs)
+    description = description_of(robot)
+    model = read_model(description.file, description.floating)
+    geometry = read_geometry(model, description.file, description.package_dirs)
     meshes = {each.name: each.geometry for each in geometry.geometryObjects if hasattr(each.geometry, "tri_indices")}
     if not meshes:
-        raise PlannercheckError(f"robot {str(name_or_path)!r} has no collision meshes: its bodies are simple shapes")
+        raise PlannercheckError(
+            f"robot {description.name or description.urdf.stem!r} has no collision meshes: its bodies are simple shapes"
+        )
     return {name: _triangles(mesh) for name, mesh in meshes.items()}
 
 
@@ -88,11 +88,11 @@ class Visual:
     surface: Surface
 
 
-def visual_meshes(name_or_path: str | Path) -> tuple[Visual, ...]:
+def visual_meshes(robot: str | Path | RobotDescription) -> tuple[Visual, ...]:
     """What a robot's links look like, by the <visual> elements of its URDF.
 
     Args:
-        name_or_path: As for `Robot.load`.
+        robot: As for `Robot.load`, or its description.
 
     Returns:
         All of them; none, with a warning, if a mesh does not load, since no verdict depends on them.
@@ -100,16 +100,15 @@ def visual_meshes(name_or_path: str | Path) -> tuple[Visual, ...]:
     Raises:
         PlannercheckError: If the robot is planar, or its description can't be read.
     """
-    description = _description(name_or_path)
-    model, urdf = read_model(description.urdf, description.floating), description.urdf
-    folders = [str(folder) for folder in (*description.package_dirs, *urdf.resolve().parents)]
+    description = description_of(robot)
+    file = description.file
+    model = read_model(file, description.floating)
+    folders = [str(folder) for folder in (*description.package_dirs, *folders_above(file.path))]
     try:
-        loader = coal.CachedMeshLoader(coal.NODE_TYPE.BV_OBB)
-        with urdf_silence()():
-            geometry = pin.buildGeomFromUrdf(model, str(urdf), pin.VISUAL, package_dirs=folders, mesh_loader=loader)
+        geometry = built_geometry(model, file, pin.VISUAL, folders)
     except (ValueError, RuntimeError) as error:
         warnings.warn(
-            f"URDF {urdf}: what its links look like is left out: {error!s:.200}", RuntimeWarning, stacklevel=2
+            f"URDF {file.path}: what its links look like is left out: {error!s:.200}", RuntimeWarning, stacklevel=2
         )
         return ()
     pairs = zip(geometry.geometryObjects, bodies_of(model, geometry), strict=True)
@@ -122,13 +121,6 @@ def visual_meshes(name_or_path: str | Path) -> tuple[Visual, ...]:
         )
         for each, body in pairs
     )
-
-
-def _description(name_or_path: str | Path) -> RobotDescription:
-    path = find_description(name_or_path)
-    if path.suffix == ".urdf":
-        return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
-    return read_description(path)
 
 
 def _triangles(mesh: Any) -> Surface:

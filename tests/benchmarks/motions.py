@@ -301,6 +301,7 @@ def missed(options: argparse.Namespace) -> None:
     print_misses(counts, rows)
     print(f"{time.perf_counter() - began:.0f} s")
     if options.output:
+        families = sorted({family for family, _ in counts})
         found = [{"family": family, **{row: counts[family, row] for row in rows}} for family in families]
         write_record(options.output, found)
 

@@ -10,8 +10,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere, checked_pose
+import plannercheck as pc
+from plannercheck.bodies.polytope import prepared
+from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere, checked_pose, hull_and_swell
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.view.surfaces import surface_of
 
 CURVED = [
     Sphere(0.37),
@@ -135,6 +138,49 @@ def test_a_capsule_too_long_for_its_faces_leaves_the_hull_to_others():
     assert Capsule(1e-7, 1.0).vertices_and_faces(0.1)[1] is None
 
 
+@pytest.mark.parametrize(
+    ("shape", "dimension", "corners"),
+    [
+        (Box((0, 1, 2)), 2, 4),
+        (Box((1, 0, 0)), 1, 2),
+        (Box((0, 0, 0)), 0, 1),
+        (Sphere(0), 0, 1),
+        (Cylinder(0, 1), 1, 2),
+        (Cylinder(1, 0), 2, 224),
+        (Cylinder(0, 0), 0, 1),
+        (Cone(0, 1), 1, 2),
+        (Cone(1, 0), 2, 224),
+        (Capsule(0, 1), 1, 2),
+        (Capsule(0, 0), 0, 1),
+    ],
+    ids=str,
+)
+def test_a_size_of_zero_makes_plates_segments_and_points(shape, dimension, corners):
+    vertices, faces, swell = hull_and_swell(shape)
+    assert faces is None
+    assert swell == 0
+    polytope = prepared(vertices)
+    assert polytope.dimension == dimension
+    assert len(polytope.vertices) == corners
+    drawn, triangles = surface_of(shape, "it")
+    assert len(drawn) > dimension
+    assert (len(triangles) > 0) == (dimension == 2)
+
+
+def test_a_capsule_of_length_zero_is_a_ball():
+    vertices, _, swell = hull_and_swell(Capsule(0.5, 0))
+    assert vertices.tolist() == [[0, 0, 0]]
+    assert swell == 0.5
+    assert np.array_equal(Capsule(0.5, 0).vertices_and_faces()[0], Sphere(0.5).vertices_and_faces()[0])
+
+
+def test_a_plate_touches_exactly():
+    plate, pose = prepared(hull_and_swell(Box((0.5, 0.5, 0.0)))[0]), np.eye(4)
+    assert pc.intersects(plate, plate, None, pose)
+    pose[2, 3] = 2.0**-40
+    assert not pc.intersects(plate, plate, None, pose)
+
+
 def test_a_hull_keeps_its_points_read_only():
     source = np.random.default_rng(0).normal(size=(10, 3))
     hull = Hull(source)
@@ -149,13 +195,13 @@ def test_a_hull_keeps_its_points_read_only():
     ("make", "message"),
     [
         (lambda: Box((1, 2)), "box size needs 3"),
-        (lambda: Box((1, 0, 1)), "box size y must be positive"),
+        (lambda: Box((1, -1, 1)), "box size y must be finite and not negative"),
         (lambda: Box("abc"), "box size must be"),
-        (lambda: Sphere(-1), "sphere radius must be positive"),
-        (lambda: Sphere(math.nan), "sphere radius must be positive and finite"),
+        (lambda: Sphere(-1), "sphere radius must be finite and not negative"),
+        (lambda: Sphere(math.nan), "sphere radius must be finite"),
         (lambda: Cylinder(1, math.inf), "cylinder length"),
         (lambda: Capsule("wide", 1), "capsule radius must be a number"),
-        (lambda: Cone(0, 1), "cone radius"),
+        (lambda: Cone(-1, 1), "cone radius"),
         (lambda: Hull(np.zeros((5, 2))), r"shape \(n, 3\), not \(5, 2\)"),
         (lambda: Hull(np.zeros((3, 3))), "at least 4 points, here are 3"),
         (lambda: Hull([[0, 0, 0]] * 4 + [[0, math.nan, 1]]), "row 4"),

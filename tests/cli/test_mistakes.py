@@ -176,8 +176,8 @@ def test_the_srdf_of_another_robot(folder):
 
 def test_a_missing_package(folder, capsys):
     (folder / "arm.urdf").write_text(urdf(MESH % "package://my_arm/meshes/link.stl"))
-    message = r"package://NAME/... needs the folder that contains NAME, from package_dirs= or the robot YAML's"
-    with pytest.raises(pc.PlannercheckError, match=rf"none given\): {message}"):
+    message = r"package://NAME/... needs the folder that contains NAME, or a folder whose package.xml calls it so"
+    with pytest.raises(pc.PlannercheckError, match=rf"none given\), ROS_PACKAGE_PATH .*{message}"):
         pc.Robot.from_urdf("arm.urdf")
     assert "needs the folder that contains NAME" in said(capsys, "inspect", "--robot", "arm.urdf")
 
@@ -211,10 +211,13 @@ def test_a_mesh_that_is_cut_short(folder):
 
 def test_xacro(folder, capsys):
     content = urdf().replace("0.1 0.1 0.2", "${size}").replace("<robot", '<robot xmlns:xacro="http://ros.org/xacro"')
-    message = "it is a xacro, which has to be expanded first: xacro "
-    for name in ("arm.urdf.xacro", "arm.urdf"):
-        (folder / name).write_text(content)
-        with pytest.raises(pc.PlannercheckError, match=message + name):
+    messages = {
+        "arm.urdf": "it is a xacro, which has to be expanded first: xacro arm.urdf",
+        "arm.urdf.xacro": "xacro arm.urdf.xacro can't be expanded: name 'size' is not defined",
+    }
+    for name, message in messages.items():
+        (folder / name).write_text(content.replace("http://ros.org/xacro", "http://www.ros.org/wiki/xacro"))
+        with pytest.raises(pc.PlannercheckError, match=message):
             pc.Robot.from_urdf(name)
         assert message in said(capsys, "inspect", "--robot", name)
 
@@ -264,7 +267,7 @@ def test_starts_and_goals(checker, capsys):
 SCENES = {
     "objects: [{name: a, box: {sise: [1, 1, 1]}}]": "object 'a': box: unknown key 'sise': did you mean 'size'",
     "objects: [{name: a, box: {size: [1, 1]}}]": "'size' needs 3 numbers, not 2",
-    "objects: [{name: a, box: {size: [1, 1, -1]}}]": "box size z must be positive",
+    "objects: [{name: a, box: {size: [1, 1, -1]}}]": "box size z must be finite and not negative",
     "objects: [{name: a, cylinder: {radius: 1}}]": "key 'length' is missing",
     "objects: [{name: a}]": "needs exactly one of the keys box",
     "objects: [{name: a, mesh: {file: a.stl}}]": "mesh file 'a.stl' does not exist",

@@ -195,7 +195,7 @@ def test_poses_do_not_depend_on_which_links_are_needed():
 @pytest.mark.parametrize("name", ["panda", "pr2", "tiago", "baxter", "go2"])
 def test_poses_do_not_depend_on_what_is_held(name):
     robot = Robot.load(name)
-    joints = [j for j in robot.model.names if j != "universe" and j not in robot._mimics]
+    joints = [j for j in robot.model.names if j != "universe" and j not in robot.mimics]
     widened = robot.with_group(joints)
     q = robot.random_configurations(5, 8)
     wide = np.tile(widened.reference, (5, 1))

@@ -18,6 +18,7 @@ import plannercheck as pc
 from plannercheck.checking.reach_screens import Screen
 from plannercheck.robots import kinematics
 from plannercheck.robots.self_pairs import self_pairs
+from plannercheck.robots.srdf import Srdf, read_srdf
 from plannercheck.robots.urdf import link_tree, read_geometry, read_model
 
 LOADING = Path(__file__).parents[1] / "benchmarks" / "loading.py"
@@ -156,7 +157,7 @@ def test_self_pairs_of_any_srdf_are_pinocchios(seed, tmp_path):
     model = read_model(urdf)
     geometry = read_geometry(model, urdf, ())
     robot = pc.Robot.from_urdf(urdf)
-    found = self_pairs(geometry, robot.bodies, srdf, link_tree(model), ())
+    found = self_pairs(geometry, robot.bodies, Srdf(srdf, read_srdf(srdf)), link_tree(model), ())
     geometry.addAllCollisionPairs()
     pin.removeCollisionPairs(model, geometry, str(srdf), False)
     assert found.tolist() == [[pair.first, pair.second] for pair in geometry.collisionPairs]

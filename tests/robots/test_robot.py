@@ -54,11 +54,11 @@ def test_shipped_robots_are_valid_at_their_reference_and_in_a_share_of_random_st
 @pytest.mark.parametrize("name", shipped_robots())
 def test_shipped_disabled_pairs_have_their_reason(shipped, name):
     robot = shipped[name]
-    whole = Robot(**{**robot._arguments(), "group": None, "joints": None})
+    whole = robot._changed(group=None, joints=None)
     assert all(pair.reason for pair in robot.disabled_pairs)
     others = [pair for pair in robot.disabled_pairs if pair.reason != "adjacent"]
     for pair in robot.disabled_pairs:
-        adjacent = {pair.link_a, pair.link_b} in [{*link} for link in robot._tree.parents.items()]
+        adjacent = {pair.link_a, pair.link_b} in [{*link} for link in robot.link_tree.parents.items()]
         assert adjacent == (pair.reason == "adjacent")
     if not others:
         return

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import shutil
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
 from sample_robots import PANDA, PR2, PR2_SRDF, ROBOTS, SHARE, names_of, write_yaml
 
+from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.self_pairs import self_pairs
+from plannercheck.robots.srdf import Srdf, read_srdf
 from plannercheck.robots.urdf import read_geometry, read_model
 
 
@@ -190,11 +193,25 @@ def test_a_planar_joint_is_two_positions_then_cosine_and_sine(tmp_path):
     assert np.allclose(np.linalg.norm(q[:, 2:], axis=1), 1, atol=1e-12)
 
 
+@pytest.mark.parametrize("use", ["load", "a group and a state", "audit", "proposal"])
+def test_an_srdf_is_parsed_once(use, arm, monkeypatch):
+    parsed, parse = [], ElementTree.parse
+    monkeypatch.setattr(ElementTree, "parse", lambda source: parsed.append(str(source)) or parse(source))
+    if use == "load":
+        Robot.from_urdf(*arm)
+    elif use == "a group and a state":
+        Robot.from_urdf(*arm, group="arm", reference="folded")
+    else:
+        how = ["--audit"] if use == "audit" else ["--output", str(arm[0].with_suffix(".new.srdf"))]
+        main(["acm", "--robot", str(arm[0]), "--srdf", str(arm[1]), "--states", "10", *how])
+    assert parsed.count(str(arm[1])) == 1
+
+
 def test_self_pairs_leave_nothing_else_out(arm):
     model = read_model(arm[0])
     geometry = read_geometry(model, arm[0], ())
     robot = Robot.from_urdf(arm[0])
-    pairs = self_pairs(geometry, robot.bodies, arm[1], robot._tree, ())
+    pairs = self_pairs(geometry, robot.bodies, Srdf(arm[1], read_srdf(arm[1])), robot.link_tree, ())
     assert len(pairs) == 10 - 2 - 1  # of five bodies: two pairs on one joint each, one disabled
 
 

@@ -175,6 +175,9 @@ def test_mesh_resources_are_found(tmp_path):
         path.write_text(yaml.dump({"world": {"collision_objects": [node]}}))
         vertices = Scene.load(path, package_dirs=[tmp_path]).bodies[0].shape.vertices
         assert vertices.max() == 2
+    path.write_text(path.read_text().replace("t.obj", "u.obj"))
+    with pytest.raises(PlannercheckError, match=r"package://pkg/u\.obj' is not found. Searched were the folders above"):
+        Scene.load(path)
 
 
 def test_entries_of_the_matrix_go_before_defaults(tmp_path):

@@ -224,7 +224,10 @@ def test_quaternions_and_rotations_agree_with_pinocchio():
     ("text", "message"),
     [
         ("objects: [{name: a, box: {size: [1, 2]}}]", "object 'a': box: 'size' needs 3 numbers, not 2"),
-        ("objects: [{name: a, box: {size: [1, 2, -3]}}]", "object 'a': box: box size z must be positive"),
+        (
+            "objects: [{name: a, box: {size: [1, 2, -3]}}]",
+            "object 'a': box: box size z must be finite and not negative",
+        ),
         ("objects: [{name: a, box: {width: 1}}]", "unknown key 'width': valid are size"),
         ("objects: [{name: a, sphere: {}}]", "object 'a': sphere: key 'radius' is missing"),
         ("objects: [{name: a, sphere: {radius: .nan}}]", "'radius' must be a finite number"),

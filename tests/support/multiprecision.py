@@ -20,7 +20,7 @@ rounded = np.frompyfunc(float, 1, 1)
 
 
 def table_of(robot):
-    return joint_table(robot.model, robot._map, robot._tree.frames)
+    return joint_table(robot.model, robot._map, robot.link_tree.frames)
 
 
 def link_poses(table, q):

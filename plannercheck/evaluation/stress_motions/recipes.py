@@ -19,6 +19,7 @@ from plannercheck import planar
 from plannercheck.bodies.shapes import Body, Box, Capsule, Cylinder, Hull, Shape, Sphere
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.description import find_description, read_description
+from plannercheck.robots.loading import RobotParts
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.urdf import Mimic, link_tree
 from plannercheck.scenes.scene import Scene
@@ -153,7 +154,7 @@ def robot_of(recipe: SpaceRecipe) -> Robot:
     bodies = tuple(_body(body, str(k), links) for k, body in enumerate(recipe["bodies"]))
     group = recipe["group"]
     mimics = {joint["name"]: Mimic(*joint["mimic"]) for joint in recipe["joints"] if joint["mimic"] is not None}
-    return Robot(
+    parts = RobotParts(
         name="tree",
         model=model,
         tree=link_tree(model),
@@ -165,6 +166,7 @@ def robot_of(recipe: SpaceRecipe) -> Robot:
         group=None if group is None else "group",
         joints=None if group is None else tuple(group),
     )
+    return Robot(parts)
 
 
 def _shipped(recipe: SpaceRecipe) -> Robot:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.validation.formats.columns import Columns
+from plannercheck.validation.formats.columns import Columns, WidthError
 
 Floats = NDArray[np.float64]
 
@@ -66,9 +66,7 @@ def table_shape(shape: tuple[int, ...], columns: Columns, width: int | None = No
     if len(rows) != 2 or rows[1] != wanted or rows[0] < 0:
         is_turned = len(rows) == 2 and rows[0] == wanted
         hint = "it looks transposed: a configuration is a row, numpy's .T makes it one; " if is_turned else ""
-        raise PlannercheckError(
-            f"must have shape (n, {wanted}), not {shape}; {hint}the joints are {', '.join(columns.joints)}"
-        )
+        raise WidthError(f"must have shape (n, {wanted}), not {shape}; {hint}{columns.listed}")
     return rows[0], rows[1]
 
 

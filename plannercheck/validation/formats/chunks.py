@@ -7,6 +7,7 @@ where there is one, the row (counted from 0).
 from __future__ import annotations
 
 import io
+import itertools
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -16,11 +17,12 @@ from typing import Any, BinaryIO, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file, is_folder
 from plannercheck.validation.formats.blocks import Block
-from plannercheck.validation.formats.columns import Columns
+from plannercheck.validation.formats.columns import Columns, HeaderError, WidthError, columns_of
 from plannercheck.validation.formats.csv import csv_blocks, csv_stream_blocks
 from plannercheck.validation.formats.hdf5 import hdf5_blocks
 from plannercheck.validation.formats.npy import NPY_MAGIC, npy_blocks, npy_stream_blocks, npz_blocks
@@ -101,7 +103,7 @@ def read_sets(
     for number, path in enumerate(paths):
         before, own = sum(size or 0 for size in sizes[:number]), sizes[number] or 0
         with within(_called(path)):
-            for chunk in _checked(_blocks(path, columns, key, size), columns):
+            for chunk in _checked(_configurations(path, columns, key, size)):
                 known = total is not None and chunk.part is not None
                 part = (before + own * (chunk.part or 0.0)) / total if known and total else None
                 yield Chunk(chunk.first_row, chunk.rows, number, part)
@@ -114,6 +116,11 @@ def read_sets(
 def read_chunks(path: str | Path, joint_names: Sequence[str], width: int) -> Iterator[Chunk]:
     """Reads one file, rad and m; a header has to call the joints by these names. See `read_sets`."""
     yield from read_sets([Path(path)], Columns(tuple(joint_names), width), size=CHUNK_ROWS)
+
+
+def read_states(path: str | Path, robot: AnyRobot) -> Iterator[Chunk]:
+    """Reads one file of a robot's configurations, rad and m, in any of its ways. See `read_sets`."""
+    yield from read_sets([Path(path)], columns_of(robot), size=CHUNK_ROWS)
 
 
 def _called(path: Path) -> str:
@@ -195,10 +202,27 @@ class _Continued(io.RawIOBase):
         return len(part)
 
 
-def _checked(blocks: Iterator[Block], columns: Columns) -> Iterator[Chunk]:
+def _configurations(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[Block]:
+    """Blocks of configurations, in whichever of the robot's ways the file gives them."""
+    ways = (columns,) if path == STANDARD_INPUT else (columns, *columns.others)
+    errors: list[WidthError] = []
+    for way in ways:
+        blocks = _blocks(path, way, key, size)
+        try:
+            first = next(blocks, None)
+        except WidthError as error:
+            errors.append(error)
+            continue
+        for block in () if first is None else itertools.chain([first], blocks):
+            yield Block(way.configurations(block.rows), block.part)
+        return
+    raise next((error for error in errors if not isinstance(error, HeaderError)), errors[0])
+
+
+def _checked(blocks: Iterator[Block]) -> Iterator[Chunk]:
     first = 0
     for block in blocks:
-        rows = np.ascontiguousarray(columns.in_radians(block.rows))
+        rows = np.ascontiguousarray(block.rows)
         # A sum is quick and not finite if a number is not; if it overflows, the second look tells.
         if not np.isfinite(rows.sum()):
             _check_finite(rows, first)

@@ -7,7 +7,7 @@ is and brings rows to the robot's order, in rad and m.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from plannercheck import planar
 from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.errors import PlannercheckError, shortened
-from plannercheck.robots.configurations import PLAIN
+from plannercheck.robots.configurations import PLAIN, ConfigurationMap
 from plannercheck.robots.robot import Robot
 
 Floats = NDArray[np.float64]
@@ -25,6 +25,14 @@ Bools = NDArray[np.bool_]
 
 # Names of columns that an error lists.
 _SHOWN_NAMES = 20
+
+
+class WidthError(PlannercheckError):
+    """A file has other columns than were looked for; perhaps it gives configurations in another way."""
+
+
+class HeaderError(WidthError):
+    """A file names its columns, though joints take several numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +46,9 @@ class Columns:
         held: Joints of the robot that the configurations do not have, since they stand still.
         ignored: Columns that may have the name of a held joint all the same.
         degrees: (nq,) which numbers are given in degrees; None if none is.
+        described: Words for which joint takes which columns.
+        spread: Turns rows into configurations; None where they are.
+        others: The same robot's configurations by fewer numbers, see `JointValues`.
     """
 
     joints: tuple[str, ...]
@@ -46,6 +57,9 @@ class Columns:
     held: frozenset[str] = frozenset()
     ignored: frozenset[str] = frozenset()
     degrees: Bools | None = None
+    described: str = ""
+    spread: Callable[[Floats], Floats] | None = None
+    others: tuple[Columns, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -65,7 +79,7 @@ class Columns:
             PlannercheckError: If a joint has no column or several, or a column is of a joint that is held.
         """
         if len(self.joints) != self.width:
-            raise PlannercheckError(
+            raise HeaderError(
                 f"has a header, but {len(self.joints)} joints take {self.width} numbers: leave the header out"
             )
         for name in self.names:
@@ -80,7 +94,7 @@ class Columns:
         if not missing:
             return
         if len(missing) == len(self.names):
-            raise PlannercheckError(
+            raise WidthError(
                 f"begins with neither numbers nor names of joints: {_listed(header)!r:.60}; write decimal points, not "
                 f"commas, or a header of {', '.join(self.names)}; or say by --columns what the joints are called, in "
                 "the robot's order"
@@ -88,7 +102,7 @@ class Columns:
         unknown = [name for name in header if name not in self.names]
         close = get_close_matches(missing[0], unknown, n=1)
         hint = f"is it {close[0]!r}? " if close else ""
-        raise PlannercheckError(
+        raise WidthError(
             f"has no column for joint {missing[0]!r}; its header is {_listed(header)}; {hint}--columns says what the "
             "joints are called, in the robot's order"
         )
@@ -105,16 +119,23 @@ class Columns:
         if left_out:
             warnings.warn(f"columns that are no joints are left out: {_listed(left_out)}", RuntimeWarning, stacklevel=2)
 
+    @property
+    def listed(self) -> str:
+        """Words for which joint takes which columns, and for how else configurations may be given."""
+        listed = self.described or f"the joints are {', '.join(self.joints) or 'none'}"
+        fewer = [f"{each.width} ({', '.join(each.joints)})" for each in self.others if each.width == len(each.joints)]
+        return f"{listed}; or a number a joint: {' or '.join(fewer)}" if fewer else listed
+
     def check_width(self, width: int) -> None:
         """Raises unless rows without names have as many numbers as a configuration."""
         if width != self.width:
-            raise PlannercheckError(f"must have {self.width} columns ({', '.join(self.joints)}), not {width}")
+            raise WidthError(f"must have {self.width} columns ({self.listed}), not {width}")
 
-    def in_radians(self, rows: Floats) -> Floats:
-        """Rows (n, nq) with degrees turned into radians."""
-        if self.degrees is None:
-            return rows
-        return np.where(self.degrees, np.deg2rad(rows), rows)
+    def configurations(self, rows: Floats) -> Floats:
+        """Configurations (n, nq) of rows: degrees turned into radians, joint values into what the robot takes."""
+        if self.degrees is not None:
+            rows = np.where(self.degrees, np.deg2rad(rows), rows)
+        return rows if self.spread is None else self.spread(rows)
 
 
 def columns_of(
@@ -147,6 +168,26 @@ def columns_of(
         held=frozenset(every) - frozenset(robot.joint_names),
         ignored=frozenset(ignored),
         degrees=angle_columns(robot) if degrees else None,
+        described=robot.configuration_map.described_columns() if isinstance(robot, Robot) else "",
+        others=_by_joints(robot, named, frozenset(ignored), degrees) if isinstance(robot, Robot) else (),
+    )
+
+
+def _by_joints(
+    robot: Robot, named: Sequence[str] | None, ignored: frozenset[str], degrees: bool
+) -> tuple[Columns, ...]:
+    """The columns of files that give one number a joint."""
+    return tuple(
+        Columns(
+            joints=each.joint_names,
+            width=each.width,
+            named=tuple(named) if named is not None and len(named) == len(each.joint_names) else None,
+            ignored=ignored | (frozenset(robot.joint_names) - frozenset(each.joint_names)),
+            degrees=_angles(robot, each) if degrees else None,
+            described=each.described_columns(),
+            spread=each.expand,
+        )
+        for each in robot.joint_values.maps
     )
 
 
@@ -156,12 +197,18 @@ def angle_columns(robot: AnyRobot) -> Bools:
     if isinstance(robot, planar.Robot):
         angles[2 if robot.is_free else 0 :] = True
     elif isinstance(robot, Robot):
-        used, model = robot.configuration_map, robot.model
-        for joint in range(1, model.njoints):
-            entry = model.idx_qs[joint]
-            turns = model.nqs[joint] == 1 and not model.joints[joint].shortname().startswith(_SLIDING)
-            if used.columns[entry] >= 0 and (turns or used.roles[entry] != PLAIN):
-                angles[used.columns[entry]] = True
+        return _angles(robot, robot.configuration_map)
+    return angles
+
+
+def _angles(robot: Robot, used: ConfigurationMap) -> Bools:
+    """(width,) which numbers that a map takes are angles."""
+    angles, model = np.zeros(used.width, dtype=bool), robot.model
+    for joint in range(1, model.njoints):
+        entry = model.idx_qs[joint]
+        turns = model.nqs[joint] == 1 and not model.joints[joint].shortname().startswith(_SLIDING)
+        if used.columns[entry] >= 0 and (turns or used.roles[entry] != PLAIN):
+            angles[used.columns[entry]] = True
     return angles
 
 

@@ -33,7 +33,7 @@ def hdf5_blocks(path: Path, columns: Columns, size: int, key: str | None = None)
         with h5py.File(path, "r") as file:
             group = file if key is None or not isinstance(_item(h5py, file, key), h5py.Group) else file[key]
             joints = [_item(h5py, group, name) for name in columns.names]
-            if all(isinstance(joint, h5py.Dataset) for joint in joints):
+            if joints and all(isinstance(joint, h5py.Dataset) for joint in joints):
                 yield from _of_joints(joints, columns, size)
             else:
                 yield from _of_table(_dataset(h5py, file, key), columns, size)

@@ -63,7 +63,7 @@ def npy_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:
                 for k in range(columns.width):
                     rows[:, k] = _window(file, layout.dtype, offset, k * layout.total + first, n)
             else:
-                rows = layout.rows(_window(file, layout.dtype, offset, first * layout.numbers, n * layout.numbers))
+                rows = layout.rows(_window(file, layout.dtype, offset, first * layout.numbers, n * layout.numbers), n)
             yield Block(rows, (first + n) / layout.total)
 
 
@@ -102,11 +102,11 @@ class _Layout(NamedTuple):
             raise PlannercheckError(f"must have shape (n,) if its numbers have names, not {shape}")
         return cls(shape[0], len(fields), 1, dtype, fields, False)
 
-    def rows(self, values: NDArray[Any]) -> Floats:
-        """Consecutive values as rows of their own memory."""
+    def rows(self, values: NDArray[Any], count: int) -> Floats:
+        """Consecutive values as so many rows of their own memory."""
         if self.fields is not None:
             return stacked(values, self.fields)
-        return np.array(values, dtype=np.float64).reshape(-1, self.width)
+        return np.array(values, dtype=np.float64).reshape(count, self.width)
 
 
 def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str = "npy file") -> Iterator[Block]:
@@ -125,7 +125,7 @@ def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str =
             rows = whole[first : first + n]
         else:
             with _whole(kind):
-                rows = layout.rows(_values(stream, layout.dtype, n * layout.numbers))
+                rows = layout.rows(_values(stream, layout.dtype, n * layout.numbers), n)
         yield Block(rows, (first + n) / layout.total)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.validation.formats.blocks import Block, chosen_key, even
-from plannercheck.validation.formats.columns import Columns
+from plannercheck.validation.formats.columns import Columns, WidthError
 
 Floats = NDArray[np.float64]
 
@@ -70,7 +70,7 @@ def _of_list(values: Any, width: int, first_row: int) -> Floats:
     bad = np.flatnonzero(missing | (lengths != width))
     if len(bad):
         held = "nothing" if missing[bad[0]] else f"{int(lengths[bad[0]])}"
-        raise PlannercheckError(f"row {first_row + int(bad[0])} must have {width} numbers, not {held}")
+        raise WidthError(f"row {first_row + int(bad[0])} must have {width} numbers, not {held}")
     flat = values.flatten()
     return _real(flat, "the column of lists", first_row, width).reshape(-1, width)
 

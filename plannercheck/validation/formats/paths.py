@@ -13,17 +13,20 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.checked_yaml import mapping, parse_yaml, read_bytes, sequence, text, within
 from plannercheck.common.errors import PlannercheckError, shortened
-from plannercheck.validation.formats.chunks import read_chunks
+from plannercheck.robots.robot import Robot
+from plannercheck.validation.formats.chunks import read_chunks, read_states
+from plannercheck.validation.formats.columns import WidthError
 from plannercheck.validation.formats.trajectories import read_trajectory
 
 Floats = NDArray[np.float64]
@@ -82,6 +85,36 @@ def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathF
         return found
 
 
+def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
+    """Reads a path of a robot, see `read_path`; one without a group may be given by one number a joint.
+
+    Args:
+        path: The file.
+        robot: Whose it is.
+
+    Returns:
+        The path, its states as the robot takes them.
+    """
+    fewer = robot.joint_values.maps if isinstance(robot, Robot) else ()
+    if fewer and Path(path).suffix.lower() in _TABLES:
+        with within(f"path file {str(path)!r}"):
+            states = _table([chunk.rows for chunk in read_states(path, robot)], robot.nq)
+            if not len(states):
+                raise PlannercheckError("holds no states")
+            return PathFile(states, {})
+    errors: list[WidthError] = []
+    for names, width, spread in ((robot.joint_names, robot.nq, None), *((m.joint_names, m.width, m) for m in fewer)):
+        try:
+            found = read_path(path, names, width)
+        except WidthError as error:
+            errors.append(error)
+            continue
+        if spread is None and found.states.shape[1] != width and fewer:
+            continue  # its joints are named, and each takes a number
+        return found if spread is None else replace(found, states=spread.expand(found.states))
+    raise errors[0]
+
+
 def _document(path: Path) -> Any:
     if path.suffix.lower() != ".json":
         return parse_yaml(read_bytes(path))
@@ -119,7 +152,7 @@ def _ordered(names: list[str], rows: Floats, joint_names: Sequence[str]) -> Path
         raise PlannercheckError(f"names a joint twice: {', '.join(names)}")
     missing = [joint for joint in joint_names if joint not in names]
     if missing:
-        raise PlannercheckError(f"has no joint {missing[0]!r}; it has {', '.join(map(shortened, names))}")
+        raise WidthError(f"has no joint {missing[0]!r}; it has {', '.join(map(shortened, names))}")
     others = {name: rows[:, k] for k, name in enumerate(names) if name not in joint_names}
     moving = [name for name, values in others.items() if len(values) and (values != values[0]).any()]
     if moving:
@@ -140,7 +173,7 @@ def _from_text(content: str, width: int) -> Floats:
     count = len(values) // width
     if len(values) != count * width or (header[1].lstrip("0") or "0") != str(count):
         told = shortened(header[1])
-        raise PlannercheckError(f"OMPL's {told} states hold {len(values)} numbers, not {width} each")
+        raise WidthError(f"OMPL's {told} states hold {len(values)} numbers, not {width} each")
     return _table([values[k * width : (k + 1) * width] for k in range(count)], width)
 
 
@@ -151,5 +184,5 @@ def _table(rows: Sequence[Any], width: int) -> Floats:
     except (TypeError, ValueError, OverflowError):  # the last of whole numbers beyond all doubles
         raise PlannercheckError("is no table of numbers") from None
     if table.size and (table.ndim != 2 or table.shape[1] != width):
-        raise PlannercheckError(f"its states have {table.shape[-1]} numbers, not {width}")
-    return table.reshape(-1, width)
+        raise WidthError(f"its states have {table.shape[-1]} numbers, not {width}")
+    return table.reshape(-1 if width else len(table), width)

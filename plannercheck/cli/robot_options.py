@@ -1,0 +1,86 @@
+"""The robot that a command is about: --robot, and what a URDF without a YAML leaves open.
+
+In: parsed options. Out: a robot's description, or the robot. What the options say goes before what a YAML says.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.planar.robot_files import is_planar
+from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.robot import Robot
+from plannercheck.robots.srdf import group_names
+
+
+def add_urdf_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what says of a URDF what a robot's YAML would."""
+    group = parser.add_argument_group("robots without a YAML")
+    group.add_argument("--srdf", type=Path, metavar="FILE", help="for self pairs, groups and states; acm writes one")
+    group.add_argument("--group", metavar="NAME", help="planning group of the SRDF, or joints: joint1,joint2,...")
+    group.add_argument(
+        "--package-dirs",
+        action="append",
+        type=Path,
+        metavar="FOLDER",
+        help="where package:// addresses of robot and scene start; may be given several times",
+    )
+    group.add_argument(
+        "--xacro-arg",
+        action="append",
+        metavar="NAME:=VALUE",
+        help="an argument of a robot that is a .xacro; may be given several times",
+    )
+    group.add_argument("--floating", action="store_true", help="the root link is free to move")
+
+
+def given_options(options: argparse.Namespace) -> list[str]:
+    """Which of these options are given."""
+    names = ("srdf", "group", "package_dirs", "xacro_arg", "floating")
+    return [f"--{name.replace('_', '-')}" for name in names if getattr(options, name, None)]
+
+
+def described(options: argparse.Namespace) -> RobotDescription:
+    """What the files and options say about the robot."""
+    given = given_options(options)
+    if given and is_planar(options.robot, "robots"):
+        raise PlannercheckError(f"{' and '.join(given)}: planar robots have no URDF")
+    description = description_of(options.robot)
+    changes: dict[str, Any] = {}
+    if options.srdf is not None:
+        changes["srdf"] = options.srdf
+    if options.floating:
+        changes["floating"] = True
+    if options.package_dirs:
+        changes["package_dirs"] = (*options.package_dirs, *description.package_dirs)
+    if options.xacro_arg:
+        changes["xacro_args"] = {**description.xacro_args, **dict(map(_argument, options.xacro_arg))}
+    description = dataclasses.replace(description, **changes) if changes else description
+    return dataclasses.replace(description, **_group(options.group, description)) if options.group else description
+
+
+def _argument(text: str) -> tuple[str, str]:
+    name, sign, value = text.partition(":=")
+    if not sign or not name:
+        raise PlannercheckError(f"--xacro-arg must be NAME:=VALUE, not {text!r}")
+    return name, value
+
+
+def _group(text: str, description: RobotDescription) -> Mapping[str, Any]:
+    """The SRDF's group of that name, else these joints."""
+    if description.semantics is not None and text in group_names(description.semantics.root):
+        return {"group": text, "joints": None}
+    joints = tuple(name.strip() for name in text.split(",") if name.strip())
+    if len(joints) == 1 and description.semantics is not None and "," not in text:
+        return {"group": text, "joints": None}  # the error lists the SRDF's groups
+    return {"group": "group", "joints": joints}
+
+
+def robot_of(options: argparse.Namespace) -> Robot:
+    """The robot."""
+    return Robot.from_description(described(options)) if given_options(options) else Robot.load(options.robot)

@@ -1,0 +1,59 @@
+"""Writes robot descriptions, so that every command takes what another one has found out.
+
+In: a description, the joints of its group, the pairs to leave out as text. Out: the text of a robot's YAML.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from plannercheck.common.package_data import example_robot_data
+from plannercheck.robots.description import RobotDescription
+
+
+def description_text(description: RobotDescription, joints: Sequence[str] | None, pairs: str, path: Path) -> str:
+    """A robot's YAML.
+
+    Args:
+        description: Of the robot; its SRDF is not needed any more, since pairs and joints are written out.
+        joints: Of the group; None for the whole robot.
+        pairs: The YAML of its `disabled_pairs`.
+        path: Where the text will be; files in its folder or below are named from there.
+
+    Returns:
+        The text.
+    """
+    folder = path.resolve().parent
+    content: dict[str, Any] = {
+        "name": description.name or path.stem,
+        "urdf": _named(description.urdf, folder),
+    }
+    folders = [each for each in description.package_dirs if each.resolve() != example_robot_data()]
+    if folders:
+        content["package_dirs"] = [_named(each, folder) for each in folders]
+    if description.xacro_args:
+        content["xacro_args"] = dict(description.xacro_args)
+    if description.floating:
+        content["floating"] = True
+    if joints is not None:
+        content["group"] = {"name": description.group or "group", "joints": list(joints)}
+    if description.values:
+        content["reference"] = dict(description.values)
+    if description.decomposition is not None:
+        options = {key: value for key, value in vars(description.decomposition).items() if value is not None}
+        content["convex_decomposition"] = {
+            key: list(value) if isinstance(value, tuple) else value for key, value in options.items()
+        }
+    text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+    return text + pairs
+
+
+def _named(path: Path, folder: Path) -> str:
+    """A path from a folder if it is below it, else whole."""
+    whole = path.resolve()
+    return os.path.relpath(whole, folder) if whole.is_relative_to(folder) else str(whole)

@@ -1,0 +1,89 @@
+"""Forward kinematics of a planning group: the compiled kernel where Pinocchio agrees with it, else Pinocchio.
+
+In: a Pinocchio model, where the numbers in its q come from, the frames of the links. Out: `ForwardKinematics`, which
+poses all links at a batch of configurations and says how far its rounding can move a point. The kernel is held against
+Pinocchio once, when it is built.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import Body
+from plannercheck.robots.configurations import ConfigurationMap
+from plannercheck.robots.kinematic_error import KinematicRounding
+from plannercheck.robots.kinematics import (
+    AGREEMENT,
+    JointTable,
+    compiled_kinematics,
+    disagreement,
+    joint_table,
+    pinocchio_poses,
+)
+
+Floats = NDArray[np.float64]
+
+
+class ForwardKinematics:
+    """Poses the links of a robot.
+
+    Attributes:
+        kernel: The compiled kinematics; None if Pinocchio itself has to pose.
+    """
+
+    def __init__(self, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int], robot: str) -> None:
+        self._model, self._map, self._frames = model, configurations, frames
+        self.kernel = self._checked_kernel(robot)
+
+    @cached_property
+    def table(self) -> JointTable | None:
+        """The kernel's table; None if it does not know some joint."""
+        return joint_table(self._model, self._map, self._frames)
+
+    def poses(self, rows: Floats) -> Floats:
+        """World poses (n, links, 4, 4) of all links at checked configurations (n, nq); m."""
+        if self.kernel is None:
+            return self.pinocchio_poses(rows)
+        return np.asarray(self.kernel.link_poses(rows, np.ones(len(self._frames), dtype=np.uint8)))
+
+    def pinocchio_poses(self, rows: Floats) -> Floats:
+        """The same by Pinocchio itself."""
+        return pinocchio_poses(self._model, self._map, self._frames, rows)
+
+    def rounding(self, bodies: Sequence[Body], links: Mapping[str, int]) -> KinematicRounding | None:
+        """What bounds how far rounding moves a point of these bodies.
+
+        Args:
+            bodies: Those that links carry count.
+            links: Index of each link by its name.
+
+        Returns:
+            The bound; None if Pinocchio itself has to pose, since nothing is proved then.
+        """
+        if self.table is None or self.kernel is None:
+            return None
+        moving = [body for body in bodies if body.link is not None]
+        return KinematicRounding(self.table, moving, [links[str(body.link)] for body in moving])
+
+    def _checked_kernel(self, robot: str) -> Any | None:
+        """The compiled kinematics if Pinocchio agrees with it."""
+        kernel = compiled_kinematics(self._model, self._map, self._frames)
+        if kernel is None:
+            return None
+        difference = disagreement(kernel, self._model, self._map, self._frames)
+        if difference <= AGREEMENT:
+            return kernel
+        warnings.warn(
+            f"robot {robot!r}: the compiled kinematics differs from Pinocchio by {difference:.3g}; "
+            "posing with Pinocchio instead, which is slower",
+            RuntimeWarning,
+            stacklevel=6,
+        )
+        return None

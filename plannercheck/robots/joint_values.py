@@ -1,0 +1,64 @@
+"""Configurations of a robot without a group, given by one number a joint.
+
+In: a Pinocchio model, who mimics whom. Out: the maps that turn such rows into Pinocchio's q. A continuous joint is one
+angle there, not its cosine and sine. One map takes all joints, another one those that move on their own: the others
+follow, as MoveIt has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.robots.configurations import ConfigurationMap, planning_group
+from plannercheck.robots.urdf import Mimic
+
+Floats = NDArray[np.float64]
+
+
+def own_joints(model: pin.Model, mimics: Mapping[str, Mimic]) -> tuple[str, ...]:
+    """The joints that move on their own, in Pinocchio's order."""
+    return tuple(name for name in list(model.names)[1:] if name not in mimics)
+
+
+class JointValues:
+    """Configurations of a robot, given by its joints' values.
+
+    Attributes:
+        maps: What turns fewer numbers than Pinocchio has into its configurations, the longest first, each of another
+            width; none for a robot with a group, whose joints take one number each as it is.
+    """
+
+    def __init__(
+        self, configurations: ConfigurationMap, model: pin.Model, mimics: Mapping[str, Mimic], is_whole: bool
+    ) -> None:
+        self._map, self._follow = configurations, bool(mimics) and is_whole
+        maps = []
+        if is_whole:
+            own = planning_group(model, own_joints(model, mimics), {}, mimics)
+            every = planning_group(model, tuple(model.names)[1:], {}, {})
+            maps = [each for each in (every, own) if each.width < model.nq]
+        self.maps = tuple({each.width: each for each in maps}.values())
+
+    def configurations(self, rows: ArrayLike) -> Floats:
+        """Configurations from joint values.
+
+        Args:
+            rows: (n, nq) or (nq,), or of a robot without a group one number for each joint, or for each joint that
+                does not follow another one; a continuous joint is one angle then. rad and m.
+
+        Returns:
+            (n, nq), checked.
+        """
+        width = np.shape(rows)[-1] if np.ndim(rows) else 0
+        chosen = next((each for each in self.maps if each.width == width), None)
+        return self._map.checked(rows) if chosen is None else chosen.expand(chosen.checked(rows))
+
+    def random(self, n: int, seed: int | np.random.Generator | None) -> Floats:
+        """As `ConfigurationMap.random`, (n, nq); joints that follow others do so."""
+        if not self._follow:
+            return self._map.random(n, seed)
+        return self.maps[-1].expand(self.maps[-1].random(n, seed))

@@ -1,0 +1,144 @@
+"""Loads a robot: from what a description says to the parts that `Robot` is made of.
+
+In: a robot's description (its URDF, SRDF, group, disabled pairs), and the state at which joints are held. Out:
+`RobotParts`. Pinocchio reads the URDF; each file is parsed once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
+from plannercheck.bodies.objects import SceneObject
+from plannercheck.bodies.shapes import Body
+from plannercheck.common.checked_yaml import within
+from plannercheck.robots.decomposed_links import decomposed
+from plannercheck.robots.description import RobotDescription
+from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
+from plannercheck.robots.reference_configuration import given_values
+from plannercheck.robots.self_pairs import self_pairs
+from plannercheck.robots.srdf import DisabledPair, group_state, warn_of_unheeded
+from plannercheck.robots.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
+from plannercheck.robots.urdf_hints import warn_of_odd_numbers
+
+Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64] | str | None
+
+
+@dataclass(frozen=True, eq=False)
+class RobotParts:
+    """What `Robot` is made of.
+
+    Attributes:
+        name: The robot's.
+        model: Pinocchio's.
+        tree: Links and the joints between them.
+        bodies: Collision bodies of the links.
+        pairs: (k, 2) indices into bodies: what is tested for self-collision.
+        disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
+        mimics: The joints that follow others, by name.
+        values: At which joints are held, by name; a continuous joint's is one angle. rad and m.
+        group: Name of the planning group; None for the whole robot.
+        joints: Of the group, in order; None for the whole robot.
+        carried: Objects that links carry.
+        pieces: Of the bodies that were decomposed, by the name of the body.
+    """
+
+    name: str
+    model: pin.Model
+    tree: LinkTree
+    bodies: tuple[Body, ...]
+    pairs: NDArray[np.int64]
+    disabled_pairs: tuple[DisabledPair, ...]
+    mimics: Mapping[str, Mimic]
+    values: Mapping[str, NDArray[np.float64]]
+    group: str | None
+    joints: tuple[str, ...] | None
+    carried: tuple[SceneObject, ...] = ()
+    pieces: Mapping[str, Pieces] = field(default_factory=dict)
+
+
+def urdf_description(
+    urdf: str | Path,
+    srdf: str | Path | None,
+    package_dirs: str | Path | Sequence[str | Path],
+    group: str | Sequence[str] | None,
+    floating: bool,
+    decomposition: Decomposition | None,
+    xacro_args: Mapping[str, str] | None,
+) -> RobotDescription:
+    """The description of a robot that has no YAML; arguments as of `Robot.from_urdf`."""
+    name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
+    folders = [package_dirs] if isinstance(package_dirs, str | Path) else package_dirs
+    return RobotDescription(
+        name="",
+        urdf=Path(urdf),
+        srdf=None if srdf is None else Path(srdf),
+        package_dirs=tuple(Path(folder) for folder in folders),
+        floating=floating,
+        group=name,
+        joints=joints,
+        decomposition=decomposition,
+        xacro_args=dict(xacro_args or {}),
+    )
+
+
+def robot_parts(description: RobotDescription, reference: Reference) -> RobotParts:
+    """Reads what a robot is made of.
+
+    Args:
+        description: What the robot's YAML says, or the arguments of `Robot.from_urdf`.
+        reference: As for `Robot.from_urdf`; values in the description go before it.
+
+    Returns:
+        The parts.
+    """
+    urdf = description.file
+    model = read_model(urdf, description.floating)
+    geometry = read_geometry(model, urdf, description.package_dirs)
+    warn_of_odd_numbers(urdf)
+    tree = link_tree(model)
+    with within(f"URDF {urdf.path}"):
+        bodies = bodies_of(model, geometry)
+    mimics = usable_mimics(model, urdf)
+    srdf = description.semantics
+    if srdf is not None:
+        warn_of_unheeded(srdf, tree)
+    if isinstance(reference, str):
+        reference = group_state(None if srdf is None else srdf.root, reference, model.names)
+    joints = _group(description, model, tree, mimics)
+    pairs = self_pairs(geometry, bodies, srdf, tree, description.disabled_pairs)
+    pieces: Mapping[str, Pieces] = {}
+    if description.decomposition is not None:
+        bodies, pairs, pieces = decomposed(bodies, pairs, geometry, description.decomposition)
+    return RobotParts(
+        name=description.name or model.name,
+        model=model,
+        tree=tree,
+        bodies=bodies,
+        pairs=pairs,
+        pieces=pieces,
+        disabled_pairs=description.disabled_pairs,
+        mimics=mimics,
+        values=given_values(model, description.values or reference),
+        group=description.group,
+        joints=joints,
+    )
+
+
+def _group(
+    description: RobotDescription, model: pin.Model, tree: LinkTree, mimics: Mapping[str, Mimic]
+) -> tuple[str, ...] | None:
+    """The joints of the planning group, in order; None for the whole robot."""
+    if description.joints is not None:
+        return explicit_group(model, description.joints, mimics)
+    if description.group is None:
+        return None
+    root = None if description.semantics is None else description.semantics.root
+    return srdf_group(model, root, description.group, tree, mimics)

@@ -1,0 +1,153 @@
+"""A URDF as text and as XML, mended where it is no clean XML and yet plain what is meant.
+
+In: a path. Out: `UrdfFile`. urdfdom and Python's XML stumble over different things: a declaration that does not stand
+first, prefixes that are bound to nothing, "--" within a comment, a <visual> whose material has no name (which makes
+urdfdom drop the whole link's bodies). None of them says anything about collisions, so both readers get a text without
+them. A file that both can read is left to them as it is.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+import tempfile
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.input_limits import check_xml_text
+from plannercheck.common.package_data import is_file
+from plannercheck.robots.urdf_messages import native_messages
+from plannercheck.robots.xacro import XACRO_SUFFIX, expanded, xacro_hint
+
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_DECLARATION = re.compile(r"<\?xml\b.*?\?>", re.DOTALL)
+_PREFIX = re.compile(r"[<\s/]([A-Za-z_][\w.-]*):[A-Za-z_]")
+_ROOT = re.compile(r"<robot\b")
+_NO_TEXT = re.compile("[\ud800-\udfff]")
+_XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
+
+# Every XML reader knows these.
+_KNOWN_PREFIXES = frozenset({"xml", "xmlns"})
+
+
+@dataclass(frozen=True, eq=False)
+class UrdfFile:
+    """A URDF that has been read.
+
+    Attributes:
+        path: Of the file.
+        mended: What to read in place of the file; None if the file itself will do.
+        fault: Why it is no XML; empty if it is.
+    """
+
+    path: Path
+    mended: str | None
+    fault: str
+    _root: Element | None
+
+    @classmethod
+    def read(cls, path: Path, arguments: Mapping[str, str] | None = None, folders: Sequence[Path] = ()) -> UrdfFile:
+        """Reads a file; if it is no XML, `root` will say so: urdfdom reads some that are none.
+
+        Args:
+            path: Of a URDF, or of a xacro.
+            arguments: Of the xacro, by name.
+            folders: Where the xacro's packages are sought first.
+
+        Returns:
+            The file.
+
+        Raises:
+            PlannercheckError: If there is no such file, it is nested too deep, or a xacro can't be expanded.
+        """
+        if path.suffix == XACRO_SUFFIX:
+            text = expanded(path, arguments or {}, folders)
+            root, fault = _parsed(text)
+            check_xml_text(text.encode(), f"URDF {path}")
+            return cls(path, text if root is None else _with_names(root) or text, fault, root)
+        if arguments:
+            raise PlannercheckError(f"URDF {path} is no .xacro, so that it takes no arguments: {', '.join(arguments)}")
+        if not is_file(path):
+            raise PlannercheckError(f"URDF {path} does not exist")
+        try:
+            content = path.read_bytes()
+        except OSError as error:
+            raise PlannercheckError(f"URDF {path} can't be read: {error.strerror or error}") from None
+        root, fault = _parsed(content)
+        plain = None if root is not None else _plain(content)
+        if plain is not None and (root := _parsed(plain)[0]) is not None:
+            content = plain.encode()
+        check_xml_text(content, f"URDF {path}")
+        if root is None:
+            return cls(path, None, fault, None)
+        _check_expanded(root, path)
+        return cls(path, _with_names(root) or plain, "", root)
+
+    @property
+    def root(self) -> Element:
+        """The XML's root."""
+        if self._root is None:
+            raise PlannercheckError(f"URDF {self.path} is not well-formed XML: {self.fault}")
+        return self._root
+
+    @property
+    def hint(self) -> str:
+        """Says so if the file is a xacro that was not expanded; else empty."""
+        return xacro_hint(self.path)
+
+    def with_meshes(self, files: dict[str, Path]) -> UrdfFile:
+        """The same with other files for some of its collision meshes, by the name that it gives them."""
+        if not files:
+            return self
+        root = copy.deepcopy(self.root)
+        for mesh in root.iterfind("link/collision/geometry/mesh"):
+            found = files.get(mesh.get("filename", ""))
+            if found is not None:
+                mesh.set("filename", str(found))
+        return UrdfFile(self.path, ElementTree.tostring(root, encoding="unicode"), "", root)
+
+    def messages(self, floating: bool, folders: Sequence[str]) -> str:
+        """What urdfdom, Pinocchio and assimp say about it; empty if that can't be found out."""
+        if self.mended is None:
+            return native_messages(self.path, floating, folders)
+        with tempfile.TemporaryDirectory() as folder:
+            written = Path(folder) / self.path.name
+            written.write_text(self.mended, encoding="utf-8")
+            return native_messages(written, floating, folders).replace(str(written), str(self.path))
+
+
+def _parsed(content: bytes | str) -> tuple[Element | None, str]:
+    """The XML's root, or why there is none."""
+    try:
+        return ElementTree.fromstring(content), ""
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
+        return None, str(error)
+
+
+def _plain(content: bytes) -> str | None:
+    """The text without comments and declarations, all prefixes bound; None if it is no UTF-8."""
+    text = _DECLARATION.sub("", _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape"))).strip()
+    if _NO_TEXT.search(text):
+        return None
+    unbound = {name for name in _PREFIX.findall(text) if f"xmlns:{name}" not in text} - _KNOWN_PREFIXES
+    bindings = "".join(f' xmlns:{name}="unbound:{name}"' for name in sorted(unbound))
+    return _ROOT.sub(f"<robot{bindings}", text, count=1)
+
+
+def _check_expanded(root: Element, path: Path) -> None:
+    """Raises for elements of xacro: urdfdom passes over them, so that links and joints would be missing."""
+    found = next((each.tag for each in root.iter() if isinstance(each.tag, str) and _XACRO.match(each.tag)), None)
+    if found is not None:
+        raise PlannercheckError(f"URDF {path} holds <xacro:{found.partition('}')[2]}>: {xacro_hint(path)}")
+
+
+def _with_names(root: Element) -> str | None:
+    """The text with a name for each material that is drawn; None if all have one."""
+    unnamed = [each for each in root.iterfind("link/visual/material") if each.get("name") is None]
+    for material in unnamed:
+        material.set("name", "")
+    return ElementTree.tostring(root, encoding="unicode") if unnamed else None

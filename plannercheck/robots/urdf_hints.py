@@ -1,0 +1,74 @@
+"""Words for numbers of a URDF that can be read but are hardly meant: degrees, limits that nobody gave.
+
+In: a URDF. Out: warnings that name file, element and number, and say what it looks like. Verdicts do not depend on
+them.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from plannercheck.robots.urdf_file import UrdfFile
+
+# An angle of more than a turn, with room for 6.28319, is no orientation that anyone writes in rad.
+_LARGEST_USUAL_ANGLE = 2 * math.pi + 0.01
+
+# Limits in whole numbers from 30 to 720 are degrees: 30 rad are five turns, which are written as 31.4159.
+_LEAST_DEGREES, _MOST_DEGREES = 30.0, 720.0
+
+# How many elements a warning names.
+_SHOWN = 3
+
+
+def warn_of_odd_numbers(file: UrdfFile) -> None:
+    """Warns of angles that look like degrees, and of joints that can't move since their limits are missing."""
+    root = file.root
+    _warn(file.path, list(_turned(root)), "look like degrees: rpy is in rad")
+    _warn(file.path, list(_wide(root)), "look like degrees: limits are in rad")
+    _warn(file.path, list(_unlimited(root)), "keep the joint at 0: give lower= and upper= in rad or m")
+
+
+def _warn(path: Path, found: list[str], meaning: str) -> None:
+    if found:
+        more = f" and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
+        warnings.warn(f"URDF {path}: {', '.join(found[:_SHOWN])}{more} {meaning}", RuntimeWarning, stacklevel=6)
+
+
+def _turned(root: Element) -> Iterator[str]:
+    """Origins whose angles are beyond a turn."""
+    for kind in ("link", "joint"):
+        for owner in root.iterfind(kind):
+            for origin in owner.iter("origin"):
+                if max(map(abs, _numbers(origin.get("rpy", "")))) > _LARGEST_USUAL_ANGLE:
+                    yield f'rpy="{origin.get("rpy")}" of {kind} {owner.get("name", "")!r}'
+
+
+def _wide(root: Element) -> Iterator[str]:
+    """Limits of turning joints that are whole numbers of degrees."""
+    for joint in root.iterfind("joint[@type='revolute']"):
+        for limit in joint.iterfind("limit"):
+            bounds = [*_numbers(limit.get("lower", "")), *_numbers(limit.get("upper", ""))]
+            largest = max(map(abs, bounds))
+            if _LEAST_DEGREES <= largest <= _MOST_DEGREES and all(bound == round(bound) for bound in bounds):
+                lower, upper = limit.get("lower", "0"), limit.get("upper", "0")
+                yield f"limits {lower} to {upper} of joint {joint.get('name', '')!r}"
+
+
+def _unlimited(root: Element) -> Iterator[str]:
+    """Limits of joints that say nothing of where they are."""
+    for joint in root.iterfind("joint"):
+        limit, has_limits = joint.find("limit"), joint.get("type") in ("revolute", "prismatic")
+        if has_limits and limit is not None and not {"lower", "upper"} & limit.attrib.keys():
+            yield f"limits that are not given of joint {joint.get('name', '')!r}"
+
+
+def _numbers(text: str) -> list[float]:
+    """The numbers of an attribute; 0 if there are none, or it holds something else, of which the reader will tell."""
+    try:
+        return [float(part) for part in text.split()] or [0.0]
+    except ValueError:
+        return [0.0]

@@ -1,0 +1,45 @@
+"""Expands a xacro file: `python -m plannercheck.robots.xacro_worker FILE`, arguments and folders as JSON on stdin.
+
+Out: the URDF on standard output, or xacro's message on the error stream and exit code 1.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from contextlib import redirect_stdout
+from pathlib import Path
+
+from plannercheck.common.package_files import folders_above, package_folder, where_sought
+
+
+def main(file: str) -> int:
+    """Expands one file."""
+    import xacro
+    from xacro import substitution_args
+
+    task = json.load(sys.stdin)
+    folders = [Path(folder) for folder in task["folders"]]
+    above = folders_above(Path(file))
+
+    def find(name: str) -> str:
+        folder = package_folder(name, folders, above)
+        if folder is None:
+            raise LookupError(f"package {name!r} is not found. {where_sought(folders)}")
+        return str(folder)
+
+    substitution_args._eval_find = find
+    substitution_args._eval_dict["find"] = find
+    try:
+        with redirect_stdout(io.StringIO()):
+            text = xacro.process_file(file, mappings=task["arguments"]).toxml()
+    except Exception as error:  # xacro raises what its files' expressions raise
+        print(error or repr(error), file=sys.stderr)
+        return 1
+    sys.stdout.buffer.write(text.encode())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,35 @@
+"""Words for scenes that can be read but are hardly meant: sizes in millimetres.
+
+In: a scene. Out: a sentence that says what it looks like and what to do, or an empty one. Verdicts do not depend on it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.shapes import hull_and_swell
+from plannercheck.scenes.contents import SceneContents
+
+# A scene that spans this much, and in which no object is thinner than that, is in millimetres: a wide floor is thin. m.
+_LARGE, _THIN = 100.0, 1.0
+
+
+def scale_hint(scene: SceneContents) -> str:
+    """What the objects' sizes look like; empty if they are usual."""
+    extents: dict[str, list[NDArray[np.float64]]] = {}
+    for item in scene.objects:
+        for part in item.parts:
+            points, _, swell = hull_and_swell(part.shape)
+            extents.setdefault(item.name, []).append(np.ptp(points, axis=0) + 2 * swell)
+    if not extents:
+        return ""
+    largest = {name: float(np.max(sizes)) for name, sizes in extents.items()}
+    thinnest = min(float(np.min(sizes)) for sizes in extents.values())
+    name = max(largest, key=lambda each: largest[each])
+    if largest[name] <= _LARGE or thinnest < _THIN:
+        return ""
+    return (
+        f"{name!r} is {largest[name]:.4g} m large and nothing is thinner than {thinnest:.4g} m: sizes and positions "
+        "are in m, if these are in millimetres, multiply them by 0.001"
+    )

@@ -1,0 +1,103 @@
+"""Robots that are xacro files: expanded in a process of their own, packages found as everywhere."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+from plannercheck.bodies.shapes import Box
+from plannercheck.cli.main import main
+
+ARM = """<?xml version="1.0"?>
+<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:arg name="size" default="0.1"/>
+<xacro:include filename="$(find parts)/urdf/block.xacro"/>
+<xacro:block name="a" size="$(arg size)"/>
+<xacro:block name="b" size="${2 * 0.05}"/>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0 0 ${pi}"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+BLOCK = """<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="block" params="name size">
+<link name="${name}"><collision><geometry><box size="${size} ${size} ${size}"/></geometry></collision></link>
+</xacro:macro></robot>"""
+
+
+@pytest.fixture
+def arm(tmp_path, monkeypatch):
+    for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+        monkeypatch.delenv(name, raising=False)
+    package = tmp_path / "ws" / "src" / "parts-main"
+    (package / "urdf").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>parts</name></package>")
+    (package / "urdf" / "block.xacro").write_text(BLOCK)
+    (tmp_path / "robot").mkdir()
+    path = tmp_path / "robot" / "arm.urdf.xacro"
+    path.write_text(ARM)
+    return path
+
+
+def size_of(robot):
+    return robot.bodies[0].shape.size[0]
+
+
+def test_a_xacro_is_expanded_with_its_arguments(arm, tmp_path):
+    robot = pc.Robot.from_urdf(arm, package_dirs=tmp_path / "ws")
+    assert robot.bodies[0].shape == Box((0.1, 0.1, 0.1))
+    assert np.isclose(robot.link_poses([0.0])[1, 2, 3], np.pi)
+    assert size_of(pc.Robot.from_urdf(arm, package_dirs=tmp_path / "ws", xacro_args={"size": "0.3"})) == 0.3
+
+
+def test_packages_are_those_of_the_environment(arm, tmp_path, monkeypatch):
+    monkeypatch.setenv("ROS_PACKAGE_PATH", os.pathsep.join(["/nowhere", str(tmp_path / "ws")]))
+    assert size_of(pc.Robot.load(arm)) == 0.1
+
+
+def test_a_yaml_gives_arguments(arm, tmp_path):
+    path = tmp_path / "robot" / "arm.yaml"
+    path.write_text("urdf: arm.urdf.xacro\npackage_dirs: [../ws]\nxacro_args: {size: 0.25}\n")
+    assert size_of(pc.Robot.load(path)) == 0.25
+
+
+def test_the_command_line_gives_arguments(arm, tmp_path, capsys):
+    robot = ("--robot", str(arm), "--package-dirs", str(tmp_path / "ws"))
+    np.save(tmp_path / "q.npy", [[0.5]])
+    assert main(["validate", *robot, "--xacro-arg", "size:=0.2", str(tmp_path / "q.npy")]) == 0
+    assert main(["validate", *robot, "--xacro-arg", "size:=9", str(tmp_path / "q.npy")]) == 0  # adjacent links
+    out = tmp_path / "arm.yaml"
+    assert main(["acm", *robot, "--xacro-arg", "size:=0.2", "--states", "10", "--output", str(out)]) == 0
+    assert size_of(pc.Robot.load(out)) == 0.2
+    assert main(["inspect", "--robot", str(out), "--states", "10"]) == 0
+    capsys.readouterr()
+    assert main(["inspect", *robot, "--xacro-arg", "size=3"]) == 2
+    assert "--xacro-arg must be NAME:=VALUE, not 'size=3'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("${pi}", "${height}", "can't be expanded: name 'height' is not defined"),
+        ("$(find parts)", "$(find prats)", "package 'prats' is not found. Searched were the folders above the file"),
+        ("</robot>", "", r"can't be expanded: .*no element found"),
+        ('<xacro:block name="a"', '<xacro:brick name="a"', "can't be expanded: unknown macro name: xacro:brick"),
+    ],
+)
+def test_what_xacro_says_is_said(arm, tmp_path, old, new, message):
+    arm.write_text(ARM.replace(old, new))
+    with pytest.raises(pc.PlannercheckError, match=rf"arm\.urdf\.xacro .*{message}"):
+        pc.Robot.from_urdf(arm, package_dirs=tmp_path / "ws")
+
+
+def test_missing_files_and_libraries_are_named(arm, tmp_path, monkeypatch):
+    with pytest.raises(pc.PlannercheckError, match=r"nowhere\.xacro does not exist"):
+        pc.Robot.from_urdf(tmp_path / "nowhere.xacro")
+    urdf = tmp_path / "r.urdf"
+    urdf.write_text('<robot name="r"><link name="a"/></robot>')
+    with pytest.raises(pc.PlannercheckError, match=r"r\.urdf is no \.xacro, so that it takes no arguments: size"):
+        pc.Robot.from_urdf(urdf, xacro_args={"size": "1"})
+    monkeypatch.setitem(sys.modules, "xacro", None)
+    with pytest.raises(pc.PlannercheckError, match=r"xacro files need xacro, .*pip install 'plannercheck\[xacro\]'"):
+        pc.Robot.from_urdf(arm)
