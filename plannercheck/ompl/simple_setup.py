@@ -14,7 +14,7 @@ from contextlib import suppress
 from typing import Any
 from weakref import WeakSet
 
-from ompl import base, geometric
+from ompl import base, geometric, util
 
 from plannercheck.common.errors import PlannercheckError
 
@@ -71,6 +71,7 @@ class _NoMotions(base.MotionValidator):  # type: ignore[misc]  # OMPL's bindings
 @atexit.register
 def _let_go() -> None:
     """Puts OMPL's own goals, judges, samplers and objectives where the program may have put some of its classes."""
+    util.setLogLevel(util.LOG_NONE)  # of planners that are set up twice
     for setup in list(_MADE):
         information = setup.getSpaceInformation()
         setup.getProblemDefinition().clearSolutionPaths()
