@@ -204,7 +204,12 @@ def test_states_command(tmp_path, capsys):
     rows = read(tmp_path / "new" / "states.csv")
     assert {row["scene"] for row in rows} == {"table", "empty"}
     assert {row["kind"] for row in rows} == {"exact", "boxes", "coal"}
-    assert {path.name for path in (tmp_path / "new").iterdir()} == {"states.csv", "states.png", "states.svg"}
+    assert {path.name for path in (tmp_path / "new").iterdir()} == {
+        "states.csv",
+        "states.json",
+        "states.png",
+        "states.svg",
+    }
     printed = capsys.readouterr().out
     assert "coal's tree / batch" in printed
     assert "bounding boxes" in printed
@@ -218,7 +223,7 @@ def test_pairs_command(tmp_path, capsys):
         (n, g) for n in ("8", "150", "200") for g in ("0.5", "0.0001", "-0.3")
     }
     assert all(row["wrong"] == "0" for row in rows if row["method"].startswith("plannercheck"))
-    assert {path.name for path in tmp_path.iterdir()} == {"pairs.csv", "pairs.png", "pairs.svg"}
+    assert {path.name for path in tmp_path.iterdir()} == {"pairs.csv", "pairs.json", "pairs.png", "pairs.svg"}
     assert "from 150 to 200 vertices" in capsys.readouterr().out
 
 
@@ -258,9 +263,11 @@ def test_complexity_command(tmp_path, capsys):
     assert grown["ellipse", "brute force"] == pytest.approx(1)
     assert {path.name for path in tmp_path.iterdir()} == {
         "complexity.csv",
+        "complexity.json",
         "complexity.png",
         "complexity.svg",
         "complexity_growth.csv",
+        "complexity_growth.json",
     }
     assert "a doubling" in capsys.readouterr().out
 
