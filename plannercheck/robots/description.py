@@ -44,6 +44,7 @@ from plannercheck.common.checked_yaml import (
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
+from plannercheck.robots.robot_descriptions import files_by_name
 from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
 from plannercheck.robots.urdf_file import UrdfFile
 
@@ -81,6 +82,7 @@ class RobotDescription:
         disabled_pairs: Self pairs of links that are left out.
         decomposition: Which links to make of convex pieces, if any.
         xacro_args: Values of the arguments of a URDF that is a xacro, by name.
+        source: The YAML file; None if there is none.
     """
 
     name: str
@@ -94,6 +96,7 @@ class RobotDescription:
     disabled_pairs: tuple[DisabledPair, ...] = ()
     decomposition: Decomposition | None = None
     xacro_args: Mapping[str, str] = field(default_factory=dict)
+    source: Path | None = None
 
     @cached_property
     def file(self) -> UrdfFile:
@@ -130,6 +133,15 @@ def description_of(name_or_path: str | Path | RobotDescription) -> RobotDescript
     """What the YAML of a robot says, or of a URDF alone, that there is none; a description is what it is."""
     if isinstance(name_or_path, RobotDescription):
         return name_or_path
+    named = None if (shipped_folder("robots") / f"{name_or_path}.yaml").exists() else files_by_name(str(name_or_path))
+    if named is not None:
+        return RobotDescription(
+            name="",
+            urdf=Path(named.urdf),
+            srdf=None if named.srdf is None else Path(named.srdf),
+            package_dirs=(*map(Path, named.folders), example_robot_data()),
+            xacro_args=named.xacro_args,
+        )
     path = find_description(name_or_path)
     if path.suffix in URDF_SUFFIXES:
         return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
@@ -163,6 +175,7 @@ def read_description(path: Path) -> RobotDescription:
         values={**mapping(content.get("reference"), "reference"), **mapping(content.get("held"), "held")},
         disabled_pairs=_disabled_pairs(content.get("disabled_pairs")),
         decomposition=_decomposition(content.get("convex_decomposition")),
+        source=path,
         xacro_args={key: str(value) for key, value in mapping(content.get("xacro_args"), "xacro_args").items()},
     )
 

@@ -27,7 +27,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.robots.anchored_objects import placed
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed, planning_group, whole_robot
-from plannercheck.robots.description import URDF_SUFFIXES, RobotDescription, description_of, find_description
+from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.joint_values import JointValues
 from plannercheck.robots.kinematic_error import KinematicRounding
@@ -80,17 +80,18 @@ class Robot:
         """Loads a robot.
 
         Args:
-            name_or_path: A name from robots/ such as "panda", or the path of a YAML description or of a URDF.
+            name_or_path: A name from robots/ such as "panda", one of the package robot_descriptions such as
+                "panda_description", or the path of a YAML description, of a URDF or of a .xacro.
             decomposition: Makes concave links of convex pieces, with CoACD; None does what the YAML says.
 
         Returns:
             The robot.
         """
-        path = find_description(name_or_path)
-        description = description_of(path)
+        description = description_of(name_or_path)
         if decomposition is not None:
             description = replace(description, decomposition=decomposition)
-        with contextlib.nullcontext() if path.suffix in URDF_SUFFIXES else within(f"robot file {path}"):
+        source = description.source
+        with contextlib.nullcontext() if source is None else within(f"robot file {source}"):
             return cls.from_description(description)
 
     @classmethod

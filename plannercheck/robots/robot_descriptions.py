@@ -1,0 +1,61 @@
+"""Robots by name from the package robot_descriptions, where it is installed.
+
+In: the name of one of its modules, such as "panda_description". Out: where the robot's files are. The package fetches
+them when it is asked for the first time; what it says when that fails stands in our error.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from typing import Any, NamedTuple
+
+from plannercheck.common.errors import PlannercheckError
+
+_PACKAGE = "robot_descriptions"
+
+
+class NamedFiles(NamedTuple):
+    """Files of a robot.
+
+    Attributes:
+        urdf: Path of the URDF, or of a xacro.
+        srdf: Path of the SRDF, if there is one.
+        folders: Where packages are.
+        xacro_args: Values of the xacro's arguments.
+    """
+
+    urdf: str
+    srdf: str | None
+    folders: tuple[str, ...]
+    xacro_args: dict[str, str]
+
+
+def files_by_name(name: str) -> NamedFiles | None:
+    """The files of a robot; None if the package is not installed, or has no such module.
+
+    Raises:
+        PlannercheckError: If the files can't be had, or are of a kind that is not read.
+    """
+    if not name.isidentifier() or name.startswith("_") or importlib.util.find_spec(_PACKAGE) is None:
+        return None
+    if importlib.util.find_spec(f"{_PACKAGE}.{name}") is None:
+        return None
+    try:
+        module: Any = importlib.import_module(f"{_PACKAGE}.{name}")
+    except Exception as error:  # of git, of the network, of the file system
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise PlannercheckError(f"robot {name!r} of {_PACKAGE} can't be fetched: {reason:.400}") from None
+    urdf = getattr(module, "URDF_PATH", None) or getattr(module, "XACRO_PATH", None)
+    if urdf is None:
+        raise PlannercheckError(f"robot {name!r} of {_PACKAGE} has no URDF, but another format, which is not read")
+    arguments = {key: str(value) for key, value in getattr(module, "XACRO_ARGS", {}).items()}
+    is_xacro = not hasattr(module, "URDF_PATH")
+    return NamedFiles(str(urdf), getattr(module, "SRDF_PATH", None), _folders(module), arguments if is_xacro else {})
+
+
+def _folders(module: Any) -> tuple[str, ...]:
+    """Where the packages of a module's robot are, as far as it says so."""
+    named = getattr(module, "XACRO_PACKAGE_PATHS", {}).values()
+    whole = [getattr(module, key, None) for key in ("PACKAGE_PATH", "REPOSITORY_PATH")]
+    return tuple(dict.fromkeys(str(folder) for folder in (*named, *whole) if folder))
