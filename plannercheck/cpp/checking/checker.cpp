@@ -30,13 +30,6 @@ std::vector<bool> lasting_collisions(const std::vector<MountedBody>& bodies,
 
 }  // namespace
 
-PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
-  sum.queries.blocks += more.queries.blocks, sum.queries.exact += more.queries.exact;
-  sum.guest_queries += more.guest_queries, sum.host_queries += more.host_queries;
-  sum.games += more.games, sum.rounds += more.rounds;
-  return sum;
-}
-
 CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more) {
   sum.states += more.states, sum.pairs += more.pairs, sum.bounds += more.bounds;
   sum.boxes += more.boxes, sum.overlaps += more.overlaps, sum.skipped += more.skipped;

@@ -29,7 +29,6 @@ struct CheckerCounters {
   PairCounters pair;
 };
 
-PairCounters& operator+=(PairCounters& sum, const PairCounters& more);
 CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more);
 
 struct CheckerOptions {

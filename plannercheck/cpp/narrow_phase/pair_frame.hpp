@@ -40,6 +40,13 @@ struct PairCounters {
   long guest_queries = 0, host_queries = 0, games = 0, rounds = 0;
 };
 
+inline PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
+  sum.queries.blocks += more.queries.blocks, sum.queries.exact += more.queries.exact;
+  sum.guest_queries += more.guest_queries, sum.host_queries += more.host_queries;
+  sum.games += more.games, sum.rounds += more.rounds;
+  return sum;
+}
+
 class PairFrame {
  public:
   PairFrame(const PosedBody& guest, const PosedBody& host);
