@@ -49,7 +49,7 @@ from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
 from plannercheck.robots.urdf_file import UrdfFile
 
 # What a URDF's name ends with.
-URDF_SUFFIXES = (".urdf", ".xml", ".xacro")
+URDF_SUFFIXES = (".urdf", ".xml", ".xacro", ".mjcf", ".sdf")
 
 _KEYS = (
     "name",

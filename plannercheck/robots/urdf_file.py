@@ -95,6 +95,11 @@ class UrdfFile:
         return self._root
 
     @property
+    def kind(self) -> str:
+        """The name of the root element: "robot" for a URDF, "mujoco" for an MJCF file; "" if it is no XML."""
+        return "" if self._root is None else str(self._root.tag)
+
+    @property
     def hint(self) -> str:
         """Says so if the file is a xacro that was not expanded; else empty."""
         return xacro_hint(self.path)
