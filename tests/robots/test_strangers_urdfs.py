@@ -152,6 +152,14 @@ def test_usual_numbers_get_none(tmp_path, old, new):
     loaded(tmp_path, URDF.replace(old, new))
 
 
+def test_limits_that_no_joint_reaches_are_none(tmp_path):
+    robot = loaded(
+        tmp_path, URDF.replace("revolute", "prismatic").replace('lower="-1" upper="1"', 'lower="-1e16" upper="1e16"')
+    )
+    assert robot.lower.tolist() == [-np.inf]
+    assert pc.Checker(robot).check_states(robot.random_configurations(20, 1)).shape == (20,)
+
+
 POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
 
 
