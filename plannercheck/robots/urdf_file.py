@@ -28,6 +28,7 @@ _DECLARATION = re.compile(r"<\?xml\b.*?\?>", re.DOTALL)
 _PREFIX = re.compile(r"[<\s/]([A-Za-z_][\w.-]*):[A-Za-z_]")
 _ROOT = re.compile(r"<robot\b")
 _NO_TEXT = re.compile("[\ud800-\udfff]")
+_BLANK = " \t\r\n\0"  # some files end in a zero byte
 _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
 
 # Every XML reader knows these.
@@ -135,7 +136,7 @@ def _parsed(content: bytes | str) -> tuple[Element | None, str]:
 
 def _plain(content: bytes) -> str | None:
     """The text without comments and declarations, all prefixes bound; None if it is no UTF-8."""
-    text = _DECLARATION.sub("", _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape"))).strip()
+    text = _DECLARATION.sub("", _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape"))).strip(_BLANK)
     if _NO_TEXT.search(text):
         return None
     unbound = {name for name in _PREFIX.findall(text) if f"xmlns:{name}" not in text} - _KNOWN_PREFIXES

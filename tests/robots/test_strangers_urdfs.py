@@ -44,6 +44,7 @@ def assert_whole(robot):
     [
         f' \n<?xml version="1.0" encoding="utf-8"?>\n{URDF}',
         f'<!-- made by hand -->\n<?xml version="1.0"?>\n{URDF}',
+        f"{URDF}\n\0",
         b"\xef\xbb\xbf" + f'<?xml version="1.0"?>{URDF}'.encode(),
         URDF.replace('<link name="b">', '<link name="b"><gazebo:sensor/><camera x:name="it"/>'),
         URDF.replace('<link name="b">', '<link name="b"><!-- one -- two -->'),
@@ -55,6 +56,7 @@ def assert_whole(robot):
     ids=[
         "declaration after a blank",
         "declaration after a comment",
+        "zero byte",
         "byte order",
         "prefixes",
         "comment",
