@@ -27,6 +27,8 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _DECLARATION = re.compile(r"<\?xml\b.*?\?>", re.DOTALL)
 _PREFIX = re.compile(r"[<\s/]([A-Za-z_][\w.-]*):[A-Za-z_]")
 _ROOT = re.compile(r"<robot\b")
+_ENCODING = re.compile(rb"""(?:\xef\xbb\xbf)?<\?xml[^>]*?encoding\s*=\s*["']([^"']*)""")
+_UTF8 = (b"utf-8", b"utf8", b"us-ascii", b"ascii")
 _NO_TEXT = re.compile("[\ud800-\udfff]")
 _BLANK = " \t\r\n\0"  # some files end in a zero byte
 _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
@@ -135,7 +137,10 @@ def _parsed(content: bytes | str) -> tuple[Element | None, str]:
 
 
 def _plain(content: bytes) -> str | None:
-    """The text without comments and declarations, all prefixes bound; None if it is no UTF-8."""
+    """The text without comments and declarations, all prefixes bound; None if it is no UTF-8, or says so."""
+    declared = _ENCODING.match(content)
+    if declared is not None and declared[1].lower() not in _UTF8:
+        return None
     text = _DECLARATION.sub("", _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape"))).strip(_BLANK)
     if _NO_TEXT.search(text):
         return None
