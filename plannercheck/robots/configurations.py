@@ -30,6 +30,9 @@ PLAIN, COSINE, SINE = 0, 1, 2
 # Pinocchio marks a missing limit by the largest double.
 NO_LIMIT = 1e300
 
+# Beyond this, products of poses could overflow; no joint gets there, so that a limit beyond it is none.
+LARGEST_VALUE = 1e15
+
 # Range in m from which positions without limits are sampled.
 _UNLIMITED_RANGE = 1.0
 
@@ -267,7 +270,7 @@ def _joints(model: pin.Model) -> Iterator[pin.JointModel]:
 
 def _limits(model: pin.Model) -> tuple[Floats, Floats]:
     lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
-    lower[lower < -NO_LIMIT], upper[upper > NO_LIMIT] = -np.inf, np.inf
+    lower[lower < -LARGEST_VALUE], upper[upper > LARGEST_VALUE] = -np.inf, np.inf
     return lower, upper
 
 
@@ -280,10 +283,6 @@ def _group_columns(model: pin.Model, joints: Sequence[str]) -> tuple[dict[str, i
         starts[name] = len(limits)
         limits += joint_limits(model, joint)
     return starts, limits
-
-
-# Beyond this, products of poses could overflow; no joint gets there.
-LARGEST_VALUE = 1e15
 
 
 def _check_finite(rows: Floats) -> None:

@@ -49,7 +49,7 @@ from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
 from plannercheck.robots.urdf_file import UrdfFile
 
 # What a URDF's name ends with.
-URDF_SUFFIXES = (".urdf", ".xml", ".xacro")
+URDF_SUFFIXES = (".urdf", ".xml", ".xacro", ".mjcf", ".sdf")
 
 _KEYS = (
     "name",
@@ -133,7 +133,7 @@ def description_of(name_or_path: str | Path | RobotDescription) -> RobotDescript
     """What the YAML of a robot says, or of a URDF alone, that there is none; a description is what it is."""
     if isinstance(name_or_path, RobotDescription):
         return name_or_path
-    named = None if (shipped_folder("robots") / f"{name_or_path}.yaml").exists() else files_by_name(str(name_or_path))
+    named = None if is_file(shipped_folder("robots") / f"{name_or_path}.yaml") else files_by_name(str(name_or_path))
     if named is not None:
         return RobotDescription(
             name="",

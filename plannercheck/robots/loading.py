@@ -21,6 +21,7 @@ from plannercheck.bodies.shapes import Body
 from plannercheck.common.checked_yaml import within
 from plannercheck.robots.decomposed_links import decomposed
 from plannercheck.robots.description import RobotDescription
+from plannercheck.robots.mjcf import ROOT_TAG, excluded_pairs, of_meeting_masks
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.robots.reference_configuration import given_values
 from plannercheck.robots.self_pairs import self_pairs
@@ -104,7 +105,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     geometry = read_geometry(model, urdf, description.package_dirs)
     warn_of_odd_numbers(urdf)
     tree = link_tree(model)
-    with within(f"URDF {urdf.path}"):
+    with within(f"{'MJCF' if urdf.kind == ROOT_TAG else 'URDF'} {urdf.path}"):
         bodies = bodies_of(model, geometry)
     mimics = usable_mimics(model, urdf)
     srdf = description.semantics
@@ -113,18 +114,21 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     if isinstance(reference, str):
         reference = group_state(None if srdf is None else srdf.root, reference, model.names)
     joints = _group(description, model, tree, mimics)
-    pairs = self_pairs(geometry, bodies, srdf, tree, description.disabled_pairs)
+    disabled = (*description.disabled_pairs, *(excluded_pairs(urdf.root) if urdf.kind == ROOT_TAG else ()))
+    pairs = self_pairs(geometry, bodies, srdf, tree, disabled)
+    if urdf.kind == ROOT_TAG:
+        pairs = of_meeting_masks(pairs, model, geometry, urdf.root)
     pieces: Mapping[str, Pieces] = {}
     if description.decomposition is not None:
         bodies, pairs, pieces = decomposed(bodies, pairs, geometry, description.decomposition)
     return RobotParts(
-        name=description.name or model.name,
+        name=description.name or model.name or urdf.path.stem,
         model=model,
         tree=tree,
         bodies=bodies,
         pairs=pairs,
         pieces=pieces,
-        disabled_pairs=description.disabled_pairs,
+        disabled_pairs=disabled,
         mimics=mimics,
         values=given_values(model, description.values or reference),
         group=description.group,

@@ -19,7 +19,7 @@ class NamedFiles(NamedTuple):
     """Files of a robot.
 
     Attributes:
-        urdf: Path of the URDF, or of a xacro.
+        urdf: Path of the URDF, of a xacro or of an MJCF file.
         srdf: Path of the SRDF, if there is one.
         folders: Where packages are.
         xacro_args: Values of the xacro's arguments.
@@ -46,11 +46,13 @@ def files_by_name(name: str) -> NamedFiles | None:
     except Exception as error:  # of git, of the network, of the file system
         reason = " ".join(str(error).split()) or type(error).__name__
         raise PlannercheckError(f"robot {name!r} of {_PACKAGE} can't be fetched: {reason:.400}") from None
-    urdf = getattr(module, "URDF_PATH", None) or getattr(module, "XACRO_PATH", None)
+    urdf = next(
+        (getattr(module, key) for key in ("URDF_PATH", "XACRO_PATH", "MJCF_PATH") if hasattr(module, key)), None
+    )
     if urdf is None:
-        raise PlannercheckError(f"robot {name!r} of {_PACKAGE} has no URDF, but another format, which is not read")
+        raise PlannercheckError(f"robot {name!r} of {_PACKAGE} has no URDF and no MJCF file")
     arguments = {key: str(value) for key, value in getattr(module, "XACRO_ARGS", {}).items()}
-    is_xacro = not hasattr(module, "URDF_PATH")
+    is_xacro = not hasattr(module, "URDF_PATH") and hasattr(module, "XACRO_PATH")
     return NamedFiles(str(urdf), getattr(module, "SRDF_PATH", None), _folders(module), arguments if is_xacro else {})
 
 

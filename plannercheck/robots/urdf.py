@@ -26,7 +26,11 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file
 from plannercheck.common.package_files import folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
+from plannercheck.robots import mjcf
 from plannercheck.robots.urdf_file import UrdfFile
+
+# The root element of SDF files.
+_SDF = "sdf"
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
 _BOUNDS = coal.NODE_TYPE.BV_OBB
@@ -75,6 +79,12 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
         The model, mimic joints as joints of their own.
     """
     file = _file(urdf)
+    if file.kind == mjcf.ROOT_TAG:
+        return mjcf.mjcf_model(file.path, file.root, floating)
+    if file.kind == _SDF:
+        raise PlannercheckError(
+            f"robot {file.path} is an SDF file, which Pinocchio's wheels do not read: convert it into a URDF"
+        )
     root = [pin.JointModelFreeFlyer()] if floating else []
     try:
         with urdf_silence()():
@@ -124,6 +134,8 @@ def read_geometry(model: pin.Model, urdf: Path | UrdfFile, package_dirs: Sequenc
         Pinocchio's geometry model, without pairs.
     """
     file = _file(urdf)
+    if file.kind == mjcf.ROOT_TAG:
+        return mjcf.mjcf_geometry(model, file.path, file.root)
     # Also relative to the URDF, and to what lies above it: a package's folder often does.
     above = folders_above(file.path)
     folders = [str(folder) for folder in (*package_dirs, *above)]
@@ -216,8 +228,8 @@ def link_tree(model: pin.Model) -> LinkTree:
 
 
 def mimic_joints(urdf: Path | UrdfFile) -> dict[str, Mimic]:
-    """The joints that a URDF lets follow others, by name."""
-    mimics = {}
+    """The joints that a URDF lets follow others, by name; an MJCF file has none."""
+    mimics: dict[str, Mimic] = {}
     for joint in _file(urdf).root.iter("joint"):
         tag = joint.find("mimic")
         if tag is not None:

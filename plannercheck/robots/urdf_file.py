@@ -27,7 +27,10 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _DECLARATION = re.compile(r"<\?xml\b.*?\?>", re.DOTALL)
 _PREFIX = re.compile(r"[<\s/]([A-Za-z_][\w.-]*):[A-Za-z_]")
 _ROOT = re.compile(r"<robot\b")
+_ENCODING = re.compile(rb"""(?:\xef\xbb\xbf)?<\?xml[^>]*?encoding\s*=\s*["']([^"']*)""")
+_UTF8 = (b"utf-8", b"utf8", b"us-ascii", b"ascii")
 _NO_TEXT = re.compile("[\ud800-\udfff]")
+_BLANK = " \t\r\n\0"  # some files end in a zero byte
 _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
 
 # Every XML reader knows these.
@@ -95,6 +98,11 @@ class UrdfFile:
         return self._root
 
     @property
+    def kind(self) -> str:
+        """The name of the root element: "robot" for a URDF, "mujoco" for an MJCF file; "" if it is no XML."""
+        return "" if self._root is None else str(self._root.tag)
+
+    @property
     def hint(self) -> str:
         """Says so if the file is a xacro that was not expanded; else empty."""
         return xacro_hint(self.path)
@@ -129,8 +137,11 @@ def _parsed(content: bytes | str) -> tuple[Element | None, str]:
 
 
 def _plain(content: bytes) -> str | None:
-    """The text without comments and declarations, all prefixes bound; None if it is no UTF-8."""
-    text = _DECLARATION.sub("", _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape"))).strip()
+    """The text without comments and declarations, all prefixes bound; None if it is no UTF-8, or says so."""
+    declared = _ENCODING.match(content)
+    if declared is not None and declared[1].lower() not in _UTF8:
+        return None
+    text = _DECLARATION.sub("", _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape"))).strip(_BLANK)
     if _NO_TEXT.search(text):
         return None
     unbound = {name for name in _PREFIX.findall(text) if f"xmlns:{name}" not in text} - _KNOWN_PREFIXES

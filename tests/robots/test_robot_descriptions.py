@@ -20,7 +20,7 @@ def package(tmp_path, monkeypatch):
         f"REPOSITORY_PATH = PACKAGE_PATH = {str(SHARE)!r}\nURDF_PATH, SRDF_PATH = {str(PANDA)!r}, {str(PANDA_SRDF)!r}\n"
     )
     (folder / "far_description.py").write_text("raise RuntimeError('no network\\nat all')")
-    (folder / "arm_mj_description.py").write_text("MJCF_PATH = 'arm.xml'")
+    (folder / "arm_mj_description.py").write_text("USD_PATH = 'arm.usd'")
     monkeypatch.syspath_prepend(str(tmp_path / "site"))
     yield
     for name in [name for name in sys.modules if name.startswith("robot_descriptions")]:

@@ -44,6 +44,7 @@ def assert_whole(robot):
     [
         f' \n<?xml version="1.0" encoding="utf-8"?>\n{URDF}',
         f'<!-- made by hand -->\n<?xml version="1.0"?>\n{URDF}',
+        f"{URDF}\n\0",
         b"\xef\xbb\xbf" + f'<?xml version="1.0"?>{URDF}'.encode(),
         URDF.replace('<link name="b">', '<link name="b"><gazebo:sensor/><camera x:name="it"/>'),
         URDF.replace('<link name="b">', '<link name="b"><!-- one -- two -->'),
@@ -55,6 +56,7 @@ def assert_whole(robot):
     ids=[
         "declaration after a blank",
         "declaration after a comment",
+        "zero byte",
         "byte order",
         "prefixes",
         "comment",
@@ -150,6 +152,14 @@ def test_odd_numbers_get_a_hint(tmp_path, old, new, message):
 )
 def test_usual_numbers_get_none(tmp_path, old, new):
     loaded(tmp_path, URDF.replace(old, new))
+
+
+def test_limits_that_no_joint_reaches_are_none(tmp_path):
+    robot = loaded(
+        tmp_path, URDF.replace("revolute", "prismatic").replace('lower="-1" upper="1"', 'lower="-1e16" upper="1e16"')
+    )
+    assert robot.lower.tolist() == [-np.inf]
+    assert pc.Checker(robot).check_states(robot.random_configurations(20, 1)).shape == (20,)
 
 
 POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
