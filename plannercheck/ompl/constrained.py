@@ -4,9 +4,9 @@ In: a checker with bounded joints, a function of configurations that is to be 0.
 satisfy it, a step apart, with all motions between them proved free.
 
 OMPL plans (ProjectedStateSpace: Newton's method brings states back to where the function is 0). Its Python bindings
-(2.0.1) neither read nor write states of such spaces, but they do pass a state's numbers to a `Constraint` as an array:
-`_Numbers` is one that reads and writes them. The way between two states is walked here, since the bindings do not give
-OMPL's (`discreteGeodesic`), so that what is proved is what is returned.
+(2.0.1) neither read nor write states of such spaces (ompl issue 1454), but they do pass a state's numbers to a
+`Constraint` as an array: `_Numbers` is one that reads and writes them. The way between two states is walked here, since
+the bindings do not give OMPL's (`discreteGeodesic`), so that what is proved is what is returned.
 """
 
 from __future__ import annotations
