@@ -1,8 +1,9 @@
 """Planning with OMPL: a checker as the judge of states and motions.
 
-Read `planning` first (`setup` and `plan`), then `joint_space` and `planar_space` (configurations as OMPL has them),
-`state_validators` and `motion_validators` (the checker as OMPL asks it), `clearance` (an objective), `start_and_goal`
-and `plans`. OMPL itself is loaded on first use, so that `plans` and `joint_space` can be had without it.
+Read `planning` first (`setup` and `plan`), then `joint_space`, `planar_space` and `projections` (configurations as OMPL
+has them), `state_validators` and `motion_validators` (the checker as OMPL asks it), `simple_setup` (what OMPL leaves
+undone), `constrained` (equations that hold all along), `clearance` (an objective), `start_and_goal` and `plans`. OMPL
+itself is loaded on first use, so that `plans` and `joint_space` can be had without it.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from plannercheck.ompl.constrained import plan_constrained as plan_constrained
     from plannercheck.ompl.planning import LONGEST_MOTION as LONGEST_MOTION
     from plannercheck.ompl.planning import SIMPLIFICATION_TIME as SIMPLIFICATION_TIME
     from plannercheck.ompl.planning import clearance_objective as clearance_objective
@@ -24,6 +26,7 @@ __all__ = [
     "SIMPLIFICATION_TIME",
     "clearance_objective",
     "plan",
+    "plan_constrained",
     "planner_names",
     "setup",
     "space_of",
@@ -32,5 +35,6 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in __all__:
-        return getattr(importlib.import_module("plannercheck.ompl.planning"), name)
+        home = "constrained" if name == "plan_constrained" else "planning"
+        return getattr(importlib.import_module(f"plannercheck.ompl.{home}"), name)
     raise AttributeError(f"module 'plannercheck.ompl' has no attribute {name!r}")

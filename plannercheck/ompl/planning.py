@@ -46,7 +46,7 @@ SIMPLIFICATION_TIME = 1.0
 LONGEST_MOTION = 0.5
 
 # OMPL says nothing on the console while it plans: results and reasons are returned.
-_SILENCE = Silence(util.getLogLevel, util.setLogLevel, util.LOG_NONE)
+OMPL_SILENCE = Silence(util.getLogLevel, util.setLogLevel, util.LOG_NONE)
 
 
 def setup(
@@ -194,16 +194,17 @@ def plan(
     if any(reasons):
         return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
     space = space_of(checker, curve, turning_radius, tuple(ends.values()))
-    with _SILENCE():
-        _seed(seed)
+    with OMPL_SILENCE():
+        seed_ompl(seed)
         setup = _setup(checker, space, resolution, DEFAULT_TOLERANCE)
         information = setup.getSpaceInformation()
         setup.setStartAndGoalStates(*(space.state(information, q) for q in ends.values()))
-        setup.setPlanner(_planner(planner, information, longest_motion))
+        setup.setPlanner(made_planner(planner, information, longest_motion))
         return _search(setup, space, checker, planner, time_limit, simplify, resolution)
 
 
-def _planner(name: str, information: Any, longest_motion: float) -> Any:
+def made_planner(name: str, information: Any, longest_motion: float) -> Any:
+    """One of `planner_names()`, with a range if it has one."""
     planner = getattr(geometric, name)(information)
     if longest_motion and hasattr(planner, "setRange"):
         planner.setRange(longest_motion)
@@ -226,7 +227,7 @@ def _search(
     if not setup.haveExactSolutionPath():
         reason = f"{planner} found no path in {found - began:.1f} s: {status.asString()}"
         return _unsolved(robot, planner, found - began, reason)
-    solution = _shortened(setup) if simplify else setup.getSolutionPath()  # it owns its states
+    solution = shortened(setup) if simplify else setup.getSolutionPath()  # it owns its states
     spent = time.perf_counter() - found
     path = _configurations(space, list(solution.getStates()), checker, resolution)
     return Plan(
@@ -248,7 +249,7 @@ def _configurations(space: Space, states: list[Any], checker: AnyChecker, resolu
     return np.concatenate([[space.read(states[0])], *(curve[1:] for curve in curves)])
 
 
-def _shortened(setup: Any) -> Any:
+def shortened(setup: Any) -> Any:
     """The found path, shortened; as it was found if a motion of the shorter one collides."""
     found = setup.getSolutionPath()
     shorter = geometric.PathGeometric(found)
@@ -262,7 +263,7 @@ def _unsolved(robot: AnyRobot, planner: str, spent: float, reason: str) -> Plan:
     return Plan(False, np.empty((0, robot.nq)), 0.0, spent, 0.0, planner, reason, robot.joint_names)
 
 
-def _seed(seed: int | None) -> None:
+def seed_ompl(seed: int | None) -> None:
     """Seeds OMPL's random numbers; it warns, wrongly for a fresh planner, if there have been some already."""
     if seed is None:
         return

@@ -44,9 +44,9 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
             if not str(error).startswith(_NO_SAMPLER):
                 raise
         raise PlannercheckError(
-            f"{type(self.getPlanner()).__name__} can't plan with angles beside other joints: of OMPL's planners "
-            f"{', '.join(INFORMED_PLANNERS)} serve bounded joints and planar robots without joints, all others serve "
-            "every space (RRTstar and PRMstar look for short paths, too)"
+            f"{type(self.getPlanner()).__name__} can't plan in this space: of OMPL's planners "
+            f"{', '.join(INFORMED_PLANNERS)} serve bounded joints and planar robots without joints, "
+            "all others serve every space (RRTstar and PRMstar look for short paths, too)"
         )
 
     def simplifySolution(self, *arguments: Any, **named: Any) -> None:  # noqa: N802  # OMPL's name
