@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.robots.robot import Robot
 
@@ -41,10 +42,10 @@ class MeasuringChecker(ABC):
         """World poses of all bodies (n, bodies, 4, 4), m."""
 
     @abstractmethod
-    def _single(self, q: ArrayLike) -> Floats:
+    def _single(self, q: Configuration) -> Floats:
         """One configuration (nq,) as a row (1, nq)."""
 
-    def clearance(self, q: ArrayLike, lower_bound: bool = False) -> float:
+    def clearance(self, q: Configuration, lower_bound: bool = False) -> float:
         """The least distance of all pairs, whatever the padding.
 
         Args:
