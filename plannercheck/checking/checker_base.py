@@ -7,14 +7,16 @@ the verdict of one configuration with all colliding pairs, each with its proof.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.checking.named_configurations import named_configuration
 from plannercheck.checking.protocols import AnyRobot, AnyScene
 from plannercheck.checking.verdicts import PairCertificate, PairVerdict, Verdict
+from plannercheck.common.arrays import Configuration, real_numbers, shown_array
 from plannercheck.common.errors import PlannercheckError
 
 Floats = NDArray[np.float64]
@@ -62,11 +64,11 @@ class ExplainingChecker(ABC):
     def _kinematic_error(self, q: Floats, poses: Floats) -> float:
         """The proven bound of what poses (bodies, …) at a configuration (nq,) are off by, m."""
 
-    def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
+    def explain(self, q: Configuration, separations: bool = False) -> Verdict:
         """The verdict of one configuration with the names and certificates behind it.
 
         Args:
-            q: (nq,) rad and m.
+            q: (nq,) rad and m, or each joint's value by its name.
             separations: Whether to give what separates all other pairs, too: planes, or lines in the plane.
 
         Returns:
@@ -83,7 +85,7 @@ class ExplainingChecker(ABC):
             self._kinematic_error(row[0], poses),
         )
 
-    def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
+    def explain_pair(self, k: int, q: Configuration) -> PairVerdict:
         """The verdict of row k of `pairs` alone.
 
         Args:
@@ -107,12 +109,21 @@ class ExplainingChecker(ABC):
         a, b = self.pairs[k]
         return self._labels[a], self._labels[b]
 
-    def _single(self, q: ArrayLike) -> Floats:
-        """One configuration (nq,) as a row (1, nq), or an error; its numbers are looked at later."""
+    def _single(self, q: Configuration) -> Floats:
+        """One configuration (nq,), (1, nq) or by names of joints as a row (1, nq), or an error.
+
+        Its numbers are looked at later.
+        """
+        if isinstance(q, Mapping):
+            return named_configuration(self.robot, q)
         try:
-            row = np.asarray(q, dtype=np.float64)
+            row = np.asarray(real_numbers(q), dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
-            raise PlannercheckError(f"one configuration must be {self.robot.nq} numbers, not {q!r:.80}") from None
-        if row.ndim != 1:
+            raise PlannercheckError(
+                f"one configuration must be {self.robot.nq} numbers, not {shown_array(q)}"
+            ) from None
+        if row.ndim == 1:
+            return row[None]
+        if row.ndim != 2 or len(row) != 1:
             raise PlannercheckError(f"one configuration must have shape ({self.robot.nq},), not {row.shape}")
-        return row[None]
+        return row

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.robots.robot import Robot
 
@@ -20,6 +21,9 @@ Ints = NDArray[np.int32]
 
 # Steps of the descent that a lower bound of a distance takes.
 _BOUND_ROUNDS = 2
+
+# Configurations whose poses are held at once.
+_BLOCK = 1024
 
 
 class MeasuringChecker(ABC):
@@ -41,10 +45,10 @@ class MeasuringChecker(ABC):
         """World poses of all bodies (n, bodies, 4, 4), m."""
 
     @abstractmethod
-    def _single(self, q: ArrayLike) -> Floats:
+    def _single(self, q: Configuration) -> Floats:
         """One configuration (nq,) as a row (1, nq)."""
 
-    def clearance(self, q: ArrayLike, lower_bound: bool = False) -> float:
+    def clearance(self, q: Configuration, lower_bound: bool = False) -> float:
         """The least distance of all pairs, whatever the padding.
 
         Args:
@@ -88,8 +92,10 @@ class MeasuringChecker(ABC):
         used = np.unique(self.pairs)
         table = np.searchsorted(used, self.pairs).astype(np.int32)
         bodies = [self._preparation.polytope(k).core for k in used.tolist()]
-        poses = np.ascontiguousarray(self.body_poses(rows)[:, used])
-        distances, nearest = core.clearances(
-            bodies, poses, table, self.paddings[used], _BOUND_ROUNDS if lower_bound else 0
-        )
-        return np.asarray(distances), np.asarray(nearest)
+        rounds = _BOUND_ROUNDS if lower_bound else 0
+        distances, nearest = np.empty(len(rows)), np.empty(len(rows), dtype=np.int32)
+        for first in range(0, len(rows), _BLOCK):
+            block = slice(first, first + _BLOCK)
+            poses = np.ascontiguousarray(self.body_poses(rows[block])[:, used])
+            distances[block], nearest[block] = core.clearances(bodies, poses, table, self.paddings[used], rounds)
+        return distances, nearest

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
 
@@ -84,11 +85,11 @@ class CompiledTables:
                     beyond |= outside.any(axis=1)
         return beyond
 
-    def row_validity(self, kernel: Any | None) -> Callable[[ArrayLike], bool | None]:
+    def row_validity(self, kernel: Any | None) -> Callable[[Configuration], bool | None]:
         """A compiled judge of rows (nq,) that need no care, and None for all others; `kernel` poses the links."""
         if kernel is None or self._source.robot.configuration_map.units:  # it does not look at unit vectors' lengths
             return _never_known
-        judge: Callable[[ArrayLike], bool | None] = core.row_validity(self.within_limits.core, kernel)
+        judge: Callable[[Configuration], bool | None] = core.row_validity(self.within_limits.core, kernel)
         return judge
 
     def state_validity(
@@ -110,5 +111,5 @@ class CompiledTables:
         return {"states": counted.pop("states"), "pairs": counted.pop("pairs"), "unreachable": unreachable, **counted}
 
 
-def _never_known(q: ArrayLike) -> None:
+def _never_known(q: Configuration) -> None:
     """For robots whose configurations all need care."""

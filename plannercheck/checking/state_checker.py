@@ -32,7 +32,7 @@ from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.scene_placement import place_objects
 from plannercheck.checking.settings import CheckerSwitches, Settings, without
 from plannercheck.checking.touching_pairs import warn_of_touching
-from plannercheck.common.arrays import read_only
+from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.threads import checked_threads
 from plannercheck.robots.kinematic_error import largest_distance
@@ -231,11 +231,11 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         """The same as far as bodies have been needed: those of unreachable pairs are prepared late."""
         return self._preparation.so_far()
 
-    def is_valid(self, q: ArrayLike) -> bool:
+    def is_valid(self, q: Configuration) -> bool:
         """Whether one configuration is free of collision.
 
         Args:
-            q: (nq,) rad and m. Limits are not looked at.
+            q: (nq,) rad and m, or each joint's value by its name. Limits are not looked at.
 
         Returns:
             True if no pair shares a point.

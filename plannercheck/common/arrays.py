@@ -5,10 +5,17 @@ The rule of the package: what comes in is copied or refused, what goes out is re
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+# One configuration of a robot: its numbers in order, or the values of its joints by name.
+Configuration: TypeAlias = ArrayLike | Mapping[str, ArrayLike]
+
+# Kinds of NumPy's dtypes whose values are doubles as they are, or nearly: floats, integers, truth values.
+_REAL_KINDS = "fiub"
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
@@ -50,7 +57,31 @@ def contiguous(values: ArrayLike) -> NDArray[np.float64]:
     Those at odd addresses, as in messages and in records of files, are copied: the core reads whole doubles.
 
     Raises:
-        TypeError, ValueError: For what holds no numbers.
+        TypeError, ValueError: For what holds no real numbers.
     """
-    array = np.ascontiguousarray(values, dtype=np.float64)
+    array = np.ascontiguousarray(real_numbers(values), dtype=np.float64)
     return array if array.flags.aligned else array.copy()
+
+
+def real_numbers(values: ArrayLike) -> NDArray[Any]:
+    """What NumPy makes of numbers, also of another library's array: by `__array__` or, for want of that, by DLPack.
+
+    Raises:
+        TypeError, ValueError: For complex numbers, of which NumPy would drop a part, for Python objects, texts, and
+            what holds no numbers at all.
+    """
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind == "O" and array.ndim == 0 and hasattr(values, "__dlpack__"):
+            array = np.from_dlpack(cast(Any, values))
+    except (RuntimeError, BufferError) as error:  # tensors that are elsewhere, or record what is done with them
+        raise TypeError(str(error)) from error
+    if array.dtype.kind not in _REAL_KINDS:
+        raise TypeError(f"an array of dtype {array.dtype} holds no real numbers")
+    return array
+
+
+def shown_array(values: object) -> str:
+    """Words of an error for what is no array of real numbers: its beginning, and the dtype if it has one."""
+    dtype = getattr(values, "dtype", None)
+    return f"{values!r:.80}" if dtype is None else f"an array of dtype {dtype}: {values!r:.80}"

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.state_checker import StateChecker
 from plannercheck.checking.verdicts import MotionVerdict
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import Configuration, contiguous
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
@@ -48,7 +48,11 @@ class Checker(StateChecker):
             self.motion_sampler = MotionSampler(self.robot, self.excess)
 
     def check_motion(
-        self, q0: ArrayLike, q1: ArrayLike, resolution: float | None = None, tolerance: float = DEFAULT_TOLERANCE
+        self,
+        q0: Configuration,
+        q1: Configuration,
+        resolution: float | None = None,
+        tolerance: float = DEFAULT_TOLERANCE,
     ) -> bool:
         """Whether a motion is free, both ends included: proved for every state on it, or sampled.
 
@@ -110,7 +114,7 @@ class Checker(StateChecker):
         )
 
     def explain_motion(
-        self, q0: ArrayLike, q1: ArrayLike, tolerance: float = DEFAULT_TOLERANCE, proofs: bool = False
+        self, q0: Configuration, q1: Configuration, tolerance: float = DEFAULT_TOLERANCE, proofs: bool = False
     ) -> MotionVerdict:
         """How far a motion is free, what stops it, and the certificates behind that.
 
@@ -123,10 +127,11 @@ class Checker(StateChecker):
         Returns:
             The verdict.
         """
-        (start,), (end,) = self._motion_ends(self._single(q0), self._single(q1))
+        given = np.ascontiguousarray(self._single(q1))
+        (start,), (end,) = self._motion_ends(self._single(q0), given)
         certifier = self.motion_certifier
-        passage = certifier.passage(start, end, tolerance, proofs, contiguous(q1))
-        prover = partial(self._proof, start, end, self.robot.check_configurations(q1)[0], tolerance)
+        passage = certifier.passage(start, end, tolerance, proofs, given[0])
+        prover = partial(self._proof, start, end, self.robot.check_configurations(given)[0], tolerance)
         return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance, prover)
 
     def certify_motions(

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.checker_base import ExplainingChecker
 from plannercheck.checking.verdicts import MotionVerdict
-from plannercheck.common.arrays import read_only
+from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
@@ -102,7 +102,7 @@ class Checker(ExplainingChecker):
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuilt, self._recipe
 
-    def is_valid(self, q: ArrayLike) -> bool:
+    def is_valid(self, q: Configuration) -> bool:
         """Whether one configuration (nq,) is free of collision; limits are not looked at."""
         return bool(self.first_colliding_pair(self._single(q))[0] < 0)
 
@@ -138,8 +138,8 @@ class Checker(ExplainingChecker):
 
     def check_motion(
         self,
-        q0: ArrayLike,
-        q1: ArrayLike,
+        q0: Configuration,
+        q1: Configuration,
         resolution: float | None = None,
         tolerance: float = DEFAULT_TOLERANCE,
         *,
@@ -207,8 +207,8 @@ class Checker(ExplainingChecker):
 
     def explain_motion(
         self,
-        q0: ArrayLike,
-        q1: ArrayLike,
+        q0: Configuration,
+        q1: Configuration,
         tolerance: float = DEFAULT_TOLERANCE,
         proofs: bool = False,
         *,

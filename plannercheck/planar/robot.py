@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.common.arrays import contiguous, read_only
+from plannercheck.common.arrays import contiguous, read_only, shown_array
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -146,7 +146,7 @@ class Robot:
         try:
             array = contiguous(q)
         except (TypeError, ValueError, OverflowError):
-            raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}") from None
+            raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {shown_array(q)}") from None
         if array.ndim not in (1, 2) or array.shape[-1] != self.nq:
             raise PlannercheckError(
                 f"configurations must have shape ({self.nq},) or (n, {self.nq}), not {np.shape(q)}; "

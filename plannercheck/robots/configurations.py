@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.common.arrays import OwnsArrays, contiguous
+from plannercheck.common.arrays import OwnsArrays, contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.unit_lengths import UnitLengths, unit_lengths
 from plannercheck.robots.urdf import Mimic
@@ -113,7 +113,7 @@ class ConfigurationMap(OwnsArrays):
         try:
             array = contiguous(q)
         except (TypeError, ValueError, OverflowError):
-            raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {q!r:.80}") from None
+            raise PlannercheckError(f"configurations must be numbers (nq,) or (n, nq), not {shown_array(q)}") from None
         if array.ndim not in (1, 2) or array.shape[-1] != self.width:
             raise PlannercheckError(
                 f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "

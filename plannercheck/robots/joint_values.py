@@ -7,12 +7,14 @@ follow, as MoveIt has them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.common.arrays import contiguous
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.configurations import ConfigurationMap, planning_group
 from plannercheck.robots.urdf import Mimic
 
@@ -22,6 +24,43 @@ Floats = NDArray[np.float64]
 def own_joints(model: pin.Model, mimics: Mapping[str, Mimic]) -> tuple[str, ...]:
     """The joints that move on their own, in Pinocchio's order."""
     return tuple(name for name in list(model.names)[1:] if name not in mimics)
+
+
+def row_of_named(values: Mapping[str, ArrayLike], names: Sequence[str], widths: Sequence[int]) -> Floats:
+    """Values by names of joints as numbers in the joints' order.
+
+    Args:
+        values: By name.
+        names: Of the joints.
+        widths: How many numbers each joint takes.
+
+    Returns:
+        Their numbers, (sum of widths,).
+
+    Raises:
+        PlannercheckError: If a joint is missing, is not one of them, or has not as many numbers as it takes.
+    """
+    for name in values:
+        if name not in names:
+            raise unknown_name("joint", name, names)
+    missing = [name for name in names if name not in values]
+    if missing:
+        raise PlannercheckError(
+            f"one configuration by names needs a value for each joint; missing: {', '.join(missing)}"
+        )
+    numbers = [_numbers_of(name, values[name], width) for name, width in zip(names, widths, strict=True)]
+    return np.concatenate([np.zeros(0), *numbers])
+
+
+def _numbers_of(joint: str, value: ArrayLike, width: int) -> Floats:
+    try:
+        numbers = np.atleast_1d(contiguous(value))
+    except (TypeError, ValueError, OverflowError):
+        numbers = np.zeros((0, 0))
+    if numbers.shape != (width,):
+        wanted = "one real number" if width == 1 else f"{width} real numbers"
+        raise PlannercheckError(f"joint {joint!r} takes {wanted}, not {value!r:.80}")
+    return numbers
 
 
 class JointValues:
@@ -56,6 +95,25 @@ class JointValues:
         width = np.shape(rows)[-1] if np.ndim(rows) else 0
         chosen = next((each for each in self.maps if each.width == width), None)
         return self._map.checked(rows) if chosen is None else chosen.expand(chosen.checked(rows))
+
+    def named(self, values: Mapping[str, ArrayLike]) -> Floats:
+        """The configuration of values by names of joints.
+
+        Args:
+            values: Of each joint, rad or m. Of a robot without a group, a continuous joint's is one angle, and joints
+                that follow others may be left out.
+
+        Returns:
+            (1, nq), checked.
+
+        Raises:
+            PlannercheckError: If a joint is missing, or not one of them.
+        """
+        maps = (*reversed(self.maps), self._map)  # those of fewer joints first
+        chosen = next((each for each in maps if values.keys() <= set(each.joint_names)), self._map)
+        ends = (*chosen.starts[1:], chosen.width)
+        widths = [end - start for start, end in zip(chosen.starts, ends, strict=True)]
+        return self.configurations(row_of_named(values, chosen.joint_names, widths))
 
     def random(self, n: int, seed: int | np.random.Generator | None) -> Floats:
         """As `ConfigurationMap.random`, (n, nq); joints that follow others do so."""

@@ -87,7 +87,9 @@ def test_what_is_no_array_of_doubles_is_judged_as_fast(checker, samples, verdict
     assert [checker.is_valid(form(q)) for q in samples[:40]] == verdicts[:40].tolist()
 
 
-@pytest.mark.parametrize("bad", [[], np.zeros(6), np.zeros((1, 7)), np.full(7, np.nan), "1234567", None])
+@pytest.mark.parametrize(
+    "bad", [[], np.zeros(6), np.zeros((2, 7)), np.zeros((1, 6)), np.full(7, np.nan), "1234567", None]
+)
 def test_what_is_no_configuration(checker, bad):
     with pytest.raises(pc.PlannercheckError, match="configuration"):
         checker.is_valid(bad)

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "bindings/array_types.hpp"
+#include "bindings/long_calls.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/verdict_dicts.hpp"
@@ -32,8 +33,9 @@ std::shared_ptr<Body> swollen(Body body, double swell) {
 
 std::shared_ptr<Body> body_from_points(InputArray<double, -1, 3> vertices, double swell) {
   const std::vector<Vec3> points = points_from(vertices);
-  nb::gil_scoped_release release;
-  return swollen(prepare_body(points), swell);
+  std::shared_ptr<Body> body;
+  without_gil([&] { body = swollen(prepare_body(points), swell); });
+  return body;
 }
 
 std::shared_ptr<Body> body_from_faces(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> faces,
@@ -41,8 +43,9 @@ std::shared_ptr<Body> body_from_faces(InputArray<double, -1, 3> vertices, InputA
   const std::vector<Vec3> points = points_from(vertices);
   std::vector<Triangle> triangles(faces.shape(0));
   for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
-  nb::gil_scoped_release release;
-  return swollen(prepare_body(verified_hull(points, triangles)), swell);
+  std::shared_ptr<Body> body;
+  without_gil([&] { body = swollen(prepare_body(verified_hull(points, triangles)), swell); });
+  return body;
 }
 
 auto rows_of(const std::vector<Vec3>& points) {
@@ -175,10 +178,7 @@ nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRo
                           const PairOptions& options) {
   VerdictRows rows(a, poses_a, b, poses_b);
   PairCounters counters;
-  {
-    nb::gil_scoped_release release;
-    rows.test(options, counters);
-  }
+  without_gil([&] { rows.test(options, counters); });
   return nb::make_tuple(output_array(rows.shared, {rows.size()}), output_array(rows.stages, {rows.size()}),
                         counters_dict(counters));
 }
@@ -187,7 +187,7 @@ nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRo
 nb::list certify_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b, const PairOptions& options) {
   CertifiedRows rows(a, poses_a, b, poses_b);
   PairCounters counters;
-  rows.test(options, counters);
+  without_gil([&] { rows.test(options, counters); });
   nb::list out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     out.append(verdict_dict(rows.verdicts[i], rows.guest(i), rows.host(i), rows.guest_is_a()));

@@ -154,10 +154,9 @@ auto first_of_poses(BoundChecker& checker, LinkPoses poses, int threads) {
 auto all_of_poses(BoundChecker& checker, LinkPoses poses) {
   const std::size_t n = poses.shape(0), pairs = checker.core().pair_count();
   std::vector<std::uint8_t> colliding(n * pairs);
-  {
-    nb::gil_scoped_release release;
+  without_gil([&] {
     checker.with_workspace([&](auto& w) { checker.core().all_collisions(poses.data(), n, colliding.data(), w); });
-  }
+  });
   return output_array(colliding, {n, pairs});
 }
 
@@ -180,14 +179,17 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
   const std::size_t n = poses.shape(0), bodies = checker.core().body_count(), size = poses.shape(1) * kPoseStride;
   const double last_row[] = {0, 0, 0, 1};
   std::vector<double> out(n * bodies * 16);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t b = 0; b < bodies; ++b) {
-      const Pose pose = checker.core().body_pose(b, poses.data() + i * size);
-      double* to = out.data() + (i * bodies + b) * 16;
-      std::copy(pose.m.begin(), pose.m.end(), to);
-      std::copy_n(last_row, 4, to + 12);
+  without_gil([&] {
+    for (std::size_t i = 0; i < n; ++i) {
+      poll_interruption();
+      for (std::size_t b = 0; b < bodies; ++b) {
+        const Pose pose = checker.core().body_pose(b, poses.data() + i * size);
+        double* to = out.data() + (i * bodies + b) * 16;
+        std::copy(pose.m.begin(), pose.m.end(), to);
+        std::copy_n(last_row, 4, to + 12);
+      }
     }
-  }
+  });
   return output_array(out, {n, bodies, std::size_t{4}, std::size_t{4}});
 }
 

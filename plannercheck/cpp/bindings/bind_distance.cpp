@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "bindings/array_types.hpp"
+#include "bindings/long_calls.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "narrow_phase/distance.hpp"
@@ -34,15 +35,15 @@ nb::tuple distance_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRow
   const std::size_t n = std::max(poses_a.shape(0), poses_b.shape(0)), axes = 3;
   std::vector<std::uint8_t> overlap(n);
   std::vector<double> distance(n), lower(n), on_a(axes * n), on_b(axes * n), directions(axes * n);
-  {
-    nb::gil_scoped_release release;
+  without_gil([&] {
     PairCounters counters;
     for (std::size_t i = 0; i < n; ++i) {
+      poll_interruption();
       const PairDistance found = pair_distance(posed_at(a, poses_a, i), posed_at(b, poses_b, i), kNoLimit, counters);
       overlap[i] = found.overlap, distance[i] = found.upper, lower[i] = found.lower;
       put_row(on_a, i, found.on_guest), put_row(on_b, i, found.on_host), put_row(directions, i, found.direction);
     }
-  }
+  });
   return nb::make_tuple(output_array(overlap, {n}), output_array(distance, {n}), output_array(lower, {n}),
                         output_array(on_a, {n, axes}), output_array(on_b, {n, axes}),
                         output_array(directions, {n, axes}));
@@ -105,14 +106,14 @@ nb::tuple clearances(const std::vector<std::shared_ptr<Body>>& bodies, InputArra
   const std::size_t n = poses.shape(0);
   std::vector<double> distances;
   std::vector<std::int32_t> nearest;
-  {
-    nb::gil_scoped_release release;
+  without_gil([&] {
     ClearanceSearch search(bodies, pairs, paddings);
     for (std::size_t i = 0; i < n; ++i) {
+      poll_interruption();
       const Clearance found = search.run(poses.data() + i * bodies.size() * 16, rounds);
       distances.push_back(found.distance), nearest.push_back(found.pair);
     }
-  }
+  });
   return nb::make_tuple(output_array(distances, {n}), output_array(nearest, {n}));
 }
 

@@ -7,6 +7,7 @@
 #include <new>
 #include <vector>
 
+#include "bindings/long_calls.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "robots/kinematics.hpp"
@@ -54,10 +55,7 @@ PoseArray pose_array(const Kinematics& kinematics, Table<double, -1, -1> q, Tabl
   auto* data = static_cast<double*>(std::calloc(std::max<size_t>(n * links, 1), 16 * sizeof(double)));
   if (data == nullptr) throw std::bad_alloc();
   nb::capsule owner(data, [](void* p) noexcept { std::free(p); });
-  {
-    nb::gil_scoped_release release;
-    kinematics.link_poses_batch(q.data(), static_cast<long long>(n), needed.data(), data);
-  }
+  without_gil([&] { kinematics.link_poses_batch(q.data(), static_cast<long long>(n), needed.data(), data); });
   return PoseArray(data, {n, links, 4, 4}, owner);
 }
 

@@ -103,8 +103,9 @@ int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std:
                  const std::vector<double>& q1, InputArray<double, -1> low, InputArray<double, -1> high,
                  double tolerance, double kinematic_error) {
   const ErrorRange range = error_range(low, high, kinematic_error);
-  nb::gil_scoped_release release;
-  return answer_of(bound, kinematics, q0, q1, range, tolerance);
+  int answer = kOutside;
+  without_gil([&] { answer = answer_of(bound, kinematics, q0, q1, range, tolerance); });
+  return answer;
 }
 
 // A function of two states (ompl_states.hpp): whether the motion between them is free. What check_motion has no
@@ -132,13 +133,12 @@ nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, In
                          InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
   MotionReport report;
   std::vector<MotionProof> proofs;
-  {
-    nb::gil_scoped_release release;
+  without_gil([&] {
     bound.with_workspace([&](MotionCertifier::Workspace& w) {
       report = bound.core().explain(kinematics, q0.data(), q1.data(), tolerance, kinematic_error,
                                     proved ? &proofs : nullptr, w);
     });
-  }
+  });
   return explained_motion<3>(report, proofs,
                              [](Vec3 d, std::vector<double>& row) { row.insert(row.end(), {d.x, d.y, d.z}); });
 }

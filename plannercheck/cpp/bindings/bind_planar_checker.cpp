@@ -60,10 +60,9 @@ auto first_of_states(BoundPlanarChecker& checker, Rows q, int threads) {
 auto all_of_states(BoundPlanarChecker& checker, Rows q) {
   const std::size_t n = q.shape(0), pairs = checker.core().pair_count();
   std::vector<std::uint8_t> colliding(n * pairs);
-  {
-    nb::gil_scoped_release release;
+  without_gil([&] {
     checker.with_workspace([&](auto& w) { checker.core().all_collisions(q.data(), n, colliding.data(), w); });
-  }
+  });
   return output_array(colliding, {n, pairs});
 }
 

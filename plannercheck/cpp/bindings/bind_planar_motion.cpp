@@ -70,14 +70,13 @@ std::vector<PlanarPiece> pieces_from(const PlanarCertifier& certifier, const dou
 
 int check_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Row given, Pieces rows, double tolerance) {
   MotionReport report;
-  {
-    nb::gil_scoped_release release;
+  without_gil([&] {
     const std::vector<PlanarPiece> pieces = pieces_from(bound.core(), q0.data(), q1.data(), rows);
     bound.with_workspace([&](PlanarCertifier::Workspace& w) {
       const PlanarMotion motion{q0.data(), q1.data(), given.data(), pieces.data(), pieces.size()};
       report = bound.core().check(motion, tolerance, w);
     });
-  }
+  });
   return static_cast<int>(report.answer);
 }
 
@@ -86,14 +85,13 @@ nb::tuple explain_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Row given,
                          bool proved) {
   MotionReport report;
   std::vector<PlanarProof> proofs;
-  {
-    nb::gil_scoped_release release;
+  without_gil([&] {
     const std::vector<PlanarPiece> pieces = pieces_from(bound.core(), q0.data(), q1.data(), rows);
     bound.with_workspace([&](PlanarCertifier::Workspace& w) {
       const PlanarMotion motion{q0.data(), q1.data(), given.data(), pieces.data(), pieces.size()};
       report = bound.core().explain(motion, tolerance, proved ? &proofs : nullptr, w);
     });
-  }
+  });
   return explained_motion<2>(report, proofs, [](PlanarDirection d, std::vector<double>& row) {
     row.insert(row.end(), {d.vector().x, d.vector().y});
   });

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bindings/array_types.hpp"
+#include "bindings/long_calls.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "planar/polygon_test.hpp"
@@ -97,9 +98,9 @@ nb::tuple planar_intersect_batch(const PolygonList& a, PlanarPoseRows poses_a, c
                                  PlanarPoseRows poses_b, std::size_t n, Precision first, bool count) {
   std::vector<std::uint8_t> shared(n);
   std::vector<std::int32_t> counted(count ? 4 * n : 0);
-  {
-    nb::gil_scoped_release release;
+  without_gil([&] {
     for (std::size_t i = 0; i < n; ++i) {
+      poll_interruption();
       PlanarCounters counters;
       const PosedPolygon posed_a{a.of_pair(i), planar_pose(poses_a, i)};
       const PosedPolygon posed_b{b.of_pair(i), planar_pose(poses_b, i)};
@@ -108,7 +109,7 @@ nb::tuple planar_intersect_batch(const PolygonList& a, PlanarPoseRows poses_a, c
       const long numbers[4] = {counters.rounds, counters.vertices, counters.double_double, counters.exact};
       for (std::size_t k = 0; k < 4; ++k) counted[4 * i + k] = static_cast<std::int32_t>(numbers[k]);
     }
-  }
+  });
   return nb::make_tuple(output_array(shared, {n}), output_array(counted, {count ? n : 0, std::size_t{4}}));
 }
 

@@ -10,44 +10,15 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
-#include <exception>
 #include <memory>
 #include <mutex>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "bindings/array_types.hpp"
+#include "bindings/long_calls.hpp"
 
 namespace plannercheck {
-
-// part(k) for k = 0 … count − 1, one a thread; an exception of any is thrown at the end.
-template <class Part>
-void on_threads(std::size_t count, Part part) {
-  // Joined at the end of their scope, also where the system has no more of them and throws.
-  struct Joined {
-    std::vector<std::thread> threads;
-    ~Joined() {
-      for (std::thread& thread : threads) thread.join();
-    }
-  };
-  std::mutex mutex;
-  std::exception_ptr failure;  // an exception that leaves a thread would end the process
-  const auto guarded = [&](std::size_t k) {
-    try {
-      part(k);
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      failure = std::current_exception();
-    }
-  };
-  {
-    Joined others;
-    for (std::size_t k = 1; k < count; ++k) others.threads.emplace_back(guarded, k);
-    guarded(0);
-  }
-  if (failure) std::rethrow_exception(failure);
-}
 
 template <class Core>
 class Pooled {
@@ -83,15 +54,12 @@ class Pooled {
   template <class Value, class Work>
   auto of_rows(std::size_t n, int threads, Work work) {
     std::vector<Value> values(n);
-    {
-      const nanobind::gil_scoped_release release;
-      const auto wanted = static_cast<std::size_t>(std::max(threads, 1));
-      const std::size_t parts = std::min(wanted, std::max<std::size_t>(n, 1));
-      on_threads(parts, [&](std::size_t k) {
-        const std::size_t first = n * k / parts, past = n * (k + 1) / parts;
-        with_workspace([&](Workspace& w) { work(first, past - first, values.data() + first, w); });
-      });
-    }
+    const auto wanted = static_cast<std::size_t>(std::max(threads, 1));
+    const std::size_t parts = std::min(wanted, std::max<std::size_t>(n, 1));
+    without_gil(parts, [&](std::size_t k) {
+      const std::size_t first = n * k / parts, past = n * (k + 1) / parts;
+      with_workspace([&](Workspace& w) { work(first, past - first, values.data() + first, w); });
+    });
     return output_array(values, {n});
   }
 
@@ -99,7 +67,10 @@ class Pooled {
   template <class Value, class Of>
   auto of_each_row(std::size_t n, int threads, Of of) {
     return of_rows<Value>(n, threads, [&](std::size_t first, std::size_t count, Value* values, Workspace& w) {
-      for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<Value>(of(first + i, w));
+      for (std::size_t i = 0; i < count; ++i) {
+        if (i > 0) poll_interruption();
+        values[i] = static_cast<Value>(of(first + i, w));
+      }
     });
   }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "math/interruption.hpp"
 #include "math/spatial_partition.hpp"
 
 namespace plannercheck {
@@ -164,6 +165,7 @@ class CellLists {
   // The square's candidates are at `level`.
   void divide(const Square& square, std::size_t level) {
     if (is_too_full_) return;
+    poll_interruption();
     keep_remaining(square, levels_[level], levels_[level + 1]);
     if (square.edge == edge_) return add(square, levels_[level + 1]);
     levels_[level + 1].fill_up();

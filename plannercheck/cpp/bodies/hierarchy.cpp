@@ -6,6 +6,7 @@
 
 #include "bodies/triangulation.hpp"
 #include "bodies/wedges.hpp"
+#include "math/interruption.hpp"
 #include "math/predicates.hpp"
 
 namespace plannercheck {
@@ -41,6 +42,7 @@ std::vector<Removal> peel(Triangulation& mesh, std::vector<std::int32_t>& alive,
     const std::int32_t level = *depth;
     std::size_t left = alive.size();
     for (const std::int32_t v : removable_by_degree(mesh, alive)) {
+      poll_interruption();
       if (left == most) break;
       if (blocked[at(v)] == level) continue;
       Removal removal{v, level, mesh.ring(v)};

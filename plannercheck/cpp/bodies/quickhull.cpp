@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bodies/affine_dimension.hpp"
+#include "math/interruption.hpp"
 #include "math/predicates.hpp"
 
 namespace plannercheck {
@@ -32,6 +33,7 @@ class Quickhull {
   TriangleSurface run() {
     start();
     while (!pending_.empty()) {
+      poll_interruption();
       std::swap(pending_[draw(pending_.size())], pending_.back());
       const int face = pending_.back();
       pending_.pop_back();

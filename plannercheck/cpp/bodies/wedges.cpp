@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "math/interruption.hpp"
 #include "math/predicates.hpp"
 
 namespace plannercheck {
@@ -164,6 +165,7 @@ void build_wedges(const ConvexMesh& mesh, const Triangulation& coarsest, Levels&
   if (!any) return;
   WedgeBuilder builder(mesh, coarsest, h);
   for (std::size_t v = 0; v < h.points.size(); ++v) {
+    poll_interruption();
     if (h.chains[v].length > kLongChain) builder.build(static_cast<std::int32_t>(v));
   }
   link_chains(h);

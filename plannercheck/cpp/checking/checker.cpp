@@ -5,6 +5,7 @@
 
 #include "broad_phase/broad_phase.hpp"
 #include "checking/state_blocks.hpp"
+#include "math/interruption.hpp"
 #include "robots/kinematics_lanes.hpp"
 
 namespace plannercheck {
@@ -179,6 +180,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
   w.columns.resize(kBlockGroups * width);
   w.poser.begin(kinematics, needed_.data());
   for (std::size_t row = 0; row < n; row += kBlockStates) {
+    if (row > 0) poll_interruption();
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
     load_rows<kBlockStates>(q + row * width, count, width, w.columns.data());
     pose_links(width, static_cast<int>(count), w);
@@ -190,6 +192,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
 template <class Judge>
 void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, Judge judge) const {
   for (std::size_t row = 0; row < n; row += kBlockStates) {
+    if (row > 0) poll_interruption();
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
     load_links(links + row * at(links_) * kPoseStride, count, w);
     find_near(static_cast<int>(count), Sought::kWhichCollide, w);

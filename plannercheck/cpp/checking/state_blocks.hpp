@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "math/interruption.hpp"
 #include "math/simd.hpp"
 
 namespace plannercheck {
@@ -28,6 +29,7 @@ bool is_free_coarse_to_fine(const double* q0, const double* q1, long steps, std:
                             AllFree all_free) {
   const auto every = [&](long first, long stride, long last) {
     for (long k = first; k <= last; k += stride * static_cast<long>(states)) {
+      poll_interruption();
       const long count = std::min<long>(states, (last - k) / stride + 1);
       for (std::size_t group = 0; group < states / kLanes; ++group) {
         Lanes t;

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "math/interruption.hpp"
 #include "math/vec.hpp"
 #include "motions/motion_report.hpp"
 
@@ -130,6 +131,7 @@ class AdaptiveSubdivision {
   void choose(const std::vector<std::int32_t>&) {}
 
   void place(double from, double to, int intervals) {
+    poll_interruption();
     ++w_.counters.grids;
     w_.counters.states += intervals + 1;
     self().pose_grid(from, to, intervals);

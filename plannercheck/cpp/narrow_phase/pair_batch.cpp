@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "math/interruption.hpp"
 #include "narrow_phase/centre_axis.hpp"
 #include "narrow_phase/double_oracle.hpp"
 
@@ -170,6 +171,7 @@ void take_far(std::size_t pair, const CentreAxis& axis, CachedPlane* cache, Pair
 void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
                      PairCounters& counters) {
   for (std::size_t i = 0; i < pairs; ++i) {
+    poll_interruption();
     const PosedBody guest = batch.guest(i), host = batch.host(i);
     CentreAxis axis(guest, host);
     if (is_far(axis, options)) {
@@ -235,6 +237,7 @@ class Interleaving {
   // The next pair that would wait for memory; those before it are done with. False if there is none left.
   bool begin(SteppedTest& test) {
     while (next_ < pairs_) {
+      poll_interruption();
       const std::size_t pair = next_++;
       const PosedBody guest = batch_.guest(pair), host = batch_.host(pair);
       if (follows(guest, host)) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "checking/state_blocks.hpp"
+#include "math/interruption.hpp"
 #include "math/vec.hpp"
 #include "planar/kinematics_2d.hpp"
 
@@ -112,6 +113,7 @@ void PlanarChecker::judge(std::size_t count, bool first_only, Workspace& w, Foun
 template <class Work>
 void PlanarChecker::each_block(const double* q, std::size_t n, Workspace& w, Work work) const {
   for (std::size_t row = 0; row < n; row += kLanes) {
+    if (row > 0) poll_interruption();
     const std::size_t count = std::min<std::size_t>(kLanes, n - row);
     load_rows<kLanes>(q + row * width_, count, width_, w.columns.data());
     work(row, count);

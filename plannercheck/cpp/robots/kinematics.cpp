@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "math/interruption.hpp"
 #include "math/sincos.hpp"
 #include "robots/kinematics_lanes.hpp"
 
@@ -327,6 +328,7 @@ void Kinematics::link_poses_batch(const double* q, long long n, const unsigned c
   LinkPoser poser;
   poser.begin(*this, needed);
   for (long long first = 0; first < n; first += kLanes) {
+    poll_interruption();
     const int rows = static_cast<int>(std::min<long long>(kLanes, n - first));
     gather(q + first * width_, rows, width_, lanes.data());
     poser.pose(lanes.data(), poses.data());

@@ -1,0 +1,30 @@
+"""One configuration given by names of joints, in space or in the plane.
+
+In: a robot, a mapping of joint names to values. Out: the configuration in the robot's own order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from plannercheck.checking.protocols import AnyRobot
+from plannercheck.robots.joint_values import row_of_named
+from plannercheck.robots.robot import Robot
+
+
+def named_configuration(robot: AnyRobot, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
+    """A configuration as a row (1, nq).
+
+    Args:
+        robot: Whose it is.
+        values: Of each joint by its name, rad or m.
+
+    Raises:
+        PlannercheckError: If a joint is missing or not one of the robot's, or a value is no number.
+    """
+    if isinstance(robot, Robot):
+        return robot.joint_values.named(values)
+    return row_of_named(values, robot.joint_names, [1] * len(robot.joint_names))[None]

@@ -1,0 +1,103 @@
+// Work of the core that may take long: without the GIL, on as many threads as asked for, and given up on Ctrl-C.
+//
+// In: work. Out: what it writes, or its exception; KeyboardInterrupt, if Python's signal handler raises it, as soon as
+// the work polls (math/interruption.hpp).
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "math/interruption.hpp"
+
+namespace plannercheck {
+
+// Runs Python's handlers of signals that have come; they run in Python's main thread only.
+inline void ask_python() {
+  const nanobind::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
+}
+
+// The threads of one call.
+class CallThreads {
+ public:
+  CallThreads() = default;
+  CallThreads(const CallThreads&) = delete;
+  CallThreads& operator=(const CallThreads&) = delete;
+
+  // Joined also where the system has no more of them and throws.
+  ~CallThreads() {
+    given_up_ = true;
+    for (std::thread& thread : others_) thread.join();
+  }
+
+  // part(k) for k = 0 … count − 1, one a thread; the first exception of any is thrown when all have ended.
+  template <class Part>
+  void run(std::size_t count, Part part) {
+    for (std::size_t k = 1; k < count; ++k) {
+      others_.emplace_back([this, part, k] {
+        guarded(nullptr, [&] { part(k); });
+        const std::lock_guard lock(mutex_);
+        ++ended_;
+        one_ended_.notify_one();
+      });
+    }
+    guarded(&ask_python, [&] { part(0); });
+    if (count > 1) guarded(&ask_python, [this] { wait_for_others(); });
+    for (std::thread& thread : std::exchange(others_, {})) thread.join();
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  std::vector<std::thread> others_;
+  std::atomic<bool> given_up_{false};
+  std::mutex mutex_;
+  std::condition_variable one_ended_;
+  std::size_t ended_ = 0;
+  std::exception_ptr failure_;  // an exception that leaves a thread would end the process
+
+  template <class Work>
+  void guarded(Interruptible::Ask ask, Work work) {
+    try {
+      const Interruptible scope(given_up_, ask);
+      work();
+    } catch (const Interrupted&) {  // the thread that gave up says why
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+      given_up_ = true;
+    }
+  }
+
+  void wait_for_others() {
+    for (;;) {
+      {
+        std::unique_lock lock(mutex_);
+        if (one_ended_.wait_for(lock, kAskingInterval, [this] { return ended_ == others_.size(); })) return;
+      }
+      if (!given_up_) ask_python();
+    }
+  }
+};
+
+// part(k) for k = 0 … count − 1, one a thread, without the GIL.
+template <class Part>
+void without_gil(std::size_t count, Part part) {
+  const nanobind::gil_scoped_release release;
+  CallThreads().run(count, part);
+}
+
+// work() in this thread, without the GIL.
+template <class Work>
+void without_gil(Work work) {
+  without_gil(1, [&](std::size_t) { work(); });
+}
+
+}  // namespace plannercheck
