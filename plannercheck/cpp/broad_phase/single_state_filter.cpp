@@ -53,11 +53,9 @@ void BodyLanes::pose(const Lanes* links, std::size_t state, Workspace& posed) co
   const std::size_t lane = state % kLanes;
   for (std::size_t b = 0; b < balls_.size(); ++b) {
     const Lanes* const m = group + at(balls_[b].link) * 12;
-    const auto [x, y, z] = balls_[b].centre;
+    const double x = balls_[b].centre[0], y = balls_[b].centre[1], z = balls_[b].centre[2];
     const auto row = [&](std::size_t i) {
-      return static_cast<float>(((m[i][lane] * static_cast<double>(x) + m[i + 1][lane] * static_cast<double>(y)) +
-                                 m[i + 2][lane] * static_cast<double>(z)) +
-                                m[i + 3][lane]);
+      return static_cast<float>(((m[i][lane] * x + m[i + 1][lane] * y) + m[i + 2][lane] * z) + m[i + 3][lane]);
     };
     Posed& eight = posed[b / kFloats];
     eight.x[b % kFloats] = row(0);

@@ -7,6 +7,8 @@
 #include <immintrin.h>
 #endif
 
+#include "math/shuffle.hpp"
+
 namespace plannercheck {
 
 inline constexpr int kQuad = 4;
@@ -28,8 +30,8 @@ inline Quad absolute_quad(Quad q) {
 
 // The largest number, in all places. Scalars in place of this branch, on what nothing can predict.
 inline Quad spread_largest(Quad q) {
-  const Quad halves = __builtin_shufflevector(q, q, 2, 3, 0, 1), two = q > halves ? q : halves;
-  const Quad others = __builtin_shufflevector(two, two, 1, 0, 3, 2);
+  const Quad halves = shuffled<2, 3, 0, 1>(q, q), two = q > halves ? q : halves;
+  const Quad others = shuffled<1, 0, 3, 2>(two, two);
   return two > others ? two : others;
 }
 

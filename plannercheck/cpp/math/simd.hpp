@@ -8,6 +8,8 @@
 #include <immintrin.h>
 #endif
 
+#include "math/shuffle.hpp"
+
 namespace plannercheck {
 
 // PLANNERCHECK_EIGHT_LANES: AVX-512's number of lanes on a machine without it, to hold that code against the others.
@@ -50,11 +52,11 @@ inline Floats joined_floats(const Lanes* from, std::size_t stride) {
     if constexpr (sizeof first == sizeof(Floats)) {
       return first;
     } else if constexpr (2 * sizeof first == sizeof(Floats)) {
-      return __builtin_shufflevector(first, part(1), 0, 1, 2, 3, 4, 5, 6, 7);
+      return shuffled<0, 1, 2, 3, 4, 5, 6, 7>(first, part(1));
     } else {
-      const auto low = __builtin_shufflevector(first, part(1), 0, 1, 2, 3);
-      const auto high = __builtin_shufflevector(part(2), part(3), 0, 1, 2, 3);
-      return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+      const auto low = shuffled<0, 1, 2, 3>(first, part(1));
+      const auto high = shuffled<0, 1, 2, 3>(part(2), part(3));
+      return shuffled<0, 1, 2, 3, 4, 5, 6, 7>(low, high);
     }
   };
   return join(part(0));

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "math/shuffle.hpp"
 #include "planar/polygon_signs.hpp"
 
 namespace plannercheck {
@@ -47,7 +48,7 @@ inline std::size_t furthest_probe(const PosedPolygon& body, double x, double y) 
   for (std::size_t k = 0; k < kPlanarProbes; k += 2) {
     const Pair a = along * load_vertex(body.shape, probe(body.shape, k));
     const Pair b = along * load_vertex(body.shape, probe(body.shape, k + 1));
-    const Pair products = __builtin_shuffle(a, b, PairBits{0, 2}) + __builtin_shuffle(a, b, PairBits{1, 3});
+    const Pair products = shuffled<0, 2>(a, b) + shuffled<1, 3>(a, b);
     const auto tag = static_cast<long long>(k);
     const PairBits tagged =
         (reinterpret_cast<PairBits>(products) & ~static_cast<long long>(kPlanarProbes - 1)) | PairBits{tag, tag + 1};

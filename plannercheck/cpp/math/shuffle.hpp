@@ -1,0 +1,24 @@
+// In: two vectors of one type, and places, where those of the second count on from those of the first. Out: the vector
+// of what stands at the places, of as many numbers as there are places.
+//
+// Clang, and GCC from version 12, have one builtin for it. GCC 11 puts the numbers together one by one; its optimiser
+// finds most of the shuffles again.
+#pragma once
+
+#include <type_traits>
+
+namespace plannercheck {
+
+template <int... places, class Vector>
+inline auto shuffled(Vector first, Vector second) {
+#if __has_builtin(__builtin_shufflevector)
+  return __builtin_shufflevector(first, second, places...);
+#else
+  using Number = std::remove_reference_t<decltype(first[0])>;
+  constexpr int count = sizeof(Vector) / sizeof(Number);
+  typedef Number Out __attribute__((vector_size(sizeof...(places) * sizeof(Number))));
+  return Out{(places < count ? first : second)[places % count]...};
+#endif
+}
+
+}  // namespace plannercheck
