@@ -1,10 +1,10 @@
-"""Which pairs of bodies are tested, and what is said about one configuration.
+"""The pairs of bodies that a checker tests, and its verdict on one configuration.
 
-Read `pair_table` first (all pairs), then `pair_proofs` and `unreachable_pairs` (which of them never meet within the
-limits, by the bounds of `reach_bounds`), `prepared_bodies`, `compiled_pairs` and `compiled_tables` (what the core
-judges configurations with) and `verdicts` (what a checker says), and `state_checker`, which puts these together.
-`checker_base` (names and certificates, in space and in the plane), `clearance` and `carrying_checker` are what it
-stands on; `padding` and `settings` are what it is built with, `touching_pairs` what it warns of. `left_out_pairs` lists
-all places where a pair may be left out, `collision_matrix` proposes which ones to leave out; `protocols` are what code
-for checkers in space and in the plane asks of them.
+Read `pair_table` first (all pairs). `pair_proofs` and `unreachable_pairs` prove which of them never meet within the
+limits, by the bounds of `reach_bounds`. `prepared_bodies`, `compiled_pairs` and `compiled_tables` hold what the core
+judges configurations with, and `verdicts` what a checker returns. `state_checker` puts these together; its base classes
+are in `checker_base` (names and certificates, in space and in the plane), `clearance` and `carrying_checker`. `padding`
+and `settings` hold its arguments, and `touching_pairs` its warnings. `left_out_pairs` lists all places where a pair may
+be left out, and `collision_matrix` proposes pairs to leave out. `protocols` says what checkers in space and in the
+plane have in common.
 """

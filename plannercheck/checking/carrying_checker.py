@@ -1,7 +1,7 @@
-"""Objects picked up and put down: a checker for the scene in which a link carries one more, or one less.
+"""Objects that links pick up and put down: a checker for the scene after an object was attached or detached.
 
-In: a checker that can take another scene. Out: `CarryingChecker` with `attach` and `detach`, which give new checkers
-that share all prepared bodies with the one before.
+In: a checker that can take another scene. Out: `CarryingChecker` with `attach` and `detach`, which return new checkers.
+These share all prepared bodies with the checker they come from.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Same = TypeVar("Same", bound="CarryingChecker")
 
 
 class CarryingChecker(ABC):
-    """A checker whose scene can be exchanged, so that links may take up objects and put them down."""
+    """A checker that makes new checkers in which a link carries another object, or puts one down."""
 
     scene: Scene
 
@@ -47,13 +47,13 @@ class CarryingChecker(ABC):
         """The same checker with an object that a link carries.
 
         Args:
-            name: Of the object.
-            parts: Its shape, or posed shapes; None for an object of the scene, which leaves the world.
-            link: Which carries it. The object is tested against all other links, and against obstacles.
+            name: The object's name.
+            parts: Its shape, or posed shapes; None for an obstacle of the scene, which then is one no more.
+            link: The link that carries it. The object is tested against all other links and against obstacles.
             pose: (4, 4) of the object's frame in the link's, m.
-            touch_links: Links, or other carried objects, that it may touch, too.
-            q: (nq,) instead of `pose`, for an object of the scene: it is attached where it stands while the robot is at
-                this configuration.
+            touch_links: Other links or carried objects that it may touch.
+            q: (nq,) in place of `pose`, for an obstacle of the scene: the configuration at which it is attached, where
+                it stands.
 
         Returns:
             A checker that shares all prepared bodies with this one.
@@ -67,11 +67,12 @@ class CarryingChecker(ABC):
         return self.with_scene(scene)
 
     def detach(self: Same, name: str, q: ArrayLike | None = None) -> Same:
-        """The same checker without an attached object, or with it standing in the world.
+        """The same checker without an attached object, or with that object as an obstacle.
 
         Args:
-            name: Of the object.
-            q: (nq,) the object becomes an obstacle where it is at this configuration; None removes it.
+            name: The object's name.
+            q: (nq,) the configuration at which it is put down: it becomes an obstacle where it is then. None removes
+                it.
 
         Returns:
             A checker that shares all prepared bodies with this one.

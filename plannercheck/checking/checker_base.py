@@ -1,7 +1,7 @@
-"""What puts names and certificates to a checker's verdicts, in space and in the plane.
+"""Names and certificates for a checker's verdicts, in space and in the plane.
 
-In: a checker that says which pairs of bodies collide, and poses them. Out: `ExplainingChecker`, whose `explain` gives
-the verdict of one configuration with all colliding pairs, each with its proof.
+In: a checker that poses bodies and says which pairs collide. Out: `ExplainingChecker`, whose `explain` returns the
+verdict of one configuration with all colliding pairs, each with its proof.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class NamedBody(Protocol):
 
     @property
     def name(self) -> str:
-        """For reports."""
+        """The name that reports use."""
 
 
 class ExplainingChecker(ABC):
@@ -38,8 +38,8 @@ class ExplainingChecker(ABC):
     Attributes:
         robot: The robot.
         scene: The scene.
-        bodies: The robot's, then the scene's.
-        pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
+        bodies: The robot's bodies, then the scene's.
+        pairs: (k, 2) indices into `bodies`: the pairs that are tested at every configuration.
     """
 
     robot: AnyRobot
@@ -54,15 +54,15 @@ class ExplainingChecker(ABC):
 
     @abstractmethod
     def body_poses(self, q: ArrayLike) -> Floats:
-        """World poses of all bodies (n, bodies, …) at configurations (n, nq), the same bits that verdicts use."""
+        """World poses of all bodies (n, bodies, …) at configurations (n, nq): the very doubles that verdicts use."""
 
     @abstractmethod
     def _certificate(self, a: int, b: int, poses: Floats) -> PairCertificate:
-        """What proves the verdict of two of `bodies` at poses of all."""
+        """The proof of the verdict of two of `bodies`, at poses of all bodies."""
 
     @abstractmethod
     def _kinematic_error(self, q: Floats, poses: Floats) -> float:
-        """The proven bound of what poses (bodies, …) at a configuration (nq,) are off by, m."""
+        """The proven bound of the error of poses (bodies, …) at a configuration (nq,), m."""
 
     def explain(self, q: Configuration, separations: bool = False) -> Verdict:
         """The verdict of one configuration with the names and certificates behind it.
@@ -89,7 +89,7 @@ class ExplainingChecker(ABC):
         """The verdict of row k of `pairs` alone.
 
         Args:
-            k: Row.
+            k: The row.
             q: (nq,) rad and m.
 
         Returns:

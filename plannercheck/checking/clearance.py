@@ -1,4 +1,4 @@
-"""How far a robot is from what it may touch: the least distance of all pairs of bodies.
+"""Clearances: the least distance of all pairs of bodies.
 
 In: a checker's pairs, prepared bodies and their poses. Out: `MeasuringChecker` with `clearance`, `clearances` and
 `nearest_pair`. Distances are the core's (cpp/narrow_phase/distance), whatever the padding.
@@ -19,7 +19,7 @@ from plannercheck.robots.robot import Robot
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-# Steps of the descent that a lower bound of a distance takes.
+# Steps of the descent for a lower bound of a distance.
 _BOUND_ROUNDS = 2
 
 # Configurations whose poses are held at once.
@@ -27,7 +27,7 @@ _BLOCK = 1024
 
 
 class MeasuringChecker(ABC):
-    """A checker that knows the distances of its pairs.
+    """A checker that measures the distances of its pairs.
 
     Attributes:
         robot: The robot.
@@ -53,12 +53,12 @@ class MeasuringChecker(ABC):
 
         Args:
             q: (nq,) rad and m.
-            lower_bound: Whether a proved lower bound will do, which is cheaper.
+            lower_bound: Whether a proved lower bound is enough; it is cheaper.
 
         Returns:
             m, within 1e-9 of max(distance, 1e-3 of the bodies' radius). Where bodies overlap, it is the negative of a
-            depth: moving one of them by it separates them, but a shorter move may, too (see `distances.Distance`).
-            Infinite without pairs.
+            depth: a translation of that length separates them, and a shorter one may do so as well (see
+            `bodies.distance.Distance`). Infinite if there are no pairs.
         """
         return float(self.clearances(self._single(q), lower_bound)[0])
 
@@ -75,13 +75,13 @@ class MeasuringChecker(ABC):
         return self._clearances(q, lower_bound)[0]
 
     def nearest_pair(self, q: ArrayLike) -> Ints:
-        """The pairs that are nearest, or deepest in each other.
+        """The nearest pair of each configuration, or the one that overlaps most deeply.
 
         Args:
             q: (n, nq) rad and m.
 
         Returns:
-            (n,) rows of `pairs`; -1 if there are none.
+            (n,) rows of `pairs`; -1 if the checker has no pairs.
         """
         return self._clearances(q, False)[1]
 

@@ -1,10 +1,10 @@
-"""Which pairs of a robot's links may be left untested: an allowed collision matrix, proposed or audited.
+"""Pairs of a robot's links that may be left untested: proposes or audits an allowed collision matrix.
 
-In: a robot. Out: for each pair of links with collision bodies, in how many random configurations they collide and why
-it may be left out, if so, as MoveIt's setup assistant has it: adjacent links, pairs that collide in the reference or
-(almost) always, pairs that were never seen to collide. Pairs that unreachable_pairs.py proves apart within the limits
-never are sampled; the others are counted exactly, for the convex hulls of the links. All joints that move on their own
-are moved, whatever the robot's group.
+In: a robot. Out: for each pair of links with collision bodies, how many random configurations it collides in, and the
+reason, if any, to leave it out. The reasons are those of MoveIt's setup assistant: the links are adjacent; the pair
+collides at the reference, or in (almost) all configurations; it was never seen to collide. Pairs that
+unreachable_pairs.py proves apart within the limits are not sampled. All others are judged exactly, for the convex hulls
+of the links. All joints that do not follow another one are moved, whatever the robot's group.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from plannercheck.robots.urdf import LinkTree
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-# MoveIt's assistant calls it always from this share of the configurations on.
+# From this share of colliding configurations on, MoveIt's assistant says that a pair always collides.
 ALWAYS = 0.95
 
-# Configurations that are judged at once: the poses of a humanoid's links take some 10 MB.
+# Configurations judged at once: the poses of a humanoid's links then take some 10 MB.
 _BATCH = 1000
 
 _OPTIONS = CheckerSwitches().core_options()
@@ -49,13 +49,13 @@ class LinkPair:
     """Two links with collision bodies.
 
     Attributes:
-        link_a: The one that comes first among the robot's links.
-        link_b: The other.
+        link_a: The link that comes first among the robot's links.
+        link_b: The other link.
         reason: Why the pair may be left untested; None if it has to be tested.
         states: How many configurations were judged.
         collisions: In how many of them they collide.
-        first: The first of them; None if there is none.
-        at_reference: Whether they collide there.
+        first: The first of these configurations, by row; None if there is none.
+        at_reference: Whether they collide at the robot's reference.
     """
 
     link_a: str
@@ -68,17 +68,17 @@ class LinkPair:
 
     @property
     def links(self) -> frozenset[str]:
-        """Both names."""
+        """The names of both links."""
         return frozenset((self.link_a, self.link_b))
 
     @property
     def share(self) -> float:
-        """In which part of the configurations they collide."""
+        """The share of the configurations in which they collide."""
         return self.collisions / self.states
 
     @property
     def words(self) -> str:
-        """The reason, with how many configurations it rests on."""
+        """The reason, and how many configurations support it."""
         if self.reason in ("always", "default"):
             return f"{self.reason}: collide in {self.collisions} of {self.states} random configurations"
         return f"never in {self.states} random configurations" if self.reason == "never" else self.reason or ""
@@ -89,9 +89,9 @@ class CollisionMatrix(OwnsArrays):
     """All pairs of links of a robot.
 
     Attributes:
-        robot: With all joints that move on their own in its group.
-        configurations: (n, nq) that were judged, rad and m.
-        pairs: All of them.
+        robot: The robot; its group has all joints that do not follow another one.
+        configurations: (n, nq) the configurations that were judged, rad and m.
+        pairs: All pairs of links.
     """
 
     robot: Robot
@@ -103,7 +103,7 @@ class CollisionMatrix(OwnsArrays):
         return [pair for reason in REASONS for pair in self.pairs if pair.reason == reason]
 
     def colliding_rows(self, pair: LinkPair) -> NDArray[np.int64]:
-        """Which of `configurations` a pair collides in, ascending."""
+        """The rows of `configurations` in which a pair collides, ascending."""
         robot = self.robot
         bodies = [
             [k for k, body in enumerate(robot.bodies) if body.link == link] for link in (pair.link_a, pair.link_b)
@@ -122,7 +122,7 @@ class CollisionMatrix(OwnsArrays):
 
 
 def with_all_joints(robot: Robot) -> Robot:
-    """The robot, its group all joints of one value that do not follow others; what it carries is dropped."""
+    """The robot without carried objects, with a group of all joints of one value that do not follow others."""
     joints = [
         name
         for name, joint in zip(list(robot.model.names)[1:], list(robot.model.joints)[1:], strict=True)
@@ -134,13 +134,14 @@ def with_all_joints(robot: Robot) -> Robot:
 
 
 def collision_matrix(robot: Robot, states: int = 10_000, seed: int = 0, always: float = ALWAYS) -> CollisionMatrix:
-    """Judges all pairs of links.
+    """Samples all pairs of links.
 
     Args:
-        robot: Its group, self pairs and disabled pairs do not matter; joints of several values stay at the reference.
-        states: How many random configurations within the limits.
-        seed: Of the random configurations.
-        always: From which share of the configurations on a pair counts as always colliding.
+        robot: The robot. Its group, self pairs and disabled pairs do not matter; joints of several values stay at the
+            reference.
+        states: Number of random configurations within the limits.
+        seed: Seed of the random configurations.
+        always: A pair that collides in at least this share of them counts as always colliding.
 
     Returns:
         The matrix.
@@ -230,11 +231,11 @@ def adjacent_links(tree: LinkTree, with_bodies: Iterable[str]) -> set[frozenset[
 
 @dataclass(frozen=True)
 class AuditedPair:
-    """A pair that is disabled, or ought to be looked at.
+    """A pair that is disabled, or that deserves a look.
 
     Attributes:
-        declared: What the SRDF or YAML says.
-        found: What was found; None if one of its names is no link with collision bodies.
+        declared: The pair as the SRDF or YAML has it.
+        found: What sampling found; None if one of the names is no link with collision bodies.
     """
 
     declared: DisabledPair
@@ -249,12 +250,12 @@ class AuditedPair:
 
 @dataclass(frozen=True)
 class Audit:
-    """What a matrix says of declared pairs.
+    """A comparison of declared pairs with a matrix.
 
     Attributes:
         disabled: The declared pairs, each once.
-        hopeless: Pairs that are tested and collide in every configuration: none is valid.
-        spared: Pairs that are tested though they never meet, by proof.
+        hopeless: Tested pairs that collide in every configuration, so that no configuration is valid.
+        spared: Tested pairs that are proved never to meet.
     """
 
     disabled: tuple[AuditedPair, ...]
@@ -263,16 +264,16 @@ class Audit:
 
     @property
     def suspects(self) -> list[AuditedPair]:
-        """Pairs that are disabled, yet collide in some states: the most frequent first."""
+        """Disabled pairs that collide in some configurations, the most frequent first."""
         chosen = [pair for pair in self.disabled if pair.is_suspect]
         return sorted(chosen, key=lambda pair: -(pair.found.collisions if pair.found else 0))
 
 
 def audit(matrix: CollisionMatrix, declared: Iterable[DisabledPair]) -> Audit:
-    """Holds declared pairs against what was found.
+    """Compares declared pairs with what was found.
 
     Args:
-        matrix: Of the robot, whose self pairs are what is tested.
+        matrix: The robot's matrix; the robot's self pairs are the tested pairs.
         declared: Pairs that its SRDF or YAML disables.
 
     Returns:

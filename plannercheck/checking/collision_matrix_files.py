@@ -1,7 +1,7 @@
 """Writes allowed collision matrices: SRDF, or the `disabled_pairs` of a robot's YAML.
 
-In: pairs of links with reasons. Out: text. In an SRDF the reasons are those that MoveIt's assistant knows; what was
-proved stands in a comment. Groups, states and all else that an SRDF has already stay as they are.
+In: pairs of links with reasons. Out: text. An SRDF gets the reasons that MoveIt's assistant knows; a comment says what
+was proved. Groups, states and everything else in an existing SRDF stay as they are.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ def srdf_text(robot: str, pairs: Sequence[LinkPair], semantics: Element | None =
     """An SRDF that disables pairs.
 
     Args:
-        robot: Its name.
-        pairs: What to disable, by reason.
+        robot: The robot's name.
+        pairs: The pairs to disable, ordered by reason.
         semantics: The root of the SRDF whose disabled pairs are replaced; None for a new one.
 
     Returns:
-        The file's text.
+        The text of the file.
     """
     root = Element("robot", name=robot) if semantics is None else copy.deepcopy(semantics)
     for old in root.findall("disable_collisions"):

@@ -1,7 +1,7 @@
-"""Pairs of bodies, compiled: what the core judges configurations with.
+"""Pairs of bodies, compiled into the core's checker.
 
-In: a robot, prepared bodies, some of a checker's pairs. Out: `CompiledPairs`, the core's checker of just these pairs
-and just the bodies in them.
+In: a robot, prepared bodies, some of a checker's pairs. Out: `CompiledPairs`, a core checker that has these pairs and
+the bodies in them, and nothing else.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ Ints = NDArray[np.int32]
 
 
 class PairSource(NamedTuple):
-    """What tables of a checker's pairs are compiled from.
+    """The inputs from which tables of a checker's pairs are compiled.
 
     Attributes:
         robot: The robot.
         bodies: All bodies.
-        preparation: Of these bodies.
-        options: The core's: of the pair test, and switches.
-        kernel: The kinematics that will pose the links, so that those which it never moves are posed once; None if all
-            count as moving.
+        preparation: The prepared bodies.
+        options: The core's options: of the pair test, and switches.
+        kernel: The kinematics that will pose the links: links that it never moves are posed once. None: all links count
+            as moving.
     """
 
     robot: Robot
@@ -45,7 +45,7 @@ class CompiledPairs:
     """The core's checker of some pairs.
 
     Attributes:
-        rows: (k,) which of the checker's pairs these are, ascending.
+        rows: (k,) the rows of the checker's pairs that are compiled here, ascending.
         polytopes: The prepared bodies in them, by index.
         is_still: (k,) whether neither body ever moves, so that the core tests the pair once for all configurations.
         core: The compiled checker of these pairs.
@@ -63,8 +63,8 @@ class CompiledPairs:
         Args:
             source: What all tables of the checker have in common.
             pairs: (n, 2) indices of bodies.
-            rows: Which of the pairs to take; None for all.
-            limits: Configurations (nq,) between which the core may judge one; None for any.
+            rows: The rows of `pairs` to compile; None for all.
+            limits: Least and largest configuration (nq,) that the core may judge with these pairs; None for no limits.
         """
         robot = source.robot
         self.rows = np.arange(len(pairs)) if rows is None else rows
@@ -107,15 +107,16 @@ class CompiledPairs:
 
 
 def mounted(robot: Robot, bodies: Sequence[Body], kernel: Any | None) -> tuple[Ints, Floats]:
-    """What bodies hang on.
+    """The links that bodies hang on, and their poses there.
 
     Args:
         robot: The robot.
-        bodies: The robot's or a scene's.
-        kernel: The kinematics that will pose the links; what it never moves counts as the world's. None: all may move.
+        bodies: Bodies of the robot or of a scene.
+        kernel: The kinematics that will pose the links; links that it never moves count as the world. None: all links
+            may move.
 
     Returns:
-        (n,) indices of links, -1 for the world, and (n, 4, 4) poses there, m, with the bits that verdicts are about.
+        (n,) indices of links, -1 for the world, and (n, 4, 4) poses in these, m: the very doubles that verdicts use.
     """
     links = np.array([-1 if b.link is None else robot.link_index(b.link) for b in bodies], dtype=np.int32)
     placements = np.array([body.pose for body in bodies], dtype=np.float64).reshape(-1, 4, 4)

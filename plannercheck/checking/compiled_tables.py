@@ -1,8 +1,8 @@
 """A checker's pairs, compiled twice: those that can meet within the joint limits, and all of them.
 
-In: pairs, and which of them can't meet within the limits. Out: `CompiledTables`, which judges each configuration with
-the pairs that count for it. The table of all pairs is compiled when a configuration beyond the limits, or a given pose,
-first asks for it.
+In: pairs, and which of them can't meet within the limits. Out: `CompiledTables`, which judges configurations within the
+limits by the smaller table and all others by the larger one. The table of all pairs is compiled when a configuration
+beyond the limits, or a given pose, first needs it.
 """
 
 from __future__ import annotations
@@ -25,10 +25,11 @@ Ints = NDArray[np.int32]
 
 
 class CompiledTables:
-    """Both tables of a checker. Immutable but for what is compiled late, so threads may share it.
+    """Both tables of a checker. Immutable except for the table that is compiled later; threads may share it.
 
     Attributes:
-        limits: (nq,) each: between them the pairs of `within_limits` are all that can collide; None for anywhere.
+        limits: Least and largest configuration, (nq,) each: between them only pairs of `within_limits` can collide.
+            None: these are the only pairs that can collide at any configuration.
         within_limits: The pairs that can meet within the limits.
     """
 
@@ -36,7 +37,7 @@ class CompiledTables:
         """Compiles the pairs that can meet within the limits.
 
         Args:
-            source: What both tables are compiled from.
+            source: The inputs of both tables.
             pairs: (k, 2) indices of bodies.
             unreachable: (k,) which of them can't meet at any configuration within the robot's limits.
         """
@@ -44,7 +45,7 @@ class CompiledTables:
         self.limits = (source.robot.lower, source.robot.upper) if unreachable.any() else None
         self.within_limits = CompiledPairs(source, pairs, np.flatnonzero(~unreachable), self.limits)
         self._all: CompiledPairs | None = self.within_limits if self.limits is None else None
-        self._lock = threading.RLock()  # a finaliser that runs while its holder compiles may ask, too
+        self._lock = threading.RLock()  # re-entrant: a finaliser may run, and ask, while this thread compiles
 
     @property
     def all(self) -> CompiledPairs:
@@ -56,11 +57,11 @@ class CompiledTables:
         return self._all
 
     def judged(self, judge: Callable[..., NDArray[Any]], *rows: NDArray[Any]) -> NDArray[Any]:
-        """Rows judged with the pairs that count for them.
+        """Judges each row by the table that counts for it.
 
         Args:
-            judge: Gets compiled pairs and some of the rows, gives an array (n,).
-            rows: Arrays (n, …), which judge gets; a row counts as within the limits if its configurations are.
+            judge: A function that takes compiled pairs and some of the rows, and returns an array (n,).
+            rows: Arrays (n, …); a row counts as within the limits if all its configurations are.
 
         Returns:
             (n,).
@@ -95,14 +96,14 @@ class CompiledTables:
     def state_validity(
         self, kernel: Any | None, elsewhere: Callable[[ArrayLike], bool]
     ) -> Callable[[Any], bool] | None:
-        """A compiled judge of OMPL's states, None if there is none; it asks `elsewhere` where a row needs care."""
+        """A compiled judge of OMPL's states, None if there is none; it calls `elsewhere` where a row needs checks."""
         if kernel is None or self._source.robot.configuration_map.units:
             return None
         judge: Callable[[Any], bool] = core.state_validity(self.within_limits.core, kernel, elsewhere)
         return judge
 
     def statistics(self) -> dict[str, Any]:
-        """Counters of all calls so far; every pair of every state counts once, also those that were left out."""
+        """Counters of all calls so far; every pair of every state counts once, pairs that were left out included."""
         counted = dict(self.within_limits.core.statistics())
         unreachable = (len(self._pairs) - len(self.within_limits.rows)) * counted["states"]
         counted["pairs"] += unreachable

@@ -1,7 +1,7 @@
-"""Words for configurations that can be read but are hardly meant: degrees, columns in another order.
+"""Hints for configurations that are probably mistakes: degrees, or columns in another order.
 
-In: what was given. Out: a sentence that says what it looks like and what to do, or an empty one. Hints never change a
-verdict.
+In: configurations as given. Out: a sentence that says what they look like and what to do, or an empty string. Hints
+never change a verdict.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ from plannercheck.checking.protocols import AnyChecker, AnyRobot
 
 Floats = NDArray[np.float64]
 
-# Part of the rows that is beyond the limits where something is wrong with all of them.
+# If this share of the rows is beyond the limits, all rows are probably wrong.
 _MOST = 0.5
-# Configurations that tell what always collides, at least and at most, and how many pairs are named.
+# Least and largest number of configurations used to find what always collides, and how many pairs are named.
 _ENOUGH, _SAMPLES, _SHOWN_PAIRS = 20, 200, 8
 
 
 def limits_hint(robot: AnyRobot, rows: Floats) -> str:
-    """What configurations look like, most of which are beyond the limits.
+    """Says what configurations look like if most of them are beyond the limits.
 
     Args:
-        robot: Whose they are.
-        rows: (n, nq).
+        robot: The robot.
+        rows: (n, nq) its configurations.
 
     Returns:
-        A sentence.
+        A sentence, or an empty string.
     """
     start = f"most configurations are beyond the limits of {robot.name!r}"
     if _are_degrees(robot, rows):
@@ -38,7 +38,7 @@ def limits_hint(robot: AnyRobot, rows: Floats) -> str:
 
 
 def always_hint(checker: AnyChecker, rows: Floats) -> str:
-    """What configurations (n, nq) that all collide have in common; empty if nothing, or too few to tell."""
+    """What colliding configurations (n, nq) have in common; empty if nothing, or if they are too few to tell."""
     if len(rows) < _ENOUGH:
         return ""
     always = np.flatnonzero(checker.colliding_pairs(rows[:_SAMPLES]).all(axis=0))
@@ -55,18 +55,18 @@ def always_hint(checker: AnyChecker, rows: Floats) -> str:
 
 
 def degrees_hint(robot: AnyRobot, q: Floats) -> str:
-    """Says so if a configuration (nq,) looks as if it were in degrees; else empty."""
+    """A sentence if a configuration (nq,) seems to be in degrees; else empty."""
     is_beyond = _part_within(robot, q[None]) < 1
     return "as degrees it would be within: angles are in rad" if is_beyond and _are_degrees(robot, q[None]) else ""
 
 
 def _are_degrees(robot: AnyRobot, rows: Floats) -> bool:
-    """Whether rows that are beyond the limits would be within them as degrees, and some are more than a turn in rad."""
+    """Whether rows beyond the limits would be within them as degrees, and some exceed a whole turn as rad."""
     return _part_within(robot, np.radians(rows)) >= _MOST and float(np.abs(rows).max(initial=0)) > 2 * np.pi
 
 
 def _part_within(robot: AnyRobot, rows: Floats) -> float:
-    """Which part of the rows is within the limits; 1 of none."""
+    """The share of the rows within the limits; 1 if there are none."""
     within = np.asarray(((rows >= robot.lower) & (rows <= robot.upper)).all(axis=1))
     return float(within.mean()) if len(rows) else 1.0
 

@@ -1,12 +1,13 @@
-"""All places where a pair of bodies may be left out, in the order in which they act, and how many each leaves out.
+"""All places where a pair of bodies may be left out, in the order in which they act, each with its number of pairs.
 
-There are pairs of a robot's bodies, of what its links carry, and of each of these with each obstacle. A configuration
-is tested for all of them but those that are left out by:
+Candidates are all pairs of the robot's bodies and carried objects, and each of these with each obstacle. These places
+leave out pairs:
 
 1. robots/description.py: the robot's YAML names both links in `disabled_pairs`.
 2. robots/self_pairs.py: both bodies are on one joint, the SRDF disables their links, or, without an SRDF, these are
    neighbours.
-3. robots/carried_objects.py: an object, and the link that carries it, one of its touch links, or another object there.
+3. robots/carried_objects.py: a carried object and the link that carries it, one of its touch links, or another object
+   on that link.
 4. checking/pair_table.py: the checker has no self-collision, the scene allows the pair to collide, or the body is on a
    link that is fixed to the world and the other one is an obstacle.
 5. checking/unreachable_pairs.py: lever arms prove that the bodies can't meet at any configuration within the limits.
@@ -14,10 +15,10 @@ is tested for all of them but those that are left out by:
 7. checking/compiled_tables.py: what 5 and 6 prove takes effect: configurations within the limits are judged by a table
    without these pairs, those beyond by the table of all pairs.
 8. cpp/checking/checker.cpp: both bodies stand still, so that one test decides for every configuration.
-9. cpp/broad_phase: bounds show that the bodies are apart at the configuration, or, where any collision will do, another
+9. cpp/broad_phase: bounds show that the bodies are apart at the configuration, or, where any collision decides, another
    pair collides already.
 
-1 to 4 say what a verdict is about; 5 to 9 save work and never change a verdict.
+1 to 4 define the verdict; 5 to 9 save work and never change it.
 """
 
 from __future__ import annotations
@@ -30,13 +31,14 @@ from plannercheck.checking.state_checker import StateChecker
 
 
 class LeftOut(NamedTuple):
-    """What one place leaves out.
+    """The pairs that one place leaves out.
 
     Attributes:
         where: The file or folder.
-        why: In a few words.
-        number: How many pairs it leaves out; None where that is told by another place, or only by configurations.
-        left: How many are left.
+        why: The reason, in a few words.
+        number: How many pairs it leaves out; None where another place counts them, or where the number depends on the
+            configuration.
+        left: How many pairs remain.
     """
 
     where: str
@@ -46,7 +48,7 @@ class LeftOut(NamedTuple):
 
 
 def left_out_pairs(checker: StateChecker) -> tuple[LeftOut, ...]:
-    """What each place leaves out of a checker's pairs, in the order of the list above."""
+    """What each place leaves out of a checker's pairs, in the order of the module's list."""
     robot, obstacles = checker.robot, len(checker.scene.bodies)
     own = sum(body.carried is None for body in robot.bodies)
     carried = len(robot.bodies) - own

@@ -1,7 +1,8 @@
-"""How often two links collide as meshes, not as hulls: coal's triangles against triangles.
+"""How often two links collide as meshes, not as hulls, by coal's test of triangles.
 
-In: a robot's description, pairs of links, configurations. Out: in how many of them the surfaces intersect. Nothing here
-is exact or counts a mesh that lies wholly within another one; it tells a hull's overestimate from a real collision.
+In: a robot's description, pairs of links, configurations. Out: in how many of them the surfaces intersect. The test is
+not exact, and it misses a mesh that lies wholly within another one. It shows whether two hulls collide because they are
+larger than their meshes.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 class LinkMeshes:
-    """The collision geometries of a robot's links as they are in their files."""
+    """The collision meshes of a robot's links, as their files have them."""
 
     def __init__(self, robot: Robot, description: RobotDescription) -> None:
         """Loads the meshes; `description` is the robot's."""
@@ -29,7 +30,7 @@ class LinkMeshes:
             self._bodies.setdefault(str(body.link), []).append((each.geometry, body.pose))
 
     def collisions(self, link_a: str, link_b: str, q: Floats) -> int:
-        """In how many of the configurations (n, nq) the surfaces of two links intersect."""
+        """The number of configurations (n, nq) in which the surfaces of two links intersect."""
         poses = self._robot.link_poses(q)
         ends = [poses[:, self._robot.link_index(link)] for link in (link_a, link_b)]
         return sum(self._collide(link_a, link_b, a, b) for a, b in zip(*ends, strict=True))

@@ -1,7 +1,8 @@
-"""Some frames of a long chain, posed against each other without the joints that all of them hang on.
+"""Relative poses of some frames of a long chain, without the joints that all of them hang on.
 
-In: a joint table with frames, some of the frames. Out: `Neighbourhood`, compiled kinematics of the joints from where
-the frames fork outwards, so that what it takes depends on how far apart they are, not on how long the chain is.
+In: a joint table with frames, some of the frames. Out: `Neighbourhood`, compiled kinematics of the joints beyond the
+last one that the frames have in common. Its cost depends on how many joints lie between the frames, not on the chain's
+length.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ from plannercheck.robots.kinematics import JointTable
 
 Floats = NDArray[np.float64]
 
-# What a joint table has a row of for each joint, besides its parent.
+# The fields of a joint table that have a row for each joint, except the parents.
 _OF_JOINTS = ("kinds", "axes", "placements", "columns", "multipliers", "offsets")
 
 
 class Neighbourhood(NamedTuple):
-    """Some frames of `Chains`, posed against each other.
+    """Relative kinematics of some frames of `Chains`.
 
     Attributes:
         kernel: Compiled kinematics, from a frame that all of them have in common.
-        place: By frame, where it is among the kernel's.
+        place: By frame, its index among the kernel's frames.
     """
 
     kernel: Any
@@ -38,19 +39,19 @@ class Neighbourhood(NamedTuple):
 
 
 def neighbourhood(table: JointTable, wanted: Sequence[int]) -> Neighbourhood:
-    """Kinematics of some frames against each other.
+    """Kinematics of some frames relative to each other.
 
     Args:
-        table: Its links are the frames.
-        wanted: Frames, ascending.
+        table: A joint table whose links are the frames.
+        wanted: Indices of frames, ascending.
 
     Returns:
-        The joints that move them against each other, and the last one that they have in common.
+        Kinematics of the joints that move them relative to each other, and of the last joint that they have in common.
     """
     hung: list[int] = table.link_joints[list(wanted)].tolist()
     parents: list[int] = table.parents.tolist()
     ends = set(hung)
-    while len(ends) > 1:  # parents come first, so that the last joint can't be what the others hang on
+    while len(ends) > 1:  # parents come first, so the last joint is no ancestor of the others
         ends.add(parents[last := max(ends)])
         ends.remove(last)
     (fork,) = ends

@@ -1,12 +1,11 @@
-"""Padding: distances that bodies have to keep, besides not touching.
+"""Padding: distances that pairs of bodies have to keep.
 
 In: one distance in m for all pairs, or lengths by name: parts of links, obstacles or bodies, and distances of pairs of
-them. Out: `PaddedPairs`: each body's own part, by which it is swollen. A pair has to keep more than the sum of both
-bodies' parts apart. Points and faces are untouched and swells are exact, so padded verdicts are as exact as others:
-swells add without rounding in the test. Only a part that is added to a swell that a ball or a capsule has already is
-rounded, once, to a double.
+these. Out: `PaddedPairs`: each body's own part, by which it is swollen. The distance of a pair must exceed the sum of
+both bodies' parts. Points and faces stay as they are, and the test adds swells without rounding, so padded verdicts are
+as exact as others. One rounding to a double remains: where a part is added to the swell of a ball or capsule.
 
-A pair with a distance of its own gets bodies of its own: copies with half the distance each.
+A pair with a distance of its own gets copies of its bodies, each with half the distance.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ class PaddedPairs(NamedTuple):
         bodies: Those given, then copies for pairs with a distance of their own.
         labels: The link or obstacle of each.
         parts: (bodies,) each body's part, m.
-        pairs: The given tables (k, 2), with copies where they are needed.
+        pairs: The given tables (k, 2), with indices of copies where pairs have a distance of their own.
     """
 
     bodies: tuple[Body, ...]
@@ -49,10 +48,11 @@ def padded_pairs(
     Args:
         padding: The distance that every pair keeps, m; or lengths by name. A body's part is its own, else its link's or
             obstacle's, else 0; a pair keeps the sum of both parts. A pair of names (of bodies, links or obstacles, in
-            any order) has the whole distance of these pairs, whatever the parts; of several that fit the last counts.
+            any order) has the whole distance of these pairs, whatever the parts; if several fit a pair, the last one
+            counts.
         bodies: All bodies.
         labels: The link or obstacle of each.
-        tables: (k, 2) indices into bodies each.
+        tables: Tables of pairs, (k, 2) indices into bodies each.
 
     Returns:
         Bodies and pairs.
@@ -74,7 +74,7 @@ def padded_pairs(
 
 
 def padding_parts(padding: Mapping[str, float], bodies: Sequence[Body], labels: Sequence[str]) -> list[float]:
-    """Each body's part, m: its own by name, else its link's or obstacle's, else 0."""
+    """Each body's part, m: its own, else its link's or obstacle's, else 0."""
     names = _names(bodies, labels)
     for name in padding:
         if name not in names:
@@ -84,14 +84,14 @@ def padding_parts(padding: Mapping[str, float], bodies: Sequence[Body], labels: 
 
 
 class _Copies:
-    """Bodies, and copies of them with other parts; one of each part."""
+    """Bodies, and copies of them with other parts, one copy for each body and part."""
 
     def __init__(self, bodies: Sequence[Body], labels: Sequence[str], parts: Sequence[float]) -> None:
         self.bodies, self.labels, self.parts = list(bodies), list(labels), list(parts)
         self._known = {(k, part): k for k, part in enumerate(parts)}
 
     def with_part(self, body: int, part: float) -> int:
-        """The index of a body that is swollen by a part."""
+        """The index of the copy of a body that is swollen by a part."""
         if (body, part) not in self._known:
             self._known[body, part] = len(self.bodies)
             self.bodies.append(self.bodies[body])
@@ -134,7 +134,7 @@ def _check_pair(pair: object, bodies: Sequence[Body], labels: Sequence[str], tab
 
 
 def _rows_of(pair: tuple[str, str], bodies: Sequence[Body], labels: Sequence[str], table: Ints) -> Iterator[int]:
-    """Rows of a table with bodies that a pair of names means."""
+    """Rows of a table whose bodies a pair of names means."""
     meant = [{k for k, body in enumerate(bodies) if name in (body.name, labels[k])} for name in pair]
     for row, (a, b) in enumerate(table.tolist()):
         if (a in meant[0] and b in meant[1]) or (a in meant[1] and b in meant[0]):

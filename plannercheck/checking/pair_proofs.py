@@ -1,8 +1,8 @@
-"""Which pairs of a checker never meet within the limits, and which rest, remembered from one checker to the next.
+"""Proofs about pairs, kept from one checker to the next: which never meet within the limits, and which are at rest.
 
-In: a robot, bodies, their preparation, and what an earlier checker of the same robot knows. Out: `MeetingProofs`. What
-is known of a pair holds for as long as both bodies are where they were: a moved obstacle is another `Body`, so only the
-pairs of what has moved, come, or been attached are proved anew (see unreachable_pairs.py).
+In: a robot, bodies, their preparation, and the proofs of an earlier checker of the same robot. Out: `MeetingProofs`. A
+proof about a pair holds as long as neither body is moved. A moved obstacle is a new `Body`, so only pairs of bodies
+that were moved, added or attached are proved again (see unreachable_pairs.py).
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ Ints = NDArray[np.int32]
 
 _Side = tuple[Body, float]  # and its padding, m
 
-# Bits of a pair's number that the number of its second body takes.
+# In a pair's number, the bits of the second body's number.
 _HALF = 32
 
 
 class MeetingProofs:
-    """What is known of pairs of bodies."""
+    """Proofs about pairs of bodies."""
 
     def __init__(
         self,
@@ -40,17 +40,17 @@ class MeetingProofs:
         is_compiled: bool,
         earlier: MeetingProofs | None = None,
     ) -> None:
-        """Nothing is proved yet.
+        """Starts with what an earlier checker has proved.
 
         Args:
             robot: The robot.
             bodies: Its bodies, then the obstacles, then copies of them with another padding.
             preparation: Of these bodies.
-            is_compiled: Whether the compiled kinematics poses, for which alone something is proved.
-            earlier: Of a checker of the same robot and paddings.
+            is_compiled: Whether the compiled kinematics poses the robot; nothing is proved for other kinematics.
+            earlier: The proofs of a checker of the same robot and paddings.
         """
         self._robot, self._bodies, self._preparation, self._is_compiled = robot, bodies, preparation, is_compiled
-        # Chains have bodies on links first. Where there are copies, nothing is taken over: others have other places.
+        # Chains list bodies on links first. Where there are copies, nothing is taken over, since indices differ.
         self._order = sorted(range(len(bodies)), key=lambda k: bodies[k].link is None)
         self._has_copies = self._order != list(range(len(bodies)))
         if earlier is not None and (self._has_copies or earlier._has_copies):
@@ -61,7 +61,7 @@ class MeetingProofs:
         self._chains: Chains | None = earlier._chains if earlier is not None else None
 
     def of(self, pairs: Ints) -> tuple[Bools, Bools]:
-        """Which pairs (k, 2) never meet within the limits, and which rest relative to each other."""
+        """Which pairs (k, 2) never meet within the limits, and which are at rest relative to each other."""
         keys = self._keys(pairs)
         place = np.searchsorted(self._known, keys)
         known = np.zeros(len(keys), dtype=bool)
@@ -71,12 +71,12 @@ class MeetingProofs:
         facts[known] = self._facts[place[known]]
         if not known.all():
             facts[~known] = np.stack(self._proved(pairs[~known]), axis=1)
-        self._known, first = np.unique(keys, return_index=True)  # nothing is kept of what is gone
+        self._known, first = np.unique(keys, return_index=True)  # pairs that are gone are forgotten
         self._facts = facts[first]
         return facts[:, 0], facts[:, 1]
 
     def _keys(self, pairs: Ints) -> NDArray[np.int64]:
-        """(k,) a number for each pair: the same whenever both bodies and their paddings are."""
+        """(k,) a number for each pair: equal if and only if both bodies and their paddings are the same."""
         sides = list(zip(self._bodies, self._preparation.paddings.tolist(), strict=True))
         fresh = itertools.count(max(self._numbers.values(), default=-1) + 1)
         numbers = {side: self._numbers[side] if side in self._numbers else next(fresh) for side in sides}

@@ -1,9 +1,9 @@
 """The pair table: which bodies are tested against which.
 
-In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are what the SRDF or the
-robot's YAML disables (Pinocchio has done that already), what an allowed collision matrix allows, and bodies that are
-fixed to the world against obstacles: these pairs never change, so they are judged once (`resting`). All other places
-where a pair may be left out are listed in `left_out_pairs`.
+In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are pairs that the SRDF
+or the robot's YAML disables (they are no self pairs of the robot), pairs that an allowed collision matrix allows, and
+pairs of a body that is fixed to the world with an obstacle: these never change, so they are judged once (`resting`).
+`left_out_pairs` lists all places where a pair may be left out.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ class PairTable:
     """Pairs of bodies, as indices into the robot's bodies followed by the scene's.
 
     Attributes:
-        pairs: (k, 2) tested at every configuration: self pairs, then pairs with obstacles.
-        resting: (m, 2) of bodies fixed to the world with obstacles: the same at every configuration.
+        pairs: (k, 2) pairs that are tested at every configuration: self pairs, then pairs with obstacles.
+        resting: (m, 2) pairs of a body that is fixed to the world with an obstacle: the same at every configuration.
         self_count: How many of `pairs` are self pairs.
     """
 
@@ -41,9 +41,9 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
     """Builds the table.
 
     Args:
-        robot: Its `self_pairs` are taken as they are.
-        scene: Its allowed collisions act on pairs with obstacles and carried objects, and on other self pairs only with
-            acm="scene".
+        robot: The robot; its `self_pairs` are taken as they are.
+        scene: The scene; its allowed collisions act on pairs with obstacles and carried objects, and on other self
+            pairs only with acm="scene".
         self_collision: Whether self pairs are tested at all.
         acm: "robot" or "scene".
 

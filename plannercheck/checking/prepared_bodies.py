@@ -1,7 +1,8 @@
 """The bodies of a checker, prepared when a pair first needs them.
 
-In: bodies, how much each is padded. Out: `Preparation`, which has a `Polytope` of each body that was asked for, so that
-what no configuration within the limits can touch costs nothing. Equal shapes share one, also among checkers.
+In: bodies and their paddings. Out: `Preparation`, which makes the `Polytope` of a body when it is first asked for, so
+that bodies which no configuration within the limits can touch cost nothing. Equal shapes share one polytope, across
+checkers as well.
 """
 
 from __future__ import annotations
@@ -18,16 +19,16 @@ from plannercheck.bodies.shapes import Body, HullAndSwell, hull_and_swell
 
 Floats = NDArray[np.float64]
 
-# Points up to which a body is prepared faster than a file of the cache is found, read and checked.
+# Up to this many points, preparing a body is faster than finding, reading and checking a cached file.
 _FEW_POINTS = 32
 
 
 class Preparation:
-    """The bodies of a checker, prepared one by one as they are needed; equal shapes share one, also among checkers.
+    """The bodies of a checker, prepared one by one as they are needed.
 
     Attributes:
         hulls: Points, faces and swell of each body, its padding included.
-        paddings: (bodies,) how much of the swells is padding, m.
+        paddings: (bodies,) the part of each swell that is padding, m.
     """
 
     def __init__(
@@ -36,10 +37,10 @@ class Preparation:
         """Computes points and faces of shapes that are new.
 
         Args:
-            bodies: All of them.
-            excess: How far polytopes of curved shapes may stick out.
+            bodies: All bodies.
+            excess: How far polytopes of curved shapes may stick out, as a part of the radius.
             paddings: (bodies,) m.
-            earlier: Of another checker with the same excess, whose prepared bodies are taken over.
+            earlier: The preparation of another checker with the same excess: its prepared bodies are taken over.
         """
         self._bodies = bodies
         self.paddings = paddings
@@ -54,12 +55,12 @@ class Preparation:
             self._polytopes.append(polytope)
 
     def _by_shape(self) -> dict[tuple[int, float], tuple[HullAndSwell, Polytope | None]]:
-        """What there is of each shape, which `_bodies` keeps alive, and padding."""
+        """What is known, by shape (`_bodies` keeps the shapes alive) and padding."""
         keys = ((id(body.shape), part) for body, part in zip(self._bodies, self.paddings.tolist(), strict=True))
         return dict(zip(keys, zip(self.hulls, self._polytopes, strict=True), strict=True))
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_known": None}  # what is shared with other checkers stays with them
+        return self.__dict__ | {"_known": None}  # shared with other checkers, so not pickled
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -80,7 +81,7 @@ class Preparation:
         return found
 
     def so_far(self) -> tuple[Polytope | None, ...]:
-        """The bodies that are prepared, None for the others."""
+        """The prepared bodies, None for those not needed so far."""
         return tuple(self._polytopes)
 
 

@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 class AnyRobot(Protocol):
-    """A robot, posed by configurations (nq,)."""
+    """A robot whose links are posed by configurations (nq,)."""
 
     @property
     def name(self) -> str:
@@ -21,7 +21,7 @@ class AnyRobot(Protocol):
 
     @property
     def nq(self) -> int:
-        """Numbers in a configuration."""
+        """How many numbers a configuration has."""
 
     @property
     def link_names(self) -> tuple[str, ...]:
@@ -73,7 +73,7 @@ class AnyChecker(Protocol):
 
     @property
     def pairs(self) -> NDArray[np.int32]:
-        """(k, 2) bodies that are tested."""
+        """(k, 2) indices of the bodies that are tested against each other."""
 
     @property
     def motion_sampler(self) -> Any:
@@ -112,7 +112,7 @@ class AnyChecker(Protocol):
         """How far a motion is free, and what stops it."""
 
     def pair_names(self, k: int) -> tuple[str, str]:
-        """What a pair is of."""
+        """The link and the other link or obstacle of a pair."""
 
     def explain(self, q: ArrayLike, separations: bool = False) -> Verdict:
         """The verdict of one configuration."""

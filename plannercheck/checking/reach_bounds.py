@@ -1,9 +1,10 @@
-"""Lengths and poses along a robot's chains of joints, for bounds on where its bodies can get.
+"""Lengths and poses along a robot's chains of joints: bounds on where its bodies can be.
 
-In: a robot and its bodies' hulls. Out: `Chains`, which says where a body is once some columns of the configuration are
-known: in a ball whose centre is posed, and how far the centre moves at most for one unit of a column (its lever). What
-a joint that is not known carries stays in a ball around that joint's origin: its radius is the sum of the lengths
-between the following joints, of what they slide, and of the furthest point of the body.
+In: a robot and its bodies' hulls. Out: `Chains`. Given values of some columns of the configuration, it bounds a body by
+a ball with a posed centre, and says how far the centre moves at most for one unit of a column (its lever). Everything
+beyond a joint of unknown value stays in a ball around that joint's origin. The radius of the ball is the sum of the
+lengths between the following joints, of the distances that they slide, and of the distance of the body's furthest
+point.
 """
 
 from __future__ import annotations
@@ -30,27 +31,27 @@ Floats = NDArray[np.float64]
 Cut = tuple[int, ...]
 Joints = tuple[int, ...]
 
-# Largest error of a computed pose, m, and largest defect of a placement or axis, that the margins of
-# unreachable_pairs.py cover.
+# The margins of unreachable_pairs.py cover computed poses with at most this error, m, and placements and axes with at
+# most this defect.
 LARGEST_ERROR = 1e-7
 RIGID = 1e-9
 
-# Cells by how many columns are cut: a turn of a whole circle moves a point at 1 m by 2.5 cm within one of 128 cells.
-# Twice as many drop less than 1 % more pairs, and take four times as long.
+# Cells, by the number of columns that are cut. With 128 cells of a whole turn, a point at 1 m moves by 2.5 cm within a
+# cell. Twice as many cells prove less than 1 % more pairs apart and take four times as long.
 CELLS = {0: 1, 1: 128, 2: 24}
 MOST_COLUMNS = max(CELLS)
 
 
 class End(NamedTuple):
-    """Where a body is once some columns are known.
+    """A bound on where a body is, given values of some columns.
 
     Attributes:
         frame: A frame of `Chains` that these columns pose.
-        centre: (3,) in that frame, m: of a ball that holds the body whatever the other columns are.
-        radius: Of that ball, m; may be infinite.
+        centre: (3,) in that frame, m: the centre of a ball that holds the body whatever the other columns are.
+        radius: The radius of that ball, m; may be infinite.
         levers: How far one unit of each column moves the centre at most, m.
-        ball_levers: The same for all points of the ball.
-        posed: Whether the frame is the body's own, so that its box may be used.
+        ball_levers: How far it moves any point of the ball at most, m.
+        posed: Whether the frame is the body's own, so that the body's box may be used.
     """
 
     frame: int
@@ -62,13 +63,13 @@ class End(NamedTuple):
 
 
 class Boxes(NamedTuple):
-    """Bodies in their own frames.
+    """Boxes and balls around bodies, in the bodies' frames.
 
     Attributes:
-        low: (n, 3) of the box around each hull, m.
-        high: (n, 3).
-        centre: (n, 3) of the box.
-        radius: (n,) of the ball around the centre that holds the hull, m.
+        low: (n, 3) lower corner of the box around each hull, m.
+        high: (n, 3) upper corner, m.
+        centre: (n, 3) centre of the box, m.
+        radius: (n,) radius of the ball around the centre that holds the hull, m.
         swell: (n,) how far around the hull the body reaches, m.
     """
 
@@ -84,7 +85,7 @@ class Boxes(NamedTuple):
 
 
 def joined(first: Boxes, second: Boxes) -> Boxes:
-    """The boxes of one after those of another."""
+    """The boxes of the first, then those of the second."""
     return Boxes(*(np.concatenate(both) for both in zip(first, second, strict=True)))
 
 
@@ -104,14 +105,14 @@ def boxes_of(hulls: Sequence[HullAndSwell]) -> Boxes:
 
 
 class Chains:
-    """The moving joints that bodies hang on, lengths between them, and poses of their frames.
+    """The moving joints between the world and the bodies, the lengths between them, and poses of their frames.
 
-    Frames are, for each of the n joints, the one before its motion (k) and after it (n + k), then those of the bodies
-    (2 n + b). Lengths along chains that no joint of the group changes are measured in one configuration.
+    Each of the n joints has a frame before its motion (index k) and one after it (n + k); those of the bodies follow (2
+    n + b). Lengths that no joint of the group changes are measured in one configuration.
     """
 
     def __init__(self, robot: Robot, table: JointTable, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> None:
-        """Digests the joint table; `hulls` are those of `bodies`, of which those on links come first."""
+        """Measures the chains; `hulls` are those of `bodies`, and bodies on links come first."""
         self.robot, self._table, self._joints = robot, table, len(table.kinds)
         self.boxes = boxes_of(hulls)
         self.poses_in_world = np.array([body.pose for body in bodies])  # of obstacles
@@ -138,10 +139,11 @@ class Chains:
         self._proved: bool | None = None
 
     def inherit(self, earlier: Chains) -> None:
-        """Takes over what is known of the bodies that are the same on the same joints, e.g. before one was attached.
+        """Takes over results for bodies that are the same and on the same joints, e.g. after another one was attached.
 
         Args:
-            earlier: Of the same robot and paddings but for what it carries, which comes last among its bodies.
+            earlier: Chains of the same robot and paddings; only carried objects, which come last among its bodies, may
+                differ.
         """
         same = [a is b for a, b in zip(self._own, earlier._own, strict=False)]
         common = same.index(False) if False in same else len(same)
@@ -149,14 +151,14 @@ class Chains:
         self._middles |= {key: middle for key, middle in earlier._middles.items() if key[0] < common}
 
     def among(self, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> Chains:
-        """The same chains, and all that is known of them, among other obstacles.
+        """The same chains, with all their results, among other obstacles.
 
         Args:
-            bodies: The robot's, the same as here, then the obstacles.
-            hulls: Theirs.
+            bodies: The robot's bodies, the same as here, then the obstacles.
+            hulls: Their hulls.
 
         Returns:
-            Chains that share everything of the robot with these.
+            Chains that share all results of the robot with these.
         """
         other, own = copy.copy(self), len(self._own)
         other.boxes = joined(self.boxes.of(slice(own)), boxes_of(hulls[own:]))
@@ -173,7 +175,7 @@ class Chains:
         return tuple(reversed(chain))
 
     def _column(self, joint: int) -> int:
-        """Of the group's configuration, for the first number that a moving joint takes; -1 if that one is held."""
+        """The column of the first number that a moving joint takes; -1 if that number is held."""
         return int(self._table.columns[joint][0])
 
     def is_proved(self) -> bool:
@@ -199,7 +201,7 @@ class Chains:
         return np.asarray(self._kernel.link_poses(q, needed))
 
     def neighbourhood(self, frames: Iterable[int]) -> Neighbourhood:
-        """Kinematics of some frames against each other."""
+        """Kinematics of some frames relative to each other."""
         return neighbourhood(self._frames, sorted(frames))
 
     def branches(self, a: int, b: int) -> tuple[Joints, Joints]:
@@ -216,7 +218,7 @@ class Chains:
 
     @cached_property
     def screen(self) -> Screen:
-        """Tells at once for which pairs of bodies on links nothing can be proved."""
+        """A quick test for pairs of bodies on links about which nothing can be proved."""
         moving = [joint for joint in range(self._joints) if self._moving[joint]]
         number = {joint: k for k, joint in enumerate(moving)}
         above = [self._last_moving(int(self._table.parents[joint])) for joint in moving]
@@ -238,7 +240,7 @@ class Chains:
         return joint
 
     def columns(self, branch: Joints) -> list[int]:
-        """The first columns that can be cut, in their order along a branch; up to the first joint that can't be."""
+        """The columns that can be cut, in their order along a branch, up to the first joint that can't be cut."""
         found: list[int] = []
         for joint in branch:
             if not self._can_be_cut[joint] or len(found) == MOST_COLUMNS:
@@ -248,7 +250,7 @@ class Chains:
         return found
 
     def end(self, body: int, branch: Joints, cut: Cut) -> End:
-        """Where a body is once the columns of a cut are known."""
+        """A bound on where a body is, given the columns of a cut."""
         key = body, len(branch), cut
         if key not in self._ends:
             self._ends[key] = self._new_end(body, branch, cut)
@@ -278,7 +280,7 @@ class Chains:
         return End(frame, centre, radius, levers, ball_levers, posed)
 
     def _room_beyond(self, body: int, branch: Sequence[int]) -> float:
-        """How far from the origin of the first joint of a branch its body gets, m; the body's ball without a branch."""
+        """How far a body gets from the origin of its branch's first joint, m; without a branch, its ball's radius."""
         room = float(self.boxes.radius[body] + self.boxes.swell[body])
         following = self._centres[body]
         for joint in reversed(branch):
@@ -287,9 +289,9 @@ class Chains:
         return room
 
     def centres_in_cells(self, body: int, chain: Joints, cut: Cut) -> tuple[Floats, float]:
-        """Centres (cells, 3) of the ball that holds a body in the middles of cells, and how far they sway within, m."""
+        """Centres (cells, 3) of a body's ball in the middles of cells, and how far they move within a cell, m."""
         end = self.end(body, chain, cut)
-        key = body if end.posed else -1, end.frame, cut  # of what hangs beyond a joint, all have its origin in common
+        key = body if end.posed else -1, end.frame, cut  # bodies beyond one joint share its origin as their centre
         if key not in self._middles:
             q, half = self.cells(cut)
             centres = self.poses(q, [end.frame])[:, end.frame, :3] @ np.append(end.centre, 1.0)
@@ -314,7 +316,7 @@ def _rows(points: Sequence[Sequence[float]], wanted: Sequence[int]) -> Floats:
 
 
 def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> float:
-    """How far a moving joint takes its frame from where it hangs, m; infinite if several numbers move it."""
+    """How far a joint slides its frame at most, m; infinite if several numbers move it."""
     kind, column = int(table.kinds[joint]), int(table.columns[joint][0])
     if kind in TURNS:
         return 0.0
@@ -327,7 +329,7 @@ def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> 
 
 
 def _table_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> JointTable:
-    """For kinematics of the joints' frames, before and after their motion, and of the bodies on the links."""
+    """A table whose links are the joints' frames, before and after their motion, and the frames of bodies on links."""
     joints = np.arange(len(table.kinds), dtype=np.int32)
     links = [robot.link_index(str(body.link)) for body in bodies]
     on_links = np.array([body.pose for body in bodies]).reshape(-1, 4, 4)

@@ -1,13 +1,14 @@
-"""Pairs of a robot's bodies that lever arms can't tell apart, found for all pairs at once.
+"""A quick test for pairs of a robot's bodies that lever arms can't prove apart, for all pairs at once.
 
-In: the tree of moving joints with lengths along it, pairs of bodies. Out: for which pairs the cells of
-unreachable_pairs.py are worth their time; all others would come out as pairs that may meet.
+In: the tree of moving joints with lengths along it, pairs of bodies. Out: the pairs for which a search by the cells of
+unreachable_pairs.py can succeed. For all others it would certainly fail.
 
-The idea. A proof needs the centre of one end's ball further from the other end than the balls' radii. Each end stands
-where the joints of a branch are no longer known, so the centres are at most as far apart as the way along the known
-joints, and the radii are the ways beyond. No cut knows more joints of a branch than those before its third column. If
-even then the way between is shorter than the rooms beyond, no cut proves anything. In a chain of a thousand links that
-leaves a few neighbours of each link out of half a million pairs.
+The idea. Each body of a pair is bounded by a ball, and a proof needs the distance of the balls' centres to exceed the
+sum of their radii. A ball stands at the first joint of its branch whose value is unknown. So the distance of the
+centres is at most the length of the way along the known joints, and each radius is the length of the way beyond. A cut
+knows at most the joints of a branch before its third column. If even then the way between the centres is shorter than
+the radii, no cut proves anything. In a chain of a thousand links, this leaves a few neighbours of each link out of half
+a million pairs.
 """
 
 from __future__ import annotations
@@ -22,24 +23,24 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
-# What rounding may take from lengths, as a part of them and in m: a pair is skipped only if it fails by more.
+# Rounding of lengths, as a part of them and in m: a pair is skipped only if it fails by more than this.
 _ROOM, _LEAST_ROOM = 1e-6, 1e-9
 
 _WORLD = 0
 
 
 class JointTree(NamedTuple):
-    """The moving joints: node 0 is the world, the others are joints, each after the one that it hangs on.
+    """The moving joints: node 0 is the world, the others are joints, parents first.
 
     Attributes:
         parents: (n,) nodes; the world's is itself.
-        columns: (n,) that drive the joints; -1 where a joint can't be cut.
+        columns: (n,) the columns that drive the joints; -1 where a joint can't be cut.
         origins: (n, 3) of the joints' frames before they move, m, in one configuration.
-        ways: (n,) lengths along the joints from the world to these origins, m; what can't be bounded counts as 0.
+        ways: (n,) lengths along the joints from the world to these origins, m; lengths without a bound count as 0.
         bodies: (b,) the node that each body hangs on.
-        centres: (b, 3) of the bodies' balls, m.
-        body_ways: (b,) from the world to these centres.
-        radii: (b,) of the balls.
+        centres: (b, 3) centres of the bodies' balls, m.
+        body_ways: (b,) lengths from the world to these centres, m.
+        radii: (b,) radii of the balls, m.
     """
 
     parents: Ints
@@ -53,7 +54,7 @@ class JointTree(NamedTuple):
 
 
 class Screen:
-    """Looks pairs up in a tree; everything by doubling, so in as many steps as the depth has bits."""
+    """Looks up pairs in a tree. Jumps are doubled, so a look-up takes as many steps as the depth has bits."""
 
     def __init__(self, tree: JointTree) -> None:
         self._tree = tree
@@ -63,7 +64,7 @@ class Screen:
             self._jumps.append(self._jumps[-1][self._jumps[-1]])
 
     def forks(self, pairs: Ints) -> Ints:
-        """(k,) the last joint, or the world, that both bodies of each pair (k, 2) hang on."""
+        """(k,) the last joint that both bodies of each pair (k, 2) hang on, or the world."""
         a, b = (self._tree.bodies[side] for side in pairs.T)
         level = np.minimum(self._depth[a], self._depth[b])
         a, b = self._above(a, level), self._above(b, level)
@@ -77,14 +78,14 @@ class Screen:
         return np.asarray(self._tree.bodies[pairs[:, 0]] == self._tree.bodies[pairs[:, 1]])
 
     def may_be_proved(self, pairs: Ints, columns: int) -> Bools:
-        """Whether some cut might show that the bodies of a pair never meet.
+        """Whether a cut might prove that the bodies of a pair never meet.
 
         Args:
             pairs: (k, 2) indices of bodies.
-            columns: How many a cut has at most.
+            columns: How many columns a cut has at most.
 
         Returns:
-            (k,); False is final, True is not.
+            (k,); False is certain: no cut proves the pair apart. True is not.
         """
         forks = self._depth[self.forks(pairs)]
         sides = [self._side(pairs[:, side], forks, columns) for side in (0, 1)]
@@ -113,7 +114,7 @@ class Screen:
         return _Side(start, end - begin, beyond)
 
     def _first_unknown(self, nodes: Ints, depths: Ints, columns: int) -> Ints:
-        """From these depths on towards the nodes: the first joint that no cut of so many columns knows; -1 if none."""
+        """The first joint from these depths towards the nodes that no cut of so many columns knows; -1 if none."""
         found = np.full(len(nodes), -1, dtype=np.int64)
         seen = np.full((len(nodes), columns), -1, dtype=np.int64)
         left, depth = np.arange(len(nodes)), depths.copy()
@@ -131,7 +132,7 @@ class Screen:
 
 
 class _Side(NamedTuple):
-    """One side of k pairs: where its branch starts (k, 3), the way along known joints, and beyond them, (k,), m."""
+    """One side of k pairs: the start of its branch (k, 3), and its lengths along known joints and beyond, (k,) m."""
 
     start: Floats
     way: Floats
@@ -157,10 +158,10 @@ def joint_tree(
     """The tree, with lengths along it.
 
     Args:
-        parents: Of each of n moving joints, the one that it hangs on, -1 for the world; parents come first.
-        columns: Of each, -1 where it can't be cut.
+        parents: The parent of each of n moving joints, -1 for the world; parents come first.
+        columns: The column of each, -1 where it can't be cut.
         slides: How far each takes its frame from where it hangs at most, m; infinite if unknown.
-        origins: (n, 3) each, of the frames before and after the joint's motion, m.
+        origins: (n, 3) each, origins of the frames before and after the joints' motions, m.
         bodies: The last moving joint of each body, -1 for the world.
         balls: Centres (b, 3) and radii (b,) of balls around the bodies, m.
     """

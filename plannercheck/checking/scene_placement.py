@@ -1,7 +1,7 @@
-"""Places a scene's objects whose file gives their pose in a link's frame.
+"""Places objects of a scene whose pose is given in a link's frame.
 
-In: a robot, a scene. Out: the same scene, in which every object stands in the world or on its link (see
-robots/anchored_objects.py), or an error if MoveIt would take one of its frames for another.
+In: a robot, a scene. Out: the same scene, in which every object is posed in the world or on its link (see
+robots/anchored_objects.py), or an error if MoveIt would take one of its frames for another frame.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from plannercheck.scenes.scene import Scene
 
 
 def place_objects(robot: Robot, scene: Scene) -> None:
-    """Gives all objects of a scene their places, which then has no anchors any more.
+    """Places all objects of a scene; afterwards the scene has no anchors.
 
     Args:
-        robot: Its links are frames.
-        scene: Changed in place.
+        robot: The robot, whose links are frames.
+        scene: The scene, changed in place.
 
     Raises:
-        PlannercheckError: If a frame is unknown, if the state does not say where it is, or if the robot has a link of
-            the same name as a frame that the file took for another.
+        PlannercheckError: If a frame is unknown, if the state does not say where it is, or if the robot has a link with
+            the name of a frame that is no link in the file.
     """
     _check_planning_frame(robot, scene)
     items = (*scene.objects, *scene.attached)
@@ -37,7 +37,7 @@ def place_objects(robot: Robot, scene: Scene) -> None:
 
 
 def _check_planning_frame(robot: Robot, scene: Scene) -> None:
-    """Raises if the scene's planning frame is a link of the robot, but neither its root nor always where that is."""
+    """Raises if the scene's planning frame is a link of the robot that is neither its root nor always at the root."""
     planning = scene.frames.planning
     if planning in robot.link_tree.parents and not _is_at_root(robot, planning):
         raise PlannercheckError(
@@ -47,6 +47,6 @@ def _check_planning_frame(robot: Robot, scene: Scene) -> None:
 
 
 def _is_at_root(robot: Robot, link: str) -> bool:
-    """Whether a link is fixed to the root with the same frame, e.g. base_link of a URDF that begins with world."""
+    """Whether a link is fixed to the root with the same frame, e.g. base_link where the URDF's root is world."""
     frame = robot.model.frames[robot.frames[robot.link_index(link)]]
     return frame.parentJoint == 0 and np.array_equal(frame.placement.homogeneous, np.eye(4))

@@ -1,6 +1,6 @@
-"""What a checker keeps whatever its scene.
+"""The settings of a checker that do not depend on its scene.
 
-In: the arguments of `Checker`. Out: `Settings` with `CheckerSwitches`, and what of them holds in another scene.
+In: the arguments of `Checker`. Out: `Settings` with `CheckerSwitches`, which also apply to another scene.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from plannercheck.scenes.scene import Scene
 
 @dataclass(frozen=True)
 class CheckerSwitches:
-    """What a checker may do to save work. Verdicts do not depend on any of it.
+    """Ways to save work, each of which can be switched off. Verdicts depend on none of them.
 
     Attributes:
-        pair: What the test of one pair tries.
+        pair: The stages of the pair test.
         bounds: Bounding balls and a tree of the obstacles settle pairs that are far apart.
-        boxes: Planes along the faces of the bodies' boxes do.
-        overlaps: Balls inside one body that meet a box inside the other settle pairs where any collision will do.
-        learning: The pair that collided most often comes first where any collision will do.
+        boxes: Planes along the faces of the bodies' boxes settle pairs that are apart.
+        overlaps: A ball inside one body that meets a box inside the other settles a pair, where any collision decides.
+        learning: The pair that collided most often is tested first, where any collision decides.
         reach: Pairs that can't meet within the limits are left out there.
         static_poses: Links that no joint of the group moves are posed once, as obstacles are.
     """
@@ -42,13 +42,13 @@ class CheckerSwitches:
     static_poses: bool = True
 
     def core_options(self) -> tuple[Any, ...]:
-        """What core.Checker takes of it."""
+        """The switches in the order in which core.Checker takes them."""
         return self.pair.pair_options(), self.bounds, self.boxes, self.overlaps, self.learning
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What a checker was built with and keeps in any scene; see `Checker`."""
+    """The arguments of a checker that apply to any scene; see `Checker`."""
 
     robot: Robot
     self_collision: bool
@@ -59,19 +59,19 @@ class Settings:
     switches: CheckerSwitches
 
     def carrier(self, attached: Sequence[SceneObject], earlier: Robot | None) -> Robot:
-        """The robot with what a scene attaches to it: another checker's, if that carries the same."""
+        """The robot with what a scene attaches to it: an earlier checker's robot, if that carries the same."""
         carried = (*self.robot.carried, *attached)
         if earlier is not None and earlier.carried == carried:
             return earlier
         return self.robot.carrying(carried) if attached else self.robot
 
     def padded(self, robot: Robot, scene: Scene, is_first: bool) -> PaddedPairs:
-        """All bodies of a robot and a scene, and two tables of pairs: what is tested, and what is fixed to the world.
+        """All bodies of a robot and a scene, and two tables of pairs: the tested ones, and those fixed to the world.
 
         Args:
-            robot: With what it carries.
-            scene: Its obstacles.
-            is_first: Whether names of paddings have to be known; another scene may lack some.
+            robot: The robot with what it carries.
+            scene: The scene with the obstacles.
+            is_first: Whether all names of paddings have to be known; a later scene may lack some.
         """
         bodies = stand_ins(self.bodies, (*robot.bodies, *scene.bodies))
         table = pair_table(robot, scene, self.self_collision, self.acm)
@@ -81,7 +81,7 @@ class Settings:
 
 
 def without(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
-    """The robot without what a scene attaches to it: the robot of another checker carries that already."""
+    """The robot without what a scene attaches to it; the robot of another checker may carry that already."""
     names = {item.name for item in attached}
     if names.isdisjoint(item.name for item in robot.carried):
         return robot
@@ -89,7 +89,7 @@ def without(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
 
 
 def known_parts(padding: Padding, bodies: Sequence[Body], labels: Sequence[str]) -> Padding:
-    """Paddings without the names of what the scene has no more."""
+    """Paddings without names that the scene does not have any more."""
     if not isinstance(padding, Mapping):
         return padding
     names = {*labels, *(body.name for body in bodies)}

@@ -1,10 +1,10 @@
 """Validity of configurations: a robot in a scene, every pair decided by the hierarchy test.
 
 In: a `Robot`, a `Scene`. Out: an immutable `StateChecker` whose verdicts are exact for the hulls at the poses that
-forward kinematics computes in doubles. To build one, the scene's objects get their places, bodies and pairs are listed
-and padded, pairs that never meet are proved apart, and the others are compiled with the hulls they need. Each verdict
-is then one batch call of the core (cpp/checking/checker). The classes it stands on add names and certificates
-(checker_base.py), distances (clearance.py), and objects that links take up and put down (carrying_checker.py).
+forward kinematics computes in doubles. Building one takes these steps: place the scene's objects; list and pad bodies
+and pairs; prove pairs apart that never meet; compile the others with the hulls they need. Each verdict is then one
+batch call of the core (cpp/checking/checker). The base classes add names and certificates (checker_base.py), distances
+(clearance.py), and objects that links pick up and put down (carrying_checker.py).
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
 
     Attributes:
         robot: The robot.
-        scene: The scene, as it was when the checker was built; all its objects have their places.
-        bodies: The robot's collision bodies, then the scene's, or what stands in for them; then copies for pairs with
-            a padding of their own.
-        pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
-        unreachable: (k,) which of the pairs can't collide at any configuration within the limits, by proof; they are
-            tested only beyond the limits, and where all pairs are asked for.
+        scene: The scene as it was when the checker was built, with all objects placed.
+        bodies: The robot's collision bodies, then the scene's (or their stand-ins); then copies for pairs with a
+            padding of their own.
+        pairs: (k, 2) indices into `bodies`: the pairs that are tested at every configuration.
+        unreachable: (k,) which pairs provably can't collide at any configuration within the limits; they are tested
+            only beyond the limits, and where all pairs are asked for.
         resting: (k,) which of the pairs no joint of the group moves relative to each other.
         excess: How far polytopes of cylinders and cones stick out, as a part of the radius.
         paddings: (bodies,) each body's part of the padding, m; `polytopes` are swollen by it.
@@ -69,7 +69,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
     _preparation: Preparation
     _proofs: MeetingProofs
 
-    # Attributes that hold compiled objects or a lock, which a pickle can't have; they are made anew.
+    # Attributes with compiled objects or a lock, which can't be pickled; they are made again.
     _COMPILED: ClassVar[frozenset[str]] = frozenset({"_tables", "_judge_row", "_proofs"})
 
     def __init__(  # noqa: D417 (`CheckerSwitches` documents the switches)
@@ -102,19 +102,19 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             robot: The robot.
             scene: The scene; None is empty.
             self_collision: Whether the robot's self pairs are tested.
-            padding: What every pair has to keep apart, m: a configuration is valid if and only if all distances exceed
-                it. Or by name of body, link or obstacle parts of it, of which a pair keeps the sum of its two, and by
-                pair of names the whole distance: `{"panda_hand": 0.01, ("panda_hand", "shelf"): 0.002}`.
+            padding: The distance of every pair, m: a configuration is valid if and only if all distances exceed it. Or
+                a mapping: the name of a body, link or obstacle to its part (a pair keeps the sum of its two parts), and
+                a pair of names to the whole distance: `{"panda_hand": 0.01, ("panda_hand", "shelf"): 0.002}`.
             acm: Whose allowed collisions act on self pairs: "robot" (SRDF or YAML) or "scene" as well.
             kinematics: "batch", the compiled kernel, or "pinocchio".
             excess: How far polytopes of curved shapes may stick out, as a part of the radius.
             bodies: Stand-ins for the robot's bodies and then the scene's, in their order, e.g. coarser ones; the pairs
                 stay as they are.
-            method: The solver of the pair test. It and all arguments that follow choose how verdicts are found, and
-                verdicts depend on none of them: see `CheckerSwitches`, and `Switches` for those of the pair test.
+            method: The solver of the pair test. Verdicts do not depend on it, nor on any argument that follows: see
+                `CheckerSwitches`, and `Switches` for those of the pair test.
 
         Raises:
-            PlannercheckError: If an argument is none of those above.
+            PlannercheckError: If an argument has none of the values above.
         """
         if kinematics not in ("batch", "pinocchio"):
             raise PlannercheckError(f"kinematics must be 'batch' or 'pinocchio', not {kinematics!r}")
@@ -131,7 +131,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         self._prepare(scene if scene is not None else Scene("empty"), None)
 
     def _prepare(self, scene: Scene, earlier: StateChecker | None) -> None:
-        """Builds all that depends on the scene, from what another checker of the same settings has where it holds."""
+        """Builds everything that depends on the scene; takes over what an earlier checker has, where it still holds."""
         settings = self._settings
         self.scene = scene.copy()
         place_objects(settings.robot, self.scene)
@@ -152,7 +152,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         warn_of_touching(self._pair_source(), self._labels, at_rest, never_moving, self._link_poses, known)
 
     def _prove(self, at_rest: Ints, earlier: StateChecker | None) -> Ints:
-        """Proves what it can of `pairs`; of pairs (m, 2) that are fixed to the world, gives those not proved apart."""
+        """Proves pairs apart where it can; returns the pairs (m, 2) fixed to the world that are not proved apart."""
         self._proofs = self._meeting_proofs(None if earlier is None else earlier._proofs)
         candidates, count = np.concatenate([self.pairs, at_rest]), len(self.pairs)
         is_wanted = self._settings.switches.reach
@@ -161,7 +161,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         return at_rest[~apart[count:]]
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
-        """For what else depends on the scene: a subclass renews here what it keeps of it."""
+        """A hook: a subclass renews here what depends on the scene."""
 
     def _meeting_proofs(self, earlier: MeetingProofs | None) -> MeetingProofs:
         return MeetingProofs(self.robot, self.bodies, self._preparation, self._kernel is not None, earlier)
@@ -176,7 +176,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         return PairSource(self.robot, self.bodies, self._preparation, switches.core_options(), kernel)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What a pickle has: prepared bodies and tables, so that nothing is prepared twice; nothing compiled."""
+        """The state for a pickle: prepared bodies and tables, but nothing compiled."""
         return {name: value for name, value in self.__dict__.items() if name not in self._COMPILED} | {
             "_kernel": self._kernel is not None
         }
@@ -189,7 +189,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
 
     def __copy__(self: Same) -> Same:
         other = type(self).__new__(type(self))
-        other.__dict__.update(self.__dict__)  # within a process, what is compiled is shared
+        other.__dict__.update(self.__dict__)  # copies within a process share what is compiled
         return other
 
     def with_scene(self: Same, scene: Scene | None) -> Same:
@@ -202,10 +202,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             scene: The scene; None is empty.
 
         Returns:
-            A checker with this one's settings.
+            A checker with the settings of this one.
 
         Raises:
-            PlannercheckError: If this checker has stand-ins for its bodies.
+            PlannercheckError: If this checker was built with stand-ins for its bodies.
         """
         if not isinstance(scene, Scene | None):
             raise PlannercheckError(f"with_scene takes a Scene, not {type(scene).__name__}")
@@ -228,7 +228,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
 
     @property
     def prepared(self) -> tuple[Polytope | None, ...]:
-        """The same as far as bodies have been needed: those of unreachable pairs are prepared late."""
+        """Like `polytopes`, with None for bodies that have not been needed so far: those of unreachable pairs."""
         return self._preparation.so_far()
 
     def is_valid(self, q: Configuration) -> bool:
@@ -238,10 +238,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             q: (nq,) rad and m, or each joint's value by its name. Limits are not looked at.
 
         Returns:
-            True if no pair shares a point.
+            True if no pair of bodies shares a point.
         """
         known = self._judge_row(q)
-        if known is None:  # not an array of doubles yet, e.g. a list
+        if known is None:  # not an array of doubles, e.g. a list
             row = self._single(q)
             known = self._judge_row(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known
@@ -249,8 +249,8 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
     def state_validity(self) -> Callable[[Any], bool] | None:
         """A compiled function that judges states of an OMPL RealVectorStateSpace of nq numbers; None if there is none.
 
-        It has the same verdicts as `is_valid`. There is none where Pinocchio itself has to pose, nor for robots with
-        quaternions, or cosines and sines, whose length has to be looked at.
+        Its verdicts are those of `is_valid`. There is none where Pinocchio itself poses the robot, nor for
+        configurations with quaternions, or cosines and sines, whose length has to be checked.
         """
         return self._tables.state_validity(self._kernel, self.is_valid)
 
@@ -302,7 +302,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         return self._tables.all.colliding(self._link_poses(self.robot.check_configurations(q)))
 
     def body_poses(self, q: ArrayLike) -> Floats:
-        """World poses of all bodies, the same bits that the verdicts use.
+        """World poses of all bodies: the very doubles that verdicts use.
 
         Args:
             q: (n, nq) or (nq,) rad and m.
@@ -318,7 +318,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
     def _kinematic_error(self, q: Floats, poses: Floats) -> float:
         """The proven bound for the poses (bodies, 4, 4) of one configuration (nq,), m.
 
-        Pinocchio's poses are off by no more than the kernel's, and how far the two are apart.
+        The error of Pinocchio's poses is at most that of the kernel's plus the difference of the two.
         """
         error = self.robot.kinematic_error_at(q)
         if self._kernel is None and self.robot.kinematics is not None:
@@ -329,8 +329,8 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far: states, pairs, what settled them, and the pair test's queries.
 
-        Every pair of every state is counted once: as unreachable, or by what settled it; as skipped where another pair
-        of the state collides and that is all that was asked.
+        Every pair of every state is counted once: as unreachable; by the stage that settled it; or as skipped, where
+        another colliding pair had decided the state.
         """
         return self._tables.statistics()
 

@@ -1,8 +1,8 @@
-"""Warnings of pairs that no joint moves and that touch: they are the same at every configuration.
+"""Warnings about pairs that touch and that no joint moves: they touch at every configuration.
 
 In: such pairs, bodies and their poses at the reference. Out: a `RuntimeWarning` for each pair that touches. Links that
-are fixed to the world are not tested against obstacles, so nobody would hear of it; of what a link carries, no
-configuration is valid while it touches.
+are fixed to the world are not tested against obstacles, so such a contact would go unnoticed. A carried object that
+touches a link which no joint moves against it makes every configuration invalid.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ def warn_of_touching(
     link_poses: LinkPoses,
     known: Collection[Body],
 ) -> None:
-    """Warns of pairs that no joint moves and that touch; the warning is about the caller's caller's caller.
+    """Warns of touching pairs that no joint moves; the warning names the line three calls up, in the user's code.
 
     Args:
-        source: Bodies, and how pairs are tested.
+        source: The bodies, and how pairs are tested.
         labels: The link or obstacle of each body.
-        uncounted: (k, 2) links that are fixed to the world with obstacles.
-        counted: (k, 2) carried objects with links, for which no configuration is valid if they touch.
-        link_poses: Gives poses (n, links, 4, 4) at configurations (n, nq), m.
-        known: Bodies that were there before: of pairs of them it was warned.
+        uncounted: (k, 2) pairs of a link that is fixed to the world and an obstacle.
+        counted: (k, 2) pairs of a carried object and a link: if they touch, no configuration is valid.
+        link_poses: A function from configurations (n, nq) to poses of links (n, links, 4, 4), m.
+        known: Bodies of an earlier checker, which has warned of pairs of them.
     """
     for rows, words in ((uncounted, _UNCOUNTED), (counted, _COUNTED)):
         news = [row for row in rows.tolist() if not all(source.bodies[k] in known for k in row)]

@@ -1,24 +1,25 @@
-"""Pairs of bodies that can never meet within the joint limits: proved by lever arms, not by sampling.
+"""Proves by lever arms, without sampling, which pairs of bodies can never meet within the joint limits.
 
-In: a robot, the pairs of bodies, their hulls. Out: which pairs no configuration within the limits brings together, and
-which pairs no joint of the group moves relative to each other.
+In: a robot, pairs of bodies, their hulls. Out: the pairs that meet at no configuration within the limits, and the pairs
+that no joint of the group moves relative to each other.
 
-The idea. Only the joints from a pair's fork outwards move its bodies relative to each other. The first zero, one or two
-columns that drive them are cut into cells. In the middle of a cell everything is posed up to the first joint that is
-not cut; what hangs beyond that joint stays in a ball around its origin, whose radius is the sum of the lengths between
-the following joints, of what they slide, and of the furthest point of the body. Within the cell, a column's angle turns
-a centre about each joint that it drives by at most lever arm times half the cell's width. If the balls (or a ball and
-the other body's box) are further apart than that in the middle of each cell, the pair never meets.
+The idea. Only the joints beyond a pair's last common joint move its bodies relative to each other. The first zero, one
+or two columns that drive them are cut into cells. In the middle of a cell, everything up to the first joint that is not
+cut is posed. Everything beyond that joint stays in a ball around its origin; its radius is the sum of the lengths
+between the following joints, of the distances that they slide, and of the distance of the body's furthest point. Within
+the cell, a column moves a centre by at most lever arm times half the cell's width, for each joint that it drives. If in
+the middle of every cell the balls (or a ball and the other body's box) are further apart than these motions, the pair
+never meets.
 
 Proof of the margins. `kinematic_error_within` bounds how far computed poses are from exact kinematics, also those that
 are computed here: pairs are dropped only if it is below LARGEST_ERROR, so that four of them are less than MARGIN.
 Exact kinematics is rigid up to the rounding of placements and axes: they must be so up to RIGID each, all of a chain
 with what is held on it up to 2.5e-6 (robots/unit_lengths.py), the poses of bodies and obstacles up to 1e-6. That
-stretches lengths by less than 2e-6; taking the transpose of a box's pose for its inverse errs by 3.6e-6 of the way from
-the origin of the body's frame, which may be far from the body. RELATIVE covers both, and the rounding of the sums, of
-all these lengths. Nothing of this holds beyond the limits, where the checker takes the full table, nor with poses by
-Pinocchio itself. Of what hangs on a joint that takes several numbers (floating, planar, cosine and sine) nothing is
-said.
+stretches lengths by less than 2e-6. Using the transpose of a box's pose as its inverse errs by 3.6e-6 of the distance
+from the origin of the body's frame, which may be far from the body. RELATIVE, a part of all these lengths, covers both
+and the rounding of the sums. None of this holds beyond the limits, where the checker uses the full table, nor for poses
+by Pinocchio itself. Nothing is proved about bodies on a joint that takes several numbers (floating, planar, cosine and
+sine).
 """
 
 from __future__ import annotations
@@ -44,21 +45,21 @@ Ints = NDArray[np.int32]
 MARGIN = 1e-6
 RELATIVE = 1e-5
 
-# Where the cells of a cut are split: most pairs that may meet do so in one of the first, and arrays stay small.
+# Where the cells of a cut are split: most pairs that may meet do so in one of the first cells, and arrays stay small.
 _PARTS = (4, 32, *range(96, 600, 64))
 
-# Obstacles for which a cut is not split: so few take less time than the splitting.
+# Up to this many obstacles a cut is not split: splitting would take more time than it saves.
 _FEW = 8
 
 
 @dataclass(frozen=True)
 class Reach:
-    """What joint limits and lever arms say of pairs.
+    """What joint limits and lever arms prove about pairs.
 
     Attributes:
         apart: (k,) pairs that never meet within the limits.
         resting: (k,) pairs that no joint of the group moves relative to each other.
-        is_proved: Whether rounding within the limits is bounded; if not, nothing is said to be apart.
+        is_proved: Whether rounding within the limits is bounded; if not, no pair counts as apart.
     """
 
     apart: Bools
@@ -73,18 +74,18 @@ def reach(
     hulls: Sequence[HullAndSwell],
     chains: Chains | None = None,
 ) -> Reach:
-    """Which pairs can never meet.
+    """Proves which pairs can never meet.
 
     Args:
         robot: The robot.
-        bodies: Those on links, then the obstacles.
+        bodies: Bodies on links, then obstacles.
         pairs: (k, 2) indices into bodies; an obstacle is second.
-        hulls: Of each body, see `shapes.hull_and_swell`.
-        chains: Of the robot and these bodies, if they are there already, see `chains_of`.
+        hulls: The hull of each body, see `shapes.hull_and_swell`.
+        chains: Chains of the robot and these bodies if they exist already, see `chains_of`.
 
     Returns:
-        Masks over the pairs. Nothing is proved if Pinocchio itself has to pose, if rounding has no bound (a base that
-        floats without limits), or if placements are no rotations.
+        Masks over the pairs. Nothing is proved if Pinocchio itself poses the robot, if rounding has no bound (a base
+        that floats without limits), or if placements are no rotations.
     """
     apart, resting = np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool)
     if not len(pairs):
@@ -107,13 +108,13 @@ def reach(
 def chains_of(
     robot: Robot, bodies: Sequence[Body], hulls: Sequence[HullAndSwell], earlier: Chains | None = None
 ) -> Chains | None:
-    """The lengths and poses that `reach` needs; None if Pinocchio itself has to pose.
+    """The lengths and poses that `reach` needs; None if Pinocchio itself poses the robot.
 
     Args:
         robot: As for `reach`.
         bodies: As for `reach`.
         hulls: As for `reach`.
-        earlier: Of the same robot and paddings, among other obstacles or carrying something else.
+        earlier: Chains of the same robot and paddings; obstacles and carried objects may differ.
 
     Returns:
         The chains.
@@ -130,9 +131,9 @@ def chains_of(
 
 
 def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> bool:
-    """Whether two bodies that rest at these poses (4, 4) up to the rounding that MARGIN covers stay clear.
+    """Whether two bodies at rest at these poses (4, 4) are apart, with room for the rounding that MARGIN covers.
 
-    The core finds a direction; that it separates by more than the margin is seen in doubles.
+    The core finds a direction; doubles are enough to see that it separates the bodies by more than the margin.
     """
     found = core.certify_pair(p.core, pose_p, r.core, pose_r, pair_options(), False)
     if found["shared"]:
@@ -163,7 +164,7 @@ def _apart_by_cells(chains: Chains, pairs: Ints) -> Bools:
                 waiting.setdefault(cut, []).append(k)
         for cut, rows in waiting.items():
             rows = [k for k in rows if not apart[k]]
-            if not rows:  # another cut has settled them all
+            if not rows:  # another cut has proved all of them
                 continue
             ends = [[chains.end(int(pairs[k, side]), branches[k][side], cut) for side in (0, 1)] for k in rows]
             apart[rows] = _apart_in_cells(chains, cut, pairs[rows], ends)
@@ -171,14 +172,14 @@ def _apart_by_cells(chains: Chains, pairs: Ints) -> Bools:
 
 
 def _cuts(chains: Chains, branches: tuple[Joints, Joints], columns: int) -> Iterator[Cut]:
-    """The sets of so many columns to try: the first ones of either branch, and of both."""
+    """The sets of this many columns to try: the first ones of either branch, and of both."""
     first, second = (chains.columns(branch) for branch in branches)
     splits = [(*first[:k], *second[: columns - k]) for k in range(columns + 1)]
     yield from {tuple(sorted(set(split))) for split in splits if len(set(split)) == columns}
 
 
 def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[End]]) -> Bools:
-    """Which pairs (k, 2) with these ends (k, 2) stay apart in every cell of a cut, always by one of three tests."""
+    """Which pairs (k, 2) with these ends (k, 2) are apart in every cell of a cut, by the same one of three tests."""
     q, half = chains.cells(cut)
     around = chains.neighbourhood({end.frame for both in ends for end in both})
     apart = np.ones((3, len(pairs)), dtype=bool)
@@ -222,7 +223,7 @@ class _Moving:
         return np.asarray(distance > self.radius + other.radius + self.sway + other.sway + self._margin(other))
 
     def apart_from_box(self, other: _Moving) -> Bools:
-        """Whether the balls stay clear of the other bodies' boxes; never where those are not posed."""
+        """Whether the balls are apart from the other bodies' boxes; False where these are not posed."""
         away = self.centre - other.pose[..., :3, 3]
         inside = np.einsum("cnji,cnj->cni", other.pose[..., :3, :3], away)
         distance = _from_box(inside, other.box).min(axis=0)
@@ -254,7 +255,7 @@ def _apart_from_obstacles(chains: Chains, body: int, obstacles: Ints) -> Bools:
 
 
 def _clear_in_cells(chains: Chains, body: int, chain: Joints, cut: Cut, obstacles: Ints) -> Bools:
-    """Which obstacles (n,) stay beyond the ball around an end in every cell of a cut."""
+    """Which obstacles (n,) are outside the ball around an end in every cell of a cut."""
     end = chains.end(body, chain, cut)
     centres, sway = chains.centres_in_cells(body, chain, cut)
     extent = end.radius + sway + np.linalg.norm(centres, axis=1).max()
@@ -270,7 +271,7 @@ def _clear_in_cells(chains: Chains, body: int, chain: Joints, cut: Cut, obstacle
 
 
 def _squared_distances(points: Floats, box: Boxes, poses: Floats) -> Floats:
-    """(c, n) of points (c, 3) in the world from n posed boxes; one product of matrices brings all into all frames."""
+    """(c, n) squared distances of points (c, 3) in the world from n posed boxes, all by one product of matrices."""
     offset = np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3]) + box.centre
     beyond = points @ poses[:, :3, :3].transpose(1, 0, 2).reshape(3, -1) - offset.ravel()
     np.abs(beyond, out=beyond)

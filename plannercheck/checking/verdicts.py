@@ -1,4 +1,4 @@
-"""What a checker says: the verdict of one configuration, and the summary of a set of them."""
+"""What a checker returns: the verdict of one configuration, and the summary of a set of them."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 
 class PairCertificate(Protocol):
-    """What proves a pair's verdict: a `Separation` or a `SharedPoint`, in space or in the plane."""
+    """The proof of a pair's verdict: a `Separation` or a `SharedPoint`, in space or in the plane."""
 
     def verify(self) -> bool:
-        """Whether it is proved, in exact arithmetic with all vertices."""
+        """Whether exact arithmetic with all vertices confirms the proof."""
         ...
 
 
@@ -58,8 +58,8 @@ class Verdict:
         valid: Whether no pair collides.
         collisions: All colliding pairs, in the order of the checker's pair table.
         separations: All other pairs with their separating planes, if asked for; else empty.
-        kinematic_error: Of posing: no point of a body is further than this from where exact kinematics of the same
-            numbers puts it, in m; infinite if nothing is proven, since Pinocchio itself had to pose.
+        kinematic_error: No point of a body is further than this from where exact kinematics of the same numbers puts
+            it, in m. Infinite if Pinocchio itself posed the robot: then nothing is proved.
     """
 
     valid: bool
@@ -70,10 +70,10 @@ class Verdict:
 
 @dataclass(frozen=True, eq=False)
 class MotionProof(OwnsArrays):
-    """What proves two bodies apart on an interval of a motion.
+    """The proof that two bodies are apart on an interval of a motion.
 
-    Seen from the frame, each point of a body leaves the chord of its path by so little that both bodies together leave
-    theirs by at most `bulge`. So a plane that keeps them further apart at both ends does so all the way.
+    Seen from the frame, the points of both bodies leave the chords of their paths by at most `bulge` together. So a
+    plane that keeps the bodies further apart than this at both ends separates them on the whole interval.
 
     Attributes:
         first: Name of the robot's link.
@@ -81,11 +81,11 @@ class MotionProof(OwnsArrays):
         first_body: Index of the first body into the checker's bodies.
         second_body: Index of the second.
         start: Parameter of the motion, 0 to 1.
-        end: Parameter.
+        end: Parameter of the motion, 0 to 1.
         frame: Name of the link in whose frame the normal is fixed; None for the world.
         normal: (3,) unit vector in the frame, (2,) in the plane, from second to first.
         gap: Along it the bodies are at least this far apart at both ends, m.
-        bulge: Bound of what their points leave their chords by, m; less than the gap.
+        bulge: How far their points leave their chords at most, both bodies together, m; less than the gap.
     """
 
     first: str
@@ -109,11 +109,12 @@ class MotionVerdict:
         tolerance: A motion that stays further than this from collisions is free, m.
         free_until: The last parameter known free: everything before it is proved free.
         collides_at: The first parameter known to collide; None if none was found.
-        near_at: Where the motion was refused: the pair is within the tolerance; None if it is free.
+        near_at: The parameter at which the motion was refused, since the pair is within the tolerance; None if it is
+            free.
         pair: The pair that stops the motion, with its certificate at `collides_at`, or, if nothing collides, at
             `near_at`; None if the motion is free.
-        proofs: If asked for, what proves the part up to `free_until`.
-        prover: Computes `proof`; None where there is none.
+        proofs: If asked for, the proofs of the part up to `free_until`.
+        prover: Computes `proof`; None if there is none.
     """
 
     free: bool
@@ -139,12 +140,12 @@ class MotionVerdict:
 
 @dataclass(frozen=True)
 class PairCount:
-    """How often two collide.
+    """How often a pair collides.
 
     Attributes:
         first: Name of the robot's link.
         second: Name of the other link or of the obstacle.
-        states: Configurations that count for this pair.
+        states: How many configurations count for this pair.
     """
 
     first: str
@@ -158,9 +159,9 @@ class ValidityReport:
     """The summary of a set of configurations.
 
     Attributes:
-        states: Configurations checked.
-        valid: Those in which no pair collides. Limits do not matter here.
-        beyond_limits: Those beyond a joint limit, valid or not.
+        states: How many configurations were checked.
+        valid: How many of them have no colliding pair, within the limits or beyond.
+        beyond_limits: How many are beyond a joint limit, valid or not.
         pairs: Colliding links and obstacles, most frequent first.
         all_pairs: Whether a configuration counts for all its colliding pairs; else for the first found.
         duration: Time spent on checking, s.
@@ -175,12 +176,12 @@ class ValidityReport:
 
     @property
     def invalid(self) -> int:
-        """Configurations in which some pair collides."""
+        """How many configurations have a colliding pair."""
         return self.states - self.valid
 
     @property
     def rate(self) -> float:
-        """Configurations checked in a second."""
+        """Configurations checked per second."""
         return self.states / self.duration if self.duration > 0 else float("nan")
 
     @property
@@ -193,10 +194,10 @@ def merged(reports: Iterable[ValidityReport]) -> ValidityReport:
     """One report for several sets.
 
     Args:
-        reports: Of the sets, all with the same `all_pairs`.
+        reports: The reports of the sets, all with the same `all_pairs`.
 
     Returns:
-        Their sum; all zero if there are none.
+        Their sum; all zero if there are no reports.
     """
     reports = list(reports)
     counts: Counter[tuple[str, str]] = Counter()

@@ -1,11 +1,11 @@
-"""Motions that are proved free: the checker's bodies and pairs for the compiled certifier (motion_certifier.hpp).
+"""Proves motions free: a checker's bodies and pairs for the compiled certifier (cpp/motions/motion_certifier.hpp).
 
-In: a robot, bodies, pairs. Out: `MotionCertifier`, which judges the straight segments between configurations, every
-joint on its own way: revolute and prismatic joints linearly, continuous ones the short way round, quaternions by slerp,
-floating and planar bases along one screw (Pinocchio's interpolation).
+In: a robot, bodies, pairs. Out: `MotionCertifier`, which judges the straight segments between configurations. Every
+joint moves by itself: revolute and prismatic joints linearly, continuous ones the short way round, quaternions by
+slerp, floating and planar bases along one screw (Pinocchio's interpolation).
 
-What is proved is proved for exact kinematics, and holds for the poses that are computed: the certificates' gaps exceed
-what rounding moves (`Robot.kinematic_error`, and the core's own bound).
+Proofs are about exact kinematics and hold for computed poses as well, since the certificates' gaps exceed the rounding
+of poses (`Robot.kinematic_error`, and the core's own bound).
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 
-# A motion whose clearance falls below this may be refused, m: no robot follows a path so closely.
+# A motion whose clearance falls below this may be refused, m: no robot follows a path that closely.
 DEFAULT_TOLERANCE = 1e-4
 
-# Parts of the tolerance with which pairs are proved that can't meet within the limits, but may be nearer than it: they
-# are further apart than `reach.MARGIN`, a hundredth of the default.
+# Pairs that can't meet within the limits may still be nearer than the tolerance; they are proved with these parts of
+# it. Their distance exceeds `unreachable_pairs.MARGIN`, a hundredth of the default tolerance.
 _FINER = (1.0, 1e-2, 1e-4)
 
 
 class MotionCertifier:
     """Judges motions of one robot among given pairs of bodies. Immutable, so threads may share it.
 
-    Motions within the limits are judged without the pairs that can't meet there, as configurations are.
+    As for configurations, motions within the limits are judged without the pairs that can't meet there.
     """
 
     def __init__(
@@ -64,18 +64,18 @@ class MotionCertifier:
         excess: float,
         hints: bool,
     ) -> None:
-        """Digests chains of joints.
+        """Prepares the chains of joints.
 
         Args:
             robot: The robot.
-            bodies: The robot's, then the scene's.
+            bodies: The robot's bodies, then the scene's.
             pairs: (k, 2) indices into bodies.
             tables: These pairs, compiled: those that can meet within the limits, and all of them.
-            excess: Of curved shapes.
+            excess: How far polytopes of curved shapes stick out, as a part of the radius.
             hints: Whether planes of earlier motions are tried; verdicts do not depend on it.
 
         Raises:
-            PlannercheckError: If Pinocchio itself has to pose the robot.
+            PlannercheckError: If Pinocchio itself poses the robot.
         """
         if robot.kinematics is None or robot.joint_table is None:
             raise PlannercheckError(
@@ -101,13 +101,13 @@ class MotionCertifier:
 
         Args:
             q0: Starts, validated.
-            q1: Ends; numbers that are no quaternions or the like are gone through linearly.
+            q1: Ends; all numbers move linearly, except unit vectors such as quaternions.
             tolerance: m.
             threads: How many to use.
-            given: (n, nq) the ends before whole turns were taken off, if any were: they are posed with more rounding.
+            given: (n, nq) the ends before whole turns were taken off, if any were: their poses are rounded more.
 
         Returns:
-            (n,) True means proved free, False that some pair comes within the tolerance.
+            (n,) True means proved free, False that a pair comes within the tolerance.
         """
         check_tolerance(tolerance)
         within = self._within_limits(q0, q1)
@@ -130,15 +130,15 @@ class MotionCertifier:
         error: float,
         threads: int,
     ) -> Bools:
-        """Some rows by some pairs; `error` is the bound of their kinematics' rounding."""
-        if part.touching:  # at every state, so that nothing else matters
+        """Judges some rows by some pairs; `error` bounds the rounding of their kinematics."""
+        if part.touching:  # they touch at every state, so no motion is free
             return np.zeros(len(rows), dtype=bool)
         starts, ends = (q0, q1) if len(rows) == len(q0) else (q0[rows], q1[rows])
         answers = np.asarray(part.core.check(self._robot.kinematics, starts, ends, tolerance, error, threads))
         return verdicts(answers, tolerance, rows)
 
     def _within_limits(self, q0: Floats, q1: Floats) -> Bools:
-        """(n,) whether both ends are, so that all states between them are, up to rounding."""
+        """(n,) whether both ends are within the limits; then so is every state between them, up to rounding."""
         if self._limits is None:
             return np.ones(len(q0), dtype=bool)
         low, high = self._limits
@@ -148,7 +148,7 @@ class MotionCertifier:
         """`check` of one motion between configurations given as lists: what planners call.
 
         Args:
-            q0: nq numbers; those of quaternions and the like must be of length 1.
+            q0: nq numbers; unit vectors such as quaternions must have length 1.
             q1: nq numbers.
             tolerance: m.
 
@@ -183,13 +183,13 @@ class MotionCertifier:
     def passage(
         self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False, given: Floats | None = None
     ) -> Passage:
-        """How far one motion (nq,) to (nq,) is free, looked at from its start.
+        """How far one motion (nq,) to (nq,) is free, from its start on.
 
         Args:
             q0: Start, validated.
             q1: End.
             tolerance: m.
-            proofs: Whether to give those of all pairs that can move against each other.
+            proofs: Whether to return the proofs of all pairs that can move relative to each other.
             given: (nq,) the end before whole turns were taken off.
 
         Returns:
@@ -213,8 +213,8 @@ class MotionCertifier:
     ) -> tuple[float, list[Proof]]:
         """Proofs of all pairs up to a parameter, and up to where they reach.
 
-        Pairs that can't meet within the limits may be within the tolerance all the same: then a finer one is taken, as
-        long as rounding is a small part of it.
+        Pairs that can't meet within the limits may still come within the tolerance. Then a smaller tolerance is used,
+        as long as rounding is a small part of it.
         """
         reached, listed = 0.0, list[Proof]()
         for finer in _FINER:

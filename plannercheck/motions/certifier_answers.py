@@ -1,7 +1,7 @@
-"""What the core's certifiers of motions answer, in space and in the plane.
+"""Answers of the core's motion certifiers, in space and in the plane.
 
-In: the core's codes and arrays. Out: verdicts, a `Passage` (how far a motion is free), and a `Proof` for each pair and
-interval that was proved; or an error, where rounding takes too much of the tolerance.
+In: the core's codes and arrays. Out: verdicts, a `Passage` (how far a motion is free), and a `Proof` for each proved
+pair and interval; or an error if rounding takes too large a part of the tolerance.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 
-# MotionAnswer in cpp/motions/motion_certifier.hpp, PlanarAnswer in cpp/planar/motion_certifier_2d.hpp.
+# MotionAnswer in cpp/motions/motion_report.hpp.
 FREE, REFUSED, IMPRECISE = 0, 1, 2
 
 
 class Proof(NamedTuple):
-    """What proves a pair apart on an interval.
+    """The proof that a pair is apart on an interval of a motion.
 
     Attributes:
         pair: Row of the checker's pairs.
         start: Parameter.
         end: Parameter.
-        frame: Index of the link in whose frame the direction is, -1 for the world.
+        frame: Index of the link in whose frame the direction is given, -1 for the world.
         flipped: Whether the direction points from the pair's first body to its second, else the other way.
         direction: (3,) unit vector up to rounding.
         gap: Along it both bodies are at least this far apart at both ends, m.
-        bulge: Their points leave their chords by at most this, which is less than the gap, m.
+        bulge: How far their points leave their chords at most, both bodies together, m; less than the gap.
     """
 
     pair: int
@@ -50,13 +50,13 @@ class Passage(NamedTuple):
     """How far a motion is free.
 
     Attributes:
-        free: Whether all of it is.
+        free: Whether the whole motion is free.
         free_until: It is proved free up to this parameter.
         near: If not free: the parameter at which the pair is within the tolerance.
         pair: If not free: row of the checker's pairs; else -1.
-        proofs: If wanted, what proves it free, all pairs, up to `proved_until`.
-        proved_until: That is `free_until`, or less if a pair that can't meet within the limits is nearer all the time
-            than rounding allows to prove.
+        proofs: If asked for, the proofs of all pairs up to `proved_until`.
+        proved_until: `free_until`, or less where a pair that can't meet within the limits is so near that rounding
+            prevents a proof.
     """
 
     free: bool
@@ -71,12 +71,12 @@ def verdicts(answers: Ints, tolerance: float, rows: NDArray[np.int64] | None = N
     """Which answers (n,) mean free.
 
     Args:
-        answers: The core's.
+        answers: The core's codes.
         tolerance: m.
-        rows: (n,) numbers of the motions, for errors; None if they are 0, 1, …
+        rows: (n,) numbers of the motions, for errors; None for 0, 1, …
 
     Raises:
-        PlannercheckError: If rounding is no small part of the tolerance for one of them.
+        PlannercheckError: If rounding is too large a part of the tolerance for one of them.
     """
     if (answers == IMPRECISE).any():
         first = int(np.argmax(answers == IMPRECISE))
@@ -101,7 +101,7 @@ def proofs_of(frames: Sequence[int], pairs: Ints, intervals: Floats, directions:
 
 
 def check_tolerance(tolerance: float) -> None:
-    """Raises an error if a tolerance is no positive length."""
+    """Raises an error unless a tolerance is a positive length."""
     if not 0 < tolerance < float("inf"):
         raise PlannercheckError(f"tolerance must be a positive length in m, not {tolerance!r}")
 

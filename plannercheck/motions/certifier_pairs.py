@@ -1,6 +1,6 @@
-"""Pairs of bodies with the joints between them, compiled: what the core certifies motions with.
+"""Pairs of bodies and the joints between them, compiled into the core's certifier of motions.
 
-In: a robot, its bodies, some of a checker's pairs. Out: `ChainedPairs`, the core's certifier of just these pairs.
+In: a robot, its bodies, some of a checker's pairs. Out: `ChainedPairs`, a core certifier of these pairs only.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from plannercheck.robots.robot import Robot
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-# Two bodies that never move against each other and are further apart than this, m, are so at every configuration:
-# far above the rounding of kinematics.
+# Two bodies that never move relative to each other and are further apart than this, m, are apart at every
+# configuration: it is far above the rounding of kinematics.
 _LASTING_GAP = 1e-9
 
 
@@ -31,24 +31,24 @@ class ChainedPairs:
     """The core's certifier of some pairs.
 
     Attributes:
-        core: The compiled certifier, of the pairs that move against each other.
-        rows: (k,) which of the checker's pairs these are.
-        flipped: (k,) whether their bodies are taken the other way round.
-        frames: (k,) the link in whose frame each is seen, -1 for the world.
-        touching: Rows of the checker's pairs that never move against each other, and are in contact.
+        core: The compiled certifier of the pairs that move relative to each other.
+        rows: (k,) their rows in the checker's pairs.
+        flipped: (k,) whether a pair's bodies are swapped.
+        frames: (k,) the link in whose frame each pair is seen, -1 for the world.
+        touching: Rows of the checker's pairs that never move relative to each other and touch.
     """
 
     def __init__(
         self, robot: Robot, bodies: Sequence[Body], pairs: Ints, part: CompiledPairs, excess: float, hints: bool
     ) -> None:
-        """Digests chains of joints.
+        """Prepares the chains of joints.
 
         Args:
             robot: The robot, posed by the compiled kernel.
-            bodies: The robot's, then the scene's.
-            pairs: (n, 2) indices into bodies: all of the checker's.
-            part: Which of them to take.
-            excess: Of curved shapes.
+            bodies: The robot's bodies, then the scene's.
+            pairs: (n, 2) indices into bodies: all pairs of the checker.
+            part: The rows of pairs to take.
+            excess: How far polytopes of curved shapes stick out, as a part of the radius.
             hints: Whether planes of earlier motions are tried.
         """
         assert robot.joint_table is not None
@@ -94,7 +94,7 @@ class ChainedPairs:
 
 
 def _ordered(pairs: NDArray[np.int32], links: Sequence[int]) -> NDArray[np.int32]:
-    """Pairs with a body that moves first, if there is one."""
+    """Pairs in which the first body moves, if either does."""
     table = pairs.copy()
     swapped = np.array([links[a] < 0 <= links[b] for a, b in pairs.tolist()], dtype=bool)
     table[swapped] = table[swapped][:, ::-1]

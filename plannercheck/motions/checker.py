@@ -1,4 +1,4 @@
-"""The checker that users meet: verdicts of configurations (`StateChecker`), and of the motions between them.
+"""The public `Checker`: verdicts on configurations (by `StateChecker`) and on the motions between them.
 
 In: a `Robot`, a `Scene`. Out: an immutable `Checker`. A motion is proved free for every state on it, or sampled.
 """
@@ -34,7 +34,7 @@ class Checker(StateChecker):
     """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it.
 
     Attributes:
-        motion_sampler: Says how many states a motion needs, and interpolates them.
+        motion_sampler: Computes how many states a motion needs, and interpolates them.
     """
 
     motion_sampler: MotionSampler
@@ -42,7 +42,7 @@ class Checker(StateChecker):
     _COMPILED: ClassVar[frozenset[str]] = StateChecker._COMPILED | {"motion_certifier", "_prover"}
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
-        for name in ("motion_certifier", "_prover"):  # they are cached, for the earlier scene
+        for name in ("motion_certifier", "_prover"):  # cached for the earlier scene
             self.__dict__.pop(name, None)
         if not isinstance(earlier, Checker) or earlier.robot is not self.robot:
             self.motion_sampler = MotionSampler(self.robot, self.excess)
@@ -56,16 +56,17 @@ class Checker(StateChecker):
     ) -> bool:
         """Whether a motion is free, both ends included: proved for every state on it, or sampled.
 
-        Each joint goes its own way: revolute and prismatic ones linearly, continuous ones the short way round,
+        Each joint moves by itself: revolute and prismatic ones linearly, continuous ones the short way round,
         quaternions by slerp, floating bases along a screw.
 
         Args:
             q0: (nq,) start, rad and m.
             q1: (nq,) end.
-            resolution: None for a proof. Else only states are checked, so close that no point of a link moves further
-                than this between two of them, in m; nothing is proved about what lies between.
-            tolerance: A motion that is never within this of a collision is proved free, in m; one that is may be
-                refused. Free motions that touch something are never passed, whatever the tolerance.
+            resolution: None for a proof. Else only sampled states are checked: no point of a link moves further than
+                this between two of them, in m, and nothing is proved about the motion between them.
+            tolerance: A motion that keeps more than this distance from all collisions is proved free, in m; a motion
+                that comes nearer may be refused. A motion that touches something is never called free, whatever the
+                tolerance.
 
         Returns:
             True if the motion is free.
@@ -108,7 +109,8 @@ class Checker(StateChecker):
         if self._kernel is None or not self.motion_sampler.is_vector_space:
             return self.motion_sampler.check(self, starts, ends, resolution)
         steps = self.motion_sampler.steps(starts, ends, resolution)
-        # Of states between two within the limits, rounding puts none further beyond than the proof's margin allows.
+        # Between two states within the limits, rounding takes no state further beyond them than the proof's margin
+        # allows.
         return self._tables.judged(
             lambda table, *part: table.core.motions_are_free(self._kernel, *part).view(bool), starts, ends, steps
         )
@@ -116,13 +118,13 @@ class Checker(StateChecker):
     def explain_motion(
         self, q0: Configuration, q1: Configuration, tolerance: float = DEFAULT_TOLERANCE, proofs: bool = False
     ) -> MotionVerdict:
-        """How far a motion is free, what stops it, and the certificates behind that.
+        """How far a motion is free and what stops it, with certificates.
 
         Args:
             q0: (nq,) start, rad and m.
             q1: (nq,) end.
             tolerance: As for `check_motion`.
-            proofs: Whether to give what proves the free part: planes for all pairs, interval by interval.
+            proofs: Whether to return the proof of the free part: planes for all pairs, interval by interval.
 
         Returns:
             The verdict.
@@ -143,11 +145,12 @@ class Checker(StateChecker):
             q0: (n, nq) starts, rad and m.
             q1: (n, nq) ends.
             tolerance: As for `check_motion`.
-            threads: How many to use for finding out which motions are free.
+            threads: How many to use to find the motions that are free.
 
         Returns:
-            One a motion, None where it is not free. None, too, where it is free but rounding takes nearly all that it
-            may of the tolerance: a proof has to keep all pairs apart, also those that a verdict leaves out.
+            One for each motion. None where the motion is not free, and where it is free but rounding takes nearly all
+            of the part of the tolerance that it may take: a proof covers all pairs, those that a verdict leaves out
+            included.
 
         Raises:
             PlannercheckError: If Pinocchio itself poses, or python-flint is not installed.
@@ -162,12 +165,12 @@ class Checker(StateChecker):
 
     @cached_property
     def _prover(self) -> Builder:
-        """Builds proofs of motions; made when it is first needed."""
+        """Builds proofs of motions; made when first needed."""
         return Builder(self)
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:
-        """Proves motions free; built when it is first needed.
+        """Proves motions free; built when first needed.
 
         Raises:
             PlannercheckError: If Pinocchio itself poses.

@@ -1,7 +1,7 @@
 """One motion explained: how far it is proved free, where it collides first, by which pair, and the certificates.
 
-In: a checker, a motion. Out: a `MotionVerdict`. The certifier says where the motion comes within the tolerance; from
-there on states are checked exactly for the first that collides.
+In: a checker, a motion. Out: a `MotionVerdict`. The certifier finds where the motion comes within the tolerance. From
+there on, states are checked exactly to find the first one that collides.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from plannercheck.proofs.proof import Proof as WholeProof
 Floats = NDArray[np.float64]
 States: TypeAlias = Callable[[Floats], Floats]
 
-# States that are looked at for a collision where a motion is no longer proved free: so many over the rest of it, and
-# so many close by, at distances that grow from the least one (parameters).
+# Where a motion is no longer proved free, this many states are checked over the rest of it, and this many close by, at
+# distances that grow from the least one (in parameters).
 _SPREAD = 2000
 _CLOSE = 200
 _LEAST_STEP = 1e-9
 
-# The first colliding parameter is narrowed down until it stands still in doubles, or so many times.
+# The first colliding parameter is bisected until it no longer changes in doubles, at most this often.
 _MOST_HALVINGS = 60
 
 
@@ -41,10 +41,10 @@ def explained_motion(
 
     Args:
         checker: The checker, in space or in the plane.
-        passage: What its certifier says.
-        states: Gives states (k, nq) of the motion at parameters (k,).
+        passage: The certifier's answer.
+        states: A function from parameters (k,) to states (k, nq) of the motion.
         tolerance: m.
-        prover: Gives the proof that anyone can check, if the motion is free.
+        prover: Returns the proof of the motion, if it is free.
 
     Returns:
         The verdict.

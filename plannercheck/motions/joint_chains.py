@@ -1,23 +1,24 @@
-"""Chains of joints with lever arms: what a motion moves two bodies against each other by.
+"""Chains of joints with lever arms: they bound how far a motion moves two bodies relative to each other.
 
 In: a robot, bodies, pairs. Out: `MotionChains`: for each pair a frame between its bodies, and for each body the joints
-from that frame to it, each with a bound of how far the body's points get from the joint's axis at any configuration.
+from that frame to it. Each joint has a bound on how far the body's points get from its axis at any configuration.
 
-The arms. A point of a joint's axis stays where it is on both links that the joint connects. So from the body outwards:
-its points are within D(c) of a point c on the first axis; a point c' on the next axis is on the same link as c, so the
-body's points are within D(c) + |c - c'| of it, and their distance from that axis is at most D(c) plus that of c. Both
-bounds are taken at their least over a few points of each axis, at one configuration: lengths within a link do not
-change. A joint without an axis has one point, its origin.
+The arms. A point of a joint's axis is fixed on both links that the joint connects. So we go from the body outwards. The
+body's points are within D(c) of a point c on the first axis. A point c' on the next axis is on the same link as c, so
+the body's points are within D(c) + |c - c'| of c', and their distance from the next axis is at most D(c) plus the
+distance of c from it. Both bounds are minimised over a few points of each axis, at one configuration: lengths within a
+link do not change. A joint without an axis has one point, its origin.
 
-What slides. Joints that slide are at rest at that configuration, so the origins of the links before and after them
-coincide there, and at any other are as far apart as the joint has slid, its extent over the motion. That comes on top
-of each length that leads over the joint. A joint's own arm is counted from the origin of the link after it, about which
-it turns. If the body is beyond that link, no length leads over the joint itself; if the body is on the other side
-(the frame is the one that hangs on the joint), it does, and its own extent counts as well.
+Sliding joints. At that configuration they stand at 0, so the origins of the links before and after them coincide. At
+any other configuration these are as far apart as the joint has slid. The largest such distance over the motion is the
+joint's extent; it is added to each length that leads over the joint. A joint's own arm is measured from the origin of
+the link after it, about which it turns. If the body is beyond that link, no length leads over the joint itself. If the
+body is on the other side (the frame is on the child's side of the joint), one does, and the joint's own extent is added
+as well.
 
-The frame. Any link on the way from one body to the other will do; the certificate's error is the sum of both sides',
-and grows with the joints of a side one by one (cpp/motions/motion_bounds.hpp), so a frame in the middle is best. The
-link is taken for which it is least if all joints turn at the same rate.
+The frame. It may be any link between the two bodies. The certificate's error is the sum of the errors of both sides,
+and the error of a side grows with each of its joints (cpp/motions/motion_bounds.hpp), so a frame in the middle is best.
+We choose the link with the least error if all joints turn at the same rate.
 """
 
 from __future__ import annotations
@@ -38,15 +39,15 @@ from plannercheck.robots.kinematics import JointTable, joint_placements
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-# The kernel's kind of a prismatic joint (JointKind in cpp/robots/kinematics.hpp); what takes several numbers comes
+# The kernel's kind of a prismatic joint (JointKind in cpp/robots/kinematics.hpp); kinds that take several numbers come
 # after it.
 _SLIDE = 8
 
-# Bodies are off rigid by 3.6e-6 at most (robots/unit_lengths.py), so lengths stretch by half of that; and they are
-# rounded.
+# Poses of bodies differ from rigid ones by 3.6e-6 at most (robots/unit_lengths.py), which stretches lengths by half of
+# that; lengths are rounded as well.
 _STRETCH = 1 + 2e-6
 
-# Points of an axis that are tried: the feet of the origins of this many joints before and after it on the way.
+# Points of an axis that are tried: the feet of perpendiculars from the origins of this many joints before and after it.
 _NEIGHBOURS = 3
 
 
@@ -55,9 +56,9 @@ class Entry(NamedTuple):
 
     Attributes:
         joint: Index into the table's joints.
-        arm: How far the body's points get from its axis, but for what `slides` slide, m.
-        slides: Joints that slide and lie between the body and the link after this one: this one itself, too, if it
-            slides and is crossed from the child's side.
+        arm: How far the body's points get from the joint's axis, without the distances that `slides` slide, m.
+        slides: Sliding joints between the body and the link after this joint; this joint as well if it slides and is
+            crossed from the child's side.
     """
 
     joint: int
@@ -66,13 +67,14 @@ class Entry(NamedTuple):
 
 
 class ChainedPair(NamedTuple):
-    """Two bodies and how they move against each other.
+    """Two bodies, and the chains along which they move relative to each other.
 
     Attributes:
         first: A body that moves.
-        second: The other.
+        second: The other body.
         frame: Index of the link in whose frame both are seen, -1 for the world.
-        chains: Of the first and the second body from the frame; -1 for a body that stands still in it.
+        chains: Indices of the chains from the frame to the first and the second body; -1 for a body that is at rest in
+            the frame.
     """
 
     first: int
@@ -83,17 +85,17 @@ class ChainedPair(NamedTuple):
 
 @dataclass(frozen=True)
 class MotionChains:
-    """What the certifier needs to know of a robot's joints.
+    """The data about a robot's joints that the certifier needs.
 
     Attributes:
         pairs: One for each of the given pairs.
         chains: Entries, from the frame to the body.
         drives: (joints, 2) kind (turn, slide, or part) and column of each of the table's joints.
         factors: (joints, 2) multiplier and offset of its value.
-        parts: (parts, 2) kind and first column of what is no single number.
-        defect: How far all placements and held joints together are off rigid, norm of M^T M - 1.
+        parts: (parts, 2) kind and first column of each group of several numbers.
+        defect: Bound of ||M^T M - 1|| for all placements and held joints together.
         leverage: Sum of all multipliers.
-        depth: How many quaternions, cosines and sines of a configuration are on one chain at most.
+        depth: The largest number of quaternions, or cosines and sines, on one chain.
         spread: How far from the world's origin joints and links may be.
     """
 
@@ -108,7 +110,7 @@ class MotionChains:
     spread: Spread
 
     def arrays(self) -> tuple[NDArray[np.generic], ...]:
-        """Pairs, drives, factors, first entries, entries, arms, slides, parts: what the core takes."""
+        """Pairs, drives, factors, first entries, entries, arms, slides, parts, as the core takes them."""
         entries = [entry for chain in self.chains for entry in chain]
         slides = np.cumsum([0, *(len(entry.slides) for entry in entries)])
         rows = [(e.joint, first, past) for e, first, past in zip(entries, slides[:-1], slides[1:], strict=True)]
@@ -134,7 +136,7 @@ def motion_chains(
     pairs: NDArray[np.int64],
     excess: float,
 ) -> MotionChains:
-    """Digests a robot and pairs.
+    """Makes the chains of a robot's pairs.
 
     Args:
         model: Pinocchio's.
@@ -142,8 +144,8 @@ def motion_chains(
         table: The kernel's.
         frames: Pinocchio's frames of the links.
         bodies: All bodies.
-        links: Each body's link, -1 if the body stands still whatever the joints do.
-        pairs: (k, 2) of bodies, of which the first moves.
+        links: Each body's link, -1 if no joint moves the body.
+        pairs: (k, 2) indices of bodies, of which the first moves.
         excess: How far polytopes of curved shapes stick out, as a part of the radius.
 
     Returns:
@@ -164,7 +166,7 @@ def motion_chains(
 
 
 class _Axis(NamedTuple):
-    """Where a joint turns about at the configuration that is looked at.
+    """The axis about which a joint turns, at one configuration.
 
     Attributes:
         origin: (3,) m.
@@ -210,7 +212,7 @@ class _Tree:
         self.link_on[-1] = -1
 
     def way(self, start: int, end: int) -> tuple[list[int], list[int]]:
-        """The moving joints between links on two joints, and the joints that the links before each are on.
+        """The moving joints between links on two joints, and for each of them the joint that the link before it is on.
 
         The second list has one more: the joint of the link after the last. -1 is the world.
         """
@@ -224,7 +226,7 @@ class _Tree:
         return joints, [start] + [after for _, after in rising + falling]
 
     def carries(self, joint: int, last: int) -> bool:
-        """Whether what is on joint `last` hangs on a joint."""
+        """Whether joint `last` hangs on a joint, or is that joint."""
         return joint in self._ancestors(last)
 
     def _ancestors(self, joint: int) -> list[int]:
@@ -236,7 +238,7 @@ class _Tree:
 
 
 def _at_rest(model: pin.Model, configurations: ConfigurationMap, table: JointTable) -> Floats:
-    """Pinocchio's configuration in which moving joints do nothing and held ones are where they are held."""
+    """Pinocchio's configuration with moving joints at 0 and held joints where they are held."""
     q, neutral = configurations.expand(np.zeros((1, configurations.width)))[0], pin.neutral(model)
     for i, columns in enumerate(table.columns, start=1):
         if (columns >= 0).any():
@@ -254,7 +256,7 @@ def _axis(table: JointTable, joint: int, pose: pin.SE3) -> _Axis:
 
 
 class _Builder:
-    """Chains of pairs; what bodies share is computed once."""
+    """Chains of pairs; shared parts are computed once."""
 
     def __init__(self, tree: _Tree, bodies: Sequence[Body], links: Sequence[int], excess: float) -> None:
         self._tree, self._bodies, self._links, self._excess = tree, bodies, links, excess
@@ -281,7 +283,7 @@ class _Builder:
         return ChainedPair(first, second, frame, (self._chain(mine[:best]), self._chain(theirs[: len(joints) - best])))
 
     def _chain(self, entries: tuple[Entry, ...]) -> int:
-        """The index of a chain; its entries are given from the body outwards."""
+        """The index of a chain, given by its entries from the body outwards."""
         if not entries:
             return -1
         if entries not in self._index:
@@ -339,5 +341,5 @@ class _Builder:
 
 
 def _bulge(entries: Sequence[Entry]) -> float:
-    """The bound of cpp/motions/motion_bounds.hpp if all joints turn by 1 rad; entries from the body outwards."""
+    """The bound of cpp/motions/motion_bounds.hpp where all joints turn by 1 rad; entries from the body outwards."""
     return sum(entry.arm * (1 + 2 * (len(entries) - 1 - k)) for k, entry in enumerate(entries))

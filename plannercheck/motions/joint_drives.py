@@ -1,8 +1,8 @@
-"""What drives the joints of a motion, and how far they are off rigid.
+"""Which columns drive the joints of a motion, and how far joints differ from rigid ones.
 
-In: the kernel's joint table. Out: for each joint the column of the configuration that moves it and how, the columns
-that belong together as a circle, a quaternion or a pose, the defect of all that no motion changes, and how far joints
-and links are from the world's origin.
+In: the kernel's joint table. Out: for each joint the column that moves it and in what way; the groups of columns that
+form a circle, a quaternion or a pose; the defect of everything that no motion changes; and how far joints and links are
+from the world's origin.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ _TURN_DRIVE, _SLIDE_DRIVE, _PART_DRIVE = 0, 1, 2
 _CIRCLE = 0
 _PARTS = {9: 1 + 1, 10: 1, 11: 3}
 
-# Where the numbers of a joint are that are of length 1, by the kernel's kind: cosine and sine, or a quaternion.
+# Which numbers of a joint form a unit vector, by the kernel's kind: cosine and sine, or a quaternion.
 _UNIT_NUMBERS = {**dict.fromkeys(range(_LAST_TURN + 1, _LAST_UNIT_TURN + 1), (0, 2)), 9: (2, 4), 10: (0, 4), 11: (3, 7)}
 
-# How many of a joint's first numbers are lengths, and how far a motion may go between two of them, as a part of the
-# larger: a slide goes straight; a pose follows a screw of at most half a turn, on which the distance from the start
-# only grows, up to that of the ends.
+# How many of a joint's first numbers are lengths, and how far from the origin a motion may go between two of them, as a
+# multiple of the larger one. A slide goes straight. A pose follows a screw of at most half a turn, on which the
+# distance from the start only grows, up to that of the ends.
 _LENGTHS = {_SLIDE: (1, 1.0), 9: (2, 3.0), 11: (3, 3.0)}
 
 
 class Spread(NamedTuple):
-    """How far from the world's origin joints and links may be on a motion, whatever the angles are.
+    """How far from the world's origin joints and links may be on a motion, for any angles.
 
     Attributes:
-        extent: With all columns at 0, m.
-        travel: (width,) how much more for each unit of a column, at the end where it is larger, m.
-        joints: On the longest chain.
+        extent: The distance with all columns at 0, m.
+        travel: (width,) what each unit of a column adds, at the end where the column is larger, m.
+        joints: Number of joints on the longest chain.
     """
 
     extent: float
@@ -50,7 +50,7 @@ class Spread(NamedTuple):
 
 
 def spread(table: JointTable) -> Spread:
-    """Of a robot's chains: lengths of placements, added up from the world."""
+    """Adds up lengths of placements along a robot's chains, from the world on."""
     extents, counts = [0.0], [0]  # the world's, at -1, comes first
     travel = np.zeros(table.width)
     lengths = np.linalg.norm(table.placements[:, :, 3], axis=1).tolist()
@@ -85,7 +85,7 @@ def drives(table: JointTable) -> tuple[Ints, Floats, Ints]:
 
 
 def defect(table: JointTable) -> float:
-    """Of all placements, axes and held joints together, with room for rounding."""
+    """The defect of all placements, axes and held joints together, with room for rounding."""
     turns = np.concatenate([table.placements[:, :, :3], table.link_placements[:, :, :3]])
     off = np.linalg.norm(np.swapaxes(turns, 1, 2) @ turns - np.eye(3), axis=(1, 2)).sum()
     axes = np.linalg.norm(table.axes, axis=1)
@@ -93,7 +93,7 @@ def defect(table: JointTable) -> float:
 
 
 def _held_defect(table: JointTable) -> float:
-    """Of joints that are held at a quaternion or the like off length 1."""
+    """The defect of joints that are held at a unit vector whose length is not exactly 1."""
     total = 0.0
     for kind, columns, offsets in zip(table.kinds.tolist(), table.columns, table.offsets, strict=True):
         start, stop = _UNIT_NUMBERS.get(kind, (0, 0))

@@ -1,7 +1,7 @@
-"""The ends of motions: as they are given, and less whole turns, so that angles take the short way.
+"""The ends of motions, as given and less whole turns, so that angles take the short way.
 
-In: configurations, in space or in the plane. Out: ends of which motions are judged, and whether the given ones are
-free, too: an angle less whole turns is another double, so that the given end is posed with other roundings.
+In: configurations, in space or in the plane. Out: the ends with which motions are judged, and whether the given ends
+are free as well. An angle less whole turns is another double, so the given end is posed with other roundings.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def checked_ends(robot: AnyRobot, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats,
 
 
 def short_way(starts: Floats, ends: Floats, angles: NDArray[np.int64]) -> Floats:
-    """Ends (…, nq) with some columns within half a turn of the starts'; the same array if they are."""
+    """Ends (…, nq) with some columns within half a turn of the starts'; the same array if they already are."""
     if not len(angles):
         return ends
     given = ends[..., angles]
@@ -39,7 +39,7 @@ def short_way(starts: Floats, ends: Floats, angles: NDArray[np.int64]) -> Floats
 
 
 def with_given_ends(checker: AnyChecker, free: Bools, ends: Floats, given: Floats) -> Bools:
-    """Which sampled motions (n,) are free, when their ends as given are looked at as well.
+    """Which sampled motions (n,) are free, the ends as given included.
 
     Args:
         checker: Judges configurations.

@@ -1,9 +1,9 @@
-"""Builds proofs of motions in space: a few entries for each pair, found in doubles and from the certifier's planes.
+"""Builds proofs of motions in space: a few entries for each pair, found in doubles from the certifier's planes.
 
-In: a checker, a motion that its certifier proves free. Out: a `Proof`. Balls around bodies that are far apart take one
-entry; planes are taken from what the certifier notes down, each for as long as it holds: an interval is halved until
-one plane does. Whether an entry holds is asked of the verifier's own check, so that few proofs are refused later; an
-entry that nothing is found for is written down all the same, with the certifier's plane, for the verifier to refuse.
+In: a checker, a motion that its certifier proves free. Out: a `Proof`. For bodies that are far apart, one entry by
+balls is enough. For the others, the certifier's planes are used, each for as long as it holds: an interval is halved
+until one plane holds on it. The verifier's own check decides whether an entry holds, so that few proofs are refused
+later. Where no entry holds, one is written with the certifier's plane, for the verifier to refuse.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Intervals are halved this often in search of one that a plane or balls keep apart.
+# An interval is halved at most this often in search of a plane or balls that hold on it.
 _DEEPEST = 14
-# From so many halvings on, intervals are cut where planes end: one plane may hold just up to there.
+# From this many halvings on, intervals are cut where planes end, since a plane may hold only up to there.
 _BY_PLANES = 7
 
-# Halvings that the verifier may take within an entry: a longer entry takes it more time than several short ones.
+# Halvings that the verifier may need within an entry: beyond that, several short entries take it less time.
 _WITHIN = 2
 
-# What computed states and poses may be off by besides the bound of kinematics, in parts of the robot's size: rounding
-# of states, of bodies' placements, and what numbers off unit length do.
+# The error of computed states and poses besides that of kinematics, as a part of the robot's size: rounding of states
+# and of bodies' placements, and unit vectors whose length is not exactly 1.
 _ROUNDING = 2.0**-44
 _OFF_UNIT = 12.0
 
 
 class CertifiedPairs(PosedPairs, Protocol):
-    """What proofs of motions in space are built from; see `Checker`."""
+    """The parts of a `Checker` from which proofs of motions in space are built."""
 
     scene: Scene
 
@@ -62,7 +62,7 @@ class Builder:
     """Builds proofs for one checker."""
 
     def __init__(self, checker: CertifiedPairs) -> None:
-        """Digests the checker.
+        """Reads the checker.
 
         Raises:
             PlannercheckError: If python-flint is not installed.
@@ -80,8 +80,8 @@ class Builder:
 
         Args:
             start: (nq,) validated.
-            end: (nq,) the short way round.
-            asked_end: (nq,) as it was asked for.
+            end: (nq,) the end of the short way round.
+            asked_end: (nq,) the end as it was asked for.
             tolerance: m.
         """
         passage = self._passage(start, end, asked_end, tolerance)
@@ -96,10 +96,10 @@ class Builder:
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
 
     def _passage(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Passage | None:
-        """What the certifier notes down of all pairs, if the motion is free and so much can be noted down."""
+        """The certifier's proofs of all pairs; None if the motion is not free or a pair has no proof."""
         try:
             passage = self._checker.motion_certifier.passage(start, end, tolerance, True, asked_end)
-        except PlannercheckError:  # rounding is no small part of so small a tolerance
+        except PlannercheckError:  # rounding is too large a part of the tolerance
             return None
         return passage if passage.free and passage.proved_until == 1.0 else None
 
@@ -115,7 +115,7 @@ class Builder:
 
 
 def _size(model: Model) -> float:
-    """How far the robot reaches, m: the sum of the lengths along its longest chain, and of its bodies."""
+    """The robot's size, m: the sum of the lengths along its longest chain, and of its bodies."""
     reach: list[float] = []
     for joint in model.joints:
         before = reach[joint.parent] if joint.parent >= 0 else 0.0
@@ -127,7 +127,7 @@ def _size(model: Model) -> float:
 
 
 def _resting_directions(checker: CertifiedPairs, planes: Sequence[Plane], q: Floats) -> dict[int, tuple[float, ...]]:
-    """By pair of which the certifier notes nothing, as neither body moves: a direction between them in the world."""
+    """Separating directions in the world, by pair, for pairs without a certifier's plane since neither body moves."""
     moving = {plane.pair for plane in planes}
     found = {k: checker.explain_pair(k, q).certificate for k in range(len(checker.pairs)) if k not in moving}
     return {k: tuple(c.normal.tolist()) for k, c in found.items() if isinstance(c, Separation)}
@@ -151,7 +151,7 @@ def _entries(empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[
             for pair in range(len(empty.model.pairs))
             for entry in _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair)).over(0.0, 1.0, 0)
         )
-    except UnprovedError:  # a motion that the verifier can't know: its refusal will say why
+    except UnprovedError:  # the verifier will refuse this motion and say why
         return ()
     finally:
         flint.ctx.prec = bits
@@ -182,13 +182,13 @@ class _PairEntries:
         return self.over(start, cut, depth + 1) + self.over(cut, end, depth + 1)
 
     def _cut(self, start: float, end: float, depth: int) -> float:
-        """In the middle; of short intervals where one of the certifier's planes ends and the next begins."""
+        """Where to cut an interval: in the middle, or, if it is short, where one of the certifier's planes ends."""
         middle = (start + end) / 2
         ends = [plane.end for plane in self._planes if start < plane.end < end] if depth >= _BY_PLANES else []
         return min(ends, key=lambda t: abs(t - middle), default=middle)
 
     def _candidates(self, start: float, end: float) -> list[Entry]:
-        """Balls, then the plane of the certifier in the middle."""
+        """An entry by balls, then one by the certifier's plane in the middle."""
         out = [Entry(self._pair, start, end, "balls")]
         middle = (start + end) / 2
         for plane in self._planes:

@@ -1,11 +1,12 @@
-"""Whether the model in a proof is that of a robot's and a scene's files.
+"""Compares the model in a proof with a robot's and a scene's files.
 
 In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names the first difference.
 
 The joints, their placements, axes and who follows whom are compared with what `urdf_joints.py` reads from the URDF, to
-1e-12. Bodies, the pair table, and which column is which joint's are compared bit for bit with what plannercheck itself
-loads (meshes have many formats, SRDFs and groups many rules): for these its loader is trusted, its kinematics and its
-verdicts are not. Where the joints outside the group are held is part of the claim: it is in the proof, not in the URDF.
+1e-12. Bodies, the pair table, and the joint of each column are compared bit for bit with what plannercheck itself
+loads, since meshes have many formats, and SRDFs and groups many rules. So its loader is trusted here; its kinematics
+and its verdicts are not. The values of joints outside the group are part of the claim: they are in the proof, not in
+the URDF.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from plannercheck.scenes.scene import Scene
 
 Floats = NDArray[np.float64]
 
-# By the URDF's type, what a joint may be in a proof.
+# By the URDF's type, the kinds that a joint may have in a proof.
 _KINDS = {
     "revolute": ("turn",),
     "continuous": ("turn", "circle"),
@@ -33,7 +34,7 @@ _KINDS = {
     "floating": ("free",),
 }
 
-# Largest difference that is rounding: of placements' numbers, of axes, of multipliers.
+# The largest difference that counts as rounding: of placements, axes and multipliers.
 _AGREEMENT = 1e-12
 
 
@@ -41,7 +42,7 @@ def confirm_model(model: Model, robot: str | RobotDescription, scene: str | None
     """Compares a model with files.
 
     Args:
-        model: Of a proof in space, well-formed.
+        model: The well-formed model of a proof in space.
         robot: Name of a shipped robot, or a robot YAML or URDF file, or a description.
         scene: Name of a shipped scene, or a scene file; None for the empty one.
 
@@ -114,14 +115,14 @@ class _TreeComparison:
             self._compare_value(joint, found, sign)
 
     def _sign(self, joint: Joint, found: UrdfJoint) -> float:
-        """-1 for a joint that is given about the opposite axis, so that its value's sign has to be opposite, too."""
+        """-1 for a joint that is given about the opposite axis, so that its value has the opposite sign."""
         for sign in (1.0, -1.0):
             if np.abs(sign * np.array(joint.axis) - found.axis).max() <= _AGREEMENT:
                 return sign
         raise UnprovedError(f"joint {joint.name} has the axis {list(joint.axis)}, in the URDF {found.axis.tolist()}")
 
     def _compare_value(self, joint: Joint, found: UrdfJoint, sign: float) -> None:
-        """A joint is its column, or what it follows, times a number and plus another."""
+        """Checks that a joint's value is its own column, or that of its leader, times a multiplier plus an offset."""
         expected: tuple[float, ...] = (1.0,) * len(joint.multipliers)
         given = joint.multipliers
         if joint.kind == "circle":
@@ -133,7 +134,7 @@ class _TreeComparison:
             raise UnprovedError(f"joint {joint.name} takes its value by {given}, by the URDF it is {expected}")
 
     def _followed(self, found: UrdfJoint) -> tuple[float, float]:
-        """Multiplier and offset by which a joint follows the one that its column is of; 1 and 0 for its own."""
+        """Multiplier and offset by which a joint follows the joint of its column; 1 and 0 for its own column."""
         factor, offset = 1.0, 0.0
         column = self._model.joints[self._joints[found.name]].columns[0]
         joints = {joint.name: joint for joint in self._tree.above.values()}
@@ -148,8 +149,8 @@ class _TreeComparison:
 
 
 def _compare_columns(model: Model, loaded: Model) -> None:
-    """A configuration has to mean what it means to the checker: which joint a number moves, and which none does."""
-    for joint, other in zip(model.joints, loaded.joints, strict=False):  # as many, by the URDF
+    """Checks that each number of a configuration moves the same joints as in the checker."""
+    for joint, other in zip(model.joints, loaded.joints, strict=False):  # as many as in the URDF
         given, known = ((each.name, each.kind, each.columns) for each in (joint, other))
         if given != known:
             raise UnprovedError(
@@ -176,7 +177,7 @@ def _compare_bodies(model: Model, loaded: Model) -> None:
         same = np.array_equal(body.vertices, other.vertices)
         if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
             raise UnprovedError(f"body {body.name} ({body.label}) has another shape than in the files")
-    # By index: a part of an obstacle may have the name of a link's geometry.
+    # Compared by index: a part of an obstacle may have the name of a link's geometry.
     proved = {frozenset((found[a], found[b])) for a, b in model.pairs}
     missing = [pair for pair in loaded.pairs if frozenset(pair) not in proved]
     if missing:

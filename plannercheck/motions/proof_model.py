@@ -1,7 +1,7 @@
 """A checker's robot, scene and pairs as the plain data of a proof.
 
-In: a checker in space. Out: `Model`: the kernel's joint table in the URDF's terms, the bodies that are in a pair with
-the vertices of their hulls, and all of the checker's pairs, those that are left out as unreachable included.
+In: a checker in space. Out: `Model`: the kernel's joint table in the URDF's terms, the bodies of all pairs with the
+vertices of their hulls, and all of the checker's pairs, unreachable ones included.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from plannercheck.robots.robot import Robot
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-# By the kernel's kind of joint (JointKind in cpp/robots/kinematics.hpp).
+# Kinds of joints in a proof, by the kernel's kind (JointKind in cpp/robots/kinematics.hpp).
 _KINDS = ("turn",) * 4 + ("circle",) * 4 + ("slide", "planar", "ball", "free")
 
-# Rounds in which a ball's centre goes towards the vertex that is furthest, by a shrinking step.
+# Rounds in which a ball's centre moves towards the furthest vertex, by a shrinking step.
 _BALL_ROUNDS = 200
 
-# By how much balls are larger than what doubles say: far above their rounding.
+# Balls are enlarged by this part: far above the rounding of doubles.
 _BALL_ROOM = 1 + 1e-12
 
 
 class PosedPairs(Protocol):
-    """What the model of a checker in space is made of; see `Checker` for its attributes."""
+    """The attributes of a checker from which its model is made; see `Checker`."""
 
     robot: Robot
     bodies: tuple[Body, ...]
@@ -46,7 +46,7 @@ class PosedPairs(Protocol):
 
 
 def space_model(checker: PosedPairs) -> Model:
-    """The model of a checker that is posed by the compiled kernel."""
+    """The model of a checker whose robot the compiled kernel poses."""
     robot, table = checker.robot, checker.robot.joint_table
     assert table is not None
     used = np.unique(checker.pairs)

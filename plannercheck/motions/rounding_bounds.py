@@ -1,8 +1,8 @@
-"""How far computed poses are from exact kinematics on motions: one bound for usual ones, others for those far out.
+"""Bounds on how far computed poses are from exact kinematics on motions.
 
-In: a robot, ends of motions. Out: `RoundingBounds`, which puts motions by the bound that holds on them. The bound of a
-range around the limits is computed once; motions that leave it get that of a range up to the next powers of 2, so that
-a verdict depends on nothing but its own motion.
+In: a robot, ends of motions. Out: `RoundingBounds`, which groups motions by the bound that holds for them. The bound of
+a range around the limits is computed once. Motions that leave this range get the bound of a range up to the next powers
+of 2, so that a verdict depends on its own motion only.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Rows: TypeAlias = NDArray[np.int64]
 # Beyond the limits by this much, rad and m, the bound of kinematic rounding is computed once for all.
 _MARGIN = 10.0
 
-# Continuous joints are within it up to here, rad.
+# The range of continuous joints, rad.
 NEAR_TURNS = math.pi + _MARGIN
 
 
@@ -30,9 +30,9 @@ class RoundingBounds:
     """Bounds of the kinematics' rounding on motions of one robot.
 
     Attributes:
-        low: (nq,) from where the usual bound holds, rad and m.
-        high: (nq,) up to where.
-        usual: It, m.
+        low: (nq,) lower end of the range in which the usual bound holds, rad and m.
+        high: (nq,) upper end of that range.
+        usual: The usual bound, m.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -45,19 +45,20 @@ class RoundingBounds:
         self._turns = bool(robot.configuration_map.turning_columns().any())
 
     def of_motion(self, q0: Floats, q1: Floats, given: Floats) -> float:
-        """What computed poses may be off by on one motion (nq,) to (nq,), whose end was given as `given`, m."""
+        """The error of computed poses on one motion (nq,) to (nq,) whose end was given as `given`, m."""
         ((error, _),) = self.of_motions(q0[None], q1[None], given[None])(np.zeros(1, np.int64))
         return error
 
     def of_motions(self, q0: Floats, q1: Floats, given: Floats) -> Callable[[Rows], list[tuple[float, Rows]]]:
-        """What puts rows of motions by the bound, m, that holds for both ends, as judged and as given, and between.
+        """A function that groups rows of motions by their bound, m, which holds for both ends, as judged and as given.
 
-        A row's bound depends on nothing but the row: that of the range around the limits if the row is within it; else
-        of one that reaches to the next powers of 2 in the columns in which it is not.
+        A row's bound depends on the row only. Within the range around the limits it is the usual bound; else it is that
+        of a range that reaches to the next powers of 2 in the columns that leave the usual range. It holds for the
+        whole motion.
         """
         low, high = self.low, self.high
         near = (q0 >= low) & (q0 <= high) & (given >= low) & (given <= high)
-        if self._turns:  # else these are the given ends
+        if self._turns:  # else the given ends are these ends
             near &= (q1 >= low) & (q1 <= high)
         if near.all():
             return lambda rows: [(self.usual, rows)]
@@ -70,7 +71,7 @@ class RoundingBounds:
         return [(self._far_error(kind), rows[kind_of.ravel() == k]) for k, kind in enumerate(kinds)]
 
     def _far_error(self, powers: Floats) -> float:
-        """The bound where columns (nq,) reach to powers of 2, -1 for those within the range."""
+        """The bound where columns (nq,) reach to powers of 2; -1 for columns within the usual range."""
         if (powers < 0).all():
             return self.usual
         key = powers.tobytes()

@@ -1,7 +1,8 @@
-"""Sampled motions: states along a straight segment, dense enough that no link point moves further than asked for.
+"""Sampled motions: states along a segment, so dense that no link point moves further than a given distance.
 
-In: a robot, segments of configurations. Out: whether all sampled states are valid. The bound sums, over the joints, how
-far a point can be moved by one unit of the joint: the longest way from the joint to any body it carries.
+In: a robot, segments of configurations. Out: whether all sampled states are valid. The bound is a sum over the joints
+of how far one unit of the joint can move a point: the length of the longest way from the joint to a body that it
+carries.
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ Floats = NDArray[np.float64]
 # Between two states no link point moves further than this, in m: far below the 3 to 11 cm that planners use by default.
 DEFAULT_RESOLUTION = 1e-3
 
-# More states than this are a mistake in the motion or the resolution: at 5 µs each they would take over an hour.
+# More states than this mean a mistake in the motion or the resolution: at 5 µs each they would take over an hour.
 MOST_STEPS = 10**9
 
-# States per batch: enough to fill the lanes many times, few enough to stop early.
+# States per batch: enough to fill the SIMD lanes many times, few enough to stop early.
 _BATCH = 4096
 
 
 class MotionSampler:
-    """Interpolates motions of one robot and says how many states a motion needs."""
+    """Interpolates motions of one robot and computes how many states a motion needs."""
 
     def __init__(self, robot: Robot, excess: float = DEFAULT_EXCESS) -> None:
         """Computes the lever arms of the robot's joints; `excess` as the checker's."""
@@ -54,7 +55,7 @@ class MotionSampler:
                 "choose a group without it, or the whole robot"
             )
         way = self._way(q0, q1)
-        with np.errstate(over="ignore"):  # infinitely many are too many, too
+        with np.errstate(over="ignore"):  # infinitely many steps are refused below
             steps = np.maximum(1, np.ceil(way / resolution))
         if not (steps <= MOST_STEPS).all():
             raise PlannercheckError(
@@ -65,11 +66,11 @@ class MotionSampler:
 
     @property
     def whole_turns(self) -> NDArray[np.int64]:
-        """Columns that are angles of which a whole turn changes nothing, so that motions take the short way."""
+        """Columns of angles that a whole turn does not change; motions take their short way."""
         return self._turning
 
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
-        """Ends (…, nq) with a group's continuous joints within half a turn of the starts'; the same if they are."""
+        """Ends (…, nq) with continuous joints within half a turn of the starts'; the same array if they already are."""
         return short_way(q0, q1, self._turning)
 
     def _way(self, q0: Floats, q1: Floats) -> Floats:
@@ -83,7 +84,7 @@ class MotionSampler:
         return np.asarray(np.abs(moved) @ levers)
 
     def _levers_within(self, q0: Floats, q1: Floats) -> Floats:
-        """The lever arms; longer than usual if a sliding joint of the group goes beyond its limits."""
+        """The lever arms; they are longer where a sliding joint of the group goes beyond its limits."""
         if not len(self._sliding):
             return self._levers
         taken = np.abs(self._robot.expand(np.concatenate([q0, q1]))).max(axis=0, initial=0)
@@ -111,9 +112,9 @@ class MotionSampler:
 
 
 def _column_levers(robot: Robot, levers: Floats) -> Floats:
-    """(nq,) how far a point of any body moves at most for one unit of each column, mimic joints included.
+    """(nq,) how far one unit of each column moves a point of any body at most, mimic joints included.
 
-    Each column is an angle or a length, and joints follow it linearly, so one step a column tells.
+    Each column is an angle or a length, and joints follow it linearly, so one step of each column is enough to measure.
     """
     step, base = 0.5, np.zeros(robot.nq)
     full = np.atleast_2d(robot.expand(base + step * np.eye(robot.nq)))
@@ -135,7 +136,7 @@ def samples_are_free(checker: AnyChecker, states: Callable[[Floats], Floats], st
 
     Args:
         checker: In space or in the plane.
-        states: Gives states (k, nq) at parameters (k,).
+        states: A function from parameters (k,) to states (k, nq).
         steps: How many steps.
     """
     parameters = coarse_to_fine(steps)
@@ -144,7 +145,7 @@ def samples_are_free(checker: AnyChecker, states: Callable[[Floats], Floats], st
 
 
 def coarse_to_fine(steps: int) -> Floats:
-    """The parameters 0, 1, 1/2, 1/4, 3/4, … of all multiples of 1/steps: a collision is met early."""
+    """All multiples of 1/steps in [0, 1], coarse ones first (0, 1, 1/2, 1/4, 3/4, …), to meet a collision early."""
     order = [np.array([0, steps])]
     stride = 1 << max(steps - 1, 0).bit_length()
     while stride > 1:
@@ -154,20 +155,20 @@ def coarse_to_fine(steps: int) -> Floats:
 
 
 def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) -> Floats:
-    """How far a point of any body moves at most for one unit of each of Pinocchio's velocities.
+    """How far one unit of each of Pinocchio's velocities moves a point of any body at most.
 
     Args:
         robot: The robot.
-        positions: (full nq,) how far from 0 each number of Pinocchio's configurations gets at most; sliding joints
-            carry what hangs on them that far away.
+        positions: (full nq,) how far from 0 each number of Pinocchio's configurations gets at most; sliding joints move
+            their bodies that far away.
         excess: How far polytopes of cylinders and cones stick out, as a part of the radius.
 
     Returns:
-        (nv,) m for angles in rad (m per rad), 1 for lengths. The way from a joint to a body is bounded by the sum of
-        the lengths between the joints, sliding joints at these positions.
+        (nv,) m for angles in rad (m per rad), 1 for lengths. The distance from a joint to a body is bounded by the sum
+        of the lengths between the joints, with sliding joints at these positions.
     """
     model = robot.model
-    reach = np.zeros(model.njoints)  # of what a joint carries, from the joint's own frame
+    reach = np.zeros(model.njoints)  # of the bodies that a joint carries, from the joint's frame
     for body in robot.bodies:
         if body.link is None:
             continue
@@ -190,9 +191,9 @@ def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) 
     )
 
 
-# The lengths at the front of a joint's numbers where it turns as well. On its way, a screw of at most half a turn, its
-# origin stays within half the ends' distance d of their middle m; and |m| + d / 2 is no more than the sum of the larger
-# of both ends' numbers. So levers are measured at the ends.
+# Joints that turn as well as slide: how many of their first numbers are lengths. They move along a screw of at most
+# half a turn, so their origin stays within d / 2 of the middle m of the ends, d being the ends' distance. And |m| + d /
+# 2 is at most the sum of the larger numbers of both ends. So levers are measured at the ends.
 _SCREWS = {"JointModelPlanar": 2, "JointModelFreeFlyer": 3}
 
 
@@ -203,14 +204,14 @@ def _slides(model: pin.Model, joint: int) -> bool:
 
 
 def _sliding_part(model: pin.Model, joint: int) -> slice:
-    """The numbers of Pinocchio's configurations that are lengths along which a joint slides; may be none."""
+    """The numbers of Pinocchio's configurations that are lengths by which a joint slides; there may be none."""
     first = model.idx_qs[joint]
     lengths = 1 if _slides(model, joint) else _SCREWS.get(str(model.joints[joint].shortname()), 0)
     return slice(first, first + lengths)
 
 
 def _sliding_columns(robot: Robot) -> NDArray[np.int64]:
-    """Numbers of Pinocchio's configurations that are lengths and that the group moves."""
+    """Numbers of Pinocchio's configurations that are lengths and are moved by the group."""
     model = robot.model
     lengths = [np.arange(model.nq)[_sliding_part(model, joint)] for joint in range(1, model.njoints)]
     low, high = (robot.expand(row) for row in robot.random_configurations(2, seed=0))
@@ -224,7 +225,7 @@ def _limits(model: pin.Model) -> Floats:
 
 
 def _joint_levers(model: pin.Model, joint: int, reach: float) -> Floats:
-    """(nv of the joint,) metres per unit of velocity."""
+    """(nv of the joint,) the levers, metres per unit of velocity."""
     name, count = model.joints[joint].shortname(), model.nvs[joint]
     if name == "JointModelFreeFlyer":
         return np.array([1.0, 1.0, 1.0, reach, reach, reach])

@@ -1,10 +1,10 @@
-"""Places objects whose pose a file gives in a link's frame, or in the world though a link carries them.
+"""Places objects whose pose is given in a link's frame, and carried objects whose pose is given in the world.
 
 In: a robot, and objects with anchors. Out: the same objects in the world, or on their links. As in MoveIt
 (`PlanningScene::processCollisionObjectAdd` and `processAttachedCollisionObjectMsg`, which ask `getFrameTransform` of
 the scene's current state), this happens once, at the state that came with the object: an obstacle posed in a hand's
-frame stands still from then on. The state has to give every joint that the place depends on; nothing is made up for one
-that it lacks. The robot's root is at the identity, since moved virtual joints are refused.
+frame does not move with the hand. The state has to give every joint on which the place depends; no value is assumed for
+a missing joint. The robot's root is at the identity, since moved virtual joints are refused.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 def placed(robot: Robot, items: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
-    """The objects in the world or on their links; those without anchors as they are."""
+    """The objects in the world or on their links; objects without anchors are returned as they are."""
     states = _States(robot)
     return tuple(item if item.anchor is None else _placed(robot, item, item.anchor, states) for item in items)
 
@@ -52,7 +52,7 @@ class _States:
         self._poses: list[tuple[StatedJoints, Floats]] = []
 
     def pose(self, frame: str, state: StatedJoints) -> Floats:
-        """(4, 4) of a link in the world, m; of the world itself, the identity."""
+        """(4, 4) of a link in the world, m; the identity for the world itself."""
         if not frame:
             return np.eye(4)
         known = [poses for other, poses in self._poses if other == state]
@@ -63,7 +63,7 @@ class _States:
 
 
 def _link_poses(robot: Robot, state: StatedJoints) -> Floats:
-    """(links, 4, 4) at a state, m; what it does not say is as the robot has it, but the root is at the identity."""
+    """(links, 4, 4) at a state, m; other joints are as the robot holds them, and the root is at the identity."""
     model, neutral = robot.model, pin.neutral(robot.model)
     values: dict[str, float | list[float]] = {}
     for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
@@ -76,7 +76,7 @@ def _link_poses(robot: Robot, state: StatedJoints) -> Floats:
 
 
 def _is_at_identity(robot: Robot, joint: str, state: StatedJoints) -> bool:
-    """Whether a joint of several degrees of freedom is: if the state says so, or if it is the robot's root."""
+    """Whether a joint of several degrees of freedom is at the identity: by the state, or as the robot's root."""
     return joint in state.identities or robot.model.parents[robot.model.getJointId(joint)] == 0
 
 
@@ -113,7 +113,7 @@ def _is_given(robot: Robot, joint: str, anchor: Anchor) -> bool:
 
 
 def inverse(pose: Floats) -> Floats:
-    """Of a rigid transform (4, 4)."""
+    """The inverse of a rigid transform (4, 4)."""
     out = np.eye(4)
     out[:3, :3] = pose[:3, :3].T
     out[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]

@@ -1,9 +1,9 @@
-"""Objects that a robot's links carry: which of its links they are tested against.
+"""Objects that a robot's links carry: the links that they are tested against.
 
 In: a robot's links and bodies, attached objects of a scene. Out: the pairs that carried bodies add to the robot's self
-pairs. As in MoveIt, a carried object is tested against all links but the one that carries it and
-its touch links, and against all other carried objects but those on the same link and those that either names as one of
-its touch links.
+pairs. As in MoveIt, a carried object is tested against all links except the one that carries it and its touch links. It
+is tested against all other carried objects, except those on the same link and pairs of which one object names the other
+as a touch link.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from plannercheck.common.errors import PlannercheckError, unknown_name
 
 
 def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[Body]) -> None:
-    """Raises for unknown links and names that are taken, warns of touch links that nothing is called.
+    """Raises for unknown links and for names that are taken; warns of touch links that do not exist.
 
     Args:
-        objects: Attached ones.
-        links: The robot's.
-        bodies: The robot's own.
+        objects: Attached objects.
+        links: The robot's links.
+        bodies: The robot's own bodies.
     """
     taken = {*links, *(body.name for body in bodies)}
     names = {item.name for item in objects}
@@ -46,8 +46,8 @@ def carried_pairs(objects: Sequence[SceneObject], bodies: Sequence[Body]) -> lis
     """Index pairs that carried bodies add to a robot's self pairs.
 
     Args:
-        objects: Attached ones.
-        bodies: The robot's own; those of the objects follow them, object by object.
+        objects: Attached objects.
+        bodies: The robot's own bodies; those of the objects follow them, object by object.
 
     Returns:
         Pairs with links, then pairs among the objects.

@@ -1,10 +1,9 @@
-"""Configurations of a planning group and Pinocchio's full ones.
+"""Configurations of a planning group, and how they become Pinocchio's full configurations.
 
-In: a Pinocchio model, the joints of a group, the values at which all others are held, and who mimics whom.
-Out: `ConfigurationMap`, which knows the group's joints and limits and says of each number in Pinocchio's q
-where it comes from: a column of the group's configuration (times a multiplier plus an offset) or a constant;
-and whether it is that value or its cosine or sine, since a continuous joint is one angle in a group and two
-numbers in Pinocchio's q.
+In: a Pinocchio model, the joints of a group, the values of all other joints, the mimic joints. Out: `ConfigurationMap`,
+which has the group's joints and limits. For each number in Pinocchio's q it has the source: a column of the group's
+configuration (times a multiplier plus an offset) or a constant. The number is that value, its cosine or its sine, since
+a continuous joint is one angle in a group and two numbers in Pinocchio's q.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ Ints = NDArray[np.int32]
 
 PLAIN, COSINE, SINE = 0, 1, 2
 
-# Pinocchio marks a missing limit by the largest double.
+# Pinocchio's mark of a missing limit: the largest double.
 NO_LIMIT = 1e300
 
 # Beyond this, products of poses could overflow; no joint gets there, so that a limit beyond it is none.
@@ -45,12 +44,11 @@ class ConfigurationMap(OwnsArrays):
         joint_names: The joints of the group, in its order.
         lower: (nq,) lower limits in rad or m, -inf where there is none.
         upper: (nq,) upper limits.
-        columns: (full nq,) column of the group's configuration that gives each number of Pinocchio's q, -1 if
-            held.
-        multipliers: (full nq,) applied to the column's value.
-        offsets: (full nq,) added to it; the held value itself where there is no column.
+        columns: (full nq,) the column of the group's configuration for each number of Pinocchio's q, -1 if it is held.
+        multipliers: (full nq,) factors of the column's value.
+        offsets: (full nq,) added to the product; the held value where there is no column.
         roles: (full nq,) PLAIN for the value itself, COSINE or SINE of it.
-        lengths: Of the columns that form unit vectors: quaternions, cosine and sine.
+        lengths: The check of columns that form unit vectors: quaternions, cosine and sine.
         starts: First column of each joint.
     """
 
@@ -71,11 +69,11 @@ class ConfigurationMap(OwnsArrays):
 
     @property
     def width(self) -> int:
-        """Numbers in a configuration of the group."""
+        """How many numbers a configuration of the group has."""
         return len(self.lower)
 
     def described_columns(self) -> str:
-        """Words for which joint takes which columns."""
+        """Says in words which joint takes which columns."""
         if not self.joint_names:
             return "no joint moves: a configuration is an empty array"
         if len(self.joint_names) == self.width:
@@ -93,7 +91,7 @@ class ConfigurationMap(OwnsArrays):
         return f"{start} to {end - 1} {name} ({', '.join(filter(None, kinds))})"
 
     def expand(self, q: Floats) -> Floats:
-        """Group configurations (n, nq) to Pinocchio's (n, full nq)."""
+        """Turns group configurations (n, nq) into Pinocchio's (n, full nq)."""
         full = np.broadcast_to(self.offsets, (len(q), len(self.offsets))).copy()
         free = self.columns >= 0
         full[:, free] += self.multipliers[free] * q[:, self.columns[free]]
@@ -140,7 +138,7 @@ class ConfigurationMap(OwnsArrays):
         return q
 
     def sampled_range(self) -> tuple[Floats, Floats]:
-        """(nq,) least and largest number of `random`: the limits, and where there are none, a finite range."""
+        """(nq,) bounds of the numbers of `random`: the limits, or a finite range where there are none."""
         turning = np.isinf(self.lower) & (self.roles_of_columns() != PLAIN)
         unlimited = np.where(turning, math.pi, _UNLIMITED_RANGE)
         low = np.where(np.isinf(self.lower), np.minimum(self.upper - 2 * unlimited, -unlimited), self.lower)
@@ -148,10 +146,10 @@ class ConfigurationMap(OwnsArrays):
         return low, high
 
     def turning_columns(self) -> NDArray[np.bool_]:
-        """(nq,) columns that a whole turn does not change: continuous joints, unless a joint follows otherwise.
+        """(nq,) columns whose whole turns change no pose: continuous joints, unless a follower moves.
 
-        Followers turn whole turns, too, if they are continuous and their multiplier is a whole number; one of half the
-        speed, or one that slides, is elsewhere after a turn of its leader.
+        A follower is back where it was if it is continuous and its multiplier is a whole number. A follower of half the
+        speed, or one that slides, is elsewhere after a whole turn of its leader.
         """
         free = np.isinf(self.lower) & np.isinf(self.upper)
         whole = (self.roles != PLAIN) & (self.multipliers == np.round(self.multipliers))
@@ -160,7 +158,7 @@ class ConfigurationMap(OwnsArrays):
         return np.asarray(free & (used == good))
 
     def roles_of_columns(self) -> Ints:
-        """(nq,) a role in which each column of the group's configuration is used."""
+        """(nq,) a role of each column of the group's configuration."""
         roles = np.zeros(self.width, dtype=np.int32)
         free = self.columns >= 0
         np.maximum.at(roles, self.columns[free], self.roles[free])
@@ -185,10 +183,10 @@ def planning_group(
     """The map of a planning group.
 
     Args:
-        model: Pinocchio's.
+        model: Pinocchio's model.
         joints: Names of the group's joints, none of which mimics another.
-        values: For every joint the value at which it is held if it is not in the group; a continuous joint's
-            is an angle.
+        values: The value of every joint, at which it is held if it is not in the group; an angle for a continuous
+            joint.
         mimics: Joints that follow others.
 
     Returns:
@@ -217,15 +215,15 @@ def planning_group(
 
 
 def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> tuple[str, float, float]:
-    """Which joint gives a joint's value.
+    """The joint that determines a joint's value.
 
     Args:
-        name: Of the joint.
+        name: The joint's name.
         mimics: Joints that follow others.
-        known: Joints whose value is known, so that it need not be followed further.
+        known: Joints whose value is known; the search stops at these.
 
     Returns:
-        (leader, multiplier, offset), over mimics of mimics; the joint itself with 1, 0 if it follows none.
+        (leader, multiplier, offset), through mimics of mimics; the joint itself with 1 and 0 if it follows none.
     """
     multiplier, offset = 1.0, 0.0
     for _ in range(len(mimics) + 1):
@@ -238,7 +236,7 @@ def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> t
 
 
 def joint_width(joint: pin.JointModel) -> int:
-    """Numbers that a joint takes in a group: one for a continuous joint."""
+    """How many numbers a joint takes in a group; one for a continuous joint."""
     return 1 if is_continuous(joint) else int(joint.nq)
 
 

@@ -1,7 +1,7 @@
 """Robots whose concave links are made of convex pieces.
 
-In: a robot's bodies, their pairs, the meshes they come from, options. Out: the same with each chosen mesh replaced by
-its pieces, bodies named "body/piece 0" and so on, and every pair by all pairs of pieces.
+In: a robot's bodies, their pairs, the meshes they come from, options. Out: bodies and pairs in which each chosen mesh
+is replaced by its pieces (bodies named "body/piece 0" and so on), and each of its pairs by the pairs of all pieces.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from plannercheck.common.errors import unknown_name
 
 Pairs = NDArray[np.int64]
 
-# A hull that is larger than its mesh by less than this part is not worth pieces, unless its link is named.
+# A mesh whose hull is larger by less than this part is not decomposed, unless its link is named.
 LEAST_EXCESS = 0.05
 
 
@@ -29,13 +29,13 @@ def decomposed(
     """Replaces bodies by their pieces.
 
     Args:
-        bodies: In the order of the geometries.
-        pairs: (k, 2) of bodies.
-        geometry: Pinocchio's.
-        options: Which and how.
+        bodies: The robot's bodies, in the order of the geometries.
+        pairs: (k, 2) indices of bodies.
+        geometry: Pinocchio's geometry model.
+        options: Which links to decompose, and how.
 
     Returns:
-        Bodies, pairs of them, and the pieces by name of the body they stand for.
+        Bodies, pairs of them, and the pieces by name of the body that they replace.
     """
     known = {str(body.link) for body in bodies}
     for link in options.links or ():

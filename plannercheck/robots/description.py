@@ -4,19 +4,18 @@ In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, w
 
     name: panda                # default: the file's name
     urdf: panda.urdf           # from this file's folder, or else from example-robot-data's share folder
-    srdf: panda.srdf           # optional, same; then self pairs are those that Pinocchio keeps with it
-    package_dirs: [meshes]     # optional, where package:// starts, besides that share folder
+    srdf: panda.srdf           # optional, found likewise; it then decides the self pairs
+    package_dirs: [meshes]     # optional, where package:// paths start, besides that share folder
     xacro_args: {side: left}   # optional, for a URDF that is a .xacro
     floating: false            # optional, whether the root link is free
     group: arm                 # an SRDF group, or {name: arm, joints: [joint1, ...]}; default: all joints
-    reference: {joint1: 0.5}   # optional, values of joints in rad or m; those of others are neutral
+    reference: {joint1: 0.5}   # optional, values of joints in rad or m; others are neutral
     held: {finger: 0.04}       # optional, the same for joints outside the group
     convex_decomposition:      # optional, makes links of convex pieces by CoACD (pip install 'plannercheck[coacd]')
       links: [link3, link4]    # optional, default: all whose hulls are more than 5 % larger than their meshes
       threshold: 0.05          # optional, concavity that a piece may have; small ones make many pieces
       most_pieces: 16          # optional, of one mesh
-      slack: 0.001             # optional, m: pieces grow by so much to hold the mesh, see
-      bodies/convex_decomposition.py
+      slack: 0.001             # optional, m: pieces grow by about this to hold the mesh
     disabled_pairs:            # optional, links that are not tested against each other, and why
       - reason: adjacent
         pairs: [[link1, link2], ...]
@@ -68,19 +67,19 @@ _KEYS = (
 
 @dataclass(frozen=True)
 class RobotDescription:
-    """What a robot's YAML file says, paths resolved.
+    """The content of a robot's YAML file, with paths resolved.
 
     Attributes:
-        name: The robot's.
+        name: The robot's name.
         urdf: Path of its URDF.
         srdf: Path of its SRDF, if any.
         package_dirs: Where package:// paths start.
         floating: Whether the root link is free.
         group: Name of the planning group; None for the whole robot.
-        joints: The group's joints in order; None if the SRDF tells.
+        joints: The group's joints in order; None to take them from the SRDF.
         values: Joint values of the reference state and of held joints, by name, rad or m.
-        disabled_pairs: Self pairs of links that are left out.
-        decomposition: Which links to make of convex pieces, if any.
+        disabled_pairs: Pairs of links that are not tested.
+        decomposition: How to split concave links into convex pieces; None for hulls.
         xacro_args: Values of the arguments of a URDF that is a xacro, by name.
         source: The YAML file; None if there is none.
     """
@@ -130,7 +129,7 @@ def find_description(name_or_path: str | Path) -> Path:
 
 
 def description_of(name_or_path: str | Path | RobotDescription) -> RobotDescription:
-    """What the YAML of a robot says, or of a URDF alone, that there is none; a description is what it is."""
+    """The description in a robot's YAML, or one of a URDF alone; a description is returned as it is."""
     if isinstance(name_or_path, RobotDescription):
         return name_or_path
     named = None if is_file(shipped_folder("robots") / f"{name_or_path}.yaml") else files_by_name(str(name_or_path))
@@ -153,10 +152,10 @@ def read_description(path: Path) -> RobotDescription:
     """Reads a robot's YAML file.
 
     Args:
-        path: Of the file.
+        path: The file.
 
     Returns:
-        What it says.
+        The description.
     """
     content = parse_yaml(read_bytes(path))
     if "objects" in content:
@@ -193,7 +192,7 @@ def _decomposition(value: Any) -> Decomposition | None:
 
 
 def _resolve(name: str, folders: tuple[Path, Path]) -> Path:
-    """A file in example-robot-data or beside the YAML; the latter wins, and is what errors name."""
+    """A file beside the YAML, else in example-robot-data; errors name the first."""
     shared, beside = (folder / name for folder in folders)
     return shared if is_file(shared) and not is_file(beside) else beside
 
@@ -210,7 +209,7 @@ def _switch(value: Any) -> bool:
 
 
 def _group(value: Any) -> tuple[str | None, tuple[str, ...] | None]:
-    """The group's name, and its joints unless the SRDF tells."""
+    """The group's name, and its joints unless the SRDF gives them."""
     if value is None or isinstance(value, str):
         return value, None
     with within("group"):

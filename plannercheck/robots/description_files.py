@@ -1,4 +1,4 @@
-"""Writes robot descriptions, so that every command takes what another one has found out.
+"""Writes robot descriptions, so that one command can use the results of another.
 
 In: a description, the joints of its group, the pairs to leave out as text. Out: the text of a robot's YAML.
 """
@@ -20,10 +20,10 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
     """A robot's YAML.
 
     Args:
-        description: Of the robot; its SRDF is not needed any more, since pairs and joints are written out.
-        joints: Of the group; None for the whole robot.
+        description: The robot's description; the text does not name its SRDF, since pairs and joints are written out.
+        joints: The joints of the group; None for the whole robot.
         pairs: The YAML of its `disabled_pairs`.
-        path: Where the text will be; files in its folder or below are named from there.
+        path: The file that will hold the text; paths of files in its folder or below become relative to that folder.
 
     Returns:
         The text.
@@ -54,6 +54,6 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
 
 
 def _named(path: Path, folder: Path) -> str:
-    """A path from a folder if it is below it, else whole."""
+    """A path relative to a folder if it is below that folder, else the whole path."""
     whole = path.resolve()
     return os.path.relpath(whole, folder) if whole.is_relative_to(folder) else str(whole)

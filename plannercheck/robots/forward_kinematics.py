@@ -1,8 +1,8 @@
 """Forward kinematics of a planning group: the compiled kernel where Pinocchio agrees with it, else Pinocchio.
 
-In: a Pinocchio model, where the numbers in its q come from, the frames of the links. Out: `ForwardKinematics`, which
-poses all links at a batch of configurations and says how far its rounding can move a point. The kernel is held against
-Pinocchio once, when it is built.
+In: a Pinocchio model, the sources of the numbers in its q, the frames of the links. Out: `ForwardKinematics`, which
+poses all links at a batch of configurations and bounds how far its rounding can move a point. The kernel is compared
+with Pinocchio once, when it is built.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class ForwardKinematics:
     """Poses the links of a robot.
 
     Attributes:
-        kernel: The compiled kinematics; None if Pinocchio itself has to pose.
+        kernel: The compiled kinematics; None if Pinocchio itself poses the robot.
     """
 
     def __init__(self, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int], robot: str) -> None:
@@ -58,14 +58,14 @@ class ForwardKinematics:
         return pinocchio_poses(self._model, self._map, self._frames, rows)
 
     def rounding(self, bodies: Sequence[Body], links: Mapping[str, int]) -> KinematicRounding | None:
-        """What bounds how far rounding moves a point of these bodies.
+        """The bound on how far rounding moves a point of these bodies.
 
         Args:
-            bodies: Those that links carry count.
+            bodies: The bodies, of which those on links count.
             links: Index of each link by its name.
 
         Returns:
-            The bound; None if Pinocchio itself has to pose, since nothing is proved then.
+            The bound; None if Pinocchio itself poses the robot, since then nothing is proved.
         """
         if self.table is None or self.kernel is None:
             return None

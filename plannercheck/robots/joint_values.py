@@ -1,8 +1,8 @@
-"""Configurations of a robot without a group, given by one number a joint.
+"""Configurations of a robot without a group, given by one number for each joint.
 
-In: a Pinocchio model, who mimics whom. Out: the maps that turn such rows into Pinocchio's q. A continuous joint is one
-angle there, not its cosine and sine. One map takes all joints, another one those that move on their own: the others
-follow, as MoveIt has them.
+In: a Pinocchio model, the mimic joints. Out: maps that turn such rows into Pinocchio's q. In a row, a continuous joint
+is one angle, not its cosine and sine. One map takes all joints; another one takes those that follow no other joint, as
+MoveIt does.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 
 def own_joints(model: pin.Model, mimics: Mapping[str, Mimic]) -> tuple[str, ...]:
-    """The joints that move on their own, in Pinocchio's order."""
+    """The joints that follow no other joint, in Pinocchio's order."""
     return tuple(name for name in list(model.names)[1:] if name not in mimics)
 
 
@@ -67,8 +67,8 @@ class JointValues:
     """Configurations of a robot, given by its joints' values.
 
     Attributes:
-        maps: What turns fewer numbers than Pinocchio has into its configurations, the longest first, each of another
-            width; none for a robot with a group, whose joints take one number each as it is.
+        maps: Maps from fewer numbers than Pinocchio has to its configurations, each of another width, the widest first;
+            none for a robot with a group, whose joints take one number each anyway.
     """
 
     def __init__(
@@ -86,8 +86,8 @@ class JointValues:
         """Configurations from joint values.
 
         Args:
-            rows: (n, nq) or (nq,), or of a robot without a group one number for each joint, or for each joint that
-                does not follow another one; a continuous joint is one angle then. rad and m.
+            rows: (n, nq) or (nq,), rad and m. For a robot without a group also one number for each joint, or for each
+                joint that does not follow another one; a continuous joint is then one angle.
 
         Returns:
             (n, nq), checked.

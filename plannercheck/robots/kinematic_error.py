@@ -71,15 +71,15 @@ _QUATERNION_LINEAR = math.sqrt(8 / 3) + math.sqrt(32)
 _QUATERNION = _QUATERNION_LINEAR / 2 + math.hypot(_QUATERNION_LINEAR / 2, math.sqrt(2)) + math.sqrt(3)
 _MULTIPLY = 9.0
 
-# What given pairs and quaternions that are off length 1 by UNIT_TOLERANCE stretch: |M| <= 1 + 4 UNIT_TOLERANCE, rounded
-# up; it also covers what their lengths do to the constants above.
+# How far pairs and quaternions whose length differs from 1 by UNIT_TOLERANCE stretch: |M| <= 1 + 4 UNIT_TOLERANCE,
+# rounded up. It also covers the effect of their lengths on the constants above.
 _STRETCH = 1 + 5 * UNIT_TOLERANCE
 
-# For what is not of first order in u.
+# Covers terms that are not of first order in u.
 _REST = 1 + 1e-9
 _UNDERFLOW = 1e-300  # m
 
-# Above this, the part that _REST stands for is no longer proven to be small.
+# Above this, the terms that _REST covers are no longer proved to be small.
 _LARGEST_TURN = 1e-10
 
 # The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp).
@@ -88,7 +88,7 @@ _TURN_AXIS, _UNIT_TURN_Z, _UNIT_TURN_AXIS, _SLIDE, _PLANAR, _BALL, _FREE = 3, 6,
 
 @dataclass(frozen=True)
 class PoseError:
-    """What is known of a computed pose (R', t') of the exact (R, t).
+    """Bounds on a computed pose (R', t') and its error from the exact (R, t).
 
     Attributes:
         turn: At least |R' - R|, spectral norm.
@@ -134,25 +134,25 @@ class Placement(NamedTuple):
         )
 
     def in_world(self) -> PoseError:
-        """What stands in the world as it is given."""
+        """The error of a placement in the world, which is exact as given."""
         return PoseError(norm=self.norm, reach=self.length)
 
 
 class Value(NamedTuple):
-    """One number that a joint takes: the largest magnitude within its range, and the largest error."""
+    """One number that a joint takes: its largest magnitude within a range, and its largest error."""
 
     size: float
     error: float
 
 
 class KinematicRounding:
-    """The bound for one robot: its joint table and bodies, digested once."""
+    """The bound for one robot; its joint table and bodies are read once."""
 
     def __init__(self, table: JointTable, bodies: Sequence[Body], links: Sequence[int]) -> None:
-        """Digests the placements.
+        """Reads the placements.
 
         Args:
-            table: The kernel's.
+            table: The kernel's joint table.
             bodies: Collision bodies.
             links: Each body's link, an index into the table's links.
         """
@@ -167,11 +167,12 @@ class KinematicRounding:
         """How far a point of a body may be from where exact kinematics puts it.
 
         Args:
-            lower: (nq,) least configuration, rad and m, finite; units of quaternions and the like are not looked at.
+            lower: (nq,) least configuration, rad and m, finite; numbers of unit vectors such as quaternions are
+                ignored.
             upper: (nq,) largest configuration.
 
         Returns:
-            m, for every configuration within the range; infinite if the joints are too many to prove anything.
+            m, for every configuration within the range; infinite if there are too many joints for a proof.
         """
         links = self._link_errors(lower, upper)
         errors = [(placement.on(links[link]), radius) for link, placement, radius in self._bodies]
@@ -192,10 +193,10 @@ class KinematicRounding:
 
 
 def radius_of(shape: Shape) -> float:
-    """How far from its frame's origin a body has points that its pose maps, m.
+    """The largest distance from its frame's origin of a body's points that its pose maps, m.
 
-    Spheres and capsules are mapped by centre and end points. Of cylinders and cones the polytope around them counts,
-    which sticks out by at most the radius, whatever the excess.
+    For spheres and capsules these are the centre and the end points. For cylinders and cones they are the vertices of
+    the polytope around them, which sticks out by at most the radius, whatever the excess.
     """
     match shape:
         case Sphere():
@@ -208,12 +209,12 @@ def radius_of(shape: Shape) -> float:
 
 
 def largest_distance(bodies: Sequence[Body], poses: Floats, others: Floats) -> float:
-    """How far a point of a body is at most from itself at another pose.
+    """How far the points of bodies move at most between two poses.
 
     Args:
-        bodies: n of them.
+        bodies: n bodies.
         poses: (n, 4, 4) in m; bodies whose poses are NaN do not count.
-        others: (n, 4, 4).
+        others: (n, 4, 4) the other poses.
 
     Returns:
         m.
@@ -232,7 +233,7 @@ def _placed(placement: Placement, joint: int, joints: Sequence[PoseError]) -> Po
 
 
 def _placement(matrix: Floats) -> Placement:
-    """Digests a 3x4 placement."""
+    """Reads a 3x4 placement."""
     products = (matrix != 0) & (np.abs(matrix) != 1)
     weights = np.abs(matrix) * (products + _sums_passed(matrix != 0))
     columns = [_column_error(weights[:, j]) for j in range(4)]

@@ -1,8 +1,8 @@
-"""Exports Pinocchio's model as the compiled kernel's joint table, and holds the kernel against Pinocchio.
+"""Exports Pinocchio's model as the compiled kernel's joint table, and compares the kernel with Pinocchio.
 
 In: a Pinocchio model, the map from group to full configurations, the frames of the links. Out: the compiled
-`Kinematics`, which poses kLanes configurations at once; None if a joint is of a kind that the table cannot
-say. Also Pinocchio's own poses, which are the truth to compare with and the way for such robots.
+`Kinematics`, which poses kLanes configurations at once; None if the table has no entry for some kind of joint. Also
+Pinocchio's own poses: the reference for the comparison, and the poses of robots with such joints.
 """
 
 from __future__ import annotations
@@ -30,13 +30,14 @@ _SLIDE = 8
 _OTHERS = {"Planar": 9, "Spherical": 10, "FreeFlyer": 11}
 _UNALIGNED = 3
 
-# What a moving joint does to its frame with one number: turns it about its origin, or slides it.
+# How a moving joint of one number moves its frame: it turns it about its origin, or slides it.
 TURNS, SLIDE = frozenset(_TURNS.values()), _SLIDE
 
-# Most numbers that a joint takes in Pinocchio's q.
+# The largest number of values that a joint takes in Pinocchio's q.
 _MOST_VALUES = 7
 
-# Largest difference to Pinocchio's poses that is rounding: of rotations, and of positions per metre of reach.
+# The largest difference from Pinocchio's poses that counts as rounding: of rotations, and of positions per metre of
+# reach.
 AGREEMENT = 1e-12
 _CHECKED_CONFIGURATIONS = 8
 
@@ -45,11 +46,11 @@ _MOST_FOR_DATA = 100
 
 
 class JointTable(NamedTuple):
-    """What the compiled kernel works with, in the order in which it takes it.
+    """The inputs of the compiled kernel, in the order in which it takes them.
 
     Attributes:
-        width: Numbers in a configuration.
-        parents: (joints,) an earlier joint each, -1 for the world.
+        width: How many numbers a configuration has.
+        parents: (joints,) each joint's parent, which is an earlier joint, -1 for the world.
         kinds: (joints,) JointKind of cpp/robots/kinematics.hpp.
         axes: (joints, 3).
         placements: (joints, 3, 4) on the parents, m.
@@ -144,14 +145,14 @@ def _posed_with_data(model: pin.Model, frames: Sequence[int], rows: Floats) -> I
 
 
 def _posed_by_joints(model: pin.Model, frames: Sequence[int], rows: Floats) -> Iterator[list[Any]]:
-    """The same by the same products, without Pinocchio's `Data`, which has tables of nv^3 numbers: 60 GB for 1,000."""
+    """The same poses by the same products, without Pinocchio's `Data` (its nv^3 numbers take 60 GB for nv = 1,000)."""
     for q in rows:
         joints = joint_placements(model, q)
         yield [joints[model.frames[frame].parentJoint] * model.frames[frame].placement for frame in frames]
 
 
 def joint_placements(model: pin.Model, q: Floats) -> list[Any]:
-    """Where Pinocchio has the joints of a model of any size.
+    """Pinocchio's poses of the joints, for a model of any size.
 
     Args:
         model: Pinocchio's.
@@ -172,7 +173,7 @@ def joint_placements(model: pin.Model, q: Floats) -> list[Any]:
 def disagreement(kinematics: Any, model: pin.Model, configurations: ConfigurationMap, frames: Sequence[int]) -> float:
     """Largest difference between the kernel's and Pinocchio's poses on a few random configurations.
 
-    Positions count relative to the reach, if that is more than 1 m.
+    Positions count relative to the robot's reach, if that is more than 1 m.
     """
     q = configurations.random(_CHECKED_CONFIGURATIONS, seed=0)
     theirs = pinocchio_poses(model, configurations, frames, q)
@@ -189,7 +190,7 @@ def _joint_row(model: pin.Model, joint: pin.JointModel, configurations: Configur
         return None
     axis = _axis_of(joint)
     entries = np.arange(joint.idx_q, joint.idx_q + joint.nq)
-    if configurations.roles[entries[0]] == COSINE:  # one angle in place of cosine and sine
+    if configurations.roles[entries[0]] == COSINE:  # one angle in place of its cosine and sine
         kind, entries = kind - _UNIT_TURN_OFFSET, entries[:1]
     padding = _MOST_VALUES - len(entries)
     columns = np.pad(configurations.columns[entries], (0, padding), constant_values=-1)
@@ -217,7 +218,7 @@ def _axis_of(joint: pin.JointModel) -> Floats:
 
 
 def _aligned(kind: int, axis: Floats, columns: Any, multipliers: Floats, offsets: Floats) -> Any:
-    """Turns about -x, -y or -z become turns about x, y or z by the opposite angle, which is cheaper."""
+    """Replaces turns about -x, -y or -z by turns about x, y or z by the opposite angle, which is cheaper."""
     negative = np.flatnonzero(axis == -1.0)
     if kind % _UNIT_TURN_OFFSET != _UNALIGNED or kind >= _SLIDE or len(negative) == 0 or np.abs(axis).sum() != 1.0:
         return kind, axis, columns, multipliers, offsets

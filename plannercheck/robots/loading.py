@@ -1,4 +1,4 @@
-"""Loads a robot: from what a description says to the parts that `Robot` is made of.
+"""Loads a robot: from a description to the parts of a `Robot`.
 
 In: a robot's description (its URDF, SRDF, group, disabled pairs), and the state at which joints are held. Out:
 `RobotParts`. Pinocchio reads the URDF; each file is parsed once.
@@ -34,21 +34,21 @@ Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class RobotParts:
-    """What `Robot` is made of.
+    """The parts of a `Robot`.
 
     Attributes:
-        name: The robot's.
-        model: Pinocchio's.
+        name: The robot's name.
+        model: Pinocchio's model.
         tree: Links and the joints between them.
         bodies: Collision bodies of the links.
-        pairs: (k, 2) indices into bodies: what is tested for self-collision.
+        pairs: (k, 2) indices into bodies: the pairs that are tested for self-collision.
         disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
         mimics: The joints that follow others, by name.
-        values: At which joints are held, by name; a continuous joint's is one angle. rad and m.
+        values: The values at which joints are held, by name, rad and m; one angle for a continuous joint.
         group: Name of the planning group; None for the whole robot.
-        joints: Of the group, in order; None for the whole robot.
+        joints: The joints of the group, in order; None for the whole robot.
         carried: Objects that links carry.
-        pieces: Of the bodies that were decomposed, by the name of the body.
+        pieces: The pieces of decomposed bodies, by name of the body.
     """
 
     name: str
@@ -91,11 +91,11 @@ def urdf_description(
 
 
 def robot_parts(description: RobotDescription, reference: Reference) -> RobotParts:
-    """Reads what a robot is made of.
+    """Reads the parts of a robot.
 
     Args:
-        description: What the robot's YAML says, or the arguments of `Robot.from_urdf`.
-        reference: As for `Robot.from_urdf`; values in the description go before it.
+        description: The robot's YAML as read, or the arguments of `Robot.from_urdf`.
+        reference: As for `Robot.from_urdf`; values in the description take precedence.
 
     Returns:
         The parts.

@@ -1,7 +1,7 @@
 """The joints of a planning group, in order.
 
-In: an explicit list of joints, or the name of an SRDF group. Out: names of joints that move on their own: no
-fixed or virtual ones, and none that mimics another, for those follow.
+In: an explicit list of joints, or the name of an SRDF group. Out: names of joints without fixed and virtual joints and
+without mimic joints, which follow others.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from plannercheck.robots.urdf_file import UrdfFile
 
 
 def usable_mimics(model: pin.Model, urdf: Path | UrdfFile) -> dict[str, Mimic]:
-    """Mimic joints of the URDF whose leader moves; both must be joints of one value."""
+    """The URDF's mimic joints whose leader moves; both must be joints of one value."""
     names = set(model.names)
     mimics = {name: mimic for name, mimic in mimic_joints(urdf).items() if name in names and mimic.leader in names}
     for name in mimics:
-        followed(name, mimics, ())  # raises if they go in a circle
+        followed(name, mimics, ())  # raises if they form a circle
         if joint_width(joint_by_name(model, name)) != 1 or joint_width(joint_by_name(model, mimics[name].leader)) != 1:
             raise PlannercheckError(f"joint {name!r} mimics {mimics[name].leader!r}: both must be joints of one value")
     return mimics
@@ -34,9 +34,9 @@ def explicit_group(model: pin.Model, joints: Sequence[str], mimics: Mapping[str,
     """Joints as listed, checked.
 
     Args:
-        model: Pinocchio's.
+        model: Pinocchio's model.
         joints: Names in order.
-        mimics: Joints that follow others, which may not be listed.
+        mimics: Joints that follow others; they may not be listed.
 
     Returns:
         The same names.
@@ -60,7 +60,7 @@ def srdf_group(
     Args:
         model: Pinocchio's.
         srdf: The SRDF, None if there is none.
-        name: Of the group.
+        name: The group's name.
         tree: Links and joints of the URDF.
         mimics: Joints that follow others.
 

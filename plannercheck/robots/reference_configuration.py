@@ -1,8 +1,8 @@
 """The state at which joints are held, and the group's reference configuration.
 
-In: values of some joints as a user gives them (by name, or an array in Pinocchio's order). Out: checked
-values, then one for every joint: the given one; else, if it mimics a joint, what that implies; else the value
-within its limits that is nearest to Pinocchio's neutral one. A continuous joint's value is one angle.
+In: values of some joints as a user gives them (by name, or an array in Pinocchio's order). Out: a checked value for
+every joint: the given one; else, for a mimic joint, the one that follows from its leader; else the value within the
+limits that is nearest to Pinocchio's neutral one. A continuous joint's value is one angle.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from plannercheck.robots.urdf import Mimic
 
 Floats = NDArray[np.float64]
 
-# Rounding of limits that were written with six digits, in rad or m.
+# The rounding of limits written with six digits, rad or m.
 _LIMIT_SLACK = 1e-6
 
 
@@ -45,7 +45,7 @@ def given_values(model: pin.Model, reference: Mapping[str, Any] | Sequence[float
 
 
 def checked_values(model: pin.Model, given: Mapping[str, Any]) -> dict[str, Floats]:
-    """Values by joint name as arrays, of the right length and finite; limits are not looked at."""
+    """Values by joint name as arrays, of the right length and finite; limits are not checked."""
     values = {}
     for name, value in given.items():
         width = joint_width(joint_by_name(model, name))
@@ -60,7 +60,7 @@ def checked_values(model: pin.Model, given: Mapping[str, Any]) -> dict[str, Floa
 
 
 def all_values(model: pin.Model, given: Mapping[str, Floats], mimics: Mapping[str, Mimic]) -> dict[str, Floats]:
-    """A value for every joint of the model: given, implied by the joint it mimics, or neutral."""
+    """A value for every joint of the model: given, computed from its leader, or neutral."""
     neutral = pin.neutral(model)
     values = {}
     for name in list(model.names)[1:]:
@@ -91,7 +91,7 @@ def _neutral_value(model: pin.Model, name: str, neutral: Floats) -> Floats:
 
 
 def _split(model: pin.Model, q: Sequence[float] | Floats) -> dict[str, Floats]:
-    """A full configuration by joint name."""
+    """The values of a full configuration, by joint name."""
     full = np.asarray(q, dtype=np.float64)
     if full.shape != (model.nq,):
         raise PlannercheckError(

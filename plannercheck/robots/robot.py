@@ -1,8 +1,8 @@
 """A robot: links with collision bodies, a planning group, and forward kinematics.
 
-In: a URDF with its meshes, optionally an SRDF, or a description from robots/. Out: `Robot`, immutable, which
-knows its group's joints and limits, poses its links, and says which of its bodies are tested against each
-other. `loading` reads the files, `forward_kinematics` poses the links.
+In: a URDF with its meshes, optionally an SRDF, or a description from robots/. Out: `Robot`, immutable, which has its
+group's joints and limits, poses its links, and lists the pairs of its bodies that are tested. `loading` reads the
+files, `forward_kinematics` poses the links.
 """
 
 from __future__ import annotations
@@ -56,9 +56,9 @@ class Robot:
             for them).
         link_names: The URDF's links in the order of Pinocchio's body frames.
         bodies: Collision bodies in the order of Pinocchio's geometries, then those of carried objects.
-        self_pairs: (k, 2) indices into bodies: what is tested for self-collision.
+        self_pairs: (k, 2) indices into bodies: the pairs that are tested for self-collision.
         carried: Objects that links carry.
-        pieces: Of the bodies that were decomposed, by the name of the body.
+        pieces: The pieces of decomposed bodies, by name of the body.
         disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
         reference: (nq,) the group's reference configuration, rad and m.
         model: Pinocchio's model.
@@ -82,7 +82,7 @@ class Robot:
         Args:
             name_or_path: A name from robots/ such as "panda", one of the package robot_descriptions such as
                 "panda_description", or the path of a YAML description, of a URDF or of a .xacro.
-            decomposition: Makes concave links of convex pieces, with CoACD; None does what the YAML says.
+            decomposition: How to split concave links into convex pieces, with CoACD; None follows the YAML.
 
         Returns:
             The robot.
@@ -118,7 +118,7 @@ class Robot:
                 neutral), an array in Pinocchio's order, or the name of an SRDF group state. Default: within
                 its limits, the nearest to Pinocchio's neutral configuration. rad and m.
             floating: Whether the root link is free to move.
-            decomposition: Makes concave links of convex pieces, with CoACD; None takes their hulls.
+            decomposition: How to split concave links into convex pieces, with CoACD; None takes their hulls.
             xacro_args: Values of the arguments of a URDF that is a .xacro, by name.
 
         Returns:
@@ -129,7 +129,7 @@ class Robot:
 
     @classmethod
     def from_description(cls, description: RobotDescription, reference: Reference = None) -> Robot:
-        """Builds a robot from what its YAML says; `reference` as for `from_urdf`, if it does not say one."""
+        """Builds a robot from a description; `reference` as for `from_urdf`, where the description has none."""
         return cls(robot_parts(description, reference))
 
     @property
@@ -168,7 +168,7 @@ class Robot:
 
         Args:
             n: How many.
-            seed: Of the generator, or a generator.
+            seed: A seed, or a generator.
 
         Returns:
             (n, nq), rad and m. Continuous joints are in [-pi, pi), unlimited positions within 1 m of zero.
@@ -176,7 +176,7 @@ class Robot:
         return self.joint_values.random(n, seed)
 
     def check_configurations(self, q: ArrayLike) -> Floats:
-        """Validates configurations: numbers, width, finite, unit quaternions. Limits are not looked at.
+        """Validates configurations: numbers, width, finite values, unit quaternions. Limits are not checked.
 
         Args:
             q: (nq,) or (n, nq).
@@ -188,7 +188,7 @@ class Robot:
 
     @cached_property
     def joint_values(self) -> JointValues:
-        """Configurations of a robot without a group by one number a joint."""
+        """Configurations of a robot without a group, by one number for each joint."""
         return JointValues(self._map, self.model, self.mimics, self.group is None)
 
     def expand(self, q: ArrayLike) -> Floats:
@@ -210,8 +210,8 @@ class Robot:
             q: (nq,) or (n, nq) configurations of the group.
 
         Returns:
-            (links, 4, 4) or (n, links, 4, 4), m, in the order of link_names. The same bits for a
-            configuration alone or in a batch, on every instruction set.
+            (links, 4, 4) or (n, links, 4, 4), m, in the order of link_names. A configuration gets the same doubles
+            alone and in a batch, on every instruction set.
         """
         rows = self._map.checked(q)
         poses = self._forward.poses(rows)
@@ -224,15 +224,15 @@ class Robot:
 
     @cached_property
     def sampled_link_poses(self) -> Floats:
-        """(k, links, 4, 4) at a few random configurations, m: they show what a checker had better test together."""
+        """(k, links, 4, 4) at a few random configurations, m: poses used to choose the groups of the broad phase."""
         return read_only(np.ascontiguousarray(self.link_poses(self.random_configurations(_SAMPLES, 0))))
 
     @cached_property
     def kinematic_error(self) -> float:
-        """No rounding of forward kinematics moves a point of a body further than this, m (proven).
+        """A proved bound, m: rounding of forward kinematics moves no point of a body further than this.
 
-        For configurations within the limits (where there are none, within the range that is sampled). Infinite
-        if Pinocchio itself has to pose: nothing is proven then.
+        It holds for configurations within the limits (where there are none, within the range that is sampled). It is
+        infinite if Pinocchio itself poses the robot, since then nothing is proved.
         """
         return self.kinematic_error_within(*self._map.sampled_range())
 
@@ -247,12 +247,12 @@ class Robot:
 
     @property
     def kinematics(self) -> Any | None:
-        """The compiled kinematics; None if Pinocchio itself has to pose."""
+        """The compiled kinematics; None if Pinocchio itself poses the robot."""
         return self._forward.kernel
 
     @property
     def joint_table(self) -> JointTable | None:
-        """The compiled kinematics' table; None if it does not know some joint."""
+        """The compiled kinematics' joint table; None if it does not support some joint."""
         return self._forward.table
 
     @property
@@ -262,7 +262,7 @@ class Robot:
 
     @property
     def link_tree(self) -> LinkTree:
-        """How the links hang together."""
+        """The links and the joints between them."""
         return self._parts.tree
 
     @property
@@ -280,11 +280,11 @@ class Robot:
         return self._forward.rounding(self.bodies, self._link_indices)
 
     def holding(self, values: Mapping[str, float | Sequence[float]]) -> Robot:
-        """The same robot with joints held elsewhere (or, for joints of the group, another reference).
+        """The same robot with joints held at other values (or, for joints of the group, with another reference).
 
         Args:
-            values: By joint name, in rad or m; they may be beyond the joints' limits. Joints that follow them do so,
-                wherever they were held before, unless they are given, too.
+            values: Values by joint name, in rad or m; they may be beyond the joints' limits. Joints that follow these
+                joints are moved with them, unless they are given as well.
 
         Returns:
             A new robot with the same bodies and group.
@@ -302,7 +302,7 @@ class Robot:
 
         Args:
             joints: Names in order.
-            name: Of the group.
+            name: The group's name.
 
         Returns:
             A new robot with the same bodies.
@@ -310,10 +310,10 @@ class Robot:
         return self._changed(group=name, joints=explicit_group(self.model, joints, self._parts.mimics))
 
     def carrying(self, objects: Iterable[SceneObject]) -> Robot:
-        """The same robot, whose links carry other objects than now.
+        """The same robot with other carried objects.
 
         Args:
-            objects: Attached ones, see `Scene.attach`; none for the robot alone.
+            objects: Attached objects, see `Scene.attach`; none for the robot alone.
 
         Returns:
             A robot that shares everything else with this one.

@@ -1,7 +1,7 @@
 """Robots by name from the package robot_descriptions, where it is installed.
 
 In: the name of one of its modules, such as "panda_description". Out: where the robot's files are. The package fetches
-them when it is asked for the first time; what it says when that fails stands in our error.
+them at first use; if that fails, our error repeats its message.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class NamedFiles(NamedTuple):
     Attributes:
         urdf: Path of the URDF, of a xacro or of an MJCF file.
         srdf: Path of the SRDF, if there is one.
-        folders: Where packages are.
+        folders: Folders that contain packages.
         xacro_args: Values of the xacro's arguments.
     """
 
@@ -35,7 +35,7 @@ def files_by_name(name: str) -> NamedFiles | None:
     """The files of a robot; None if the package is not installed, or has no such module.
 
     Raises:
-        PlannercheckError: If the files can't be had, or are of a kind that is not read.
+        PlannercheckError: If the files can't be fetched, or are of a kind that is not supported.
     """
     if not name.isidentifier() or name.startswith("_") or importlib.util.find_spec(_PACKAGE) is None:
         return None

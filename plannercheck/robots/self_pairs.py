@@ -1,9 +1,8 @@
 """Which of a robot's bodies are tested against each other.
 
-In: Pinocchio's geometries, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's
-bodies. With an SRDF they are exactly those that Pinocchio keeps: all pairs on different joints less the
-disabled. Without one, adjacent links are left out too. Pairs that a robot's YAML disables are left out in
-either case.
+In: Pinocchio's geometries, an SRDF, the tree of links, disabled pairs. Out: index pairs into the robot's bodies. With
+an SRDF they are exactly those that Pinocchio keeps: all pairs on different joints without the disabled ones. Without an
+SRDF, adjacent links are left out as well. Pairs that a robot's YAML disables are always left out.
 """
 
 from __future__ import annotations
@@ -30,8 +29,8 @@ def self_pairs(
 ) -> NDArray[np.int64]:
     """Index pairs (k, 2) into the robot's bodies, in Pinocchio's order.
 
-    Pinocchio itself looks through all pairs for each that it adds or removes; of a thousand links there are half a
-    million. So the same table is made here, from arrays.
+    Pinocchio itself searches all pairs for each pair that it adds or removes, and a thousand links have half a million
+    pairs. So the same table is made here, from arrays.
     """
     joints = np.array([each.parentJoint for each in geometry.geometryObjects], dtype=np.int64)
     first, second = np.triu_indices(len(bodies), 1)
@@ -72,7 +71,7 @@ def _of_links(
 
 
 def _of_another(srdf: Srdf, tree: LinkTree) -> str:
-    """Words if an SRDF speaks of other links than the robot has."""
+    """A hint if an SRDF names other links than the robot has; else empty."""
     unknown = [name for name in disabled_link_names(srdf.root) if name not in tree.names]
     return f" of this robot, but of {', '.join(unknown[:3])}, which it has not" if unknown else ""
 

@@ -1,7 +1,7 @@
-"""Reads what an SRDF says: planning groups, named states, and pairs of links that are not tested.
+"""Reads an SRDF: planning groups, named states, and pairs of links that are not tested.
 
 In: an SRDF and the tree of links. Out: for each group the joints that move it, in document order, group states, and
-disabled pairs. A file is parsed once (`Srdf`); what Pinocchio passes over without a word is said here.
+disabled pairs. A file is parsed once (`Srdf`). A warning names elements that Pinocchio skips silently.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from plannercheck.common.package_data import is_file
 if TYPE_CHECKING:
     from plannercheck.robots.urdf import LinkTree
 
-# Elements of newer SRDFs that change which pairs are tested and that Pinocchio passes over.
+# Elements of newer SRDFs that change which pairs are tested, and that Pinocchio skips.
 _UNREAD = ("disable_default_collisions", "enable_collisions")
 
 
@@ -46,7 +46,7 @@ class Srdf:
     """A parsed SRDF.
 
     Attributes:
-        path: Of the file.
+        path: The file.
         root: Its root element.
     """
 
@@ -58,7 +58,7 @@ def read_srdf(path: Path) -> Element:
     """Parses an SRDF.
 
     Args:
-        path: Of the file.
+        path: The file.
 
     Returns:
         Its root element.
@@ -78,7 +78,7 @@ def group_names(root: Element) -> list[str]:
 
 
 def disabled_link_names(root: Element) -> list[str]:
-    """The links that it says may touch, each once."""
+    """The links of its disabled pairs, each once."""
     pairs = root.findall("disable_collisions")
     return list(dict.fromkeys(pair.get(key, "") for pair in pairs for key in ("link1", "link2")))
 
@@ -88,7 +88,7 @@ def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
 
     Args:
         root: The SRDF, None if there is none.
-        name: Of the group.
+        name: The group's name.
         tree: Links and joints of the URDF.
 
     Returns:
@@ -104,7 +104,7 @@ def group_joints(root: Element | None, name: str, tree: LinkTree) -> list[str]:
 
 
 class _Groups:
-    """The groups of an SRDF, each resolved once: one that is named again and again costs nothing more."""
+    """The groups of an SRDF, each resolved once."""
 
     def __init__(self, root: Element, tree: LinkTree) -> None:
         self._root, self._tree = root, tree
@@ -146,7 +146,7 @@ def _joints_of_part(part: Element, tree: LinkTree) -> list[str]:
 
 
 def _chain(base: str, tip: str, tree: LinkTree) -> list[str]:
-    """Joints from base to tip, over their common ancestor if the base is none."""
+    """Joints from base to tip, through their common ancestor if the base is no ancestor of the tip."""
     up_from_tip, up_from_base = (_ancestry(_known_link(link, tree), tree) for link in (tip, base))
     shared = next((link for link in up_from_base if link in up_from_tip), None)
     if shared is None:
@@ -177,7 +177,7 @@ def disabled_collisions(root: Element) -> list[DisabledPair]:
 
 
 def warn_of_unheeded(srdf: Srdf, tree: LinkTree) -> None:
-    """Warns of links that the URDF does not know, as MoveIt does, and of elements that Pinocchio does not read."""
+    """Warns of links that the URDF does not have, as MoveIt does, and of elements that Pinocchio does not read."""
     named = (link for pair in disabled_collisions(srdf.root) for link in (pair.link_a, pair.link_b))
     unknown = sorted(set(named).difference(tree.names))
     if unknown:
@@ -199,7 +199,7 @@ def warn_of_unheeded(srdf: Srdf, tree: LinkTree) -> None:
 
 
 def virtual_joints(root: Element) -> set[str]:
-    """Names of the SRDF's virtual joints, which no URDF knows."""
+    """Names of the SRDF's virtual joints, which no URDF has."""
     return {joint.get("name", "") for joint in root.findall("virtual_joint")}
 
 
@@ -208,8 +208,8 @@ def group_state(root: Element | None, name: str, joints: Container[str]) -> dict
 
     Args:
         root: The SRDF, None if there is none.
-        name: Of the group state.
-        joints: Those of the model; others, such as virtual ones, are ignored.
+        name: The name of the group state.
+        joints: The joints of the model; others, such as virtual ones, are ignored.
 
     Returns:
         Joint values by joint name, rad or m.

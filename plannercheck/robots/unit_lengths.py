@@ -1,7 +1,7 @@
-"""How far quaternions, cosines and sines of a configuration may be off length 1, counted along the robot's chains.
+"""How far the lengths of a configuration's unit vectors (quaternions, cosine and sine) may differ from 1.
 
-In: a Pinocchio model, where a configuration's numbers come from. Out: `UnitLengths`, which refuses configurations whose
-links would be stretched by more than the checker's bounds allow for.
+In: a Pinocchio model, the sources of a configuration's numbers. Out: `UnitLengths`, which refuses configurations that
+would stretch links by more than the checker's bounds allow. The stretch is added up along the robot's chains.
 
 Quaternions and pairs are used as they are, which is what Pinocchio does. A quaternion q = (v, w) of squared length n
 maps the plane at right angles to v by the complex number 1 - 2 |v|^2 + 2 i w |v|, whose squared length is
@@ -9,13 +9,13 @@ maps the plane at right angles to v by the complex number 1 - 2 |v|^2 + 2 i w |v
 most 8 sqrt(2) |q|^2 (1 + e / 2) e if its length is 1 + e, and a half turn reaches that. A pair scales the plane by its
 length 1 + e, also in Rodrigues' formula: sqrt(2) (2 + e) e. Of a product,
 |(M N)^T (M N) - 1| <= |N|^2 |M^T M - 1| + |N^T N - 1|: along a chain these defects add up, up to a factor 1 + 1e-5 as
-long as their sum is below 1e-5. What is held and every placement count as well.
+long as their sum is below 1e-5. Held joints and placements count as well.
 
 The budget. All bounds of states (bounding_sphere.cpp, box_filter.cpp, overlap_filter.cpp, centre_axis.hpp,
-pair_frame.cpp, distance.cpp) and of motions (motion_filters.hpp) hold for links that are off rigid by `LINK_DEFECT` and
-bodies on them, and obstacles, that are by `shapes.RIGID_TOLERANCE`, so for bodies by 3.6e-6 in the world. A single
-quaternion at `UNIT_TOLERANCE` takes 2.3e-6 of 2.5e-6: robots with one floating base, or with a ball joint in each arm,
-are refused nothing that one quaternion alone is not. Chains of several have to share, and say so.
+pair_frame.cpp, distance.cpp) and of motions (motion_filters.hpp) allow a defect of `LINK_DEFECT` for links, and of
+`shapes.RIGID_TOLERANCE` for obstacles and for bodies on links: 3.6e-6 for a body in the world. A single quaternion at
+`UNIT_TOLERANCE` takes 2.3e-6 of 2.5e-6. So a robot with one floating base, or with a ball joint in each arm, accepts
+every quaternion within `UNIT_TOLERANCE`. Several quaternions on one chain have to share the budget; the error says so.
 """
 
 from __future__ import annotations
@@ -33,31 +33,30 @@ from plannercheck.common.errors import PlannercheckError
 
 Floats = NDArray[np.float64]
 
-# How far the length of a quaternion or of a (cosine, sine) may be from 1: lets values pass that were rounded to single
-# precision.
+# How far the length of a quaternion or of a (cosine, sine) may be from 1; values rounded to single precision pass.
 UNIT_TOLERANCE = 2e-7
 
-# How far a link's pose may be off rigid, ||M^T M - 1||: what the bounds of states and motions allow for.
+# The largest defect ||M^T M - 1|| of a link's pose that the bounds of states and motions allow.
 LINK_DEFECT = 2.5e-6
 
 # ||M^T M - 1|| for a length of 1 + e, as a part of e: 8 sqrt(2) and 2 sqrt(2), with room for the terms above and for
 # the lengths' own rounding.
 DEFECT_PARTS = {4: 8 * math.sqrt(2) * (1 + 1e-5), 2: 2 * math.sqrt(2) * (1 + 1e-5)}
 
-# Of products of placements as Pinocchio has them, and of sums of products here.
+# The rounding of Pinocchio's products of placements, and of sums of products here.
 _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class UnitLengths(OwnsArrays):
-    """What may be off length 1, and what it stretches.
+    """The unit vectors of a configuration, and how much their lengths stretch links.
 
     Attributes:
         columns: (start, stop) of each unit vector in a configuration.
-        parts: (chains, unit vectors) what each one's error counts along each chain; 0 where it is not on it.
-        held: (chains,) defect of what no configuration changes: placements, and joints that are held.
-        depth: How many of these unit vectors are on one chain at most.
-        harmless: If all lengths are this near to 1, no chain is stretched by more than it may be.
+        parts: (chains, unit vectors) factor of each vector's error on each chain; 0 where it is not on the chain.
+        held: (chains,) defect of placements and held joints, which no configuration changes.
+        depth: The largest number of these unit vectors on one chain.
+        harmless: If all lengths are this near to 1, no chain is stretched too much.
     """
 
     columns: tuple[tuple[int, int], ...]
@@ -67,7 +66,7 @@ class UnitLengths(OwnsArrays):
     harmless: float
 
     def check(self, rows: Floats) -> None:
-        """Raises an error if some row (n, nq) has a unit vector, or a chain of them, too far off length 1."""
+        """Raises an error if a row of (n, nq) has a unit vector, or a chain of them, too far from length 1."""
         offs = [_off_unit(rows, start, stop) for start, stop in self.columns]
         if len(rows) and any(off.max() > self.harmless for off in offs):
             chains = np.stack(offs, axis=1) @ self.parts.T + self.held
@@ -89,19 +88,19 @@ class UnitLengths(OwnsArrays):
 
 
 def unit_lengths(model: pin.Model, columns: Sequence[int], offsets: Floats, angles: Sequence[bool]) -> UnitLengths:
-    """What of a robot's configurations may be off length 1.
+    """The unit vectors of a robot's configurations.
 
     Args:
         model: Pinocchio's.
         columns: (full nq,) column of the configuration that gives each number of Pinocchio's q, -1 if held.
         offsets: (full nq,) the held numbers.
-        angles: (full nq,) which numbers are the cosine or sine of an angle, and so of length 1.
+        angles: (full nq,) which numbers are the cosine or sine of an angle, and so have exact length.
 
     Returns:
         The lengths.
 
     Raises:
-        PlannercheckError: If what is held is off rigid by more than links may be.
+        PlannercheckError: If held joints already stretch links by more than they may.
     """
     frames = max((_defect(frame.placement.rotation) for frame in model.frames), default=0.0)
     held, moving = np.full(model.njoints, frames + _ROUNDING), np.zeros((model.njoints, 0))

@@ -1,8 +1,8 @@
-"""Reads a URDF through Pinocchio: the model, its collision bodies, and what Pinocchio keeps to itself.
+"""Reads a URDF through Pinocchio: the model, its collision bodies, the tree of links, and mimic joints.
 
-In: a URDF (`urdf_file`) and folders of packages. Out: a Pinocchio model, `Body` by `Body` in Pinocchio's geometry
-order, the tree of links, and which joint mimics which. The idea: Pinocchio is the model and the truth; what it and
-urdfdom say about a file that they can't read stands in our errors, too.
+In: a URDF (`urdf_file`) and folders of packages. Out: a Pinocchio model, one `Body` for each collision geometry in
+Pinocchio's order, the tree of links, and the mimic joints. Pinocchio's model is the reference. Our errors repeat what
+Pinocchio and urdfdom say about a file that they can't read.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Mimic:
 
     Attributes:
         leader: Name of the joint to follow.
-        multiplier: Without unit, or rad/m and the like.
+        multiplier: Without unit, or in rad/m or m/rad.
         offset: In rad or m.
     """
 
@@ -105,7 +105,7 @@ def _file(urdf: Path | UrdfFile) -> UrdfFile:
 
 
 def _check_names(model: pin.Model, urdf: Path) -> None:
-    """Raises for names that are no UTF-8; other bytes may stand in comments."""
+    """Raises for names that are no UTF-8; comments may hold any bytes."""
     try:
         _ = [*model.names, *(frame.name for frame in model.frames)]
     except UnicodeDecodeError as error:
@@ -166,7 +166,7 @@ def _meshes_elsewhere(file: UrdfFile, package_dirs: Sequence[Path], above: Seque
     """The collision meshes that Pinocchio would not find by itself, by the names that the file gives them.
 
     Raises:
-        PlannercheckError: For a mesh that would crash who reads it, or is none.
+        PlannercheckError: For a file that is no mesh, or one that would crash its reader.
     """
     found: dict[str, Path] = {}
     for link in file.root.iterfind("link"):
@@ -184,7 +184,7 @@ def _meshes_elsewhere(file: UrdfFile, package_dirs: Sequence[Path], above: Seque
 
 
 def _check_complete(model: pin.Model, geometry: pin.GeometryModel, file: UrdfFile, folders: Sequence[str]) -> None:
-    """Raises if a collision element got lost: urdfdom drops those that it does not know."""
+    """Raises if a collision element got lost: urdfdom drops elements that it does not support."""
     loaded = Counter(model.frames[each.parentFrame].name for each in geometry.geometryObjects)
     for link in file.root.findall("link"):
         name, wanted = link.get("name", ""), len(link.findall("collision"))
@@ -208,12 +208,12 @@ def _warn_if_empty(geometry: pin.GeometryModel, file: UrdfFile) -> None:
 
 
 def bodies_of(model: pin.Model, geometry: pin.GeometryModel) -> tuple[Body, ...]:
-    """One body a collision geometry, in Pinocchio's order, posed on its link."""
+    """One body for each collision geometry, in Pinocchio's order, posed on its link."""
     return tuple(_body_of(model, each) for each in geometry.geometryObjects)
 
 
 def link_tree(model: pin.Model) -> LinkTree:
-    """Links and the URDF joints between them, as Pinocchio's frames tell."""
+    """Links and the URDF joints between them, from Pinocchio's frames."""
     frames = list(model.frames)
     ids = tuple(i for i, frame in enumerate(frames) if frame.type == pin.FrameType.BODY)
     parents: dict[str, str] = {}

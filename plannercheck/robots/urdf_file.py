@@ -1,9 +1,9 @@
-"""A URDF as text and as XML, mended where it is no clean XML and yet plain what is meant.
+"""A URDF as text and as XML; some common faults of the XML are mended.
 
-In: a path. Out: `UrdfFile`. urdfdom and Python's XML stumble over different things: a declaration that does not stand
-first, prefixes that are bound to nothing, "--" within a comment, a <visual> whose material has no name (which makes
-urdfdom drop the whole link's bodies). None of them says anything about collisions, so both readers get a text without
-them. A file that both can read is left to them as it is.
+In: a path. Out: `UrdfFile`. urdfdom and Python's XML reader fail on different faults: an XML declaration that is not at
+the beginning, undeclared prefixes, "--" within a comment, a <visual> whose material has no name (urdfdom then drops all
+bodies of the link). None of these concerns collisions, so both readers get a text without them. A file that both can
+read stays as it is.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ class UrdfFile:
     """A URDF that has been read.
 
     Attributes:
-        path: Of the file.
-        mended: What to read in place of the file; None if the file itself will do.
-        fault: Why it is no XML; empty if it is.
+        path: The file.
+        mended: The text to read in place of the file; None to read the file itself.
+        fault: Why the file is no XML; empty if it is.
     """
 
     path: Path
@@ -54,12 +54,12 @@ class UrdfFile:
 
     @classmethod
     def read(cls, path: Path, arguments: Mapping[str, str] | None = None, folders: Sequence[Path] = ()) -> UrdfFile:
-        """Reads a file; if it is no XML, `root` will say so: urdfdom reads some that are none.
+        """Reads a file. If it is no XML, only `root` raises, since urdfdom reads some such files.
 
         Args:
-            path: Of a URDF, or of a xacro.
-            arguments: Of the xacro, by name.
-            folders: Where the xacro's packages are sought first.
+            path: A URDF or a xacro.
+            arguments: The xacro's arguments, by name.
+            folders: Folders in which the xacro's packages are searched first.
 
         Returns:
             The file.
@@ -108,7 +108,7 @@ class UrdfFile:
         return xacro_hint(self.path)
 
     def with_meshes(self, files: dict[str, Path]) -> UrdfFile:
-        """The same with other files for some of its collision meshes, by the name that it gives them."""
+        """The same URDF with other files for some of its collision meshes, by the name that it gives them."""
         if not files:
             return self
         root = copy.deepcopy(self.root)
@@ -119,7 +119,7 @@ class UrdfFile:
         return UrdfFile(self.path, ElementTree.tostring(root, encoding="unicode"), "", root)
 
     def messages(self, floating: bool, folders: Sequence[str]) -> str:
-        """What urdfdom, Pinocchio and assimp say about it; empty if that can't be found out."""
+        """What urdfdom, Pinocchio and assimp say about the file; empty if that can't be found out."""
         if self.mended is None:
             return native_messages(self.path, floating, folders)
         with tempfile.TemporaryDirectory() as folder:
@@ -150,7 +150,7 @@ def _plain(content: bytes) -> str | None:
 
 
 def _check_expanded(root: Element, path: Path) -> None:
-    """Raises for elements of xacro: urdfdom passes over them, so that links and joints would be missing."""
+    """Raises for elements of xacro: urdfdom skips them, so that links and joints would be missing."""
     found = next((each.tag for each in root.iter() if isinstance(each.tag, str) and _XACRO.match(each.tag)), None)
     if found is not None:
         raise PlannercheckError(f"URDF {path} holds <xacro:{found.partition('}')[2]}>: {xacro_hint(path)}")

@@ -1,7 +1,7 @@
-"""Words for numbers of a URDF that can be read but are hardly meant: degrees, limits that nobody gave.
+"""Hints for numbers of a URDF that are probably mistakes: degrees, or missing limits.
 
-In: a URDF. Out: warnings that name file, element and number, and say what it looks like. Verdicts do not depend on
-them.
+In: a URDF. Out: warnings that name the file, the element and the number, and say what the number looks like. Verdicts
+do not depend on them.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def _wide(root: Element) -> Iterator[str]:
 
 
 def _unlimited(root: Element) -> Iterator[str]:
-    """Limits of joints that say nothing of where they are."""
+    """Joints whose limits have neither lower nor upper."""
     for joint in root.iterfind("joint"):
         limit, has_limits = joint.find("limit"), joint.get("type") in ("revolute", "prismatic")
         if has_limits and limit is not None and not {"lower", "upper"} & limit.attrib.keys():
@@ -67,7 +67,7 @@ def _unlimited(root: Element) -> Iterator[str]:
 
 
 def _numbers(text: str) -> list[float]:
-    """The numbers of an attribute; 0 if there are none, or it holds something else, of which the reader will tell."""
+    """The numbers of an attribute; 0 if there are none or it is faulty, which the reader reports."""
     try:
         return [float(part) for part in text.split()] or [0.0]
     except ValueError:

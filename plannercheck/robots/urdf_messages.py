@@ -1,8 +1,8 @@
 """Says why a URDF does not load: `python -m plannercheck.robots.urdf_messages FILE FLOATING [FOLDER ...]`.
 
 In: the file, whether its root floats, folders of packages. Out: what urdfdom, Pinocchio and assimp write on the
-terminal. They write to the process's own descriptors, which in a process with threads nobody may redirect: so a file
-that failed is read once more in a process of its own.
+terminal. They write to the process's own descriptors, which can't be redirected safely in a process with threads. So a
+file that failed is read again in a process of its own.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 from plannercheck.common.isolated_process import run_isolated
 
-# A URDF that takes longer than this to fail says nothing, s.
+# If a URDF takes longer than this to fail, s, there is no message.
 _TIME_LIMIT = 60.0
 
 
@@ -25,7 +25,7 @@ def native_messages(urdf: Path, floating: bool, folders: Sequence[str]) -> str:
         ran = run_isolated("plannercheck.robots.urdf_messages", arguments, time_limit=_TIME_LIMIT)
     except (OSError, subprocess.TimeoutExpired):
         return ""
-    # A process that could not even start says so in a traceback, which is no message about the file.
+    # A process that could not start prints a traceback, which is no message about the file.
     return "" if ran.returncode else (ran.stdout + ran.stderr).decode(errors="replace")
 
 

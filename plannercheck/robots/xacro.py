@@ -1,7 +1,7 @@
 """xacro files: whether a file is one, and what it expands to.
 
-In: a path, arguments, folders of packages. Out: the text of a URDF, by PyPI's xacro in a process of its own (its state
-is global, and it prints), where `$(find PACKAGE)` finds packages as package:// does; or a sentence on what to do.
+In: a path, arguments, folders of packages. Out: the text of a URDF, or a sentence on what to do. PyPI's xacro runs in a
+process of its own, since its state is global and it prints; `$(find PACKAGE)` finds packages as package:// does.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from plannercheck.common.package_data import is_file
 
 XACRO_SUFFIX = ".xacro"
 
-# What only xacro knows.
+# Marks that only xacro files have.
 _XACRO_SIGNS = (b"<xacro:", b"${")
 
-# A file that takes longer than this to expand is not waited for, s.
+# The time limit for expanding a file, s.
 _TIME_LIMIT = 120.0
 
 
@@ -43,7 +43,7 @@ def expanded(path: Path, arguments: Mapping[str, str], folders: Sequence[Path]) 
     Args:
         path: Of the file.
         arguments: Values of its <xacro:arg>s, by name.
-        folders: Where its packages are sought first.
+        folders: Folders in which its packages are searched first.
 
     Returns:
         The text.

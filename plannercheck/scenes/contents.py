@@ -1,7 +1,7 @@
-"""What a scene holds: obstacles by name, what links carry, and what may touch.
+"""The contents of a scene: obstacles by name, objects that links carry, and allowed collisions.
 
-In: `add_...` calls, of users and of what reads files. Out: `bodies`, each a shape posed in the world, `attached`
-objects, and allowed collisions. It can be changed at any time, in place.
+In: `add_...` calls of users and file readers. Out: `bodies`, each a shape posed in the world, `attached` objects, and
+allowed collisions. Contents can be changed at any time, in place.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ class AllowedCollisions:
     """Which links and objects may touch, as a MoveIt allowed collision matrix says it.
 
     Attributes:
-        pairs: What is said of a pair of names: True if it may touch.
-        defaults: What is said of a name with any other, where `pairs` says nothing.
+        pairs: By pair of names, whether the two may touch.
+        defaults: By name, whether it may touch any other name, where `pairs` has no entry.
     """
 
     pairs: dict[frozenset[str], bool] = field(default_factory=dict)
     defaults: dict[str, bool] = field(default_factory=dict)
 
     def __call__(self, a: str, b: str) -> bool:
-        """Whether two links or objects may touch: their own entry, else the stricter of their defaults."""
+        """Whether two links or objects may touch: by their own entry, else by the stricter of their defaults."""
         said = self.pairs.get(frozenset((a, b)))
         if said is not None:
             return said
@@ -45,7 +45,7 @@ class AllowedCollisions:
 
 
 class SceneContents(DeclaredStates):
-    """Named obstacles, posed in the world, and what links carry; `Scene` adds files, and documents the attributes."""
+    """Named obstacles, posed in the world, and carried objects; `Scene` adds files, and documents the attributes."""
 
     def __init__(self, name: str = "") -> None:
         """Makes an empty scene."""
@@ -62,7 +62,7 @@ class SceneContents(DeclaredStates):
         return f"Scene({self.name!r}, {len(self._objects)} objects{attached}, {len(self.body_objects)} bodies)"
 
     def copy(self: Contents) -> Contents:
-        """A scene that can be changed on its own; both share the objects' shapes and what is prepared of them."""
+        """A copy that can be changed by itself; both share the objects' shapes and bodies prepared from them."""
         other = type(self)(self.name)
         other.allowed = AllowedCollisions(dict(self.allowed.pairs), dict(self.allowed.defaults))
         other.states, other.link_padding, other.frames = dict(self.states), dict(self.link_padding), self.frames
@@ -74,7 +74,7 @@ class SceneContents(DeclaredStates):
         """Adds an object: one shape, or several posed ones; its bodies are "name", or "name/0", "name/1", ...
 
         Args:
-            name: Of the object.
+            name: The object's name.
             parts: A shape, or parts posed in the object's frame. A shape may also be points (n, 3) in m, a
                 trimesh.Trimesh, or a geometry of coal or python-fcl: of points and meshes, the hull is taken.
             pose: (4, 4) of the object's frame in the world, m; None is the identity.
@@ -129,12 +129,12 @@ class SceneContents(DeclaredStates):
         self.add(name, [Part(load_mesh(path, scale), None, (Path(path), scale))], pose)
 
     def move(self, name: str, pose: ArrayLike | None) -> None:
-        """Moves an object with all its parts, as `add` and `remove` in place: checkers keep what they were built with.
+        """Moves an object with all its parts, in place; checkers that were built before keep it where it was.
 
         Args:
-            name: Of the object; an attached one moves on its link.
-            pose: (4, 4) where its frame is to be in the world, or on its link, m. The frame of an object of one shape
-                is the shape's own; of several, it is the pose that was given for the object.
+            name: The object's name; an attached object moves on its link.
+            pose: (4, 4) new pose of its frame in the world, or on its link, m. The frame of an object of one shape is
+                that of the shape; of several shapes, it is the frame in which they were posed.
         """
         table = self._table_of(name)
         table[name] = table[name].moved(pose)
@@ -144,7 +144,7 @@ class SceneContents(DeclaredStates):
         self._taken(name)
 
     def _taken(self, name: str) -> SceneObject:
-        """An object, which the scene no longer has."""
+        """Takes an object out of the scene."""
         item = self._table_of(name).pop(name)
         self._body_names.difference_update(body.name for body in item.bodies)
         return item
@@ -157,16 +157,16 @@ class SceneContents(DeclaredStates):
         touch_links: Iterable[str] = (),
         parts: Parts | None = None,
     ) -> None:
-        """Lets a link carry an object: it moves with the link, as a part of the robot.
+        """Attaches an object to a link: it moves with the link, as a part of the robot.
 
         It is tested against obstacles and against all links but its own and the touch links.
 
         Args:
-            name: Of an object of the scene, which leaves the world, or of a new one.
-            link: Of the robot.
+            name: The name of an obstacle, which then is one no more, or of a new object.
+            link: The robot's link.
             pose: (4, 4) of the object's frame in the link's, m; None is the identity.
             touch_links: Links, or other attached objects, that it may touch.
-            parts: The shape, or posed shapes, of a new object, as for `add`.
+            parts: For a new object, its shape or posed shapes, as for `add`.
         """
         if parts is None and name not in self._objects:
             raise unknown_name("object to attach", name, self._objects)
@@ -177,7 +177,7 @@ class SceneContents(DeclaredStates):
         self.put(item)
 
     def detach(self, name: str, pose: ArrayLike | None) -> None:
-        """Puts an attached object back into the world, its frame at a pose (4, 4), m."""
+        """Puts an attached object back into the world, with its frame at a pose (4, 4), m."""
         if name not in self._attached:
             raise unknown_name("attached object", name, self._attached)
         item = self._attached[name].released(pose)
@@ -199,7 +199,7 @@ class SceneContents(DeclaredStates):
         return self._table_of(name)[name]
 
     def placed(self, items: Iterable[SceneObject]) -> None:
-        """Takes objects whose places in the world or on their links are known now."""
+        """Replaces objects by copies whose places in the world or on their links are now known."""
         for item in items:
             self._table_of(item.name)[item.name] = item
 
@@ -232,7 +232,7 @@ class SceneContents(DeclaredStates):
 
     @property
     def allowed_pairs(self) -> set[frozenset[str]]:
-        """Pairs of names that are said to be allowed to touch; `is_allowed` knows the defaults, too."""
+        """Pairs of names with an entry that allows them to touch; `is_allowed` also applies the defaults."""
         return {pair for pair, allowed in self.allowed.pairs.items() if allowed}
 
     def is_allowed(self, a: str, b: str) -> bool:
@@ -240,5 +240,5 @@ class SceneContents(DeclaredStates):
         return self.allowed(a, b)
 
     def allow(self, a: str, b: str, allowed: bool = True) -> None:
-        """Says whether two links or objects may touch."""
+        """Sets whether two links or objects may touch."""
         self.allowed.pairs[frozenset((a, b))] = allowed

@@ -1,4 +1,4 @@
-"""What a scene declares for each robot: where planning starts and ends, and sample configurations.
+"""The states that a scene declares for each robot: start, goal, and sample configurations.
 
 In: arrays and npy files. Out: checked configurations by robot name. Scenes in space and in the plane share this.
 """
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RobotStates:
-    """What a scene declares for one robot.
+    """The states that a scene declares for one robot.
 
     Attributes:
         start: Configuration (nq,), or None.
@@ -33,10 +33,10 @@ class RobotStates:
 
 
 class DeclaredStates:
-    """What a scene declares, by robot name.
+    """The states that a scene declares, by robot name.
 
     Attributes:
-        name: The scene's, for errors.
+        name: The scene's name, for errors.
         states: Start, goal and samples by robot name.
     """
 
@@ -52,7 +52,7 @@ class DeclaredStates:
         goal: ArrayLike | None = None,
         samples: str | Path | None = None,
     ) -> None:
-        """Declares a robot's start and goal (nq,) and its npy file of samples; None keeps what is there."""
+        """Declares a robot's start and goal (nq,) and its npy file of samples; None keeps the former value."""
         states = self.states.get(robot, RobotStates())
         if start is not None:
             states = replace(states, start=_configuration(start, f"start of {robot!r}"))

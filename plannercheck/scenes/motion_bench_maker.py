@@ -25,7 +25,7 @@ from plannercheck.scenes.moveit_request import MotionRequest, motion_request
 from plannercheck.scenes.moveit_scene import attach_from_state, read_planning_scene
 from plannercheck.scenes.scene import Scene
 
-# What names a file's role and number in a problem set.
+# The role and the number in a file's name.
 _MEMBER = re.compile(r"(scene|request)(\d+)\.ya?ml")
 
 
@@ -34,13 +34,13 @@ class Problem(OwnsArrays):
     """One planning problem.
 
     Attributes:
-        name: The set's and the problem's, e.g. "cage_panda/0001".
+        name: The set's and the problem's name, e.g. "cage_panda/0001".
         scene: The obstacles.
-        joint_names: The joints that the goal constrains: the planning group's.
+        joint_names: The joints that the goal constrains: those of the planning group.
         start: (nq,) in the order of `joint_names`, rad or m.
-        goals: Each (nq,), at least one.
-        held: Value by name of the start state's other joints, as given.
-        group: The group's name in the request.
+        goals: Goals (nq,), at least one.
+        held: Values of the start state's other joints, by name, as given.
+        group: The name of the group in the request.
     """
 
     name: str
@@ -62,7 +62,7 @@ class ProblemSet:
     """The problems of a set, read one by one when iterated.
 
     Attributes:
-        name: The set's.
+        name: The set's name.
         members: (scene, request) file names by problem number.
     """
 
@@ -79,7 +79,7 @@ class ProblemSet:
         return (self.problem(number) for number in self.members)
 
     def problem(self, number: str) -> Problem:
-        """Reads one problem, by its number as in the files' names, e.g. "0001"."""
+        """Reads one problem, given its number in the files' names, e.g. "0001"."""
         scene_file, request_file = self.members[number]
         with within(f"{self.name}, {scene_file}"):
             scene, folder = Scene(), self._folder / Path(scene_file).parent
@@ -97,12 +97,12 @@ def load_problems(path: str | Path, ik: InverseKinematics | None = None) -> Prob
     """Opens a problem set.
 
     Args:
-        path: The folder, one that holds just it, or a tar archive.
-        ik: Finds joint values for goals that are poses, as for `moveit_request.read_request`; poses in a fixed frame
-            of the scene come in the planning frame.
+        path: The set's folder, a folder that contains only this folder, or a tar archive.
+        ik: Finds joint values for goals that are poses, as for `moveit_request.read_request`; it gets poses that the
+            scene gives in a fixed frame in the planning frame.
 
     Returns:
-        The set: it has a length, and gives its problems when iterated.
+        The set; it has a length and can be iterated.
     """
     path = Path(path)
     if is_folder(path):
@@ -128,11 +128,11 @@ def _archive(path: Path) -> dict[str, bytes]:
 
 
 def _members(archive: tarfile.TarFile) -> dict[str, bytes]:
-    """The scenes and requests, read as the archive is unpacked: what one takes is known before it is read."""
+    """The scenes and requests, read as the archive is unpacked; sizes are checked before reading."""
     contents: dict[str, bytes] = {}
     seen = 0
     for member in archive:
-        seen += member.size  # also what is skipped has to be unpacked
+        seen += member.size  # skipped members are unpacked as well
         if seen > INPUT_LIMITS.archive_bytes:
             raise PlannercheckError(
                 f"the archive unpacks to more than {INPUT_LIMITS.archive_bytes} bytes (INPUT_LIMITS.archive_bytes)"
@@ -164,7 +164,7 @@ def _problem_set(path: Path, names: list[str], read: Callable[[str], bytes], fol
 
 
 def _problem(name: str, scene: Scene, request: MotionRequest) -> Problem:
-    """Splits the start state into the joints that the goals constrain and the ones that are held."""
+    """Splits the start state into the joints that the goals constrain and those that are held."""
     joints = tuple(request.goals[0])
     for k, goal in enumerate(request.goals):
         if set(goal) != set(joints):

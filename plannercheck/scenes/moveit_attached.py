@@ -1,11 +1,11 @@
 """Objects that a MoveIt robot state attaches to links.
 
-In: `attached_collision_objects` of a parsed robot state, and the scene it belongs to. Out: the scene with them.
+In: `attached_collision_objects` of a parsed robot state, and its scene. Out: the scene with these objects attached.
 
-As MoveIt has it (`PlanningScene::processAttachedCollisionObjectMsg`): an object without shapes is the one of that name
-in the world, attached where it stands; one with shapes takes the place of an object of that name. Its pose is relative
-to the frame that its header names: the link itself, as MoveIt writes it, another link, a fixed frame, or another
-object's; then it is known once there is a robot to pose, at the state's joint values.
+As in MoveIt (`PlanningScene::processAttachedCollisionObjectMsg`), an object without shapes is the obstacle of that
+name, attached where it stands. An object with shapes replaces an object of that name. Its pose is relative to the frame
+that its header names: the link itself, as MoveIt writes it, another link, a fixed frame, or another object's frame. In
+the latter cases the pose on the link is known once a robot can be posed at the state's joint values.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from plannercheck.scenes.moveit_frames import find_frame
 from plannercheck.scenes.moveit_objects import ObjectMessage, read_object
 from plannercheck.scenes.scene_paths import FindFile
 
-# The fields of moveit_msgs/AttachedCollisionObject; how hands let go and what objects weigh is accepted and not read.
+# The fields of moveit_msgs/AttachedCollisionObject; the detach posture and the weight are accepted and ignored.
 _KEYS = ("link_name", "object", "touch_links", "detach_posture", "weight")
 
 
 @dataclass(frozen=True)
 class AttachedMessage:
-    """An attached object as a message has it.
+    """An attached object as in a message.
 
     Attributes:
-        link: That carries it.
-        touch_links: That it may touch.
-        object: What is attached; without parts, an object of the world.
+        link: The link that carries it.
+        touch_links: Links that it may touch.
+        object: The attached object; without parts, an obstacle of the scene.
         state: The joints of the state that attaches it.
     """
 
@@ -59,7 +59,7 @@ def read_attached(state: Node, joints: StatedJoints, find_file: FindFile) -> lis
 
 
 def attach_with_shapes(scene: SceneContents, messages: list[AttachedMessage]) -> None:
-    """Attaches objects that have shapes of their own, each in the place of what the scene calls so."""
+    """Attaches objects with shapes of their own; each replaces a scene's object of the same name."""
     for message in messages:
         if message.object.parts:
             item = _posed(scene, message)
@@ -69,7 +69,7 @@ def attach_with_shapes(scene: SceneContents, messages: list[AttachedMessage]) ->
 
 
 def attach_from_world(scene: SceneContents, messages: list[AttachedMessage]) -> None:
-    """Attaches objects of the world where they stand; those that are attached already stay as they are."""
+    """Attaches obstacles where they stand; objects that are attached already stay as they are."""
     attached = {item.name for item in scene.attached}
     for message in messages:
         name = message.object.name

@@ -1,14 +1,14 @@
-"""Frames of a MoveIt planning scene: which there are, and where what is posed in one is.
+"""Frames of a MoveIt planning scene, and the poses of objects in them.
 
-In: `fixed_frame_transforms` of a parsed planning scene, and the scene as far as it is built. Out: `SceneFrames`, and
-objects with their place in the world, or with an anchor where only a robot knows it.
+In: `fixed_frame_transforms` of a parsed planning scene, and the scene as built so far. Out: `SceneFrames`, and objects
+posed in the world, or with an anchor where the pose depends on the robot.
 
-MoveIt's own sources say how this goes: `Transforms::copyTransforms` and `setTransform` (moveit_core, transforms.cpp)
-put the frame's name into header.frame_id and the planning frame into child_frame_id, and the transform takes points of
-that frame to the planning frame; `PlanningScene::getFrameTransform` and `RobotState::getFrameInfo` drop leading slashes
-and then look among: the planning frame, links, attached objects and their subframes ("object/subframe"), objects of the
-world and their subframes, fixed frames. Links are not known here, so a name that is none of the others is kept as a
-link's, and a checker refuses what turns out to be a link after all.
+The rules are those of MoveIt's sources. `Transforms::copyTransforms` and `setTransform` (moveit_core, transforms.cpp)
+put the frame's name into header.frame_id and the planning frame into child_frame_id; the transform takes points of that
+frame to the planning frame. `PlanningScene::getFrameTransform` and `RobotState::getFrameInfo` drop leading slashes.
+They then search the planning frame, links, attached objects and their subframes ("object/subframe"), obstacles and
+their subframes, and fixed frames, in this order. Links are not known here, so any other name is taken for a link's; a
+checker refuses frames of other kinds that have a link's name.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from plannercheck.scenes.moveit_messages import frame_name, header_frame, transf
 
 Matrix = NDArray[np.float64]
 
-# What robowflex and MotionBenchMaker mean by a message without a header: they leave out headers of this frame.
+# The frame of messages without a header: robowflex and MotionBenchMaker leave out headers that name it.
 _DEFAULT = "world"
 
 
@@ -59,12 +59,12 @@ def scene_frames(document: Node) -> SceneFrames:
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a frame is.
+    """A frame and its pose.
 
     Attributes:
-        anchor: The link on which it is, and the robot state; None for the world.
+        anchor: The link that it is fixed to, and the robot state; None for the world.
         pose: (4, 4) in the world or on that link, m.
-        name: As the file has it, if it is a fixed frame or an object's.
+        name: Its name in the file if it is a fixed frame or an object's; else empty.
     """
 
     anchor: Anchor | None
@@ -72,24 +72,24 @@ class Frame:
     name: str = ""
 
     def holds(self, item: SceneObject) -> SceneObject:
-        """The object, whose pose is given in this frame, in the world or with an anchor."""
+        """The object whose pose is given in this frame, posed in the world or with an anchor."""
         return dataclasses.replace(item.moved(self.pose @ item.pose), anchor=self.anchor, frame=self.name)
 
 
 def find_frame(scene: SceneContents, name: str, state: StatedJoints, later: Collection[str] = ()) -> Frame:
-    """Finds a frame among all but links; any other name is taken for a link's.
+    """Finds a frame by name; a name that is none of the scene's is taken for a link's.
 
     Args:
-        scene: With its frames, and the objects that come before.
-        name: Of the frame, without leading slashes; "" if a header names none.
+        scene: The scene with its frames and the objects read so far.
+        name: The frame's name, without leading slashes; "" if a header names none.
         state: The joints at which links are to be posed.
-        later: Names of objects that come after.
+        later: Names of objects that have not been read yet.
 
     Returns:
         The frame.
 
     Raises:
-        PlannercheckError: If it belongs to an object that comes later, or if no name could mean two frames.
+        PlannercheckError: If the frame is that of a later object, or if a missing name could mean two frames.
     """
     frames = scene.frames
     if name in _planning_names(frames):
@@ -113,14 +113,14 @@ def find_frame(scene: SceneContents, name: str, state: StatedJoints, later: Coll
 
 
 def _planning_names(frames: SceneFrames) -> set[str]:
-    """What the planning frame may be called: by no name, if that could not be another frame."""
+    """Names of the planning frame; the empty name is one if it can't mean another frame."""
     names = {frames.planning or _DEFAULT}
     world = frames.fixed.get(_DEFAULT)
     return names if world is not None and not np.array_equal(world, np.eye(4)) else names | {""}
 
 
 def _frame_of(item: SceneObject, subframe: Matrix, state: StatedJoints, name: str) -> Frame:
-    """An object's frame, or a subframe of it, as it is at the object's own state, or at the given one."""
+    """An object's frame, or a subframe of it, at the object's own state, else at the given one."""
     if item.anchor is None:
         return Frame(None if item.link is None else Anchor(item.link, state), item.pose @ subframe, name)
     if item.anchor.state != state:
@@ -131,7 +131,7 @@ def _frame_of(item: SceneObject, subframe: Matrix, state: StatedJoints, name: st
 
 
 def _known(scene: SceneContents) -> tuple[str, ...]:
-    """Names of all frames that a scene knows besides links."""
+    """Names of all frames of a scene besides links."""
     names: Iterable[str] = (scene.frames.planning or _DEFAULT, *scene.frames.fixed)
     objects = (*scene.objects, *scene.attached)
     return (*names, *(f"{item.name}{sub}" for item in objects for sub in ("", *(f"/{s}" for s in item.subframes))))

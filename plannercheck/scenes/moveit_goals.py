@@ -1,11 +1,11 @@
 """Goals of MoveIt's motion-plan requests: values of joints, or the pose of a link.
 
-In: parsed `moveit_msgs/Constraints`, and for poses an inverse kinematics, which users give. Out: values by joint name.
+In: parsed `moveit_msgs/Constraints`, and for poses an inverse kinematics given by the user. Out: values by joint name.
 
 A pose is what MoveIt's `constructGoalConstraints(link_name, pose)` writes (moveit_core, kinematic_constraints,
 utils.cpp): one position constraint with a sphere or box about the position, one orientation constraint of the same
-link. As `PositionConstraint::decide` has it, the point that is to be there is `target_point_offset` in the link's
-frame. Of all constraints, tolerances are left out: the goal is the middle.
+link. As in `PositionConstraint::decide`, the point with this position is `target_point_offset` in the link's frame.
+Tolerances of all constraints are ignored: the goal is the middle.
 """
 
 from __future__ import annotations
@@ -37,21 +37,22 @@ _ORIENTATION_KEYS = (
 )
 _POSES = ("position_constraints", "orientation_constraints")
 
-# From here on MoveIt's `OrientationConstraint::configure` takes the identity for a quaternion.
+# If a quaternion's length differs from 1 by this or more, MoveIt's `OrientationConstraint::configure` takes the
+# identity.
 _LARGEST_EXCESS_OF_LENGTH = 1e-3
 
 
 @dataclass(frozen=True)
 class PoseGoal(OwnsArrays):
-    """Where a goal wants a link.
+    """The pose of a link that a goal asks for.
 
     Attributes:
         link: The link's name.
         pose: (4, 4) of the link's frame in `frame`, m.
-        frame: The frame that the constraints' headers name; the planning frame for the fixed frames of a problem set's
-            scene; "" if they name none.
-        group: The planning group's name, as the request gives it.
-        start: The start state, value by joint name, rad or m.
+        frame: The frame that the constraints' headers name, "" if none; a fixed frame of a problem set's scene is
+            replaced by the planning frame.
+        group: The planning group's name, as in the request.
+        start: The start state, values by joint name, rad or m.
     """
 
     link: str
@@ -61,19 +62,19 @@ class PoseGoal(OwnsArrays):
     start: Mapping[str, float]
 
 
-# Values of the group's joints by name at which the link is there, or several such; None if there are none.
+# A function from a goal to values of the group's joints by name that reach it, to several of these, or to None.
 InverseKinematics: TypeAlias = Callable[[PoseGoal], Mapping[str, float] | Iterable[Mapping[str, float]] | None]
 
 
 @dataclass(frozen=True)
 class GoalReader:
-    """What reading goals takes.
+    """Reads the goals of a request.
 
     Attributes:
         group: The planning group's name.
         start: The start state.
         ik: Solves goals that are poses; None refuses them.
-        frames: Of the scene, if it is known.
+        frames: The scene's frames, if they are known.
     """
 
     group: str
@@ -82,7 +83,7 @@ class GoalReader:
     frames: SceneFrames | None = None
 
     def read(self, node: Node, index: int) -> list[Values]:
-        """The joint values of one goal: several, if the inverse kinematics finds several."""
+        """The joint values of one goal; several if the inverse kinematics finds several."""
         with within(f"goal_constraints {index}"):
             if sequence(node.get("visibility_constraints"), "'visibility_constraints'"):
                 raise PlannercheckError("visibility_constraints are not supported, goals are joint_constraints")
@@ -124,7 +125,7 @@ class GoalReader:
         return PoseGoal(link, placed, frame, self.group, self.start)
 
     def _in_planning_frame(self, pose: Matrix, frame: str) -> tuple[Matrix, str]:
-        """A pose in a fixed frame of the scene in the planning frame; others are left as they are."""
+        """Takes a pose from a fixed frame of the scene to the planning frame; other poses stay as they are."""
         if self.frames is None or frame not in self.frames.fixed:
             return pose, frame
         return self.frames.fixed[frame] @ pose, self.frames.planning
@@ -151,7 +152,7 @@ def _only_one(node: Node, key: str) -> Node:
 
 
 def _middle(region: Node) -> Matrix:
-    """The middle (3,) of the region in which a point is to be: of its only primitive."""
+    """The middle (3,) of a constraint's region, i.e. of its only primitive."""
     with within("constraint_region"):
         check_keys(region, _REGION_KEYS)
         shapes = [len(sequence(region.get(key), repr(key))) for key in ("primitives", "primitive_poses", "meshes")]
@@ -175,7 +176,7 @@ def _rotation(node: Node) -> Matrix:
 
 
 def _solutions(found: object) -> list[Values]:
-    """What an inverse kinematics gives, checked."""
+    """The solutions of an inverse kinematics, checked."""
     several = [found] if isinstance(found, Mapping) else [] if found is None else found
     if not isinstance(several, Iterable):
         raise _no_solution(several)

@@ -1,6 +1,6 @@
 """Vectors, poses and headers as ROS messages have them in YAML.
 
-In: parsed YAML; vectors are lists or mappings of x, y, z (, w). Out: 4 x 4 matrices in m, frame names.
+In: parsed YAML; vectors are lists, or mappings of x, y, z (and w). Out: 4 x 4 matrices in m, frame names.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def vector(value: Any, key: str, axes: str) -> list[float]:
 
 
 def pose(node: Node, position: str = "position", orientation: str = "orientation") -> Matrix:
-    """The pose (4, 4) of a position and an x, y, z, w quaternion, which is normalised; what is left out is zero."""
+    """The pose (4, 4) of a position and a quaternion x, y, z, w, which is normalised; missing entries are zero."""
     check_keys(node, (position, orientation))
     shift = vector(node.get(position) or [0.0] * 3, position, "xyz")
     turn = vector(node.get(orientation) or _NO_TURN, orientation, "xyzw")

@@ -1,7 +1,7 @@
 """MoveIt's collision objects in YAML.
 
 In: a parsed `moveit_msgs/CollisionObject`. Out: `ObjectMessage`: shapes posed in the object's frame, its pose in the
-frame that its header names, its subframes. Of a mesh, the hull is taken.
+frame that its header names, its subframes. A mesh becomes its hull.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _OBJECT_KEYS = (
     *("planes", "plane_poses", "subframe_names", "subframe_poses", "operation"),
 )
 
-# More than any mesh has; whole numbers up to here are doubles.
+# More vertices than any mesh has; whole numbers up to here are exact doubles.
 _MOST_VERTICES = 2**53
 
 # Names and codes of the operation that puts an object into a scene; ROS 2 writes a byte.
@@ -52,12 +52,12 @@ _PRIMITIVES: dict[str, tuple[int, int, Callable[[Sequence[float]], Shape]]] = {
 
 @dataclass(frozen=True)
 class ObjectMessage:
-    """A collision object as a message has it.
+    """A collision object as in a message.
 
     Attributes:
         name: Its id.
         parts: Its shapes, posed in its frame.
-        pose: (4, 4) of its frame in the header's, m.
+        pose: (4, 4) of its frame in the header's frame, m.
         frame: The name of the header's frame, without leading slashes; "" if it names none.
         subframes: (4, 4) by name in its frame, m.
     """
@@ -72,8 +72,8 @@ class ObjectMessage:
 def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
     """Reads a collision object.
 
-    As in MoveIt (`PlanningScene::shapesAndPosesFromCollisionObjectMessage`), an object whose pose is the identity or
-    left out has that of its only shape, if it has just one.
+    As in MoveIt (`PlanningScene::shapesAndPosesFromCollisionObjectMessage`), an object of one shape whose own pose is
+    missing or the identity takes the pose of its shape.
     """
     name = text(required(node, "id"), "id")
     with within(f"collision object {name!r}"):
@@ -95,7 +95,7 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
 
 
 def _object_pose(node: Node) -> Matrix:
-    """An object's own pose; all zeros is a message's unset pose, hence the identity, as Eigen has it in MoveIt."""
+    """An object's own pose; all zeros means an unset pose, hence the identity, as with Eigen in MoveIt."""
     with within("pose"):
         return np.eye(4) if node and is_all_zeros(node) else pose(node)
 
@@ -140,7 +140,7 @@ def _mesh(node: Node, find_file: FindFile) -> Hull:
 
 
 def _triangles(node: Node) -> NDArray[np.int64]:
-    """Indices of vertices (m, 3), bare or in messages; absurd ones stay beyond all vertices."""
+    """Indices of vertices (m, 3), bare or in messages; absurd ones become indices beyond all vertices."""
     rows = sequence(node.get("triangles"), "'triangles'")
     rows = [row.get("vertex_indices") if isinstance(row, dict) else row for row in rows]
     corners = np.array([numbers(row, "triangles", 3) for row in rows]).reshape(-1, 3)

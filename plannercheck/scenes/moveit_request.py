@@ -1,4 +1,4 @@
-"""MoveIt motion-plan requests in YAML: where a plan starts, and its goals in joint space.
+"""MoveIt motion-plan requests in YAML: the start of a plan, and its goals in joint space.
 
 In: `moveit_msgs/MotionPlanRequest`, as ROS, MoveIt and MotionBenchMaker write it; for goals that are poses (see
 moveit_goals.py) an inverse kinematics. Out: a MotionRequest.
@@ -20,12 +20,12 @@ from plannercheck.scenes.moveit_states import check_robot_state, joint_values
 
 @dataclass(frozen=True)
 class MotionRequest:
-    """What a motion-plan request asks for.
+    """The start and the goals of a motion-plan request.
 
     Attributes:
         group: The planning group's name, as given.
-        start: Value by joint name, rad or m: all joints that the start state gives.
-        goals: The same for each goal, with the joints that it constrains; of a pose, those that the IK gives.
+        start: Values by joint name, rad or m, of all joints that the start state gives.
+        goals: For each goal the values of the joints that it constrains; for a pose, the values from the IK.
         state: The start state as it was read, e.g. for what it attaches to links.
     """
 
@@ -40,8 +40,8 @@ def read_request(path: str | Path, ik: InverseKinematics | None = None) -> Motio
 
     Args:
         path: The file.
-        ik: Finds joint values for goals that are poses, `ik(PoseGoal)`: one mapping of joint names to rad or m,
-            several, or None if there are none. Without it, such goals are refused.
+        ik: Finds joint values for goals that are poses: `ik(PoseGoal)` returns one mapping of joint names to rad or m,
+            several, or None if there is no solution. Without it, such goals are refused.
 
     Raises:
         PlannercheckError: If the file is no request, or a goal has no joint values.
@@ -58,8 +58,7 @@ def motion_request(
     Args:
         document: The request.
         ik: As for `read_request`.
-        frames: Of the scene that the request is for: poses in its fixed frames are handed to `ik` in the planning
-            frame.
+        frames: The frames of the request's scene: `ik` gets poses in its fixed frames in the planning frame.
     """
     start = mapping(required(document, "start_state"), "'start_state'")
     check_robot_state(start, "request")

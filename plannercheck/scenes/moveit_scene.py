@@ -3,10 +3,11 @@
 In: parsed YAML, a scene without objects. Out: the scene as MoveIt would have it.
 
 Objects are posed in the frame that their header names (moveit_frames.py), and their primitives and meshes relative to
-them (moveit_objects.py). docs/reference/moveit.md has for every field of the messages whether it is used, refused or
-ignored: what would change verdicts and is not supported is an error (planes, octomaps, moved virtual joints) or a
-warning that names it (link scales, scenes that are diffs). Of the robot's state, attached objects are taken, and where
-links are in whose frames objects are posed. Link padding is kept as `scene.link_padding`, for `Checker(padding=)`.
+the object (moveit_objects.py). docs/reference/moveit.md lists for every field of the messages whether it is used,
+refused or ignored. Unsupported fields that would change verdicts raise an error (planes, octomaps, moved virtual
+joints) or a warning (link scales, scenes that are diffs). Two things are used of the robot's state: attached objects,
+and the poses of links in whose frames objects are posed. Link padding is kept as `scene.link_padding`, for
+`Checker(padding=)`.
 """
 
 from __future__ import annotations
@@ -27,14 +28,14 @@ from plannercheck.scenes.moveit_objects import ObjectMessage, read_object
 from plannercheck.scenes.moveit_states import check_robot_state, stated_joints
 from plannercheck.scenes.scene_paths import FindFile, file_finder
 
-# The fields of moveit_msgs/PlanningScene; the ones that no verdict depends on are accepted and not read.
+# The fields of moveit_msgs/PlanningScene; fields that no verdict depends on are accepted and ignored.
 _SCENE_KEYS = (
     *("name", "robot_state", "robot_model_name", "fixed_frame_transforms", "allowed_collision_matrix"),
     *("link_padding", "link_scale", "object_colors", "world", "is_diff"),
 )
 _TELLING_KEYS = frozenset({"world", "robot_state", "robot_model_name", "allowed_collision_matrix"})
 
-# The fields of moveit_msgs/PlanningSceneWorld, and what tells a moveit_msgs/CollisionObject.
+# The fields of moveit_msgs/PlanningSceneWorld, and those that identify a moveit_msgs/CollisionObject.
 _WORLD_KEYS = ("collision_objects", "octomap")
 _OBJECT_TELLING_KEYS = frozenset({"id", "primitives", "meshes", "planes"})
 
@@ -51,10 +52,10 @@ def as_planning_scene(document: Node) -> Node | None:
 
 
 def read_planning_scene(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequence[Path] = ()) -> None:
-    """Reads a parsed planning scene: its objects, what the robot's state attaches, its allowed collision matrix.
+    """Reads a parsed planning scene: its objects, attached objects, and allowed collision matrix.
 
     Args:
-        scene: Is filled.
+        scene: The scene to fill.
         document: The YAML document.
         folder: Where relative paths of meshes start.
         package_dirs: Where `package://` meshes are looked for before the folders above.
@@ -84,7 +85,7 @@ def read_planning_scene(scene: SceneContents, document: Node, folder: Path, pack
 
 
 def _add_objects(scene: SceneContents, state: Node, obstacles: Sequence[ObjectMessage], find_file: FindFile) -> None:
-    """Adds what the state attaches and the obstacles; in MoveIt's order, since each may be posed in earlier ones."""
+    """Adds attached objects and obstacles in MoveIt's order, since each may be posed in an earlier one's frame."""
     with within("robot_state"):
         joints = stated_joints(state)
         attached = read_attached(state, joints, find_file)
@@ -108,9 +109,9 @@ def _add_obstacle(scene: SceneContents, read: ObjectMessage, joints: StatedJoint
 
 
 def attach_from_state(scene: SceneContents, state: Node, folder: Path) -> None:
-    """Attaches what a robot state says, e.g. the start of a motion request, to links; see moveit_attached.py.
+    """Attaches the objects of a robot state, e.g. of a motion request's start, to links; see moveit_attached.py.
 
-    Objects that it gives with shapes take the place of those that the scene calls so, whether attached or not.
+    Objects with shapes replace the scene's objects of the same name, attached or not.
     """
     check_robot_state(state, "request", scene.frames)
     attached = read_attached(state, stated_joints(state), file_finder(folder))
@@ -119,7 +120,7 @@ def attach_from_state(scene: SceneContents, state: Node, folder: Path) -> None:
 
 
 def _link_padding(document: Node) -> dict[str, float]:
-    """Lengths by link, m; says how they are put to use."""
+    """Lengths by link, m; a warning says how to use them."""
     nodes = [mapping(n, "link_padding") for n in sequence(document.get("link_padding"), "'link_padding'")]
     given = {text(required(n, "link_name"), "link_name"): number(n.get("padding", 0.0), "padding") for n in nodes}
     padding = {link: length for link, length in given.items() if length}

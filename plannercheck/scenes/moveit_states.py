@@ -1,7 +1,7 @@
 """Robot states of MoveIt in YAML.
 
-In: a parsed `moveit_msgs/RobotState`. Out: the joints that it gives, once something asks where a link is; an error if
-it moves the robot's base.
+In: a parsed `moveit_msgs/RobotState`. Out: the joints that it gives, for poses of links; an error if it moves the
+robot's base.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def check_robot_state(state: Node, what: str, frames: SceneFrames | None = None)
 
     Args:
         state: The robot state.
-        what: Whose it is, for errors.
-        frames: The scene's; None if they are not known, then the joints' frame is not looked at.
+        what: The name of the state, for errors.
+        frames: The scene's frames; None if they are not known: then the joints' frame is not checked.
     """
     check_keys(state, _STATE_KEYS)
     joints = mapping(state.get("multi_dof_joint_state"), "'multi_dof_joint_state'")
@@ -44,7 +44,7 @@ def check_robot_state(state: Node, what: str, frames: SceneFrames | None = None)
 
 
 def _check_frame(name: str, frames: SceneFrames) -> None:
-    """Raises if transforms are given in a frame that is elsewhere: identities there are none in the planning frame."""
+    """Raises if transforms are given in a frame other than the planning frame, where identities mean other poses."""
     at_identity = name in frames.fixed and np.array_equal(frames.fixed[name], np.eye(4))
     if name and frames.planning not in ("", name) and not at_identity:
         raise PlannercheckError(

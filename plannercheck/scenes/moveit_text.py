@@ -2,7 +2,7 @@
 
 In: the file's content, a scene without objects. Out: the scene with them, and back.
 
-The format is what moveit_core has it to be: `PlanningScene::saveGeometryToStream` and `loadGeometryFromStream`
+The format is that of moveit_core: `PlanningScene::saveGeometryToStream` and `loadGeometryFromStream`
 (planning_scene.cpp), with `shapes::saveAsText` and `constructShapeFromText` of geometric_shapes (shape_operations.cpp):
 
     name of the scene
@@ -21,7 +21,8 @@ The format is what moveit_core has it to be: `PlanningScene::saveGeometryToStrea
     qx qy qz qw
     .                                  the end
 
-Lines count for the name and the ids alone; elsewhere any white space parts words. Poses are in the planning frame.
+Line breaks matter for the name and the ids only; elsewhere any white space separates words. Poses are in the planning
+frame.
 """
 
 from __future__ import annotations
@@ -47,20 +48,20 @@ from plannercheck.scenes.contents import SceneContents
 
 Matrix = NDArray[np.float64]
 
-# Of file names, in lower case.
+# Suffixes of file names, in lower case.
 SUFFIX = ".scene"
 
 _OBJECT, _END = "*", "."
 _COLOUR = "0 0 0 0"  # none
 
-# What C++'s streams take for white space.
+# The white space of C++'s streams.
 _SPACE = " \t\r\n\v\f"
 _WORD = re.compile(rf"[^{_SPACE}]+")
 
-# Digits of a count that can still be true of a file.
+# The largest number of digits of a plausible count.
 _LONGEST_COUNT = 9
 
-# By name: how many numbers, and the shape that they make; a mesh has a reader of its own.
+# By name: how many numbers a shape has, and how to make it; a mesh has a reader of its own.
 _SIZED: dict[str, tuple[int, Callable[..., Shape]]] = {
     "sphere": (1, Sphere),
     "box": (3, lambda *size: Box(size)),
@@ -74,11 +75,11 @@ def read_scene_text(scene: SceneContents, content: bytes) -> None:
     """Reads a `.scene` file.
 
     Args:
-        scene: Is filled, and named as the file says.
-        content: Of the file.
+        scene: The scene to fill and to name.
+        content: The content of the file.
 
     Raises:
-        PlannercheckError: With the object and the line that are wrong.
+        PlannercheckError: If the file is faulty; the message names the object and the line.
     """
     words = _Words(_text(content))
     scene.name = words.rest_of_line()
@@ -157,7 +158,7 @@ def _pose(words: _Words, whose: str) -> Matrix:
 
 
 class _Words:
-    """The words of a text, one after the other; errors name the line."""
+    """Reads a text word by word; errors name the line."""
 
     def __init__(self, text: str) -> None:
         self._lines = text.split("\n")
@@ -174,7 +175,7 @@ class _Words:
         raise PlannercheckError(f"line {len(self._lines)}: the file ends where {what} must stand")
 
     def rest_of_line(self) -> str:
-        """What is left of a line."""
+        """The rest of the line."""
         rest = self._lines[self._row][self._column :].strip(_SPACE)
         self._row, self._column = self._row + 1, 0
         return rest
@@ -200,14 +201,14 @@ class _Words:
         return int(word)
 
     def objects_have_poses(self) -> bool:
-        """Whether objects have poses and subframes: as in MoveIt, the line after the first object's tells."""
+        """Whether objects have poses and subframes: as in MoveIt, the line after the first object's name decides."""
         for line, after in zip(self._lines[self._row :], self._lines[self._row + 1 :], strict=False):
             if line.startswith(_OBJECT):
                 return len(_WORD.findall(after)) > 1
         return False
 
     def at_this_line(self) -> AbstractContextManager[None]:
-        """Puts the number of the line before errors that are raised inside."""
+        """A context that puts the number of the line before errors."""
         return within(f"line {self._row + 1}")
 
     def error(self, message: str) -> PlannercheckError:
@@ -216,12 +217,13 @@ class _Words:
 
 
 def scene_text(scene: SceneContents) -> str:
-    """The obstacles as a `.scene` file, hulls as meshes; a warning names what the format does not hold.
+    """The obstacles as a `.scene` file, hulls as meshes; a warning names contents that the format can't hold.
 
-    Sizes and positions are read back as the same doubles, rotations as quaternions: to rounding.
+    Reading the file gives the same sizes and positions; rotations, written as quaternions, are rounded.
 
     Raises:
-        PlannercheckError: For a capsule or a flat hull, which MoveIt does not have, and names that can't be read back.
+        PlannercheckError: For a capsule or a flat hull, which MoveIt does not have, and for names that can't be read
+            back.
     """
     lines = [_single_line(scene.name, "the scene's name")]
     for item in scene.objects:
@@ -270,7 +272,7 @@ def _pose_lines(pose: Matrix) -> list[str]:
 
 
 def _row(numbers: object) -> str:
-    """Numbers as texts that are read back as the same doubles."""
+    """Numbers as text; reading it gives the same doubles."""
     return " ".join(repr(float(number)) for number in np.asarray(numbers, dtype=np.float64))
 
 

@@ -1,9 +1,9 @@
 """Scenes: the obstacles around a robot, by name, and where planning starts and ends.
 
 In: `add_...` calls, a scene file of our own format, or one of MoveIt's (see moveit_scene.py, moveit_text.py). Out:
-`bodies`, each a shape posed in the world, what links carry (`attached`), and what may touch. A scene can be changed at
-any time, in place; a checker takes what is there when it is built, and `checker.with_scene` takes up changes without
-preparing anything again.
+`bodies`, each a shape posed in the world, `attached` objects, and allowed collisions. A scene can be changed at any
+time, in place. A checker copies the scene when it is built; `checker.with_scene` makes one for the changed scene
+without preparing anything again.
 
 A scene file is YAML; lengths are in m, angles in rad, paths relative to the file:
 
@@ -64,14 +64,14 @@ from plannercheck.scenes.scene_table import scene_html
 
 @set_module("plannercheck")
 class Scene(SceneContents):
-    """Named obstacles, posed in the world.
+    """Named obstacles posed in the world, objects attached to links, and allowed collisions.
 
     Attributes:
-        name: For reports.
+        name: The name that reports use.
         allowed: Which links and objects may touch.
         states: Start, goal and samples by robot name.
-        link_padding: What a MoveIt scene asks to be kept from links, by name, m; a checker takes it as `padding=`.
-        frames: Which frames a MoveIt scene knows besides links and objects.
+        link_padding: A MoveIt scene's padding of links, by name, m; a checker takes it as `padding=`.
+        frames: A MoveIt scene's frames besides links and objects.
     """
 
     @staticmethod
@@ -80,9 +80,9 @@ class Scene(SceneContents):
 
         Args:
             path: A file of our own format; a planning scene, a planning scene's world or a collision object of MoveIt
-                in YAML (told by their keys); MoveIt's text format (`.scene`); or the bare name of a shipped scene,
-                e.g. "bookshelf".
-            package_dirs: Folders in which `package://` meshes are looked for, before all folders above the file.
+                in YAML (recognised by their keys); MoveIt's text format (`.scene`); or the bare name of a shipped
+                scene, e.g. "bookshelf".
+            package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
 
         Returns:
             The scene.
@@ -95,9 +95,9 @@ class Scene(SceneContents):
         return scene
 
     def save(self, path: str | Path) -> None:
-        """Writes the scene in our own format; poses and sizes are read back as the same doubles.
+        """Writes the scene in our own format; reading it gives the same doubles.
 
-        A path that ends in `.scene` gets MoveIt's text format, which holds obstacles alone, their rotations as
+        A path that ends in `.scene` gets MoveIt's text format, which holds obstacles only, with rotations as
         quaternions, and no capsules.
         """
         write_scene(self, Path(path))
@@ -112,7 +112,7 @@ def shipped_scenes() -> list[str]:
 
 
 def _found(path: str | Path) -> Path:
-    """The path itself, or that of a shipped scene for a bare name."""
+    """The path itself, or for a bare name the path of a shipped scene."""
     given = Path(path)
     if (is_file(given) or is_folder(given)) or given.suffix or len(given.parts) != 1:
         return given

@@ -1,7 +1,7 @@
 """Reads and writes scene files of our own format, which scene.py documents.
 
-In: a file, a scene without objects. Out: the scene as the file has it, and back. YAML with the keys of MoveIt's
-messages goes to moveit_scene.py, a file called `.scene` to moveit_text.py.
+In: a file and an empty scene. Out: the filled scene; and the other way round. YAML with the keys of MoveIt's messages
+is read by moveit_scene.py, a file that ends in `.scene` by moveit_text.py.
 """
 
 from __future__ import annotations
@@ -42,14 +42,15 @@ from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.moveit_messages import single_document
 from plannercheck.scenes.scene_paths import FindFile, file_finder
 
-# Keys of pairs, and whether they may touch; two links, which a misspelt object may not pass for, have their own.
+# Keys of pairs, and whether the pairs may touch. Pairs of links have keys of their own, so that a misspelt object does
+# not pass for a link.
 _LINK_PAIRS = ("allowed_links", "forbidden_links")
 _PAIRS = {"allowed": True, "forbidden": False, "allowed_links": True, "forbidden_links": False}
 _SCENE_KEYS = ("name", "objects", "attached", *_PAIRS, "allowed_by_default", "states")
 _STATE_KEYS = ("start", "goal", "samples")
 _POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
-# What a shape's mapping must hold, by the shape's key in a file; meshes and hulls have readers of their own.
+# The keys of a shape's mapping, by the shape's key in a file; meshes and hulls have readers of their own.
 _SIZED: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
     "sphere": (Sphere, ("radius",)),
     "cylinder": (Cylinder, ("radius", "length")),
@@ -63,9 +64,9 @@ def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = 
     """Reads a scene of any format.
 
     Args:
-        scene: Is filled, and named after the file if that does not give a name.
+        scene: The scene to fill; it is named after the file if that gives no name.
         path: The file.
-        package_dirs: Where `package://` meshes are looked for before the folders above the file.
+        package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
     """
     if not is_file(path):
         raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
@@ -231,7 +232,7 @@ def _read_allowed(scene: SceneContents, document: Node) -> None:
 
 
 def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> None:
-    """Declares in a scene what a file's mapping says of a robot."""
+    """Declares the states of a robot that a file's mapping gives."""
     check_keys(node, _STATE_KEYS)
     start, goal = (numbers(node[key], key) if key in node else None for key in ("start", "goal"))
     samples = folder / text(node["samples"], "samples") if "samples" in node else None
@@ -299,7 +300,7 @@ def _pose_node(pose: NDArray[np.float64]) -> Node:
 
 
 def _allowed_nodes(scene: SceneContents) -> Node:
-    """What may touch; forbidden pairs matter only where a default would allow them."""
+    """Allowed collisions; forbidden pairs matter only where a default would allow them."""
     known = {*scene.object_names, *(item.name for item in scene.attached)}
     said = {
         key: [
@@ -317,7 +318,7 @@ def _allowed_nodes(scene: SceneContents) -> Node:
 
 
 def states_node(scene: DeclaredStates, robot: str, folder: Path) -> Node:
-    """What `read_states` reads."""
+    """The mapping that `read_states` reads."""
     states = scene.states[robot]
     node: Node = {}
     if states.start is not None:
@@ -330,6 +331,6 @@ def states_node(scene: DeclaredStates, robot: str, folder: Path) -> Node:
 
 
 def _relative(file: Path, folder: Path) -> str:
-    """A path as seen from a folder, absolute if it is not below it."""
+    """A path relative to a folder, absolute if it is not below that folder."""
     absolute = file.resolve()
     return str(absolute.relative_to(folder)) if absolute.is_relative_to(folder) else str(absolute)

@@ -1,6 +1,7 @@
-"""Words for scenes that can be read but are hardly meant: sizes in millimetres.
+"""Hints for scenes that are probably mistakes: sizes in millimetres.
 
-In: a scene. Out: a sentence that says what it looks like and what to do, or an empty one. Verdicts do not depend on it.
+In: a scene. Out: a sentence that says what it looks like and what to do, or an empty string. Verdicts do not depend on
+it.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ _LARGE, _THIN = 100.0, 1.0
 
 
 def scale_hint(scene: SceneContents) -> str:
-    """What the objects' sizes look like; empty if they are usual."""
+    """A sentence about the objects' sizes; empty if they are usual."""
     extents: dict[str, list[NDArray[np.float64]]] = {}
     for item in scene.objects:
         for part in item.parts:

@@ -1,7 +1,7 @@
-"""Where the files are that scenes name.
+"""Finds the files that scenes name.
 
-In: what a scene calls a mesh, or another file: a path, or a file:// or package:// address. Out: the path of the file.
-Packages are looked for as URDFs have it (common/package_files.py).
+In: a scene's name for a mesh or another file: a path, or a file:// or package:// address. Out: the path of the file.
+Packages are found as for URDFs (common/package_files.py).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_files import folders_above, package_file, where_sought
 
-# Turns what a scene calls a file into its path.
+# Turns a scene's name for a file into its path.
 FindFile = Callable[[str], Path]
 
 
@@ -20,8 +20,8 @@ def file_finder(folder: Path, package_dirs: Sequence[Path] = ()) -> FindFile:
     """Makes the function that finds a scene's files.
 
     Args:
-        folder: Of the scene file: relative paths start there.
-        package_dirs: Folders that contain packages; they come before the folders above the scene.
+        folder: The folder of the scene file: relative paths start there.
+        package_dirs: Folders that contain packages; they are searched before the folders above the scene.
     """
 
     def find(address: str) -> Path:

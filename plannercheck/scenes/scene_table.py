@@ -1,6 +1,6 @@
 """A scene as notebooks show it: a table of its objects.
 
-In: a scene. Out: HTML, in which names are text whatever they hold.
+In: a scene. Out: HTML, in which names are always plain text.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import Box, Hull, Shape, Sphere
 from plannercheck.scenes.contents import SceneContents
 
-# More rows than these are counted instead.
+# Rows beyond this number are only counted.
 _MOST_ROWS = 40
 
 _HEADER = ("object", "shapes", "position, m", "in the frame of")
