@@ -30,6 +30,11 @@ _ROOT = re.compile(r"<robot\b")
 _NO_TEXT = re.compile("[\ud800-\udfff]")
 _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
 
+# What may follow the last element; some editors leave a zero byte there.
+_BLANKS = " \t\r\n\0"
+
+_EMPTY = "it is empty"
+
 # Every XML reader knows these.
 _KNOWN_PREFIXES = frozenset({"xml", "xmlns"})
 
@@ -83,8 +88,9 @@ class UrdfFile:
             content = plain.encode()
         check_xml_text(content, f"URDF {path}")
         if root is None:
-            return cls(path, None, fault, None)
+            return cls(path, None, fault if content.strip() else _EMPTY, None)
         _check_expanded(root, path)
+        _check_named(root, path)
         return cls(path, _with_names(root) or plain, "", root)
 
     @property
@@ -98,6 +104,13 @@ class UrdfFile:
     def hint(self) -> str:
         """Says so if the file is a xacro that was not expanded; else empty."""
         return xacro_hint(self.path)
+
+    @property
+    def no_xml(self) -> str:
+        """Says so if the file is no XML; else empty."""
+        if not self.fault:
+            return ""
+        return self.fault if self.fault == _EMPTY else f"it is no XML ({self.fault})"
 
     def with_meshes(self, files: dict[str, Path]) -> UrdfFile:
         """The same with other files for some of its collision meshes, by the name that it gives them."""
@@ -130,7 +143,7 @@ def _parsed(content: bytes | str) -> tuple[Element | None, str]:
 
 def _plain(content: bytes) -> str | None:
     """The text without comments and declarations, all prefixes bound; None if it is no UTF-8."""
-    text = _DECLARATION.sub("", _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape"))).strip()
+    text = _DECLARATION.sub("", _COMMENT.sub("", content.decode("utf-8-sig", "surrogateescape"))).strip(_BLANKS)
     if _NO_TEXT.search(text):
         return None
     unbound = {name for name in _PREFIX.findall(text) if f"xmlns:{name}" not in text} - _KNOWN_PREFIXES
@@ -143,6 +156,12 @@ def _check_expanded(root: Element, path: Path) -> None:
     found = next((each.tag for each in root.iter() if isinstance(each.tag, str) and _XACRO.match(each.tag)), None)
     if found is not None:
         raise PlannercheckError(f"URDF {path} holds <xacro:{found.partition('}')[2]}>: {xacro_hint(path)}")
+
+
+def _check_named(root: Element, path: Path) -> None:
+    """Raises for a robot without a name, which urdfdom does not take."""
+    if root.tag == "robot" and not root.get("name"):
+        raise PlannercheckError(f'URDF {path}: its <robot> has no name: write <robot name="...">')
 
 
 def _with_names(root: Element) -> str | None:
