@@ -6,6 +6,7 @@ hulls.
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,6 +22,10 @@ from plannercheck.common.package_data import is_file
 
 # No link or object is as large: meshes in millimetres are, from 2 cm on. m.
 _LARGEST_USUAL_MESH = 20.0
+
+# Formats that may write vertices as text, one a line, and a vertex that is no number.
+_WITH_LINES = (".obj", ".stl")
+_NO_NUMBER = re.compile(rb"^[ \t]*(v(?:ertex)?[ \t][^\r\n]*\bnan\b[^\r\n]*)", re.IGNORECASE | re.MULTILINE)
 
 # What Git keeps in place of a large file.
 _LFS_POINTER = b"version https://git-lfs"
@@ -85,6 +90,19 @@ def check_mesh(path: Path) -> None:
         raise PlannercheckError("is a Git LFS pointer, not the mesh itself: `git lfs pull` fetches it")
     if path.suffix.lower() == ".ply":
         check_ply(path)
+    if path.suffix.lower() in _WITH_LINES:
+        _check_numbers(path)
+
+
+def _check_numbers(path: Path) -> None:
+    """Raises for a vertex in words: coal builds a box about it, and complains on the terminal."""
+    content = path.read_bytes()
+    if not any(word in content for word in (b"nan", b"NaN", b"NAN")):
+        return
+    found = _NO_NUMBER.search(content)
+    if found is not None:
+        line = content.count(b"\n", 0, found.start()) + 1
+        raise PlannercheckError(f"line {line}: vertex {found.group(1).decode(errors='replace')!r:.80} is no number")
 
 
 def mesh_hint(points: NDArray[np.float64]) -> str:

@@ -9,7 +9,7 @@ a continuous joint is one angle in a group and two numbers in Pinocchio's q.
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,11 +26,11 @@ Ints = NDArray[np.int32]
 
 PLAIN, COSINE, SINE = 0, 1, 2
 
-# Pinocchio's mark of a missing limit: the largest double.
-NO_LIMIT = 1e300
-
-# Beyond this, products of poses could overflow; no joint gets there, so that a limit beyond it is none.
+# Beyond this, products of poses could overflow; no joint gets there.
 LARGEST_VALUE = 1e15
+
+# A limit beyond all configurations is none; Pinocchio marks a missing one by the largest double.
+NO_LIMIT = LARGEST_VALUE
 
 # Range in m from which positions without limits are sampled.
 _UNLIMITED_RANGE = 1.0
@@ -50,6 +50,7 @@ class ConfigurationMap(OwnsArrays):
         roles: (full nq,) PLAIN for the value itself, COSINE or SINE of it.
         lengths: The check of columns that form unit vectors: quaternions, cosine and sine.
         starts: First column of each joint.
+        angles: (nq,) columns that are plain angles of joints which turn about an axis.
     """
 
     joint_names: tuple[str, ...]
@@ -61,6 +62,7 @@ class ConfigurationMap(OwnsArrays):
     roles: Ints
     lengths: UnitLengths
     starts: tuple[int, ...]
+    angles: NDArray[np.bool_]
 
     @property
     def units(self) -> tuple[tuple[int, int], ...]:
@@ -139,7 +141,7 @@ class ConfigurationMap(OwnsArrays):
 
     def sampled_range(self) -> tuple[Floats, Floats]:
         """(nq,) bounds of the numbers of `random`: the limits, or a finite range where there are none."""
-        turning = np.isinf(self.lower) & (self.roles_of_columns() != PLAIN)
+        turning = np.isinf(self.lower) & (self.angles | (self.roles_of_columns() != PLAIN))
         unlimited = np.where(turning, math.pi, _UNLIMITED_RANGE)
         low = np.where(np.isinf(self.lower), np.minimum(self.upper - 2 * unlimited, -unlimited), self.lower)
         high = np.where(np.isinf(self.upper), np.maximum(low + 2 * unlimited, unlimited), self.upper)
@@ -174,7 +176,8 @@ def whole_robot(model: pin.Model) -> ConfigurationMap:
     columns = np.arange(full, dtype=np.int32)
     lengths = unit_lengths(model, columns.tolist(), zeros, [False] * full)
     starts = tuple(model.idx_qs)[1:]
-    return ConfigurationMap(tuple(model.names)[1:], lower, upper, columns, np.ones(full), zeros, roles, lengths, starts)
+    names, angles = tuple(model.names)[1:], _plain_angles(_joints(model), starts, full)
+    return ConfigurationMap(names, lower, upper, columns, np.ones(full), zeros, roles, lengths, starts, angles)
 
 
 def planning_group(
@@ -211,7 +214,8 @@ def planning_group(
     lower, upper = (np.array([pair[side] for pair in limits]) for side in (0, 1))
     lengths = unit_lengths(model, columns.tolist(), offsets, (roles != PLAIN).tolist())
     firsts = tuple(starts.values())
-    return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, lengths, firsts)
+    angles = _plain_angles((joint_by_name(model, name) for name in joints), firsts, len(lower))
+    return ConfigurationMap(tuple(joints), lower, upper, columns, multipliers, offsets, roles, lengths, firsts, angles)
 
 
 def followed(name: str, mimics: Mapping[str, Mimic], known: Container[str]) -> tuple[str, float, float]:
@@ -262,13 +266,22 @@ def joint_limits(model: pin.Model, joint: pin.JointModel) -> list[tuple[float, f
     return list(zip(lower[entries].tolist(), upper[entries].tolist(), strict=True))
 
 
+def _plain_angles(joints: Iterable[pin.JointModel], starts: Sequence[int], width: int) -> NDArray[np.bool_]:
+    """(width,) columns that are the one number of a joint which turns about an axis."""
+    angles = np.zeros(width, dtype=np.bool_)
+    for joint, start in zip(joints, starts, strict=True):
+        if joint.nq == 1 and str(joint.shortname()).startswith("JointModelR"):
+            angles[start] = True
+    return angles
+
+
 def _joints(model: pin.Model) -> Iterator[pin.JointModel]:
     return (model.joints[i] for i in range(1, model.njoints))
 
 
 def _limits(model: pin.Model) -> tuple[Floats, Floats]:
     lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
-    lower[lower < -LARGEST_VALUE], upper[upper > LARGEST_VALUE] = -np.inf, np.inf
+    lower[lower < -NO_LIMIT], upper[upper > NO_LIMIT] = -np.inf, np.inf
     return lower, upper
 
 

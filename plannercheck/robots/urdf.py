@@ -93,7 +93,7 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
             else:
                 model = pin.buildModelFromXML(file.mended, *root)
     except (ValueError, RuntimeError, IndexError) as error:
-        reason = file.hint or _one_line(file.messages(floating, ()), str(error))
+        reason = file.hint or file.no_xml or _one_line(file.messages(floating, ())) or _one_line(str(error))
         raise PlannercheckError(f"URDF {file.path} does not parse: {reason}") from None
     _check_names(model, file.path)
     _check_limits(model, file.path)
@@ -143,7 +143,7 @@ def read_geometry(model: pin.Model, urdf: Path | UrdfFile, package_dirs: Sequenc
     try:
         geometry = built_geometry(model, file, pin.COLLISION, folders)
     except (ValueError, RuntimeError) as error:
-        reason = _one_line(file.messages(False, folders), str(error))
+        reason = _one_line(file.messages(False, folders), str(error).rpartition("message: ")[2])
         sought = f" {where_sought(package_dirs)}" if "could not be found" in reason else ""
         raise PlannercheckError(f"URDF {file.path}: a collision mesh does not load: {reason}{sought}") from None
     _check_complete(model, geometry, file, folders)
@@ -285,8 +285,10 @@ def _points_of(shape: Any) -> NDArray[np.float64] | None:
     """Vertices (n, 3) in m of coal's meshes and convex polytopes, else None."""
     if isinstance(shape, coal.ConvexBase):
         return np.asarray(shape.points(), dtype=np.float64)
-    return np.array(shape.vertices(), dtype=np.float64) if hasattr(shape, "vertices") else None
+    # One vertex alone comes as (3,).
+    return np.array(shape.vertices(), dtype=np.float64).reshape(-1, 3) if hasattr(shape, "vertices") else None
 
 
 def _one_line(*messages: str) -> str:
+    """Messages without breaks."""
     return "; ".join(" ".join(message.split()) for message in messages if message.strip())

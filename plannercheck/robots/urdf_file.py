@@ -33,6 +33,8 @@ _NO_TEXT = re.compile("[\ud800-\udfff]")
 _BLANK = " \t\r\n\0"  # some files end in a zero byte
 _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
 
+_EMPTY = "it is empty"
+
 # Every XML reader knows these.
 _KNOWN_PREFIXES = frozenset({"xml", "xmlns"})
 
@@ -86,8 +88,9 @@ class UrdfFile:
             content = plain.encode()
         check_xml_text(content, f"URDF {path}")
         if root is None:
-            return cls(path, None, fault, None)
+            return cls(path, None, fault if content.strip() else _EMPTY, None)
         _check_expanded(root, path)
+        _check_named(root, path)
         return cls(path, _with_names(root) or plain, "", root)
 
     @property
@@ -106,6 +109,13 @@ class UrdfFile:
     def hint(self) -> str:
         """Says so if the file is a xacro that was not expanded; else empty."""
         return xacro_hint(self.path)
+
+    @property
+    def no_xml(self) -> str:
+        """Says so if the file is no XML; else empty."""
+        if not self.fault:
+            return ""
+        return self.fault if self.fault == _EMPTY else f"it is no XML ({self.fault})"
 
     def with_meshes(self, files: dict[str, Path]) -> UrdfFile:
         """The same URDF with other files for some of its collision meshes, by the name that it gives them."""
@@ -154,6 +164,12 @@ def _check_expanded(root: Element, path: Path) -> None:
     found = next((each.tag for each in root.iter() if isinstance(each.tag, str) and _XACRO.match(each.tag)), None)
     if found is not None:
         raise PlannercheckError(f"URDF {path} holds <xacro:{found.partition('}')[2]}>: {xacro_hint(path)}")
+
+
+def _check_named(root: Element, path: Path) -> None:
+    """Raises for a robot without a name, which urdfdom does not take."""
+    if root.tag == "robot" and not root.get("name"):
+        raise PlannercheckError(f'URDF {path}: its <robot> has no name: write <robot name="...">')
 
 
 def _with_names(root: Element) -> str | None:

@@ -7,6 +7,7 @@ file that failed is read again in a process of its own.
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -17,6 +18,9 @@ from plannercheck.common.isolated_process import run_isolated
 # If a URDF takes longer than this to fail, s, there is no message.
 _TIME_LIMIT = 60.0
 
+# Where in its own sources urdfdom was when it found a fault.
+_PLACE = re.compile(r"\s+at line \d+ in \S+\.cpp")
+
 
 def native_messages(urdf: Path, floating: bool, folders: Sequence[str]) -> str:
     """What native code says about a URDF; empty if that can't be found out."""
@@ -26,7 +30,7 @@ def native_messages(urdf: Path, floating: bool, folders: Sequence[str]) -> str:
     except (OSError, subprocess.TimeoutExpired):
         return ""
     # A process that could not start prints a traceback, which is no message about the file.
-    return "" if ran.returncode else (ran.stdout + ran.stderr).decode(errors="replace")
+    return "" if ran.returncode else _PLACE.sub("", (ran.stdout + ran.stderr).decode(errors="replace"))
 
 
 def main(urdf: str, floating: str, *folders: str) -> None:

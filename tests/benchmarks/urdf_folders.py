@@ -39,6 +39,7 @@ class Outcome(NamedTuple):
 def judged(urdf: Path, packages: list[Path], states: int) -> Outcome:
     """Loads a URDF and judges random configurations."""
     import plannercheck as pc
+    from plannercheck.checking.input_hints import always_hint
 
     began = time.perf_counter()
     with warnings.catch_warnings(record=True) as caught:
@@ -52,11 +53,7 @@ def judged(urdf: Path, packages: list[Path], states: int) -> Outcome:
             return Outcome(REFUSED, str(error))
         except Exception as error:
             return Outcome("traceback", repr(error))
-    reason = ""
-    if valid == 0.0:
-        always = checker.colliding_pairs(q).all(axis=0)
-        reason = ", ".join(" and ".join(checker.pair_names(k)) for k in np.flatnonzero(always).tolist())
-        reason = f"always collide: {reason or 'no pair alone'}"
+    reason = (always_hint(checker, q) or "no pair collides always") if valid == 0.0 else ""
     hints = tuple(str(warning.message) for warning in caught)
     return Outcome(NEVER_VALID if valid == 0.0 else LOADED, reason, valid, time.perf_counter() - began, hints)
 
@@ -110,7 +107,7 @@ def main() -> int:
         counts[folder][outcome.ended] += 1
         lines.append(json.dumps({"file": str(urdf), **outcome._asdict()}))
         if outcome.ended != LOADED:
-            print(f"{outcome.ended}: {urdf.relative_to(folder)}: {outcome.reason[:400]}", flush=True)
+            print(f"{outcome.ended}: {urdf.relative_to(folder)}: {outcome.reason[:600]}", flush=True)
     columns = (LOADED, NEVER_VALID, REFUSED, *FAULTS)
     print(f"{'':40s}" + "".join(f"{name:>12s}" for name in columns))
     for folder, count in counts.items():

@@ -189,3 +189,58 @@ def test_a_scene_in_millimetres_gets_a_hint(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         pc.Scene.load(tmp_path / "s.yaml")
+
+
+# ---- what collections of the registries hold (tests/benchmarks/urdf_folders.py)
+
+
+def test_limits_beyond_all_configurations_are_none(tmp_path):
+    """iris.urdf of example-robot-data: rotors that turn freely, written as revolute joints with limits of 1e16."""
+    for kind, most in (("revolute", np.pi), ("prismatic", 1.0)):
+        robot = loaded(
+            tmp_path, URDF.replace('lower="-1" upper="1"', 'lower="-1e16" upper="1e16"').replace("revolute", kind)
+        )
+        q = robot.random_configurations(200, 0)
+        assert 0.9 * most < np.abs(q).max() <= most
+        assert robot.upper.tolist() == [np.inf]
+        assert pc.Checker(robot).check_states(q).shape == (200,)
+        assert np.isfinite(robot.kinematic_error)
+
+
+def test_a_zero_after_the_end_is_passed_over(tmp_path):
+    """humanoid.urdf of pybullet_data ends in a zero byte."""
+    assert_whole(loaded(tmp_path, URDF.encode() + b"\r\n\x00"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('<robot name="r">', "<robot>", 'r.urdf: its <robot> has no name: write <robot name="...">'),
+        ('lower="-1"', 'lower="-1.5."', "r.urdf does not parse: Error: joint [j]: lower value (-1.5.) is not a valid"),
+        ('type="revolute"', 'type="spherical"', "Joint [j] has no known type [spherical]"),
+        (URDF, "hello\n", "r.urdf does not parse: it is no XML (syntax error: line 1, column 0)"),
+        (URDF, "", "r.urdf does not parse: it is empty"),
+    ],
+)
+def test_reasons_are_of_the_file_not_of_its_readers(tmp_path, old, new, message):
+    with pytest.raises(pc.PlannercheckError, match=re.escape(message)) as caught:
+        loaded(tmp_path, URDF.replace(old, new))
+    assert ".cpp" not in str(caught.value)
+    assert str(caught.value).count("r.urdf") == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("m.obj", "o cube\nv nan nan nan\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 4\n"),
+        ("m.stl", "solid m\nfacet normal 0 0 0\nouter loop\nvertex NaN 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"),
+    ],
+)
+def test_meshes_whose_vertices_are_no_numbers_name_the_line(tmp_path, capfd, name, text):
+    """168.obj of pybullet_data holds nothing else."""
+    (tmp_path / name).write_text(text)
+    with pytest.raises(
+        pc.PlannercheckError, match=rf"link 'a': collision mesh '.*{name}': line [24]: .*(nan|NaN).* is no number"
+    ):
+        loaded(tmp_path, URDF.replace('<box size="1 1 1"/>', f'<mesh filename="{name}"/>', 1))
+    assert capfd.readouterr() == ("", "")
