@@ -120,7 +120,7 @@ def _setup(checker: AnyChecker, space: Space, resolution: float | None, toleranc
     for name, length in (("resolution", resolution), ("tolerance", tolerance)):
         if length is not None and not (np.isfinite(length) and length > 0):
             raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
-    setup = SimpleSetup(space.ompl_space())
+    setup = SimpleSetup(space.ompl_space(), checks_found_paths=not space.is_straight)
     information = setup.getSpaceInformation()
     setup.setStateValidityChecker(_state_validity(information, checker, space))
     information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))
@@ -226,6 +226,8 @@ def _search(
     found = time.perf_counter()
     if not setup.haveExactSolutionPath():
         reason = f"{planner} found no path in {found - began:.1f} s: {status.asString()}"
+        if setup.refused_path:
+            reason = f"{planner} found a path with a curve that collides the way it is gone; try another seed"
         return _unsolved(robot, planner, found - began, reason)
     solution = shortened(setup) if simplify else setup.getSolutionPath()  # it owns its states
     spent = time.perf_counter() - found

@@ -27,19 +27,37 @@ _NO_SAMPLER = "PathLengthDirectInfSampler only supports"
 class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindings are untyped
     """OMPL's SimpleSetup; what is said here is what differs."""
 
-    def __init__(self, space: Any) -> None:
-        """Takes the space."""
+    def __init__(self, space: Any, checks_found_paths: bool = False) -> None:
+        """Takes the space, and whether a motion that is free may collide the other way round."""
         super().__init__(space)
+        self.checks_found_paths = checks_found_paths
+        self.refused_path = False  # that was found last
         _MADE.add(self)
 
     def solve(self, *arguments: Any, **named: Any) -> Any:
-        """Solves the problem.
+        """Solves the problem; a path of curves with a motion that collides is none.
+
+        Planners that grow from both ends, or keep roadmaps, check a curve one way and go it the other way, where a
+        Reeds-Shepp curve may be another one.
 
         Raises:
-            PlannercheckError: If the planner has no samples for this space.
+            PlannercheckError: If the planner can't plan in this space.
         """
+        space = self.getStateSpace()
+        if isinstance(self.getPlanner(), geometric.AORRTC) and not space.hasSymmetricDistance():
+            self.setup()  # its destructor needs that
+            raise PlannercheckError(
+                "AORRTC can't plan where the way back has another length, as on Dubins curves: OMPL's own code crashes "
+                "there; RRTstar and BITstar look for short paths as well"
+            )
+        self.refused_path = False
         try:
-            return super().solve(*arguments, **named)
+            status = super().solve(*arguments, **named)
+            if self.checks_found_paths and self.haveExactSolutionPath() and not self.getSolutionPath().check():
+                self.getProblemDefinition().clearSolutionPaths()
+                self.refused_path = True
+                return base.PlannerStatus(base.PlannerStatus.TIMEOUT)
+            return status
         except RuntimeError as error:  # once the planner is set up: AORRTC's destructor needs that
             if not str(error).startswith(_NO_SAMPLER):
                 raise
