@@ -1,8 +1,8 @@
 """Planning with OMPL: a checker as the judge of states and motions.
 
-Read `planning` first (`setup` and `plan`), then `joint_space` and `planar_space` (configurations as OMPL has them),
-`state_validators` and `motion_validators` (the checker as OMPL asks it), `clearance` (an objective), `start_and_goal`
-and `plans`. OMPL itself is loaded on first use, so that `plans` and `joint_space` can be had without it.
+Read `planning` first (`setup` and `plan`), then `joint_space` and `planar_space` (configurations as OMPL's states),
+`state_validators` and `motion_validators` (the checker behind OMPL's interfaces), `clearance` (an objective),
+`start_and_goal` and `plans`. OMPL itself is loaded on first use, so `plans` and `joint_space` can be used without it.
 """
 
 from __future__ import annotations
