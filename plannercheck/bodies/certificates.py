@@ -1,12 +1,12 @@
-"""What proves a verdict about one pair: a separating plane, or a common point.
+"""Proofs of a verdict about one pair: a separating plane, or a common point.
 
-In: two posed bodies and what the core says of them. Out: frozen values in world coordinates, in doubles and in exact
-form, and `verify`, which proves them in exact arithmetic from the bodies' vertices alone, without the core.
+In: two posed bodies and the core's answer. Out: frozen values in world coordinates, in doubles and in exact form, and
+`verify`, which proves them in exact arithmetic from the bodies' vertices alone, without the core.
 
-The idea: whoever finds a plane or a mixture of vertices, checking it takes a few lines. All numbers given (vertices,
-poses as affine maps, swells) are taken as the exact numbers that their doubles are. A body with a swell is all points
-within that distance of the hull, so a plane keeps its swell off the vertices: with a rational length that is at least
-that of the normal, no root is needed.
+The idea: a plane or a mixture of vertices is easy to check, whoever found it. All given numbers (vertices, poses as
+affine maps, swells) are taken as the exact numbers that their doubles are. A body with a swell consists of all points
+within that distance of the hull, so a plane must be at least the swell away from the vertices. A rational upper bound
+of the normal's length is enough to check that, so no root is needed.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
 # More vertices than these are never needed (Carathéodory).
 _MOST_VERTICES = 4
-# Bits of a normal's length: rounding to doubles does not show that it is rounded up.
+# Bits of a normal's length; it is rounded up by less than doubles can show.
 _LENGTH_BITS = 64
-# A unit normal in doubles: two roundings an entry, and some to spare.
+# The error of a unit normal in doubles: two roundings of each entry, with room to spare.
 _NORMAL_ROUNDING = Fraction(1, 2**50)
 _LARGEST_DOUBLE = Fraction(float(np.finfo(np.float64).max))
 
@@ -50,7 +50,7 @@ class PosedBody(OwnsArrays):
     Attributes:
         vertices: (n, 3) in the body's frame, m.
         pose: (4, 4) in the world, m.
-        swell: m.
+        swell: The swell, m.
     """
 
     vertices: Floats
@@ -63,11 +63,11 @@ Bodies: TypeAlias = tuple[PosedBody, PosedBody]
 
 @dataclass(frozen=True)
 class ExactPlane:
-    """A separating plane, exactly: each body's vertices are beyond it by more than length times the body's swell.
+    """An exact separating plane: each body's vertices are beyond it by more than length times the body's swell.
 
     Attributes:
         normal: Of any length, from the second body to the first.
-        length: At least that of the normal, by at most a part of 2^-63.
+        length: At least the normal's length, and larger by at most a part of 2^-63.
         offset: The plane is normal · x = offset.
         gap: A positive lower bound of the bodies' distance, m.
     """
@@ -80,12 +80,12 @@ class ExactPlane:
 
 @dataclass(frozen=True)
 class ExactPoint:
-    """A common point, exactly: no further from each body's mixture of vertices than the body's swell.
+    """An exact common point: no further from each body's mixture of vertices than the body's swell.
 
     Attributes:
         point: In the world, m.
         first: Weights of the first mixture's vertices, at least 0, of sum 1.
-        second: Weights of the second's.
+        second: Weights of the second mixture's vertices.
     """
 
     point: Point
@@ -126,8 +126,8 @@ class Separation(OwnsArrays):
         normal: Unit vector (3,) in the world, from the second body to the first.
         offset: The plane is normal · x = offset, in m; halfway between the bodies.
         gap: A lower bound of the distance between the bodies in m, swells included, rounded down.
-        plane: The same in exact form.
-        bodies: What is separated.
+        plane: The plane in exact form.
+        bodies: The separated bodies.
     """
 
     normal: Floats
@@ -177,10 +177,10 @@ class SharedPoint(OwnsArrays):
 
     Attributes:
         point: (3,) in the world, in m, rounded.
-        first: Vertices of the first body and weights that mix the point, or one within the body's swell of it.
-        second: The same of the second body.
+        first: Vertices of the first body and weights that mix the point, or a point within the body's swell of it.
+        second: The same for the second body.
         place: Point and weights in exact form.
-        bodies: What shares the point.
+        bodies: The bodies that share the point.
     """
 
     point: Floats
@@ -197,7 +197,7 @@ class SharedPoint(OwnsArrays):
         """Whether the point is in both bodies, proved in exact arithmetic.
 
         Returns:
-            True if the exact point is, and the doubles are the exact values, rounded.
+            True if the exact point is in both bodies, and the doubles are the exact values, rounded.
         """
         return (
             [float(x) for x in self.point] == [_rounded(x) for x in self.place.point]
@@ -236,15 +236,15 @@ def separation(direction: Point, bodies: Bodies) -> Separation | None:
 
 
 def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies) -> SharedPoint:
-    """The common point that two mixtures of vertices give; they must be no further apart than the swells.
+    """The common point of two mixtures of vertices, which must be no further apart than the sum of the swells.
 
     Args:
         first: Weights of vertices of the first body, of sum 1.
-        second: The same of the second.
+        second: The same for the second body.
         bodies: The two bodies.
 
     Returns:
-        The point, on the way from one mixture to the other, divided as the swells are.
+        The point that divides the segment from one mixture to the other in the ratio of the swells.
     """
     p, r = _mixed(bodies[0], list(first), first.values()), _mixed(bodies[1], list(second), second.values())
     swell_p, swell_r = Fraction(bodies[0].swell), Fraction(bodies[1].swell)
@@ -291,14 +291,14 @@ def _extents(direction: Point, bodies: Bodies) -> tuple[Fraction, Fraction, Frac
 
 
 def _in_integers(direction: Point) -> tuple[Integers, int]:
-    """Integers and the number that they are to be divided by."""
+    """Integers, and the common denominator."""
     denominator = math.lcm(*(x.denominator for x in direction))
     x, y, z = (x.numerator * (denominator // x.denominator) for x in direction)
     return (x, y, z), denominator
 
 
 def _root_above(square: Fraction, bits: int) -> Fraction:
-    """A number of at least the root's size, larger by at most a part of 2^(1 - bits)."""
+    """An upper bound of the root, larger by at most a part of 2^(1 - bits)."""
     # Shifted by an even number of bits, so that the integer root has the bits that are wanted.
     shift = max(0, bits - (square.numerator.bit_length() - square.denominator.bit_length()) // 2)
     scaled = -(-(square.numerator << (2 * shift)) // square.denominator)
@@ -307,7 +307,7 @@ def _root_above(square: Fraction, bits: int) -> Fraction:
 
 
 def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...], point: Point) -> bool:
-    """Whether weights are convex, the rounded ones theirs, and the point within the swell of what they mix."""
+    """Whether weights are convex and agree with the rounded ones, and the point within the swell of their mixture."""
     vertices = [int(v) for v in mixture.vertices]
     if not len(vertices) == len(mixture.weights) == len(weights) or not 0 < len(vertices) <= _MOST_VERTICES:
         return False
@@ -338,6 +338,6 @@ def _rounded(number: Fraction) -> float:
 
 
 def _rounded_down(number: Fraction) -> float:
-    """A double that is at most the number, which is positive."""
+    """A double that is at most a positive number."""
     nearest = _rounded(number)
     return nearest if Fraction(nearest) <= number else math.nextafter(nearest, 0.0)

@@ -1,12 +1,11 @@
-"""Polytopes around circles and balls: what curved shapes become.
+"""Polytopes around circles and balls, which stand for curved shapes.
 
-In: a radius and an excess, the part of the radius by which points may stick out. Out: points and faces of a
-polygon or polytope that contains the circle or ball; faces of the prisms and capsules made of them.
+In: a radius and an excess, the part of the radius by which points may stick out. Out: points and faces of a polygon or
+polytope that contains the circle or ball; faces of prisms and capsules made from these.
 
-A circle gets a regular polygon whose edges touch it. A ball gets an octahedron whose edges are divided in
-equal steps of angle; its points are put on a sphere, which is then blown up until the nearest face just
-clears the ball. Such triangles are nearly regular, so the surface is convex with room to spare; the tests
-check it exactly.
+A circle gets a regular polygon whose edges touch it. A ball gets an octahedron whose edges are divided in equal steps
+of angle. Its points are projected to a sphere, which is then enlarged until no face cuts the ball. Such triangles are
+nearly regular, so the surface is convex with room to spare; the tests check it exactly.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from plannercheck.common.errors import PlannercheckError
 # Relative growth that covers the rounding of the points (under 8 units in the last place, 2^-49).
 ROUNDING_MARGIN = 2.0**-48
 
-# Divisions of an octahedron's edge: 4 * 500^2 + 2 is a million points, beyond what a ball is worth.
+# The most divisions of an octahedron's edge: 4 * 500^2 + 2 points are a million, more than a ball needs.
 MAX_DIVISIONS = 500
 
 

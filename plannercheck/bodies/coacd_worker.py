@@ -1,9 +1,8 @@
 """Runs CoACD in a process of its own: `python -m plannercheck.bodies.coacd_worker`.
 
-In, on standard input: an npz with `points` (n, 3), `triangles` (m, 3), `threshold`, `most_pieces`,
-`seed`, `preprocess`. Out, on
-standard output: an npz with the points of each piece. It has to be another process: the library brings a C++
-runtime along with which urdfdom can't read numbers any more, and it stops the process where it fails.
+In, on standard input: an npz with `points` (n, 3), `triangles` (m, 3), `threshold`, `most_pieces`, `seed`,
+`preprocess`. Out, on standard output: an npz with the points of each piece. It has to be another process: the library
+brings a C++ runtime with which urdfdom can't read numbers any more, and it stops the process if it fails.
 """
 
 from __future__ import annotations

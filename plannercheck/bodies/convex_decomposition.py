@@ -1,12 +1,12 @@
 """Convex decomposition of concave links with CoACD, opt-in, and its repair.
 
 In: a triangle mesh and options. Out: points of convex pieces whose union holds every triangle of the mesh, and figures.
-CoACD works in single precision and on a remeshed body if it is not closed, so that a mesh sticks out of its pieces by
-some micrometres or more, and its triangles cross from one piece into another. The repair: a triangle whose corners are
-within `slack` of one piece is added to it; any other is cut into four, until it is or `_DEEPEST` is reached. A piece
-with the corners of a triangle holds the triangle, so that what touches the mesh touches a piece, up to the rounding of
-middles of edges (one part in 1e15). Of the space within the mesh nothing is said, as with meshes themselves. Results
-are cached on disk by content, as prepared bodies are.
+CoACD works in single precision, and remeshes bodies that are not closed. So a mesh sticks out of its pieces by some
+micrometres or more, and its triangles cross from one piece into another. The repair: a triangle whose corners are
+within `slack` of one piece is added to that piece; any other triangle is cut into four, down to the depth `_DEEPEST`. A
+piece with the corners of a triangle holds the triangle. So whatever touches the mesh touches a piece, up to the
+rounding of middles of edges (one part in 1e15). Nothing is claimed about the space within the mesh. Results are cached
+on disk by content, as prepared bodies are.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from plannercheck.common.public_names import set_module
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# How often a triangle is halved at most: one of a metre comes down to 4 mm, beyond which a piece grows more.
+# How often a triangle is halved at most: from 1 m down to 4 mm; after that, a piece grows by more than the slack.
 _DEEPEST = 8
 
-# Corners this deep in a piece, as a part of its size, are surely inside whatever the rounding of planes.
+# Corners this deep in a piece, as a part of its size, are inside whatever the rounding of planes.
 _SURELY_INSIDE = 1e-12
 
-# Of the format of cached results; raised when the repair changes.
+# The version of cached results; raised when the repair changes.
 _VERSION = 1
 
 
@@ -48,11 +48,12 @@ class Decomposition:
     """Which links to decompose, and how.
 
     Attributes:
-        links: Names; None for all whose hulls are more than 5 % larger than their meshes, or whose meshes are open.
+        links: Names of links; None for all whose hulls are more than 5 % larger than their meshes, or whose meshes are
+            open.
         threshold: CoACD's measure of concavity that a piece may have, 0.01 to 1; small ones make many pieces.
-        most_pieces: Of one mesh; None for any number.
+        most_pieces: The most pieces of one mesh; None for any number.
         slack: How far a triangle may stick out of a piece and still be added to it, m. Pieces grow by about this much.
-        seed: CoACD's.
+        seed: CoACD's seed.
     """
 
     links: tuple[str, ...] | None = None
@@ -75,13 +76,12 @@ class Pieces(OwnsArrays):
     """A decomposed mesh.
 
     Attributes:
-        points: Of each piece, (n, 3) m.
-        excess: How far the mesh stuck out of CoACD's pieces at most, m: at corners of triangles, the original ones and
-            those of the cuts.
-        growth: How far the repair made a piece stick out of what it was at most, m.
-        mesh_volume: m³; None unless the mesh is watertight.
-        hull_volume: Of the mesh's hull, m³.
-        volume: Of all repaired pieces, m³; what they share counts several times.
+        points: Points of each piece, (n, 3) m.
+        excess: How far the mesh stuck out of CoACD's pieces at most, m: at corners of triangles, original and cut ones.
+        growth: How far the repair made a piece grow at most, m.
+        mesh_volume: The mesh's volume, m³; None unless the mesh is watertight.
+        hull_volume: The volume of the mesh's hull, m³.
+        volume: The sum of the volumes of all repaired pieces, m³; overlaps count several times.
     """
 
     points: tuple[Floats, ...]
@@ -97,8 +97,8 @@ def pieces_of(mesh: TriangleMesh, options: Decomposition, name: str = "mesh") ->
 
     Args:
         mesh: The mesh.
-        options: How.
-        name: What errors call it.
+        options: How to decompose it.
+        name: Its name in errors.
 
     Returns:
         The repaired pieces.
@@ -120,7 +120,7 @@ def repaired(mesh: TriangleMesh, pieces: Sequence[Floats], slack: float) -> Piec
 
     Args:
         mesh: The mesh.
-        pieces: Points (n, 3) of each, m.
+        pieces: Points (n, 3) of each piece, m.
         slack: See `Decomposition`.
 
     Returns:
@@ -152,12 +152,12 @@ def repaired(mesh: TriangleMesh, pieces: Sequence[Floats], slack: float) -> Piec
 
 
 def hull_volume(points: Floats) -> float:
-    """Of the convex hull of points (n, 3), m³."""
+    """The volume of the convex hull of points (n, 3), m³."""
     return polytope_volume(Polytope(points))
 
 
 def polytope_volume(polytope: Polytope) -> float:
-    """Of the hull of a prepared body, without its swell, m³."""
+    """The volume of a prepared body's hull, without its swell, m³."""
     middle = polytope.vertices.mean(axis=0)
     a, b, c = (polytope.vertices[polytope.faces[:, k]] - middle for k in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
@@ -190,7 +190,7 @@ def _quartered(triangles: Floats) -> Floats:
 
 
 def _extreme(points: Floats) -> Floats:
-    """The extreme points of a hull, as they are."""
+    """The extreme points of a hull."""
     return np.array(Polytope(points).vertices)
 
 

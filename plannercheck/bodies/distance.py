@@ -1,8 +1,8 @@
-"""Distances of two posed bodies (cpp/narrow_phase/distance): how far apart they are, between proved bounds, and where.
+"""The distance of two posed bodies, between proved bounds, and the nearest points (cpp/narrow_phase/distance).
 
 In: two prepared bodies and their poses. Out: a `Distance`. The descent of Gilbert, Johnson and Keerthi runs on the
-hierarchies until a plane's gap and the length between two points meet; near contact it goes on in double-double, and
-whether the bodies share a point is always the exact verdict.
+hierarchies until the gap along a plane's normal equals the distance of two points. Near contact it continues in
+double-double. Whether the bodies share a point is always the exact verdict.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ class Distance:
     Attributes:
         distance: In m, within 1e-9 of max(distance, 1e-3 of the larger body's radius), or within 1e-319 m, where
             doubles are too coarse; 0 if and only if the bodies share a point, by the exact verdict.
-        point_p: (3,) in the world, m: of the first body, nearest to the second. If they overlap: the point of the
-            first body that is deepest in the second along the way out that was found.
-        point_r: (3,) in the world, m: of the second body, nearest to the first. If they overlap: where `point_p` gets
-            when the first body is moved out.
-        lower_bound: A proved lower bound of the distance, m. If they overlap it is negative: a translation by so much
-            separates them, and the least that does is no longer. Which is found: of disjoint hulls within their
-            swells the least one; else the best along all facets' normals, the boxes' axes and the centres' axis,
-            where least ones along products of two edges are missed.
+        point_p: (3,) in the world, m: the first body's point nearest to the second body. If they overlap: the first
+            body's point that is deepest in the second body along `direction`.
+        point_r: (3,) in the world, m: the second body's point nearest to the first body. If they overlap: where
+            `point_p` is after the translation that separates them.
+        lower_bound: A proved lower bound of the distance, m. If the bodies overlap it is negative: a translation of
+            that length separates them, and the shortest such translation is no longer. It is the shortest one if only
+            the swells overlap, not the hulls. Else it is the shortest along all facets' normals, the boxes' axes and
+            the centres' axis; directions at right angles to two edges are not tried.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
-            `lower_bound` apart, or to be moved apart.
+            `lower_bound` apart, or the first body has to be moved.
     """
 
     distance: float
@@ -58,7 +58,7 @@ def distance(
 
     Args:
         P: A body, as for `intersects`.
-        R: Another.
+        R: Another body.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
         pose_r: Pose (4, 4) of R in the world, m.
 

@@ -1,4 +1,4 @@
-"""Exact verdicts in Python integers, written apart from the compiled core.
+"""Exact verdicts in Python integers, independent of the compiled core.
 
 In: two sets of vertices (n, 3) in metres with a pose (4, 4) and a swell each, every double taken as the exact
 number it is; the sets may be flat, segments or points. Out: whether the two bodies share a point (touching
@@ -77,7 +77,7 @@ def intersects(
     swell_p: float = 0.0,
     swell_r: float = 0.0,
 ) -> bool:
-    """Says whether two bodies share a point; they are given as for `decide`.
+    """Decides whether two bodies share a point; arguments as for `decide`.
 
     Returns:
         True if they share a point, also if they only touch.
@@ -124,7 +124,7 @@ def distance(
     swell_p: float = 0.0,
     swell_r: float = 0.0,
 ) -> float:
-    """Measures how far two bodies are apart; they are given as for `decide`.
+    """Measures the distance of two bodies; arguments as for `decide`.
 
     Returns:
         The distance in m, rounded once or twice from the exact one; 0 if they share a point.
@@ -149,10 +149,10 @@ def holds(
     swell_p: float = 0.0,
     swell_r: float = 0.0,
 ) -> bool:
-    """Checks a certificate of `decide` from its definition, exactly, with every vertex, without the code that found it.
+    """Checks a certificate of `decide` by its definition, exactly, with every vertex.
 
     Returns:
-        True if the certificate proves its verdict on these bodies and poses, which are given as for `decide`.
+        True if the certificate proves its verdict on these bodies and poses; other arguments as for `decide`.
     """
     p, r = _posed_fractions(vertices_p, pose_p), _posed_fractions(vertices_r, pose_r)
     swell = Fraction(swell_p) + Fraction(swell_r)
@@ -225,7 +225,7 @@ def _furthest_difference(p: IntegerHull, r: IntegerHull, direction: Integers) ->
 
 
 def _nearest(simplex: Differences, new: _Difference) -> tuple[Differences, list[int], Integers]:
-    """The face that holds the enlarged simplex's point nearest to the origin; the new vertex is in it."""
+    """The face with the enlarged simplex's point nearest to the origin; it has the new vertex."""
     for size in range(len(simplex), -1, -1):
         for others in combinations(simplex, size):
             face = [new, *others]
@@ -287,5 +287,5 @@ def _length_beyond(swell: int, square: Fraction, unit: int) -> float:
     """The root of `square`, which is above the swell, less the swell, times 2^unit."""
     shift = max(0, 2 * _ROOT_BITS - (square.numerator.bit_length() - square.denominator.bit_length())) // 2
     root = Fraction(math.isqrt((square.numerator << (2 * shift)) // square.denominator), 1 << shift)
-    # The difference of the squares is exact, so nothing cancels.
+    # The difference of the squares is exact, so there is no cancellation.
     return float((square - swell**2) / (root + swell) * Fraction(2) ** unit)

@@ -1,8 +1,8 @@
 """Convex bodies as python-fcl objects, to be posed and tested in pairs.
 
-In: hull vertices, outward triangles and swell of each body, then poses. Out: FCL's verdicts, and which pairs can
-meet at all by boxes along the world's axes. Swollen points and segments become FCL's spheres and capsules. Flat
-hulls and other swollen bodies have no form that FCL handles well: they are left out.
+In: hull vertices, outward triangles and swell of each body, then poses. Out: FCL's verdicts, and the pairs whose boxes
+along the world's axes meet. Swollen points and segments become FCL's spheres and capsules. Flat hulls and other swollen
+bodies are left out, since FCL has no form that handles them well.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[Any]
 Flags = NDArray[np.bool_]
 
-# World boxes are widened by this part of their distance from the origin and size, far above a pose's
-# rounding.
+# World boxes are widened by this part of their size and distance from the origin, far above a pose's rounding.
 _BOX_SLACK = 1e-12
 # Vertices of a segment.
 _ENDS = 2
@@ -32,9 +31,9 @@ class FclBodies:
     """Convex bodies as FCL collision objects.
 
     Attributes:
-        vertices: Of each body, (n, 3), m.
-        swells: Of each body, m.
-        known: Whether FCL has each body, (bodies,).
+        vertices: The vertices of each body, (n, 3), m.
+        swells: The swell of each body, m.
+        known: (bodies,) whether FCL has each body.
     """
 
     def __init__(self, bodies: Sequence[tuple[Array, Indices] | None], swells: Sequence[float] | None = None) -> None:

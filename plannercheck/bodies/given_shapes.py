@@ -1,8 +1,8 @@
-"""Bodies as users have them: our shapes, arrays of points, and objects of trimesh, coal and python-fcl.
+"""Bodies as users give them: our shapes, arrays of points, and objects of trimesh, coal and python-fcl.
 
-In: any of these. Out: one of our shapes and where it stands, or a prepared `Polytope`. Boxes, spheres, capsules,
-cylinders and cones stay what they are, also trimesh's primitives; of meshes, convex polytopes and points the convex
-hull is taken, as of mesh files. No library is imported for this: whoever has such an object has imported it.
+In: any of these. Out: one of our shapes with its pose, or a prepared `Polytope`. Boxes, spheres, capsules, cylinders
+and cones stay what they are, trimesh's primitives included. Meshes, convex polytopes and points become their convex
+hulls, as mesh files do. No library is imported for this: whoever has such an object has imported its library.
 """
 
 from __future__ import annotations
@@ -39,17 +39,17 @@ def is_geometry(value: object) -> bool:
 
 
 def given_shape(value: GivenShape, what: str) -> PlacedShape:
-    """One of our shapes for a body as users have it.
+    """One of our shapes for a body as users give it.
 
     Args:
         value: The body.
-        what: What it is for, for errors, e.g. "object 'can'".
+        what: Its name in errors, e.g. "object 'can'".
 
     Returns:
-        The shape, and its pose (4, 4) in the frame in which it was given, m; None if it stands there itself.
+        The shape, and its pose (4, 4) in the frame in which it was given, m; None for the identity.
 
     Raises:
-        PlannercheckError: If it is none, or one whose points its library does not give.
+        PlannercheckError: If it is no body, or one whose points its library does not give.
     """
     if isinstance(value, Shape):
         return value, None
@@ -63,8 +63,8 @@ def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: s
 
     Args:
         value: A `Polytope`, or what `given_shape` takes; cylinders and cones are the polytopes around them.
-        pose: Of the body in the world; None is the identity.
-        name: Of the argument, for errors: "P", whose pose is called "pose_p".
+        pose: The body's pose in the world; None is the identity.
+        name: The argument's name in errors: "P", whose pose is called "pose_p".
     """
     placed = checked_pose(pose, f"pose_{name.lower()}")
     if isinstance(value, Polytope):
@@ -86,7 +86,7 @@ def in_frame(frame: Array, pose: ArrayLike | None, what: str) -> Array:
 
 
 def _library(value: object) -> str | None:
-    """The library of which an object's class, or one that it derives from, is."""
+    """The library that defines an object's class or one of its base classes."""
     modules = {each.__module__.partition(".")[0] for each in type(value).__mro__}
     return next((name for name in _READERS if name in modules), None)
 
@@ -106,7 +106,7 @@ def _points(value: GivenShape) -> Array:
 
 
 def _of_trimesh(value: Any) -> PlacedShape:
-    """A mesh, or a primitive, whose size is known and not only its mesh's."""
+    """The shape of a mesh, or of a primitive, which keeps its exact size."""
     kind, primitive = type(value).__name__, getattr(value, "primitive", None)
     if primitive is not None and kind in _PRIMITIVES:
         return _PRIMITIVES[kind](primitive), checked_pose(primitive.transform, f"trimesh's {kind}")
@@ -125,7 +125,7 @@ _PRIMITIVES: dict[str, Callable[[Any], Shape]] = {
 
 
 def _of_coal(value: Any) -> PlacedShape:
-    import coal  # slow to import, but it is there, since it has made the value
+    import coal  # imported already, since it has made the value
 
     if isinstance(value, coal.CollisionObject):
         pose = np.eye(4)
@@ -135,7 +135,7 @@ def _of_coal(value: Any) -> PlacedShape:
 
 
 def shape_of_coal(value: Any) -> Shape:
-    """Our shape for one of coal's; of meshes and convex polytopes the hull.
+    """Our shape for one of coal's; meshes and convex polytopes become hulls.
 
     Raises:
         PlannercheckError: For other shapes, and for a swept sphere radius around anything but spheres and capsules.

@@ -25,8 +25,8 @@ _MANTISSA_BITS = 53
 _DOT_ERROR = 8 * 2.0**-53
 # Products of doubles below 2^-1022 lose bits; all factors are at most 1, so this absolute slack covers them.
 _UNDERFLOW = 2.0**-1000
-# Entries of a direction are cut to this many bits before they become doubles: more than a double holds, so
-# the rounding stays within 2^-53, and few enough not to overflow.
+# Entries of a direction are cut to this many bits before they become doubles: more than a double holds, so that the
+# rounding stays within 2^-53, and few enough not to overflow.
 _DIRECTION_BITS = 64
 
 

@@ -1,6 +1,6 @@
 """The intersection test for one pair of posed polytopes (paper, section "Detecting intersections in 3D").
 
-In: two prepared bodies and their poses. Out: a verdict, or a verdict with its certificate. The steps are in
+In: two prepared bodies and their poses. Out: a verdict, or a verdict with its certificate. The stages are in
 cpp/narrow_phase/intersection: cached plane, centre axis, the coupled walk or the double oracle, exact arithmetic.
 """
 
@@ -38,20 +38,20 @@ METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
 
 @dataclass(frozen=True)
 class Switches:
-    """What the test of one pair tries before exact arithmetic decides. Verdicts do not depend on any of it.
+    """The stages of the pair test before exact arithmetic decides. Verdicts depend on none of them.
 
     Attributes:
         method: "oracle" (small active sets on both sides), "walk" (the paper's coupled walk) or "exact" (exact
             arithmetic alone).
-        cached_plane: Try the plane that separated the pair last time first, also that of an earlier motion.
+        cached_plane: First try the plane that separated the pair last time, also for an earlier motion.
         centre_axis: Try the axis between the centres, and swells around them, before the method.
         turned_axis: Turn that axis to where the bodies would face each other if they were ellipsoids.
         facet_plane: Try the planes of both bodies' facets before the method, where both have eight corners at most.
-        nearest_points: Try nearest points in doubles where the method does not decide.
+        nearest_points: Try nearest points in doubles if the method does not decide.
         double_double: Try nearest points in double-double before exact arithmetic.
         warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.
-        interleaving: Have several pairs of a batch under way where bodies are large, so that none waits for memory
-            alone. A cached plane is then tried only where poses are about those before: stages may differ.
+        interleaving: For large bodies, process several pairs of a batch at once, so that their waits for memory
+            overlap. A cached plane is then tried only if poses are close to the previous ones, so stages may differ.
     """
 
     method: Method = "oracle"
@@ -100,8 +100,9 @@ def intersects(
 
     Args:
         P: A body: a `Polytope`; or a shape such as `Box`, points (n, 3) in m, a trimesh.Trimesh, or a geometry of coal
-            or python-fcl, of which one is made: of points and meshes, the hull. For many tests, make it yourself.
-        R: Another.
+            or python-fcl, from which a `Polytope` is made (points and meshes become hulls). For many tests, make it
+            once yourself.
+        R: Another body.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
         pose_r: Pose (4, 4) of R in the world, m.
         method: See `Switches`.
@@ -125,11 +126,11 @@ def certify(
     pose_r: ArrayLike | None = None,
     method: Method = "oracle",
 ) -> Certificate:
-    """The verdict of `intersects` with what proves it.
+    """The verdict of `intersects` with its proof.
 
     Args:
         P: A body, as for `intersects`.
-        R: Another.
+        R: Another body.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity.
         pose_r: Pose (4, 4) of R in the world, m.
         method: See `Switches`.
@@ -148,13 +149,13 @@ def certify(
 def certify_posed(
     P: Polytope, R: Polytope, pose_p: ArrayLike, pose_r: ArrayLike, method: Method = "oracle"
 ) -> Certificate:
-    """`certify` of two bodies that links pose, which may be off rigid by more than given poses (unit_lengths.py)."""
+    """`certify` of bodies on links, whose poses may be less rigid than given ones (robots/unit_lengths.py)."""
     pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
     bodies = PosedBody(P.vertices, pose_p, P.swell), PosedBody(R.vertices, pose_r, R.swell)
     for stage in (method, METHODS[-1]):
         found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
         certificate = _shared_point(found, bodies) if found["shared"] else _separation(found, bodies)
-        # The plane that convinced a filter is rounded when it goes to the world: close calls take the exact one.
+        # A filter's plane is rounded when it is mapped to the world, so close calls use the exact plane.
         if certificate is not None:
             return certificate
     raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")

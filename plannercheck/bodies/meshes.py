@@ -1,7 +1,6 @@
 """Mesh files to points, through coal's loader (stl, dae, obj, ply and whatever else assimp reads).
 
-In: a path and a scale. Out: the mesh's points in m; its triangles do not matter, since bodies are convex
-hulls.
+In: a path and a scale. Out: the hull of the mesh's points in m, or its triangles.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file
 
-# No link or object is as large: meshes in millimetres are, from 2 cm on. m.
+# No link or object is as large as this, m; meshes in millimetres are, from 2 cm on.
 _LARGEST_USUAL_MESH = 20.0
 
 # Formats that may write vertices as text, one a line, and a vertex that is no number.
@@ -64,14 +63,14 @@ def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> Tr
 
 
 def hull_of_triangles(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Hull:
-    """The hull of a mesh: of the points that triangles use; of all, if there are no triangles.
+    """The hull of the points that a mesh's triangles use, or of all points if there are no triangles.
 
     Args:
         points: (n, 3) m.
         triangles: (m, 3) indices of points.
 
     Raises:
-        PlannercheckError: If an index is beyond the points, or the hull is none.
+        PlannercheckError: If an index is beyond the points, or there is no hull.
     """
     used = np.unique(triangles)
     if len(used) and not (used[0] >= 0 and used[-1] < len(points)):
@@ -80,12 +79,12 @@ def hull_of_triangles(points: NDArray[np.float64], triangles: NDArray[np.int64])
 
 
 def check_mesh(path: Path) -> None:
-    """Raises for a file that would crash the libraries which read it, or is a pointer to one that was not fetched."""
+    """Raises for a file that would crash the libraries that read it, or that is a pointer of Git LFS."""
     try:
         with path.open("rb") as file:
             start = file.read(len(_LFS_POINTER))
     except OSError:
-        return  # who reads it will say why
+        return  # the reader will say why
     if start == _LFS_POINTER:
         raise PlannercheckError("is a Git LFS pointer, not the mesh itself: `git lfs pull` fetches it")
     if path.suffix.lower() == ".ply":
@@ -106,7 +105,7 @@ def _check_numbers(path: Path) -> None:
 
 
 def mesh_hint(points: NDArray[np.float64]) -> str:
-    """What points (n, 3) in m look like that are unusually far apart; empty if they are not."""
+    """A sentence about points (n, 3) in m that are unusually far apart; empty if they are not."""
     size = float(np.ptp(points, axis=0).max(initial=0))
     if size <= _LARGEST_USUAL_MESH:
         return ""
@@ -114,7 +113,7 @@ def mesh_hint(points: NDArray[np.float64]) -> str:
 
 
 def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:
-    """Three factors, all finite and none zero (a negative one mirrors the mesh)."""
+    """Three factors, finite and not zero (a negative one mirrors the mesh)."""
     try:
         factors = np.broadcast_to(np.asarray(scale, dtype=np.float64), (3,))
     except (TypeError, ValueError, OverflowError):

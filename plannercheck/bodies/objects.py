@@ -1,8 +1,8 @@
 """Objects of a scene: one or several posed shapes that move as one, in the world or carried by a link.
 
 In: shapes and poses. Out: `SceneObject`, immutable, with its `bodies` posed. A moved or attached copy shares the
-shapes, and by them whatever a checker has prepared. An object whose pose a file gives in a link's frame keeps that as
-its `anchor`, until a checker knows where the link is (robots/anchored_objects.py).
+shapes, and thus the bodies that a checker has prepared from them. An object whose pose a file gives in a link's frame
+has an `anchor`, until a checker knows where the link is (robots/anchored_objects.py).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Part:
     """One shape of an object.
 
     Attributes:
-        shape: What it is; points (n, 3) and objects of trimesh, coal and python-fcl become one in an object.
+        shape: The shape; in an object, points (n, 3) and objects of trimesh, coal and python-fcl become one of ours.
         pose: (4, 4) in the object's frame, m; None is the identity.
         source: The file and scale of a mesh, so that a saved scene can name it.
     """
@@ -44,7 +44,7 @@ class Part:
     def __post_init__(self) -> None:
         if self.pose is None:
             return
-        with contextlib.suppress(TypeError, ValueError):  # the object that it is part of says what is wrong with it
+        with contextlib.suppress(TypeError, ValueError):  # the object reports what is wrong with its part
             object.__setattr__(self, "pose", read_only_copy(self.pose))
 
 
@@ -53,11 +53,11 @@ Parts: TypeAlias = GivenShape | Iterable[Part]
 
 @dataclass(frozen=True)
 class SceneFrames:
-    """Frames that a scene's file knows besides links and objects.
+    """The frames of a scene's file besides links and objects.
 
     Attributes:
-        planning: The planning frame's name, which is the world; "" if the file does not say it.
-        fixed: (4, 4) of other frames in the planning frame by name, m.
+        planning: The name of the planning frame, which is the world; "" if the file gives none.
+        fixed: Poses (4, 4) of other frames in the planning frame, by name, m.
     """
 
     planning: str = ""
@@ -69,8 +69,8 @@ class StatedJoints:
     """The joints of a robot state.
 
     Attributes:
-        values: By joint name, rad or m.
-        identities: Joints of several degrees of freedom, all of which are at the identity.
+        values: Values by joint name, rad or m.
+        identities: Joints of several degrees of freedom that are at the identity.
     """
 
     values: Mapping[str, float] = field(default_factory=dict)
@@ -79,12 +79,12 @@ class StatedJoints:
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
-    """Says that an object's pose is neither in the world nor on its own link, but in another frame at a robot state.
+    """The frame of an object's pose, if that is neither the world nor its own link: a frame at a robot state.
 
     Attributes:
         frame: A link, or "" for the world.
-        state: At which the pose holds.
-        known: Frames besides links that the file knew when it named this one, for errors.
+        state: The state at which the pose holds.
+        known: Other frames of the file besides links, for errors.
     """
 
     frame: str
@@ -101,10 +101,11 @@ class SceneObject:
         parts: Its shapes, posed in its frame.
         pose: (4, 4) of its frame in the world, or on its link, or in the anchor's frame, m; read-only.
         link: The link that carries it; None for obstacles.
-        touch_links: Links (or other carried objects) that a carried object may touch; its own link always is one.
-        anchor: Set if the pose is given in another frame at a robot state; a checker's scene has none.
-        frame: The name of the frame in which a file gave the pose, if that is a fixed frame or another object's; for a
-            link of that name MoveIt would take the link.
+        touch_links: Links (or other carried objects) that a carried object may touch; its own link is always one of
+            them.
+        anchor: Set if the pose is given in another frame at a robot state; objects of a checker's scene have none.
+        frame: The name of the frame in which a file gave the pose, if that is a fixed frame or another object's frame;
+            if the robot has a link of that name, MoveIt takes the link.
         subframes: (4, 4) by name in the object's frame, m: frames in which a file may pose other objects.
         bodies: Its shapes, posed in the world or on the link (with an anchor, in its frame): "name", or "name/0",
             "name/1", ...
@@ -154,7 +155,7 @@ def scene_object(name: str, parts: Parts, pose: ArrayLike | None = None) -> Scen
     """Makes an obstacle.
 
     Args:
-        name: Of the object.
+        name: The object's name.
         parts: One shape, or several posed ones; shapes of other libraries and points as `given_shape` takes them.
         pose: (4, 4) of the object's frame in the world, m; None is the identity.
 
@@ -168,7 +169,7 @@ def scene_object(name: str, parts: Parts, pose: ArrayLike | None = None) -> Scen
 
 
 def _listed(parts: Parts) -> tuple[Part | GivenShape, ...]:
-    """Several shapes or parts, or what stands for one shape: points are a list, too."""
+    """The shapes or parts as a tuple; a list of points is one shape."""
     if is_geometry(parts) or isinstance(parts, Part | str) or hasattr(parts, "__array__"):
         return (parts,)
     if not isinstance(parts, Iterable):
@@ -178,14 +179,14 @@ def _listed(parts: Parts) -> tuple[Part | GivenShape, ...]:
 
 
 def _known_part(part: Part | GivenShape, what: str) -> Part:
-    """The part with one of our shapes; where another library has posed it, that is part of the pose."""
+    """The part with one of our shapes; its pose includes the pose that another library gave the shape."""
     given, pose, source = (part.shape, part.pose, part.source) if isinstance(part, Part) else (part, None, None)
     shape, own = given_shape(given, what)
     return Part(shape, pose if own is None else in_frame(checked_pose(pose, what), own, what), source)
 
 
 def unplaced(item: SceneObject) -> PlannercheckError:
-    """The error for an object whose place in the world, or on its link, is asked for before it is known."""
+    """The error for an object whose pose in the world, or on its link, is not known yet."""
     frame = "" if item.anchor is None else item.anchor.frame
     kind = "object" if item.link is None else "attached object"
     return PlannercheckError(

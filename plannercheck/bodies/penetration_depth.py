@@ -1,14 +1,14 @@
-"""How deep two bodies are in each other: the least translation that parts them, between proved bounds.
+"""The penetration depth of two bodies: the shortest translation that separates them, between proved bounds.
 
-In: two prepared bodies of few vertices that overlap, and their poses. Out: a `Depth`. All differences of their vertices
-span the bodies' Minkowski difference, in which the origin lies; the depth is the origin's distance from its boundary.
-The hull of the differences is built with exact predicates. Its triangles' normals are directions to try, along each of
-which the vertices say how far the bodies are in each other: any of these lengths is enough. The origin's distance from
-the nearest triangle bounds all of them from below. What swells add, they add to both. Both bounds are proved: what
-rounding can do to them is added to the one and taken from the other.
+In: two prepared bodies of few vertices that overlap, and their poses. Out: a `Depth`. The differences of their vertices
+span the Minkowski difference, in which the origin lies; the depth is the origin's distance from its boundary. The hull
+of the differences is built with exact predicates. Along the normal of each of its triangles, the overlap of the
+vertices is the length of a translation that separates the bodies: the least one is an upper bound. The origin's
+distance from the nearest triangle is a lower bound. Swells add to both. Both bounds are proved: rounding is added to
+the upper one and subtracted from the lower one.
 
-The number of differences is the product of the vertices' numbers, so this is for small bodies; `distance` bounds the
-depth of any from above.
+The number of differences is the product of the numbers of vertices, so this is for small bodies. For any bodies,
+`distance` bounds the depth from above.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from plannercheck.common.public_names import set_module
 
 Floats = NDArray[np.float64]
 
-# Differences of vertices: their hull takes some tenths of a second.
+# The most differences of vertices: their hull takes some tenths of a second.
 MOST_DIFFERENCES = 100_000
 
-# Of all lengths that go into a bound: rounding of posed points, differences and products, some ten operations.
+# The rounding of posed points, differences and products (some ten operations), as a part of all lengths in a bound.
 _ROUNDING = 64 * 2.0**-53
 
 # A triangle's normal, the product of two of its edges, errs by less than 4 u of the longest edge's square; so does the
@@ -43,10 +43,10 @@ class Depth:
     """How deep two bodies are in each other.
 
     Attributes:
-        depth: Translating the first body by this along `direction` parts the bodies, up to contact, m, rounded up; 0
-            if they share no point.
-        lower_bound: No shorter translation does, m. Both differ by rounding alone, unless the hull of all differences
-            of vertices has needle-like triangles.
+        depth: A translation of the first body by this along `direction` separates the bodies, up to contact, m, rounded
+            up; 0 if they share no point.
+        lower_bound: No shorter translation separates them, m. The two differ by rounding only, unless the hull of the
+            differences has needle-like triangles.
         direction: (3,) unit vector in the world.
     """
 
@@ -62,11 +62,11 @@ def depth(
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
 ) -> Depth:
-    """How deep two posed bodies are in each other, swells included.
+    """The penetration depth of two posed bodies, swells included.
 
     Args:
         P: A body, as for `intersects`.
-        R: Another; the product of the numbers of vertices is at most `MOST_DIFFERENCES`.
+        R: Another body; the product of the numbers of vertices is at most `MOST_DIFFERENCES`.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity.
         pose_r: Pose (4, 4) of R in the world, m.
 
@@ -93,7 +93,7 @@ def depth(
     on_p, on_r = (b.vertices @ pose[:3, :3].T + pose[:3, 3] for b, pose in zip((P, R), poses, strict=True))
     extent = float(np.abs(on_p).max() + np.abs(on_r).max()) + swell
     rounding = _ROUNDING * extent
-    if hulls.distance > 0:  # within their swells: what is missing to those is the depth
+    if hulls.distance > 0:  # only the swells overlap: their sum less the distance is the depth
         upper = swell - hulls.lower_bound + rounding
         return Depth(upper, max(swell - hulls.distance - rounding, 0.0), hulls.direction)
     differences = (on_p[:, None] - on_r).reshape(-1, 3)
@@ -107,7 +107,7 @@ def depth(
 
 
 def _normals(hull: Polytope) -> Floats:
-    """(k, 3) unit normals to try: outward ones of the triangles; of a flat hull both of its plane."""
+    """(k, 3) unit normals to try: the outward normals of the triangles; for a flat hull both normals of its plane."""
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     if hull.dimension < 3:
@@ -120,8 +120,8 @@ def _normals(hull: Polytope) -> Floats:
 def _from_triangles(hull: Polytope) -> Floats:
     """At most the origin's distance from each triangle of a hull that holds it, (m,).
 
-    Over a triangle that is its height; beside one, the distance from its edges. Where rounding leaves open which, the
-    smaller of both counts, and of a needle at least what its edges say, less its width.
+    Over a triangle the distance is the height; beside it, it is the distance from the edges. Where rounding leaves open
+    which one applies, the smaller one counts. For a needle it is at least the distance from its edges less its width.
     """
     corners = hull.vertices[hull.faces]
     edges = np.roll(corners, -1, axis=1) - corners

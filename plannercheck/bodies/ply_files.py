@@ -1,8 +1,8 @@
-"""Whether a PLY file is whole, before it reaches a library that takes it at its word.
+"""Checks that a PLY file is complete, before it reaches a library that would crash on it.
 
 In: a path. Out: nothing, or an error that says what is wrong. Assimp and coal crash on PLY files that are cut short, or
-whose faces name vertices that are not there; so header, lengths and indices are checked here first. Of other formats
-they find such faults themselves.
+whose faces name missing vertices. So header, lengths and indices are checked here first. In other formats they find
+such faults themselves.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.errors import PlannercheckError, shortened
 
-# Most bytes of a header: a sound one takes some hundred.
+# The most bytes of a header; a valid one takes some hundred.
 _LONGEST_HEADER = 1 << 16
 
 _TYPES = {
@@ -36,7 +36,7 @@ _FEWEST_CORNERS = 3
 
 @dataclass(frozen=True)
 class _Property:
-    """A number, or with a type of its count a list."""
+    """A property: a number, or, with a type of its count, a list."""
 
     name: str
     kind: str
@@ -51,13 +51,13 @@ class _Element:
 
 
 def check_ply(path: Path) -> None:
-    """Raises unless a PLY file is whole and its faces name vertices that it has.
+    """Raises unless a PLY file is complete and its faces name vertices that it has.
 
     Args:
         path: The file.
 
     Raises:
-        PlannercheckError: If it is not; also for element and number types that nobody writes.
+        PlannercheckError: If it is not, or has unknown types of numbers.
     """
     try:
         content = path.read_bytes()

@@ -1,7 +1,8 @@
 """Convex bodies prepared for queries: the exact hull, its hierarchy, and the hierarchy of its polar.
 
 In: vertices in m, with or without faces. Out: `Polytope`, immutable, which can be saved, loaded and pickled; and
-`prepared`, the same through a disk cache keyed by content. The work is done by cpp/bodies/hull, hierarchy, body.
+`prepared`, which makes one through a disk cache keyed by content. The core does the work (cpp/bodies/hull, hierarchy
+and body).
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ LARGEST_COORDINATE = 1e50
 class Polytope:
     """The convex hull of points, preprocessed for logarithmic queries (paper, section "Polyhedra in 3D space").
 
-    Hulls without volume (a polygon, a segment, a point) are bodies, too. With a swell, the body is the set of points
+    Hulls without volume (a polygon, a segment, a point) are bodies as well. With a swell, the body is the set of points
     within that distance of the hull: a ball of a point, a capsule of a segment.
 
     Attributes:
@@ -55,14 +56,14 @@ class Polytope:
         swell: float = 0.0,
         name: str = "polytope",
     ) -> None:
-        """Computes the hull, exactly, or verifies the faces, exactly; then both hierarchies.
+        """Computes the exact hull, or verifies given faces exactly; then builds both hierarchies.
 
         Args:
             vertices: Points (n, 3) in m.
             faces: The hull's faces, if they are known: polygons of indices into `vertices`, counter-clockwise seen
                 from outside; corners of a face must be exactly coplanar or convex in the order of a fan.
-            swell: In m, measured in the world.
-            name: What errors call it.
+            swell: The swell, measured in the world, m.
+            name: Its name in errors.
 
         Raises:
             PlannercheckError: If there are no points, they are not finite, the faces do not bound their hull, or the
@@ -96,12 +97,12 @@ class Polytope:
 
     @property
     def centre(self) -> Floats:
-        """The interior point (3,) in m that the polar is taken about."""
+        """The interior point (3,) in m about which the polar is taken."""
         return np.asarray(self._core.centre()[0])
 
     @property
     def dimension(self) -> int:
-        """Of the hull: 3, 2 for a polygon, 1 for a segment, 0 for a point."""
+        """The hull's dimension: 3, 2 for a polygon, 1 for a segment, 0 for a point."""
         return int(self._core.dimension)
 
     @property
@@ -110,10 +111,10 @@ class Polytope:
         return float(self._core.swell)
 
     def without_cells(self) -> Polytope:
-        """The same body, whose extreme vertices are sought in the hierarchies alone, as in the paper: O(log n).
+        """The same body; extreme vertices are then searched in the hierarchies only, as in the paper: O(log n).
 
-        Otherwise cells of directions name the few that may be extreme (cpp/bodies/direction_cells.hpp), with the same
-        answers.
+        Otherwise cells of directions list the few vertices that may be extreme (cpp/bodies/direction_cells.hpp), with
+        the same results.
         """
         return self._from_core(self._core.without_cells())
 
@@ -147,11 +148,11 @@ class Polytope:
         return np.asarray(self._core.extremes(_checked_directions(directions), False)[0])
 
     def fault(self) -> str:
-        """Words for the first broken invariant of hull, polar or hierarchies; empty if all hold (slow)."""
+        """Names the first broken invariant of hull, polar or hierarchies; empty if all hold (slow)."""
         return str(self._core.fault())
 
     def save(self, path: str | Path) -> None:
-        """Writes the prepared body to a file: magic, version, content hash, data; aside first, then renamed."""
+        """Writes the prepared body to a file (magic, version, content hash, data), whole or not at all."""
         body_files.write(Path(path), self._core.serialise())
 
     @classmethod
@@ -189,10 +190,10 @@ def prepared(
         vertices: Points (n, 3) in m.
         faces: As for `Polytope`.
         swell: As for `Polytope`.
-        name: What errors call it.
+        name: Its name in errors.
 
     Returns:
-        The prepared body. `PLANNERCHECK_CACHE=0` turns the cache off, another value is the folder to use.
+        The prepared body. `PLANNERCHECK_CACHE=0` turns the cache off; any other value is the cache's folder.
     """
     points = _checked_points(vertices, name)
     cache = body_files.cache_file(points, faces, swell)
@@ -208,7 +209,7 @@ def prepared(
 
 
 def _is_of(body: Polytope, points: Floats, swell: float) -> bool:
-    """Whether a body's vertices are some of these points, and its swell is this one."""
+    """Whether a body has this swell, and its vertices are some of these points."""
     source = body.source
     known = not len(source) or bool(source.min() >= 0 and source.max() < len(points))
     return known and body.swell == swell and body.vertices.tobytes() == points[source].tobytes()

@@ -1,7 +1,7 @@
 """Files of prepared bodies, and the disk cache of them.
 
 A file is the magic word, the version of the format, the SHA-256 of the data, and the data. The cache is keyed by the
-content of what is prepared, so it needs no invalidation; it stands in the platform's cache folder.
+content of bodies, so it needs no invalidation. It is in the platform's cache folder.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def write(path: Path, data: bytes, mode: int = 0o666) -> None:
     Args:
         path: The file; its folder must exist.
         data: A serialised body.
-        mode: Of the file, less what the process's mask takes away.
+        mode: The file's mode, less the process's umask.
 
     Raises:
         PlannercheckError: If the folder can't be written to.
@@ -76,10 +76,10 @@ def read(path: Path) -> bytes:
 
 
 def read_cached(path: Path) -> bytes | None:
-    """The data of a file of the cache, or None if there is none that can be relied on.
+    """The data of a cached file; None if there is none that can be trusted.
 
-    It has to be whole, of this version and of this name, a plain file, and the user's own (or root's) that nobody else
-    can write to: who shares a folder with others gets no body from them.
+    The file has to be complete, of this version and name, and a plain file that only the user (or root) owns and can
+    write to. So users of a shared folder get no bodies from each other.
     """
     key = bytes.fromhex(path.stem)
     try:
@@ -92,7 +92,7 @@ def read_cached(path: Path) -> bytes | None:
 
 
 def _is_own_file(path: Path) -> bool:
-    """Whether nobody but the user and root could have written a file; it is not opened, which may block."""
+    """Whether only the user and root could have written a file; it is not opened, since that may block."""
     found = path.lstat()
     if not stat.S_ISREG(found.st_mode):
         return False

@@ -1,15 +1,14 @@
-"""Collision shapes: what a link or an obstacle is made of, before any hull is built.
+"""Collision shapes of links and obstacles, before any hull is built.
 
-In: sizes in metres (as URDF and coal give them) or points. Out: `Shape` dataclasses, each of which can say
-its vertices and faces as a convex polytope, and `Body`, a named shape with a rigid pose on a link or in the
-world.
+In: sizes in metres (as URDF and coal give them) or points. Out: `Shape` dataclasses, each of which gives its vertices
+and faces as a convex polytope, and `Body`, a named shape with a rigid pose on a link or in the world.
 
 Shapes are centred at their frame's origin and lie along z; a cone's apex is at +length/2. Boxes and hulls
 are exact. Curved shapes become polytopes that contain them and stick out by at most `excess` times the
 radius: cylinders and cones are the prism and pyramid over a polygon around the circle, a capsule is a
 sphere's polytope, cut along its ring of points at z = 0 and pulled apart. Faces with more than three corners
 are flat exactly: their corners share a coordinate or form a parallelogram. A size of zero makes a plate, a segment or a
-point, which is a body like any other; its faces are left to be found.
+point, which is a body like any other; its faces are then computed.
 """
 
 from __future__ import annotations
@@ -33,13 +32,13 @@ Faces: TypeAlias = list[NDArray[np.int64]]
 # How far the polytope of a cylinder or cone sticks out, as a part of its radius: 5 µm for a link of 5 cm.
 DEFAULT_EXCESS = 1e-4
 
-# Longest capsule, in radii, whose rounded end caps surely stay convex facet by facet.
+# The longest capsule, in radii, whose rounded end caps are surely convex, facet by facet.
 _MAX_CAPSULE_RATIO = 1e6
 
-# Largest Frobenius norm of M^T M - 1 that passes as the rounding of a rotation (the project's contract).
+# The largest Frobenius norm of M^T M - 1 that counts as the rounding of a rotation (the project's contract).
 RIGID_TOLERANCE = 1e-6
 
-# The same for a body that is posed by a link, which may be off rigid itself (robots/unit_lengths.py).
+# The same for a body on a link, whose pose may itself be not exactly rigid (robots/unit_lengths.py).
 POSED_TOLERANCE = 3.6e-6
 
 
@@ -185,7 +184,7 @@ class Hull:
     """The convex hull of points; meshes end up here, with their scale applied.
 
     Attributes:
-        vertices: (n, 3) in m, read-only; points inside the hull and repeated points are welcome.
+        vertices: (n, 3) in m, read-only; points inside the hull and repeated points are allowed.
     """
 
     vertices: Points
@@ -203,7 +202,7 @@ class Hull:
         object.__setattr__(self, "vertices", _frozen(vertices))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
-        """The points (n, 3) in m as given; faces are None, the hull is to be computed."""
+        """The points (n, 3) in m as given; faces are None, since the hull has to be computed."""
         return self.vertices, None
 
 
@@ -212,13 +211,13 @@ Shape: TypeAlias = Box | Sphere | Cylinder | Cone | Capsule | Hull
 
 
 def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> HullAndSwell:
-    """What the pair test works with: a hull, and how far around it the body reaches.
+    """The input of the pair test: a hull, and how far around it the body reaches.
 
-    Spheres and capsules are exact: a point and a segment, swollen by the radius. Cylinders and cones are the polytopes
-    around them.
+    Spheres and capsules are exact: a point and a segment, swollen by the radius. Cylinders and cones become the
+    polytopes around them.
 
     Args:
-        shape: Any.
+        shape: The shape.
         excess: For cylinders and cones, how far the polytope may stick out, as a part of the radius.
 
     Returns:
@@ -236,11 +235,11 @@ class Body:
     """A collision body: a shape, posed on its link, or in the world.
 
     Attributes:
-        name: Of the collision geometry or object, unique in its robot or scene.
-        link: The link it moves with; None for obstacles.
+        name: The name of the collision geometry or object, unique in its robot or scene.
+        link: The link that it moves with; None for obstacles.
         pose: (4, 4) rigid transform in m from the shape's frame to the link's or the world's, read-only.
-        shape: What it is.
-        carried: Name of the object that the link carries, of which this is a part; None for the link's own bodies.
+        shape: The shape.
+        carried: The name of the carried object that this is a part of; None for the link's own bodies.
     """
 
     name: str
@@ -254,17 +253,17 @@ class Body:
 
     @property
     def label(self) -> str:
-        """What reports call it: the object that is carried, else the link, else its own name."""
+        """Its name in reports: that of the carried object, else of the link, else its own."""
         return self.carried or self.link or self.name
 
 
 def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOLERANCE) -> Points:
-    """Validates a rigid transform and leaves its doubles as they are.
+    """Validates a rigid transform; its doubles do not change.
 
     Args:
         pose: (4, 4) homogeneous matrix, translation in m; None is the identity.
         what: What is posed, for the error message, e.g. "body 'shelf'".
-        tolerance: How far off rigid it may be.
+        tolerance: The largest ||M^T M - 1|| of its rotation.
 
     Returns:
         A read-only float64 copy (4, 4).
@@ -292,7 +291,7 @@ def _check_rotation(rotation: Points, what: str, tolerance: float) -> None:
 
 
 def _array(values: ArrayLike, what: str) -> Points:
-    """A float64 copy of an array, or an error that says what was to be numbers."""
+    """A float64 copy of an array, or an error that names what is no array of numbers."""
     try:
         return np.array(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
@@ -317,7 +316,7 @@ def _segment(length: float) -> Points:
 
 
 def _without_volume(ring: Points, length: float) -> Points:
-    """A cylinder or cone of radius 0, a segment, or of length 0, a disc in the polygon of this ring (k, 2)."""
+    """The points of a cylinder or cone of radius 0 (a segment) or of length 0 (the polygon of this ring (k, 2))."""
     return np.column_stack([ring, np.zeros(len(ring))]) if ring.any() else _segment(length)
 
 

@@ -1,7 +1,7 @@
-"""Triangle meshes as they are in their files: whether they are closed, and what they hold.
+"""Triangle meshes as in their files: whether they are closed, and their volume.
 
-In: coal's meshes, or mesh files. Out: `TriangleMesh`, equal points merged. Verdicts take the hulls of meshes; this says
-how much a hull adds, and what a convex decomposition has to cover.
+In: coal's meshes, or mesh files. Out: `TriangleMesh`, with equal points merged. Verdicts use the hulls of meshes. These
+classes tell how much a hull adds, and what a convex decomposition has to cover.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class TriangleMesh(OwnsArrays):
 
     Attributes:
         points: (n, 3) m, each once.
-        triangles: (m, 3) indices of points, those without area left out.
+        triangles: (m, 3) indices of points, without triangles of no area.
     """
 
     points: Floats
@@ -41,7 +41,7 @@ class TriangleMesh(OwnsArrays):
 
     @cached_property
     def is_watertight(self) -> bool:
-        """Whether each edge belongs to one triangle on either side, all of them turned alike."""
+        """Whether each edge belongs to one triangle on either side, all with the same orientation."""
         if not len(self.triangles):
             return False
         a, b = np.concatenate([self.triangles[:, [0, 1]], self.triangles[:, [1, 2]], self.triangles[:, [2, 0]]]).T
@@ -50,19 +50,19 @@ class TriangleMesh(OwnsArrays):
 
     @cached_property
     def signed_volume(self) -> float:
-        """m³, negative if the triangles are turned inside out; without meaning unless the mesh is watertight."""
+        """The volume, m³: negative if the triangles are turned inside out. Meaningful for watertight meshes only."""
         middle = self.points.mean(axis=0)
         a, b, c = (self.points[self.triangles[:, k]] - middle for k in range(3))
         return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
 
     @property
     def volume(self) -> float | None:
-        """m³; None unless the mesh is watertight."""
+        """The volume, m³; None unless the mesh is watertight."""
         return abs(self.signed_volume) if self.is_watertight else None
 
     @cached_property
     def outward(self) -> TriangleMesh:
-        """The same mesh with its triangles turned outwards; mirrored meshes come inside out."""
+        """The same mesh with its triangles turned outwards; those of mirrored meshes point inwards."""
         return self if self.signed_volume >= 0 else TriangleMesh(self.points, self.triangles[:, ::-1])
 
 

@@ -48,7 +48,7 @@ class CarryingChecker(ABC):
 
         Args:
             name: The object's name.
-            parts: Its shape, or posed shapes; None for an obstacle of the scene, which then is one no more.
+            parts: Its shape, or posed shapes; None to take an obstacle of the scene.
             link: The link that carries it. The object is tested against all other links and against obstacles.
             pose: (4, 4) of the object's frame in the link's, m.
             touch_links: Other links or carried objects that it may touch.

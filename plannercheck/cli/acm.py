@@ -1,4 +1,4 @@
-"""`plannercheck acm`: which pairs of a robot's links to leave untested, and whether those that are left out collide."""
+"""`plannercheck acm`: proposes pairs of links to leave untested, or audits those that are left untested."""
 
 from __future__ import annotations
 

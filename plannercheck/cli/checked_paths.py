@@ -1,4 +1,4 @@
-"""Prints what checking paths again has found."""
+"""Prints the results of checking paths again."""
 
 from __future__ import annotations
 

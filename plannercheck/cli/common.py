@@ -1,4 +1,4 @@
-"""What several commands share: robot and scene options, vectors, and output.
+"""Shared code of commands: robot and scene options, vectors, and output.
 
 In: parsed options. Out: robots, scenes, checkers.
 """

@@ -1,4 +1,4 @@
-"""`plannercheck inspect`: bodies and pairs of a robot in a scene, and what checking them takes."""
+"""`plannercheck inspect`: bodies and pairs of a robot in a scene, and the cost of checking them."""
 
 from __future__ import annotations
 

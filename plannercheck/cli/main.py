@@ -1,8 +1,8 @@
 """The command line: `plannercheck COMMAND ...`.
 
-In: arguments. Out: text on the terminal and an exit code: 0 if all is well, 1 if something is invalid or
-unsolved and for nothing else, 2 for bad input, 3 if the command could not do its work. Each command is a module in
-this folder, imported only when it is asked for, so that help is instant.
+In: arguments. Out: text on the terminal and an exit code: 0 for success, 1 only if something is invalid or unsolved, 2
+for bad input, 3 if the command could not do its work. Each command is a module in this folder, imported only when
+needed, so that help is instant.
 """
 
 from __future__ import annotations

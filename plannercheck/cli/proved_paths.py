@@ -1,7 +1,7 @@
 """`plannercheck validate --path --certify`: a path's motions proved, and the proofs written for anyone to check.
 
-In: a checker, a path that it finds free. Out: a file of proofs, one a motion, each of which the verifier has confirmed;
-or what stopped that, and no file.
+In: a checker, a path that it finds free. Out: a file of proofs, one for each motion, all confirmed by the verifier; or
+the reason why there is no file.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class ProvingChecker(Protocol):
 
 @dataclass(frozen=True)
 class PathProof:
-    """What came of proving a path.
+    """The result of proving a path.
 
     Attributes:
         file: Where the proof is, or would have been.

@@ -1,6 +1,6 @@
-"""The robot that a command is about: --robot, and what a URDF without a YAML leaves open.
+"""The robot of a command: --robot, and options for what a URDF without a YAML leaves open.
 
-In: parsed options. Out: a robot's description, or the robot. What the options say goes before what a YAML says.
+In: parsed options. Out: a robot's description, or the robot. Options take precedence over a YAML.
 """
 
 from __future__ import annotations

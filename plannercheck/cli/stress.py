@@ -1,4 +1,4 @@
-"""`plannercheck stress`: hard pairs of bodies, every verdict held against exact arithmetic; and hard motions."""
+"""`plannercheck stress`: hard pairs of bodies, every verdict compared with exact arithmetic; and hard motions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`plannercheck stress --motions`: hard motions, judged in every way that there is.
+"""`plannercheck stress --motions`: hard motions, judged in every available way.
 
 In: the command's options. Out: the table on standard output, failures as files, the exit code.
 """

@@ -1,6 +1,6 @@
-"""A parser of arguments that says what a misspelt command, option or value may have been meant to be.
+"""A parser of arguments that suggests corrections of misspelt commands, options and values.
 
-In: argparse's message for what it does not know. Out: the message with "did you mean".
+In: argparse's error message. Out: the message with "did you mean".
 """
 
 from __future__ import annotations

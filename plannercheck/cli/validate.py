@@ -1,7 +1,8 @@
 """`plannercheck validate`: sets of configurations of any size, in files or from standard input.
 
-In: a robot, a scene, files. Out: a summary, and on request one verdict a configuration. Files are read in chunks, and
-findings go to a journal beside the output until all are there: memory stays bounded, and an interrupted run can go on.
+In: a robot, a scene, files. Out: a summary, and on request a verdict for each configuration. Files are read in chunks,
+and findings go to a journal beside the output until all are there: memory stays bounded, and an interrupted run can
+resume.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """`plannercheck validate --path`: paths of any planner, proved free or stopped by a certificate.
 
-In: options, path files. Out: a line or a JSON object a path; with --certify, a file of proofs beside each.
+In: options, path files. Out: a line or a JSON object for each path; with --certify, a file of proofs beside each.
 """
 
 from __future__ import annotations

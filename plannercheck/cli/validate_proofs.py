@@ -1,6 +1,6 @@
-"""Verdicts of `plannercheck validate` held against others: FCL's, and proofs in exact arithmetic.
+"""Verifies verdicts of `plannercheck validate`: by FCL, and by proofs in exact arithmetic.
 
-In: a checker, chunks and what was found about them. Out: reports of the whole set, rows counted as in their files.
+In: a checker, chunks and their findings. Out: reports of the whole set, with rows counted as in their files.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """`plannercheck verify`: confirms proofs of motions in ball arithmetic, without the checker that made them.
 
-In: proof files, and on request the robot and the scene that they are to be of. Out: a line a file and one a motion that
-is not proved, or JSON.
+In: proof files, and on request the robot and the scene that they should be of. Out: a line for each file and for each
+motion that is not proved, or JSON.
 """
 
 from __future__ import annotations

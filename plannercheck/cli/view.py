@@ -1,4 +1,4 @@
-"""`plannercheck view`: a robot in its scene, what collides in red, and what proves it.
+"""`plannercheck view`: a robot in its scene, colliding bodies in red, with proofs.
 
 In: a robot, a scene, a configuration, a set of them or a path. Out: a page for the browser, served or as a file.
 """

@@ -1,8 +1,8 @@
-"""The ground that everything stands on: no robot, no body, no scene.
+"""Basics that all folders use, without robots, bodies or scenes.
 
-Read `errors` and `core` first (the one family of errors; the compiled core of the best instruction set), then `arrays`,
-`transforms` and `angles` (numbers as the core reads them) and `counters` (sums of what it counts). Files:
-`package_data`, `checked_yaml` and `input_limits` read them, `atomic_files` writes them, `escaping` puts names into
-them. `optional_imports`, `isolated_process`, `silence` and `threads` deal with other libraries and processes; `version`
-and `public_names` are what the package says of itself.
+Read `errors` and `core` first (the one family of errors; the compiled core for the best instruction set), then
+`arrays`, `transforms` and `angles` (numbers as the core reads them) and `counters` (sums of its counters). Files:
+`package_data`, `package_files`, `checked_yaml` and `input_limits` find and read them, `atomic_files` writes them,
+`escaping` makes names safe for them. `optional_imports`, `isolated_process`, `silence` and `threads` deal with other
+libraries and processes. `version` and `public_names` hold the package's version and its public names.
 """

@@ -1,8 +1,8 @@
 """Angles that count modulo a whole turn.
 
-In: angles in rad, however far from 0. Out: the same angles less whole turns. Idea: 2 pi is no double, and k times its
-rounding is 4 mm at the end of an arm for k = 1e13; so 2 pi k is computed as a sum of doubles, and what is left
-of the angle is rounded once, as if 2 pi were known exactly.
+In: angles in rad, of any size. Out: the same angles less whole turns. Idea: 2 pi is no double; for k = 1e13, k times
+its rounding error is 4 mm at the end of an arm. So 2 pi k is computed as a sum of doubles, and the rest of the angle is
+rounded once, as if 2 pi were known exactly.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Arrays as the core reads them, and arrays that no one else can change.
+"""Arrays as the core reads them, and arrays that nobody else can change.
 
-The rule of the package: what comes in is copied or refused, what goes out is read-only or a copy.
+The rule of the package: arrays that come in are copied or refused, arrays that go out are read-only or copies.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Output files that appear whole or not at all.
 
-In: a path and a function that writes. Out: the file, written aside in the same folder, then renamed. Where the system
-has files without a name (Linux), that is what is written to: a process that is killed leaves nothing behind.
+In: a path and a function that writes. Out: the file, written under another name in the same folder, then renamed. Where
+the system has files without a name (Linux), such a file is used: a process that is killed leaves nothing behind.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def written_aside(path: Path, write: Callable[[Path], object], mode: int = 0o666
     Args:
         path: Where the file shall be; its folder must exist.
         write: Called with the path to write to, which may lack the suffix.
-        mode: Of the file, less what the process's mask takes away.
+        mode: The file's mode, less the process's umask.
 
     Raises:
         PlannercheckError: If the file can't be written; then `path` is as it was.

@@ -1,7 +1,7 @@
 """Checked reading of YAML: every error says which file, object and key is wrong, and what would be right.
 
-In: YAML text or nodes as PyYAML gives them. Out: plain Python values. `within` puts a place before the
-message of any error raised inside it, so that readers of files need not hand names down.
+In: YAML text, or nodes from PyYAML. Out: plain Python values. `within` puts a place before the message of any error
+raised inside it, so that readers of files need not pass names on.
 """
 
 from __future__ import annotations

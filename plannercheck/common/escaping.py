@@ -1,6 +1,6 @@
-"""Text of files and robots as each output takes it: names may hold anything, and nothing of it may act.
+"""Escapes text of files and robots for each kind of output, since names may hold anything.
 
-In: text. Out: the same, written by the rules of a terminal, of csv, of a script inside HTML.
+In: text. Out: the same text, escaped by the rules of a terminal, of csv, or of a script inside HTML.
 """
 
 from __future__ import annotations

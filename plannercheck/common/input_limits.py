@@ -1,10 +1,10 @@
 """Limits of what files may hold, so that a hostile one gives an error instead of a crash, a hang or a full memory.
 
 In: bytes of YAML, the path of an XML file, sizes of archives' members. Out: nothing, or an error that names the limit.
-Parsers of both formats are recursive in native code, which a file nested some ten thousand deep makes crash; aliases of
-YAML stand for copies, whose number can double with every line. Both are counted by parsers that only tell of events.
+Parsers of both formats are recursive in native code and crash on a file nested some ten thousand deep. Aliases of YAML
+stand for copies, whose number can double with every line. Event parsers count both first.
 
-The limits are far beyond what robots and scenes need; whoever needs more sets them: `INPUT_LIMITS.depth = 1000`.
+The limits are far beyond the needs of robots and scenes; they can be changed: `INPUT_LIMITS.depth = 1000`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Runs a module of ours in a process of its own, which finds no module in the folder that the user happens to be in.
+"""Runs one of our modules in a process of its own, which imports nothing from the user's current folder.
 
-In: the module's name, its standard input and arguments. Out: what it printed. Python's isolated mode leaves the current
-folder and the user's environment off the path; what the parent can import follows behind the installed packages.
+In: the module's name, its standard input and arguments. Out: its output. Python's isolated mode removes the current
+folder and the user's environment from the path; the parent's path follows after the installed packages.
 """
 
 from __future__ import annotations

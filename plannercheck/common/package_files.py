@@ -1,9 +1,9 @@
-"""Finds the files that `package://NAME/...` addresses mean: by the package's name, which often is not its folder's.
+"""Finds the files of `package://NAME/...` addresses by the package's name, which is often not its folder's name.
 
 In: an address, folders to look in. Out: a path. A package is a folder with a package.xml that names it, or a folder of
-that name. Sought are, in this order: the folders given and those above the file; packages within the folders given, and
-beside the folders above the file; those on ROS_PACKAGE_PATH; those installed under AMENT_PREFIX_PATH. Symbolic links
-are followed, since colcon workspaces are made of them.
+that name. The search order: the given folders and those above the file; packages within the given folders, and beside
+the folders above the file; those on ROS_PACKAGE_PATH; those installed under AMENT_PREFIX_PATH. Symbolic links are
+followed, since colcon workspaces are made of them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The names by which users know classes and functions, whatever module they are written in."""
+"""Public names of classes and functions, independent of the module that defines them."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Keeps libraries from writing on the console while they work for us, whatever other threads do meanwhile.
+"""Keeps libraries from printing while they work for us, in any number of threads.
 
-In: how a library's log level is read and set. Out: a context. The level is the process's, so it is counted who wants
-silence: the first one saves the level, the last one brings it back. Descriptors stay as they are.
+In: functions that read and set a library's log level. Out: a context. The level is that of the whole process, so
+contexts are counted: the first one saves the level, the last one restores it. Descriptors stay as they are.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ MOST_THREADS = 1024
 
 
 def checked_threads(threads: int, rows: int) -> int:
-    """How many threads are of use for so many rows, at least one.
+    """How many threads are useful for this many rows, at least one.
 
     Args:
         threads: What was asked for.

@@ -1,8 +1,8 @@
 """Convex polytopes in any dimension, given by vertices or by halfspaces.
 
 In: points (n, d), or halfspaces A x ≤ b. Out: `Polytope`, immutable; its hull, trees and corners are computed when
-they are first asked for. What is given is exact, what is computed from it only guides: for points the body is their
-hull, points inside included; for halfspaces it is all x with A x ≤ b, each row as its doubles say.
+they are first asked for. The given numbers are exact; everything computed from them only guides. For points the body is
+their hull; for halfspaces it is all x with A x ≤ b, with the rows as their doubles are.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Ints = NDArray[np.int32]
 
 # Bytes for the trees of one body.
 DEFAULT_MEMORY = 256 << 20
-# Bytes of a facet and dimension on the way through qhull and a tree's building, about.
+# About the bytes for each facet and dimension in qhull and in building a tree.
 _FACET_BYTES = 64
 # Points of the two samples from whose facets the hull's are estimated.
 _SAMPLES = (64, 128)
@@ -37,8 +37,8 @@ _THIN = 1e-9
 class Polytope:
     """A convex polytope in d dimensions: the hull of points, or with `from_halfspaces` of A x ≤ b.
 
-    Points may be any: on a plane or a line, all the same, inside the hull. Verdicts are always those of the numbers
-    given. The paper's trees need a body with volume; other bodies take the double oracle.
+    Any points are allowed: on a plane or a line, equal ones, or points inside the hull. Verdicts are exact for the
+    given numbers. The paper's trees need a body with volume; other bodies use the double oracle.
 
     Attributes:
         dimension: d.
@@ -80,8 +80,8 @@ class Polytope:
             name: What errors call it.
 
         Returns:
-            The polytope. It is an error if no point is in all halfspaces, or if they bound no polytope: then the error
-            names a ray that stays inside them.
+            The polytope. It is an error if no point is in all halfspaces, or if they are unbounded: then the error
+            names a ray that stays inside.
         """
         normals = _checked(A, name, "normals A (m, d)")
         offsets = _checked(np.atleast_2d(np.asarray(b, dtype=np.float64)), name, "offsets b (m,)")[0]

@@ -1,4 +1,4 @@
-"""What proves a verdict about two bodies in any dimension: a separating hyperplane, or a common point.
+"""Proofs of a verdict about two bodies in any dimension: a separating hyperplane, or a common point.
 
 In: exact certificates of `plannercheck.ndim.exact`. Out: frozen values in world coordinates, in doubles and in
 fractions, and `verify`, which proves them in fractions from the bodies' own numbers, without the code that found them.
@@ -37,7 +37,7 @@ _NORMAL_ROUNDING = Fraction(1, 2**50)
 @set_module("plannercheck.ndim")
 @dataclass(frozen=True)
 class Effort:
-    """How a verdict was found, and what it took.
+    """How a verdict was found, and the work for it.
 
     Attributes:
         method: "tree" (the paper's alternating test), "oracle" (double oracle over plain supports) or "exact".
@@ -45,9 +45,9 @@ class Effort:
         rounds: Steps of the method: levels walked down in either tree, or rounds of the oracle.
         nodes: Tree nodes visited; 0 for the oracle.
         visited: Vertices and halfspaces looked at by the method: those of the nodes, or all of them a support query.
-        checked: Vertices and halfspaces that the proof was held against afterwards.
+        checked: Vertices and halfspaces with which the proof was checked afterwards.
         games: Games of exact arithmetic; 0 if doubles decided.
-        note: Why the method is another one than was asked for, or "".
+        note: Why the method is not the one that was asked for, or "".
     """
 
     method: str

@@ -1,11 +1,11 @@
 """Exact verdicts in any dimension: a double oracle in integers.
 
-In: two posed bodies, each given by vertices or by halfspaces, and a guess of what decides (from doubles). Out: what
-proves the verdict, in integers.
+In: two posed bodies, each given by vertices or by halfspaces, and a guess of what decides (from doubles). Out: the
+proof of the verdict, in integers.
 
-The idea: only few vertices and halfspaces are active. Solve the game of the active ones exactly (`integers.solve`);
-the answer either holds against everything, and is the certificate, or names a vertex or halfspace that it forgot,
-which joins the active ones. Each round adds something new, so it ends. There are three games:
+The idea: only few vertices and halfspaces are active. Solve the game of the active ones exactly (`integers.solve`). The
+solution either holds for all vertices and halfspaces, and is the certificate, or one that violates it joins the active
+ones. Each round adds something new, so it ends. There are three games:
 
 - vertices against vertices: mixtures that are the same point, or a direction that tells the two hulls apart;
 - vertices against halfspaces: a mixture inside all of them, or multipliers of halfspaces whose sum holds no vertex;
@@ -25,7 +25,7 @@ from plannercheck.ndim.posed import Exact, ExactRows, ExactVertices, in_common_u
 
 Floats = NDArray[np.float64]
 
-# Bodies with so few vertices are active whole: one large game of vertices is cheaper than many small ones.
+# All vertices of bodies with at most this many are active: one large game is cheaper than many small ones.
 _FEW = 40
 
 
@@ -66,7 +66,7 @@ ExactCertificate = ExactSeparation | ExactSharedPoint
 
 @dataclass(frozen=True)
 class Guess:
-    """What doubles found: vertices or halfspaces of each body that decide."""
+    """A guess from doubles: vertices or halfspaces of each body that decide."""
 
     active_p: tuple[int, ...] = (0,)
     active_r: tuple[int, ...] = (0,)

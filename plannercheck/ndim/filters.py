@@ -1,7 +1,7 @@
-"""Verdicts in doubles, each with a forward error bound; where none is proved, integers decide.
+"""Verdicts in doubles with forward error bounds; where these prove nothing, integers decide.
 
-In: posed bodies and what a method found. Out: True only if the exact bodies (vertices and poses as the numbers that
-their doubles are) certainly are apart, or certainly share a point.
+In: posed bodies and a method's result. Out: True only if the exact bodies (with vertices and poses as the numbers that
+their doubles are) are certainly apart, or certainly share a point.
 
 The bounds are Higham's: a sum of k products in doubles, in any order and with or without fused steps, errs by at most
 γ_k = k u / (1 - k u) times the sum of their absolute values, u = 2^-53. `_terms` counts the factors that meet on the

@@ -3,9 +3,9 @@
 In: points P (k, d) and polar points Q (l, d) of halfspaces q·x ≤ 1. Out: either q in the hull of Q with q·p > 1 for
 every p, a hyperplane that keeps P off all halfspaces' intersection; or x in the hull of P with q·x ≤ 1 for every q.
 
-The idea: v = min over x of max over q of q·x is the value of a zero-sum game (algorithm in README of the module). A
-double oracle plays it on few active points of both sides: it solves their matrix game by the simplex method, then asks
-each side for its best answer by a scan.
+The idea: v = min over x of max over q of q·x is the value of a zero-sum game. A double oracle plays it on few active
+points of both sides: it solves their matrix game by the simplex method, then asks each side for its best answer by a
+scan.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Which convex regions of a set share a point: the graph that planners over convex sets walk on.
+"""The overlap graph of convex regions, on which planners over convex sets search.
 
-In: regions (`Polytope`s, say of free configurations, from halfspaces as IRIS gives them, or from points). Out: their
-overlap graph, exactly. Pairs whose boxes are apart, proved, are never tested.
+In: regions (`Polytope`s, e.g. of free configurations, from halfspaces as IRIS gives them, or from points). Out: their
+exact overlap graph. Pairs whose boxes are proved apart are not tested.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class OverlapGraph:
     skipped: int
 
     def path(self, start: int, goal: int) -> list[int] | None:
-        """Regions from one to another, as few as possible, or None if there is no way.
+        """A shortest sequence of regions from one to another, or None if there is none.
 
         Args:
             start: A region's number.

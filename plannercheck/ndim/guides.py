@@ -1,11 +1,11 @@
-"""What guides a pair where a body is given by halfspaces: the game, or a linear program.
+"""Guesses for pairs in which a body is given by halfspaces: by the game, or by a linear program.
 
-In: two bodies and their poses. Out: `Hint`: a verdict to prove, what decides it, and a point to try. Nothing here is
-trusted; `plannercheck.ndim.pair` proves it, in doubles or in integers.
+In: two bodies and their poses. Out: `Hint`: a verdict to prove, the vertices and halfspaces that decide it, and a point
+to try. Nothing here is trusted; `plannercheck.ndim.pair` proves it, in doubles or in integers.
 
-The game (points against halfspaces, `plannercheck.ndim.game`) needs a point strictly inside the halfspaces. Two bodies
-of halfspaces, and bodies without inside, go to a linear program (HiGHS through SciPy) that looks for the point deepest
-inside everything: a feasibility question in d unknowns is what it is made for.
+The game (points against halfspaces, `plannercheck.ndim.game`) needs a point strictly inside the halfspaces. For two
+bodies of halfspaces, and for bodies without interior, a linear program (HiGHS through SciPy) finds the point deepest
+inside all halfspaces.
 """
 
 from __future__ import annotations

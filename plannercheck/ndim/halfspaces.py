@@ -1,7 +1,7 @@
-"""What a set of halfspaces A x ≤ b bounds: is it empty, is it bounded, where is its middle.
+"""Intersections of halfspaces A x ≤ b: whether they are empty or bounded, and their centre.
 
-In: normals and offsets in doubles, taken as exact. Out: `Examined`, or an error that names a ray or says that nothing
-is in all halfspaces. Linear programs (HiGHS through SciPy) guess, and bounds or integers prove.
+In: normals and offsets in doubles, taken as exact. Out: `Examined`, or an error that names a ray or says that the
+intersection is empty. Linear programs (HiGHS through SciPy) guess; bounds or integers prove.
 
 Boundedness, proved in doubles: for each of the 2 d unit directions e, multipliers μ ≥ 0 with A'μ about e. If the
 residuals are at most 1/2 in the sum norm, no ray fits (its largest entry would be less than itself), and the largest
@@ -55,7 +55,7 @@ def examine(normals: Floats, offsets: Floats, name: str) -> Examined:
         name: What errors call the body.
 
     Returns:
-        What is known; raises PlannercheckError if the body is empty or unbounded.
+        The centre and a box; raises PlannercheckError if the body is empty or unbounded.
     """
     box = _box(normals, offsets, name)
     reach = float(np.abs(box).max())

@@ -3,10 +3,10 @@
 In: two posed sets of vertices. Out: a verdict that is proved in doubles, or none, with the vertices that decide.
 
 The idea: the actives are pairs of vertices, as differences p - r; the game between the two hulls is won by the
-direction of the differences' point nearest to the origin (Wolfe's method; GJK in three dimensions). Each round asks
-both bodies for their extreme vertices along that direction. Either their gap exceeds its error bound, or the pair found
-joins the actives, or d + 1 actives certainly enclose the origin, or nothing new is found and integers have to decide.
-A support is a scan, n products.
+direction of the differences' point nearest to the origin (Wolfe's method; GJK in three dimensions). Each round finds
+both bodies' extreme vertices along that direction. Either their gap exceeds its error bound, or the pair joins the
+actives, or d + 1 actives certainly enclose the origin, or nothing new is found and integers have to decide. A support
+query is a scan of n products.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _TINY = 1e-300
 
 @dataclass(frozen=True)
 class Found:
-    """What doubles found out.
+    """The result of the search in doubles.
 
     Attributes:
         shares: The verdict, proved; None if it is not.

@@ -1,10 +1,10 @@
 """The intersection test for one pair of posed polytopes in any dimension.
 
 In: two `Polytope`s and their poses. Out: a verdict, or a verdict with its certificate. Steps: the trees or the double
-oracle find what decides, in doubles; a filter with a proven bound confirms it; where it can't, integers decide.
+oracle find a verdict in doubles; a filter with a proved bound confirms it; where it can't, integers decide.
 
-What is exact: a body given by points is their hull, one given by halfspaces is all that is in all of them, and a pose
-is the affine map that its doubles give. The verdict is that of these sets, touching included, with no tolerance. Hulls,
+What is exact: a body given by points is their hull, a body given by halfspaces is their intersection, and a pose is the
+affine map that its doubles give. The verdict is that of these sets, touching included, without tolerance. Hulls,
 polars, trees and corners are rounded and only guide.
 """
 

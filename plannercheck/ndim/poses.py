@@ -1,4 +1,4 @@
-"""Where a body is: any invertible affine map x ↦ M x + t, in doubles that are taken as exact.
+"""Poses: any invertible affine map x ↦ M x + t, in doubles that are taken as exact.
 
 In: None, a (d + 1, d + 1) matrix, or a pair (M, t). Out: `Affine`.
 """

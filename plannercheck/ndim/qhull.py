@@ -1,7 +1,7 @@
 """Qhull through SciPy: convex hulls and halfspace intersections in any dimension, in doubles.
 
 In: points (n, d), or halfspaces with a point strictly inside. Out: facets as simplices with outward unit normals, or
-vertices. Rounded, so what comes out only guides; verdicts are proved from the given numbers.
+vertices. Results are rounded and only guide; verdicts are proved from the given numbers.
 """
 
 from __future__ import annotations

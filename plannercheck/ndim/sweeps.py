@@ -1,12 +1,12 @@
-"""Moving bodies in space-time: the hull of what a body covers, one dimension higher.
+"""Moving bodies in space-time: the hull of the set that a body sweeps, one dimension higher.
 
-In: vertices of a body, and a path of it in straight pieces, each passed at a constant speed and without turning. Out: a
-`Polytope` a piece, in the coordinates of space and, last, time. Two bodies are at one place at one time if and only if
-two of their pieces share a point: a certificate's common point says where and when.
+In: vertices of a body, and its path of straight pieces, each at constant speed and without rotation. Out: a `Polytope`
+for each piece, in the coordinates of space followed by time. Two bodies collide at some time if and only if two of
+their pieces share a point: a certificate's common point says where and when.
 
-Why that is exact: at a moment of a piece, the body is the mixture of where it is at both ends, so the hull of both is
-what it sweeps, no more. A body that turns sweeps something that is not convex; cut its motion into pieces short enough
-and take bodies a little larger, or use `Checker.check_motion`.
+Why that is exact: at any time of a piece, the body is an interpolation between its positions at both ends, so it sweeps
+exactly the hull of both. A rotating body sweeps a set that is not convex: cut its motion into short pieces and enlarge
+the body a little, or use `Checker.check_motion`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from plannercheck.ndim.bodies import Polytope
 
 @set_module("plannercheck.ndim")
 def sweeps(vertices: ArrayLike, waypoints: ArrayLike, times: ArrayLike, name: str = "body") -> list[Polytope]:
-    """What a body covers on its way, piece by piece.
+    """The sets that a body sweeps on its path, piece by piece.
 
     Args:
         vertices: (n, d), m; d = 3 in space.

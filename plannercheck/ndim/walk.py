@@ -12,9 +12,9 @@ Each round plays the game between two nets, P_N and Q_N, and steps one level dow
 
 So there are at most as many rounds as both depths together, O(log n + log m), each of constant cost.
 
-What the text leaves out: it prunes faces of P, and if R lies strictly inside P, no face of P meets it although they
-intersect. So the walk first asks whether the point inside R is in P, by one walk down the tree of P's own polar. (Q has
-no such case: ρ∞(P) is unbounded and Q is not.)
+A case that the text leaves out: it prunes faces of P, and if R lies strictly inside P, no face of P meets R although
+they intersect. So the walk first asks whether the point inside R is in P, by one walk down the tree of P's own polar.
+(Q has no such case: ρ∞(P) is unbounded and Q is not.)
 """
 
 from __future__ import annotations

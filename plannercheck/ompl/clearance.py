@@ -1,8 +1,8 @@
-"""An OMPL objective: the least clearance along a path, as great as possible.
+"""An OMPL objective that maximises the least clearance along a path.
 
-In: a checker and its space. Out: costs that OMPL minimises: of a path, the negative of the least clearance at the
-states looked at. OMPL 2.0.1 ignores a `stateCost` that Python overrides in a `StateCostIntegralObjective`; `motionCost`
-of a plain `OptimizationObjective` is asked, so that is what is overridden.
+In: a checker and its space. Out: costs that OMPL minimises: for a path, the negative of the least clearance at sampled
+states. OMPL 2.0.1 ignores a `stateCost` that Python overrides in a `StateCostIntegralObjective`, but it calls
+`motionCost` of a plain `OptimizationObjective`, so this one is overridden.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.motion_validators import Space
 
-# Between states at which a motion's clearance is measured, in the space's distance (rad).
+# The step between states at which a motion's clearance is measured, in the space's distance (rad).
 CLEARANCE_RESOLUTION = 0.05
 
 
 class MaxMinClearance(base.OptimizationObjective):  # type: ignore[misc]  # OMPL has no types
-    """Costs are negative clearances in m; a path costs as much as its costliest state."""
+    """Costs are negative clearances in m; the cost of a path is that of its costliest state."""
 
     def __init__(self, information: Any, checker: Checker, space: Space, resolution: float) -> None:
-        """The information is OMPL's, of the space; the resolution is in the space's distance."""
+        """Takes OMPL's SpaceInformation of the space; the resolution is in the space's distance."""
         if not (np.isfinite(resolution) and resolution > 0):
             raise PlannercheckError(f"resolution must be a positive distance, not {resolution!r}")
         super().__init__(information)
@@ -52,9 +52,9 @@ class MaxMinClearance(base.OptimizationObjective):  # type: ignore[misc]  # OMPL
         return first if first.value() >= second.value() else second
 
     def identityCost(self) -> Any:  # noqa: N802
-        """What a path of nothing costs: less than any state."""
+        """The cost of an empty path: less than that of any state."""
         return base.Cost(-float("inf"))
 
     def infiniteCost(self) -> Any:  # noqa: N802
-        """What no path costs."""
+        """A cost above that of any path."""
         return base.Cost(float("inf"))

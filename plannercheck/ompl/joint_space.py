@@ -1,11 +1,11 @@
-"""A robot's joint space as OMPL has it.
+"""A robot's joint space as an OMPL state space.
 
-In: a robot. Out: `JointSpace`: an OMPL state space, and how its states become configurations and back.
+In: a robot. Out: `JointSpace`: an OMPL state space, and conversions between its states and configurations.
 
-With bounded joints alone the space is a RealVectorStateSpace. Continuous joints of a planning group are SO2
-spaces; then the space is a compound of one part a joint, weighted equally. A continuous joint that another follows at
-half the speed, or along a slide, is elsewhere after a whole turn: it is a real number between bounds of our own, and
-goes the way that the certifier judges.
+If all joints are bounded, the space is a RealVectorStateSpace. Continuous joints of a planning group are SO2 spaces;
+then the space is a compound with one part for each joint, weighted equally. If another joint follows a continuous joint
+at half the speed, or as a slide, a whole turn changes the robot's pose. Such a joint is a real number between bounds of
+our own, and moves as the certifier judges it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from plannercheck.robots.robot import Robot
 Floats = NDArray[np.float64]
 
 
-# What is asked of robots that have been planned for: asking Pinocchio takes a tenth of a short plan's time.
+# Cached results of questions to Pinocchio, which would take a tenth of a short plan's time.
 _COLUMNS: WeakKeyDictionary[Robot, tuple[NDArray[np.bool_], Floats, Floats, list[int]]] = WeakKeyDictionary()
 
 
@@ -36,20 +36,20 @@ class JointSpace:
 
     Attributes:
         continuous: (nq,) which columns are angles that a whole turn does not change.
-        is_straight: Motions are straight, joint by joint.
+        is_straight: True: motions are straight, joint by joint.
     """
 
     is_straight: Literal[True] = True
 
     def __init__(self, robot: Robot, *held: Floats) -> None:
-        """Looks at the joints.
+        """Reads the joints.
 
         Args:
             robot: The robot.
-            held: Configurations (nq,) that the bounds are to hold, where a joint has no limits of its own.
+            held: Configurations (nq,) that the bounds of joints without limits of their own have to include.
 
         Raises:
-            PlannercheckError: For a joint that takes several numbers, or that has no limits and is no angle.
+            PlannercheckError: If a joint takes several numbers, or has no limits and is no angle.
         """
         if robot not in _COLUMNS:
             _COLUMNS[robot] = _columns(robot)
@@ -84,7 +84,7 @@ class JointSpace:
         """Sets an OMPL state to a configuration (nq,); angles are brought to [-pi, pi).
 
         Raises:
-            PlannercheckError: If a joint without limits, which no whole turn brings back, is beyond the space's bounds.
+            PlannercheckError: If a joint without limits that is no SO2 part is beyond the space's bounds.
         """
         for k in self._free:
             if not self._lower[k] <= q[k] <= self._upper[k]:
@@ -103,7 +103,7 @@ class JointSpace:
                 state[k][0] = float(q[k])
 
     def differences(self, q0: Floats, q1: Floats) -> Floats:
-        """From configurations (…, nq) to others, joint by joint; angles take the short way."""
+        """Differences from configurations (…, nq) to others, joint by joint; angles take the short way."""
         return (np.where(self.continuous, nearest_turns(q0, q1), q1) if self._turning else q1) - q0
 
     def end(self, q0: list[float], q1: list[float]) -> list[float]:
@@ -113,7 +113,7 @@ class JointSpace:
         return [nearest_turn(a, b) if turns else b for a, b, turns in zip(q0, q1, self._turns, strict=True)]
 
     def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
-        """A new OMPL state of a configuration (nq,); it frees itself, which states of the space do not."""
+        """A new OMPL state of a configuration (nq,); it frees itself, unlike states of the space."""
         state = information.allocState()
         self.write(state, q)
         return state
@@ -131,7 +131,7 @@ def bounded_space(lower: Floats, upper: Floats) -> Any:
 
 
 def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats, list[int]]:
-    """(nq,) which columns whole turns do not change, bounds, and which columns have bounds of our own."""
+    """(nq,) columns whose whole turns change no pose, bounds, and columns with bounds of our own."""
     if not robot.nq:
         raise PlannercheckError(f"robot {robot.name!r} has no joint that moves: there is nothing to plan")
     model = robot.model
@@ -159,6 +159,6 @@ def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats, list[int]
 
 
 def _free_range(used: ConfigurationMap, column: int) -> float:
-    """How far from 0 an angle without limits goes in planning: a whole turn of its own and of each angle behind it."""
+    """The bound of an angle without limits in planning: a whole turn of its own and of each follower."""
     followers = (used.columns == column) & (used.roles != PLAIN) & (used.multipliers != 0)
     return float(np.pi * (1 / np.abs(used.multipliers[followers])).max(initial=1.0))

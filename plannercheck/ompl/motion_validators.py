@@ -1,7 +1,7 @@
 """OMPL's motion validators: motions proved free by one call of the core, or sampled.
 
-In: a checker, its OMPL space. Out: `motion_validator`. Motions are proved free unless a resolution is given: then they
-are sampled, so densely that no point moves further than it.
+In: a checker, its OMPL space. Out: `motion_validator`. Motions are proved free. If a resolution is given, they are
+sampled instead, so densely that no point moves further than it between two states.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from plannercheck.planar.motion_certifier import STRAIGHT
 
 Floats = NDArray[np.float64]
 
-# Either kind of space: reads and writes states, and says how they differ.
+# Either kind of space: it reads and writes states, and computes their differences.
 Space: TypeAlias = JointSpace | PlanarSpace
 
-# A curved motion is checked coarse to fine, so that a collision is met early: first this many states, then twice as
-# many each time.
+# A curved motion is checked coarse to fine, to find a collision early: first this many states, then twice as many each
+# time.
 _FIRST_STATES = 8
 
 
 class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's bindings are untyped
-    """What all validators share.
+    """The common part of all validators.
 
-    The counters are kept here: `SpaceInformation.getCheckedMotionCount` asks OMPL's own, which stay 0.
+    The counters are kept here; `SpaceInformation.getCheckedMotionCount` reads OMPL's own, which stay 0.
     """
 
     def __init__(self, information: Any, space: Space) -> None:
-        """Holds the space, but not the SpaceInformation, which holds this."""
+        """Keeps the space, but not the SpaceInformation, which keeps this object."""
         super().__init__(information)
         self._space = space
         self.resetMotionCounter()
@@ -62,8 +62,8 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
         Args:
             s1: Start.
             s2: End.
-            last_valid: A state that receives the last one known free, or, sampled, the last one before the first
-                collision; None for none.
+            last_valid: A state to overwrite with the last one known free (if sampled, the last one before the first
+                collision); None for none.
 
         Returns:
             Whether the motion is free, and the last valid state's place between 0 and 1 (0 also if the start
@@ -115,7 +115,7 @@ class ProvedMotions(_CountingValidator):
 
     def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
         """Whether the motion between two states is free, both ends included."""
-        free = self._proved(s1, s2)  # what planners wait for: no more calls than that
+        free = self._proved(s1, s2)  # planners wait for this, so there are no further calls
         if free:
             self._valid += 1
         else:
@@ -151,7 +151,7 @@ class ProvedPlanarMotions(_CountingValidator):
         curves, end = self._plane.curves, self._sampler.short_way(q0, q1)
         if curves is None:
             return q0, end, STRAIGHT
-        end[2] = q1[2]  # to the bit: of two curves of one length rounding may choose
+        end[2] = q1[2]  # the very double: rounding may choose between two curves of equal length
         return q0, end, curves.pieces(q0, end, self._sampler.reach)
 
     def _is_free(self, s1: Any, s2: Any) -> bool:
@@ -169,7 +169,7 @@ class SampledMotions(_CountingValidator):
     """Motions in space or in the plane, judged at sampled states."""
 
     def __init__(self, information: Any, checker: AnyChecker, space: Space, resolution: float | None) -> None:
-        """Holds the checker; `resolution` as for its `check_motion`, m."""
+        """Keeps the checker; `resolution` as for its `check_motion`, m."""
         super().__init__(information, space)
         self._checker, self._resolution, self._sampler = checker, resolution, checker.motion_sampler
 
@@ -201,7 +201,7 @@ class SampledMotions(_CountingValidator):
         return np.asarray(self._sampler.states(q0, q1, np.arange(steps + 1) / steps))
 
     def _ends(self, s1: Any, s2: Any) -> tuple[Floats, Floats]:
-        """Both ends; angles of the second on the short way from the first, as OMPL interpolates."""
+        """Both ends; angles of the second are on the short way from the first, as in OMPL's interpolation."""
         q0, q1 = np.array(self._space.read(s1)), np.array(self._space.read(s2))
         return q0, self._sampler.short_way(q0, q1)
 
@@ -217,10 +217,10 @@ def motion_validator(
 
     Args:
         information: OMPL's SpaceInformation.
-        checker: Who judges motions.
-        space: The checker's robot's.
-        resolution: None to prove motions free; else to sample them, as for `check_motion`, m.
-        tolerance: Of proofs, as for `Checker.check_motion`, m.
+        checker: The checker that judges motions.
+        space: The space of the checker's robot.
+        resolution: None to prove motions free; else they are sampled, as for `check_motion`, m.
+        tolerance: The tolerance of proofs, as for `Checker.check_motion`, m.
     """
     if resolution is None and isinstance(checker, Checker):
         assert isinstance(space, JointSpace)

@@ -1,8 +1,8 @@
-"""A planar robot's configuration space as OMPL has it.
+"""A planar robot's configuration space as an OMPL state space.
 
-In: a planar robot, and how its root moves. Out: `PlanarSpace`: an OMPL state space, and how its states become
-configurations and back. The root is an SE2, Dubins or Reeds-Shepp space; with joints, the space is a compound of the
-root and one part a joint.
+In: a planar robot, and how its root moves. Out: `PlanarSpace`: an OMPL state space, and conversions between its states
+and configurations. The root is an SE2, Dubins or Reeds-Shepp space; with joints, the space is a compound of the root
+and one part for each joint.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ class PlanarSpace:
     """
 
     def __init__(self, robot: Robot, curve: Curve = "straight", turning_radius: float | None = None) -> None:
-        """Looks at the robot.
+        """Reads the robot.
 
         Args:
-            robot: With limits of x and y if its root is free.
+            robot: The robot, with limits of x and y if its root is free.
             curve: How the root moves.
             turning_radius: Of curves, m.
         """
@@ -111,7 +111,7 @@ class PlanarSpace:
                 part[0] = float(q[k])
 
     def differences(self, q0: Floats, q1: Floats) -> Floats:
-        """From configurations (…, nq) to others, number by number; free angles take the short way."""
+        """Differences from configurations (…, nq) to others, number by number; free angles take the short way."""
         return np.where(self.continuous, nearest_turns(q0, q1), q1) - q0
 
     def state(self, information: Any, q: Sequence[float] | Floats) -> Any:
@@ -128,7 +128,7 @@ class PlanarSpace:
         return int(sampler.steps_of_way(np.array([way]), resolution)[0])
 
     def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
-        """The states (k, nq) of a motion at parameters (k,) in [0, 1], as OMPL interpolates."""
+        """The states (k, nq) of a motion at parameters (k,) in [0, 1], by OMPL's interpolation."""
         assert self._spare is not None  # states come from `ompl_space`
         rows = []
         with self._spare.taken() as (between,):
@@ -139,7 +139,7 @@ class PlanarSpace:
 
 
 def sampled_curve(space: PlanarSpace, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> Floats:
-    """States (k, nq) of a curved motion so close that no point moves over `resolution` m, both ends included."""
+    """States (k, nq) of a curved motion, both ends included: no point moves over `resolution` m between two."""
     steps = space.curve_steps(s1, s2, sampler, resolution)
     return space.curve_states(s1, s2, np.arange(steps + 1) / steps)
 

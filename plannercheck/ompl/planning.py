@@ -37,7 +37,7 @@ from plannercheck.planar.curves import Curve
 
 Floats = NDArray[np.float64]
 
-# About this long is a found path shortened at most, s: most of the gain comes in the first half second.
+# A found path is shortened for about this long at most, s: most of the gain comes in the first half second.
 SIMPLIFICATION_TIME = 1.0
 
 
@@ -62,17 +62,17 @@ def setup(
     OMPL's messages below warnings are switched off; `ompl.util.setLogLevel` brings them back.
 
     Args:
-        checker: Who judges states and motions, in space or in the plane.
+        checker: The checker that judges states and motions, in space or in the plane.
         resolution: None to prove motions free. Else they are sampled, and no point of the robot moves further than this
             between two checked states, m.
         tolerance: A motion that comes within this of a collision may be refused by the proof, m.
         curve: How a planar robot's root moves: "straight" (SE(2)), "dubins" (forwards) or "reeds_shepp" (either way).
-        turning_radius: Of the two latter, m.
+        turning_radius: The turning radius of the two latter, m.
 
     Returns:
         An `ompl.geometric.SimpleSetup` with space, state and motion validators set. Its `simplifySolution` keeps the
-        path that was found if OMPL's simpler one collides; of paths that `getPathSimplifier()` is given, OMPL says so
-        by returning False alone.
+        path that was found if OMPL's simpler one collides. `getPathSimplifier()` does not: for a path that collides it
+        only returns False.
 
         AORRTC, BITstar, InformedRRTstar and SORRTstar serve bounded joints and planar robots without joints; OMPL's
         other planners serve every space.
@@ -100,9 +100,9 @@ def clearance_objective(checker: AnyChecker, setup: Any, resolution: float = CLE
     """An objective for paths whose least clearance is as great as possible; see clearance.py.
 
     Args:
-        checker: Who measures clearances; in space.
-        setup: What `setup` made for it. `setup.setOptimizationObjective(objective)` puts the objective to use.
-        resolution: Between states at which a motion's clearance is measured, in the space's distance (rad).
+        checker: The checker that measures clearances, in space.
+        setup: The result of `setup` for it; `setup.setOptimizationObjective(objective)` applies the objective.
+        resolution: The step between states at which a motion's clearance is measured, in the space's distance (rad).
 
     Returns:
         An `ompl.base.OptimizationObjective`.
@@ -128,7 +128,7 @@ def _setup(checker: AnyChecker, space: Space, resolution: float | None, toleranc
 
 
 def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
-    """OMPL's judge of states, with clearances in space."""
+    """OMPL's state validity checker; in space it also has clearances."""
     if isinstance(checker, Checker):
         assert isinstance(space, JointSpace)
         return ExactStates(information, checker, space)
@@ -163,13 +163,13 @@ def plan(
     """Plans from one configuration to another.
 
     Args:
-        checker: Who judges states and motions.
+        checker: The checker that judges states and motions.
         start: (nq,) rad and m.
         goal: (nq,) rad and m.
         planner: One of `planner_names()`.
-        time_limit: For the search, s; shortening comes on top, about `SIMPLIFICATION_TIME`.
+        time_limit: The time limit of the search, s; shortening takes up to about `SIMPLIFICATION_TIME` more.
         simplify: Whether to shorten the path.
-        seed: Of OMPL's random numbers, 1 or more, for a search that can be repeated; None for a different one
+        seed: Seed of OMPL's random numbers, 1 or more, for a search that can be repeated; None for a different search
             each time.
         resolution: As for `setup`.
         longest_motion: How far a planner with a range extends at once, in the space's distance (rad); 0 leaves it to
@@ -178,8 +178,8 @@ def plan(
         turning_radius: As for `setup`.
 
     Returns:
-        The plan; curved motions are given as states between which no point moves over 1 cm, or the resolution. If
-        start or goal collide or are beyond the limits, it is unsolved and `reason` says why.
+        The plan. Curved motions are given as states between which no point moves further than 1 cm, or the resolution.
+        If the start or the goal collides or is beyond the limits, the plan is unsolved and `reason` says why.
     """
     if planner not in planner_names():
         raise unknown_name("planner", planner, planner_names())
@@ -256,7 +256,7 @@ def shortened(setup: Any) -> Any:
     found = setup.getSolutionPath()
     shorter = geometric.PathGeometric(found)
     limit = base.timedPlannerTerminationCondition(SIMPLIFICATION_TIME)
-    # The flag would have every step of the simplification run at least once, however long that takes.
+    # With the flag, every step of the simplification would run at least once, however long that takes.
     kept = setup.getPathSimplifier().simplify(shorter, limit, atLeastOnce=False)
     return shorter if kept and shorter.check() else found
 

@@ -1,7 +1,7 @@
-"""Plans: what a planner found, in memory and in files.
+"""Plans: the results of a planner, in memory and in files.
 
-In: a path of configurations and how it was found. Out: `Plan`, and JSON (all of it), npy or csv (the path
-alone, readable by `plannercheck validate`).
+In: a path of configurations and how it was found. Out: `Plan`, and files: JSON (the whole plan), or npy and csv (the
+path alone, readable by `plannercheck validate`).
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Plan(OwnsArrays):
-    """What a planner found between two configurations.
+    """The result of a planner between two configurations.
 
     Attributes:
         solved: Whether the path leads from the start to the goal.
         path: (k, nq) configurations, joined by straight motions; (0, nq) if there is none. rad and m.
-        length: Of the path, joint by joint combined as a Euclidean length, rad (and m, for prismatic joints).
-        time: Spent on the search, s.
-        simplification_time: Spent on shortening the path afterwards, s.
+        length: The path's Euclidean length in joint space, rad (and m, for prismatic joints).
+        time: Time of the search, s.
+        simplification_time: Time of shortening the path afterwards, s.
         planner: The planner's name.
         reason: Why there is no path; empty if solved.
-        joint_names: Of the path's columns.
+        joint_names: Names of the path's columns.
     """
 
     solved: bool
@@ -49,7 +49,7 @@ class Plan(OwnsArrays):
     joint_names: tuple[str, ...] = field(default=())
 
     def save(self, path: str | Path) -> None:
-        """Writes the plan; the suffix tells the format: .json, or the path alone as .npy or .csv."""
+        """Writes the plan as .json, or the path alone as .npy or .csv; the suffix chooses the format."""
         path = Path(path)
         check_suffix(path)
         written_aside(path, lambda aside: _WRITERS[path.suffix](self, aside))
@@ -78,7 +78,7 @@ def joint_length(path: Floats, differences: Callable[[Floats, Floats], Floats]) 
 
     Args:
         path: Its configurations.
-        differences: From configurations (n, nq) to others, joint by joint.
+        differences: A function: the differences from configurations (n, nq) to others, joint by joint.
 
     Returns:
         The sum of the Euclidean lengths of its steps.

@@ -1,7 +1,7 @@
-"""Projections of spaces that OMPL has none for: KPIECE1, BKPIECE1 and LBKPIECE1 fill their cells evenly.
+"""Projections of spaces for which OMPL has none: KPIECE1, BKPIECE1 and LBKPIECE1 need them for their cells.
 
-In: an OMPL compound space of ours. Out: its first two numbers as the default projection: x and y of a planar robot, or
-else the two joints next to the base, which move most of the robot (MoveIt's setup assistant takes these two as well).
+In: one of our OMPL compound spaces. Out: its first two numbers as the default projection: x and y of a planar robot, or
+else the two joints next to the base, which move most of the robot (MoveIt's setup assistant uses these two as well).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class FirstJoints(base.ProjectionEvaluator):  # type: ignore[misc]  # OMPL's bin
     """The values of the first two joints of a space that has a part for each joint, rad or m."""
 
     def __init__(self, space: Any) -> None:
-        """Looks at the parts of an OMPL compound space, and does not hold it: it holds this."""
+        """Reads the parts of an OMPL compound space, but does not keep it, since it keeps this object."""
         super().__init__(space)
         parts = [space.getSubspace(k) for k in range(min(_JOINTS, space.getSubspaceCount()))]
         self._turning = [isinstance(part, base.SO2StateSpace) for part in parts]
@@ -40,6 +40,6 @@ class FirstJoints(base.ProjectionEvaluator):  # type: ignore[misc]  # OMPL's bin
 
 
 def register_projection(space: Any) -> None:
-    """Gives an OMPL compound space of ours a default projection; other spaces have OMPL's own."""
+    """Gives one of our OMPL compound spaces a default projection; other spaces have OMPL's own."""
     has_root = isinstance(space.getSubspace(0), base.SE2StateSpace)
     space.registerDefaultProjection(base.SubspaceProjectionEvaluator(space, 0) if has_root else FirstJoints(space))

@@ -1,10 +1,10 @@
-"""OMPL's SimpleSetup with what OMPL leaves undone: simplified paths are checked, planners that can't plan are named.
+"""OMPL's SimpleSetup, which also checks simplified paths and refuses planners that do not fit the space.
 
 In: an OMPL space. Out: `SimpleSetup`, used as OMPL's own.
 
-A program's own class, a goal for one, holds the program's variables, among them the set-up. The set-up holds the goal
-through C++, where Python's collector does not look, so that none of them would ever be freed. At the end of the program
-set-ups therefore let go of what may be the program's own.
+An instance of a program's own class, such as a goal, may refer to the program's variables, the set-up among them. The
+set-up refers to the goal through C++, which Python's garbage collector does not see, so that none of them would ever be
+freed. So at the end of the program, set-ups drop all objects that may be of the program's own classes.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from ompl import base, geometric, util
 
 from plannercheck.common.errors import PlannercheckError
 
-# They draw samples from where a shorter path may be, which OMPL's PathLengthDirectInfSampler can't do in all spaces;
-# its error for a space begins so.
+# These planners sample where a shorter path may be, which OMPL's PathLengthDirectInfSampler can't do in all spaces; its
+# error for such a space begins like this.
 INFORMED_PLANNERS = ("AORRTC", "BITstar", "InformedRRTstar", "SORRTstar")
 _NO_SAMPLER = "PathLengthDirectInfSampler only supports"
 
 
 class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindings are untyped
-    """OMPL's SimpleSetup; what is said here is what differs."""
+    """OMPL's SimpleSetup; only the differences are documented here."""
 
     def __init__(self, space: Any, checks_found_paths: bool = False) -> None:
         """Takes the space, and whether a motion that is free may collide the other way round."""
@@ -68,14 +68,14 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
         )
 
     def simplifySolution(self, *arguments: Any, **named: Any) -> None:  # noqa: N802  # OMPL's name
-        """Simplifies the path that was found, and leaves it as it was if a motion of the simpler one collides."""
+        """Simplifies the found path; keeps it unchanged if a motion of the simpler one collides."""
         if not self.haveSolutionPath():
             super().simplifySolution(*arguments, **named)
             return
         path = self.getSolutionPath()
         found = geometric.PathGeometric(path)
         super().simplifySolution(*arguments, **named)
-        if not path.check():  # OMPL warns at most
+        if not path.check():  # OMPL only warns
             path.assign(found)
 
 
@@ -83,13 +83,13 @@ _MADE: WeakSet[SimpleSetup] = WeakSet()
 
 
 class _NoMotions(base.MotionValidator):  # type: ignore[misc]  # OMPL's bindings are untyped
-    """Stands where the program's own validator stood."""
+    """Takes the place of the program's own validator."""
 
 
 @atexit.register
 def _let_go() -> None:
-    """Puts OMPL's own goals, judges, samplers and objectives where the program may have put some of its classes."""
-    util.setLogLevel(util.LOG_NONE)  # of planners that are set up twice
+    """Puts OMPL's own goals, validators, samplers and objectives in place of the program's own."""
+    util.setLogLevel(util.LOG_NONE)  # planners that are set up twice would print warnings
     for setup in list(_MADE):
         information = setup.getSpaceInformation()
         setup.getProblemDefinition().clearSolutionPaths()
@@ -105,5 +105,5 @@ def _renew(planner: Any) -> None:
     """Makes a planner of OMPL's forget the objective and the samplers that it took at its last search."""
     if planner is not None and type(planner).__module__.startswith("ompl."):
         planner.clear()
-        with suppress(RuntimeError):  # some want a goal first
+        with suppress(RuntimeError):  # some need a goal first
             planner.setup()

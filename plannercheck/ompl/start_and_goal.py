@@ -1,4 +1,4 @@
-"""What keeps a planner from starting or ending at a configuration.
+"""Reasons why a planner can't start or end at a configuration.
 
 In: a checker and a configuration. Out: `EndState`: limits exceeded and colliding pairs.
 """
@@ -19,12 +19,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class EndState:
-    """A start or goal, judged.
+    """The verdict on a start or a goal.
 
     Attributes:
         beyond: A text for each joint limit that is exceeded.
         pairs: Links with the links or obstacles they collide with, in the order of the checker's pair table.
-        hint: What the numbers look like; empty if like themselves.
+        hint: What is probably wrong with the numbers, e.g. degrees; else empty.
     """
 
     beyond: tuple[str, ...]
@@ -37,7 +37,7 @@ class EndState:
         return not self.beyond and not self.pairs
 
     def reason(self, name: str) -> str:
-        """Why it is not accepted, in words that call it by a name; empty if it is."""
+        """Why it is not accepted, in a sentence that uses the given name; empty if it is accepted."""
         parts = [f"{name} is beyond the limits: {', '.join(self.beyond)}"] if self.beyond else []
         parts += [self.hint] if self.hint else []
         collisions = ", ".join(f"{first} with {second}" for first, second in self.pairs)
@@ -57,7 +57,7 @@ def judged(checker: AnyChecker, q: Floats) -> EndState:
 
 
 def checked_end(checker: AnyChecker, q: ArrayLike, name: str) -> Floats:
-    """One configuration (nq,), or an error that calls it by its name."""
+    """One configuration (nq,), or an error that uses its name."""
     if np.ndim(q) != 1:
         raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {np.shape(q)}")
     try:

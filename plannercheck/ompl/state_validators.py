@@ -1,4 +1,4 @@
-"""OMPL's state validity checker for robots in space: exact verdicts, and clearances for whoever asks.
+"""OMPL's state validity checker for robots in space: exact verdicts, and clearances.
 
 In: a checker, its OMPL space. Out: `ExactStates`. Verdicts come from one compiled call where states are plain numbers.
 """
@@ -16,10 +16,10 @@ from plannercheck.ompl.joint_space import JointSpace
 
 
 class ExactStates(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bindings are untyped
-    """Judges states; OMPL's samplers, paths and objectives get clearances from it, too."""
+    """Judges states, and gives clearances to OMPL's samplers, paths and objectives."""
 
     def __init__(self, information: Any, checker: Checker, space: JointSpace) -> None:
-        """Holds the space, but not the SpaceInformation, which holds this."""
+        """Keeps the space, but not the SpaceInformation, which keeps this object."""
         super().__init__(information)
         self._checker, self._space = checker, space
         compiled = None if space.continuous.any() else checker.state_validity()

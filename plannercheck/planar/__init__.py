@@ -1,10 +1,10 @@
 """Convex polygons in the plane, and planar robots among them: `plannercheck` once more, with one dimension less.
 
-Read `polygons` first (do two share a point) with `certificates`, then `robot` and `scene` with what reads their files,
-`checker` (verdicts of configurations and motions) with `body_tables`, `motion_certifier` and `motion_sampling`.
-`curves` are the ways of Dubins and of Reeds and Shepp, `curve_motions` the robot's motions on them; `pieces` and
-`convexity` split outlines; `proof_builder` writes proofs of motions down, `proof_confirmation` compares their models
-with files.
+Read `polygons` first (whether two polygons share a point) with `certificates`, then `robot` and `scene` with `links`
+and `robot_files`, and `checker` (verdicts on configurations and motions) with `body_tables`, `motion_certifier` and
+`motion_sampling`. `curves` takes Dubins and Reeds-Shepp curves apart, and `curve_motions` describes motions on them.
+`pieces` and `convexity` split outlines and check them. `proof_builder` makes proofs of motions, and
+`proof_confirmation` compares their models with files.
 """
 
 from __future__ import annotations

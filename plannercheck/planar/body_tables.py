@@ -1,7 +1,7 @@
-"""What a planar checker gives its core: arrays of links and bodies, circles and boxes around these, and the pairs.
+"""The core's input for a planar checker: arrays of links and bodies, circles and boxes around these, and pairs.
 
-In: a robot, convex polygons on its links and in the world. Out: arrays. Circles and boxes have room for rounding, their
-own and that of the poses they are seen at, so that they hold what the exact test sees.
+In: a robot, convex polygons on its links and in the world. Out: arrays. Circles and boxes have room for their own
+rounding and that of poses, so that they contain the polygons of the exact test.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from plannercheck.planar.robot import Robot
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-# Room for rounding in circles and boxes, as a part of the coordinates' size: they round by less than 1e-14 of it.
+# Room for rounding in circles and boxes, as a part of the coordinates' size; the rounding is below 1e-14 of it.
 _ROOM = 1e-12
 
-# And this much in any case, m: the squares of lengths that are not far above 1e-162 have too few bits to be compared.
+# The least room, m: squares of lengths not far above 1e-162 have too few bits for comparisons.
 _LEAST_ROOM = 1e-150
 
 
@@ -39,7 +39,7 @@ def core_arguments(robot: Robot, bodies: Sequence[Body], pairs: Ints) -> tuple[A
 
 
 def pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:
-    """(k, 2) indices into the robot's bodies and then the scene's, of which there are so many together."""
+    """(k, 2) indices into all `bodies` bodies: the robot's, then the scene's."""
     own = robot.self_pairs() if self_collision else []
     fixed = _fixed_links(robot)
     others = range(len(robot.bodies), bodies)
@@ -48,7 +48,7 @@ def pair_table(robot: Robot, bodies: int, self_collision: bool) -> Ints:
 
 
 def _fixed_links(robot: Robot) -> set[int]:
-    """Links that no joint moves: as in space, they are not tested against the scene."""
+    """Links that no joint moves; as in space, they are not tested against the scene."""
     fixed: set[int] = set()
     for k, link in enumerate(robot.links):
         if link.joint == "fixed" and (k == 0 or robot.parent_index(k) in fixed):

@@ -1,12 +1,12 @@
-"""What proves a verdict about two polygons: a line between them, or a common point.
+"""Proofs of a verdict about two polygons: a line between them, or a common point.
 
 In: two posed polygons. Out: frozen values in the plane, and `verify`, which proves them in exact arithmetic from the
 vertices alone, without the core. A certificate is that of the same polygons as flat bodies in space
-(plannercheck/bodies/certificates.py), less the third coordinate.
+(plannercheck/bodies/certificates.py), without the third coordinate.
 
-It is found here, too, in integers: the algorithm of Gilbert, Johnson and Keerthi for the point of A - B nearest to the
-origin. In the plane each step keeps at most two vertices, and all its signs are exact, so it ends; a verdict of the
-core that it contradicts is a fault of the core.
+The certificate is also found here, in integers, by the algorithm of Gilbert, Johnson and Keerthi for the point of A - B
+nearest to the origin. In the plane each step keeps at most two vertices, and all its signs are exact, so it ends. If it
+contradicts a verdict of the core, the core has a fault.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class SharedPoint(OwnsArrays):
     Attributes:
         point: (2,) in the world, in m, rounded.
         first: Vertices of the first polygon and weights that mix the point.
-        second: The same of the second.
+        second: The same for the second polygon.
         place: The same as a point in space, with its exact form.
     """
 
@@ -81,11 +81,11 @@ Certificate: TypeAlias = Separation | SharedPoint
 def certify(
     A: ArrayLike, B: ArrayLike, pose_a: ArrayLike | None = None, pose_b: ArrayLike | None = None
 ) -> Certificate:
-    """The verdict of `intersects` with what proves it.
+    """The verdict of `intersects` with its proof.
 
     Args:
         A: Vertices (n, 2) of a convex polygon in order, m.
-        B: The same of another.
+        B: Vertices of another.
         pose_a: Pose (3, 3) of A in the world, m; None is the identity.
         pose_b: Pose (3, 3) of B in the world, m.
 
@@ -111,14 +111,14 @@ def _in_space(vertices: ArrayLike, pose: ArrayLike | None, name: str) -> space.P
 
 @dataclass(frozen=True)
 class _Difference:
-    """A vertex of A less one of B, and which they are."""
+    """A vertex of A less one of B, and the indices of both."""
 
     vector: Integers
     a: int
     b: int
 
 
-# The point nearest to the origin in the hull of a few differences, times any positive factor, and weights of sum 1.
+# The point nearest to the origin in the hull of a few differences (times any positive factor), and weights of sum 1.
 _Nearest: TypeAlias = tuple[Integers, dict[_Difference, Fraction]]
 
 
@@ -152,7 +152,7 @@ def _shared_point(mixture: dict[_Difference, Fraction], bodies: space.Bodies) ->
 
 
 def _nearest(corners: list[_Difference]) -> _Nearest:
-    """The nearest point of a segment or triangle: the origin if it is inside, else the nearest of its sides."""
+    """The point of a segment or triangle nearest to the origin: the origin if it is inside, else a point of a side."""
     if len(corners) == 3:
         weights = _around_origin(corners)
         if weights is not None:

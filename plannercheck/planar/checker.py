@@ -1,8 +1,8 @@
-"""Validity of planar configurations: a robot in a scene, every pair of polygons decided by the algorithm in the plane.
+"""Validity of planar configurations and motions: every pair of polygons decided by the algorithm in the plane.
 
-In: a `Robot`, a `Scene`. Out: an immutable `Checker` with the interface of the one in space, whose verdicts are exact
-for the polygons at the poses that kinematics computes in doubles. Everything is a thin wrapper of one batch call in the
-core (cpp/planar/checker_2d).
+In: a `Robot`, a `Scene`. Out: an immutable `Checker` with the interface of the one in space. Its verdicts are exact for
+the polygons at the poses that kinematics computes in doubles. Every query is one batch call of the core
+(cpp/planar/checker_2d).
 """
 
 from __future__ import annotations
@@ -41,9 +41,10 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int32]
 
-# With L links and A = 1 + the sum of all angles' sizes, an angle is a sum that errs by L A u at most, sine and cosine
-# by 4u more, which moves what they turn by as much of the reach; the at most L + 1 sums of a position add 3u each of
-# the coordinates' size. Together that is less than 16u L A of reach, way to the root and anchors.
+# L is the number of links, and A = 1 + the sum of all angles' sizes. An angle is a sum that errs by at most L A u; its
+# sine and cosine err by 4u more; both errors are multiplied by the reach. The at most L + 1 sums of a position add 3u
+# each of the coordinates' size. Together that is less than 16u L A times the reach, the distance to the root and the
+# anchors.
 _KINEMATIC_ROUNDING = 2.0**-49
 
 
@@ -52,11 +53,11 @@ class Checker(ExplainingChecker):
     """Exact collision verdicts for one planar robot in one scene. Immutable, so threads may share it.
 
     Attributes:
-        robot: The robot, its root within the scene's bounds if the scene has some.
-        scene: The scene, as it was when the checker was built.
+        robot: The robot; its root is limited to the scene's bounds, if there are any.
+        scene: The scene as it was when the checker was built.
         bodies: The robot's convex polygons, then the scene's.
-        pairs: (k, 2) indices into `bodies`: what is tested at every configuration.
-        motion_sampler: Says how many states a motion needs, and interpolates them.
+        pairs: (k, 2) indices into `bodies`: the pairs that are tested at every configuration.
+        motion_sampler: Computes how many states a motion needs, and interpolates them.
     """
 
     robot: Robot
@@ -72,12 +73,12 @@ class Checker(ExplainingChecker):
         method: Method = "filtered",
         bounds: bool = True,
     ) -> None:
-        """Takes the polygons as they are; nothing is prepared but circles and boxes around them.
+        """Takes the polygons as they are, and makes circles and boxes around them.
 
         Args:
             robot: The robot.
             scene: The scene; None is empty.
-            self_collision: Whether links that are no neighbours are tested against each other.
+            self_collision: Whether links that are not neighbours are tested against each other.
             method: As for `planar.intersects`. Verdicts do not depend on it.
             bounds: Whether circles and boxes settle pairs that are far apart.
         """
@@ -128,7 +129,7 @@ class Checker(ExplainingChecker):
         return np.asarray(self._core.all_of_states(self.robot.check_configurations(q))).astype(bool)
 
     def body_poses(self, q: ArrayLike) -> Floats:
-        """World poses of all bodies (n, bodies, 3, 3) at configurations (n, nq), the same bits that verdicts use."""
+        """World poses of all bodies (n, bodies, 3, 3) at configurations (n, nq): the very doubles that verdicts use."""
         rows = self.robot.check_configurations(q)
         links = self.robot.link_poses(rows)
         poses = np.empty((len(rows), len(self.bodies), 3, 3))
@@ -148,16 +149,17 @@ class Checker(ExplainingChecker):
     ) -> bool:
         """Whether a motion is free, both ends included: proved for every state on it, or sampled.
 
-        Angles without limits (the heading, free hinges) take the short way, all other numbers go linearly; on curves
-        the root moves as OMPL's Dubins and Reeds-Shepp spaces have it.
+        Angles without limits (the heading, free hinges) take the short way, all other numbers move linearly. On curves
+        the root moves as in OMPL's Dubins and Reeds-Shepp spaces.
 
         Args:
             q0: (nq,) start, m and rad.
             q1: (nq,) end.
-            resolution: None for a proof. Else only states are checked, so close that no point of the robot moves
-                further than this between two of them, in m; nothing is proved about what lies between.
-            tolerance: A motion that is never within this of a collision is proved free, in m; one that is may be
-                refused. Free motions that touch something are never passed, whatever the tolerance.
+            resolution: None for a proof. Else only sampled states are checked: no point of the robot moves further than
+                this between two of them, in m, and nothing is proved about the motion between them.
+            tolerance: A motion that keeps more than this distance from all collisions is proved free, in m; a motion
+                that comes nearer may be refused. A motion that touches something is never called free, whatever the
+                tolerance.
             curve: How the root moves: "straight", "dubins" (forwards) or "reeds_shepp" (either way).
             turning_radius: Of curves, m.
 
@@ -215,13 +217,13 @@ class Checker(ExplainingChecker):
         curve: Curve = "straight",
         turning_radius: float | None = None,
     ) -> MotionVerdict:
-        """How far a motion is free, what stops it, and the certificates behind that.
+        """How far a motion is free and what stops it, with certificates.
 
         Args:
             q0: (nq,) start, m and rad.
             q1: (nq,) end.
             tolerance: As for `check_motion`.
-            proofs: Whether to give what proves the free part: lines for all pairs, interval by interval.
+            proofs: Whether to return the proof of the free part: lines for all pairs, interval by interval.
             curve: As for `check_motion`.
             turning_radius: As for `check_motion`.
 
@@ -256,8 +258,8 @@ class Checker(ExplainingChecker):
             turning_radius: As for `check_motion`.
 
         Returns:
-            One a motion, None where it is not free. None, too, where it is free but so near the tolerance that only
-            circles and boxes settle a pair: a proof has to keep all pairs apart by lines.
+            One for each motion. None where the motion is not free, and where it is free but so near the tolerance that
+            only circles and boxes settle a pair: a proof needs lines for all pairs.
 
         Raises:
             PlannercheckError: If python-flint is not installed.
@@ -278,23 +280,23 @@ class Checker(ExplainingChecker):
 
     @cached_property
     def _prover(self) -> PlanarBuilder:
-        """Builds proofs of motions; made when it is first needed."""
+        """Builds proofs of motions; made when first needed."""
         return PlanarBuilder(self)
 
     @cached_property
     def motion_certifier(self) -> MotionCertifier:
-        """Proves motions free; built when it is first needed."""
+        """Proves motions free; built when first needed."""
         return MotionCertifier(*self._arguments)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats, Floats]:
         """Starts and ends (n, nq), and the ends as given: angles without limits take the short way.
 
-        The heading on curves stays as given, too.
+        On curves the heading also stays as given.
         """
         starts, ends = checked_ends(self.robot, q0, q1)
         near = self.motion_sampler.short_way(starts, ends)
         if curve != "straight":
-            near[:, 2] = ends[:, 2]  # to the bit: of two curves of one length rounding may choose
+            near[:, 2] = ends[:, 2]  # the very double: rounding may choose between two curves of equal length
         return starts, near, ends
 
     def _curve_is_free(
@@ -321,7 +323,7 @@ class Checker(ExplainingChecker):
         return dict(self._core.statistics())
 
     def _kinematic_error(self, q: Floats, poses: Floats) -> float:
-        """No point is further than this from where exact kinematics of the same numbers puts it, m."""
+        """A bound on how far any point is from where exact kinematics of the same numbers puts it, m."""
         robot, free = self.robot, 2 if self.robot.is_free else 0
         anchors = np.abs([link.anchor for link in robot.links])
         size = self.motion_sampler.reach + float(np.abs(q[:free]).sum() + anchors[:, :2].sum())
@@ -333,5 +335,5 @@ class Checker(ExplainingChecker):
 
 
 def _rebuilt(robot: Robot, scene: Scene, self_collision: bool, method: Method, bounds: bool) -> Checker:
-    """A checker from a pickle; there is nothing in it that takes long to prepare."""
+    """A checker from a pickle; it is built again, which is quick."""
     return Checker(robot, scene, self_collision, method=method, bounds=bounds)

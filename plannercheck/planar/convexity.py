@@ -1,9 +1,9 @@
-"""Whether vertices are those of a convex polygon in order, decided exactly.
+"""Decides exactly whether vertices are those of a convex polygon in order.
 
-In: vertices (n, 2). Out: None, or what is wrong. A polygon is convex if every turn goes the same way or straight on,
-and the boundary goes around once: its direction changes between left and right exactly twice.
+In: vertices (n, 2). Out: None, or what is wrong. A polygon is convex if all its turns have the same direction or are
+straight, and the boundary goes around once: its direction changes between left and right exactly twice.
 
-The idea: doubles decide the turns that are clearly one way, integers the others.
+The idea: doubles decide the clear turns, integers the others.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ Ints = NDArray[np.int64]
 # A turn in doubles: differences, products and their difference err by at most 4u (1 + u) of the sum of the products'
 # absolute values; 8 leaves room.
 _TURN_BOUND = 8 * 2.0**-53
-# Below this a product may have lost bits to underflow; above, overflowed.
+# Below the first a product may have lost bits to underflow; above the second it may have overflowed.
 _SMALLEST_TRUSTED, _LARGEST_TRUSTED = 1e-290, 1e290
 
 
 def convexity_fault(vertices: Floats) -> str | None:
-    """What keeps vertices (n, 2) from being a convex polygon in order; None if they are one."""
+    """Says why vertices (n, 2) are no convex polygon in order; None if they are one."""
     finite = np.isfinite(vertices).all(axis=1)
     if not finite.all():
         return f"vertex {int(np.argmin(finite))} is not finite"
@@ -60,7 +60,7 @@ def _exact_turn(a: Floats, b: Floats, c: Floats) -> int:
 
 
 def _reversals(vertices: Floats) -> int:
-    """How often the steps of the boundary, in lexicographic order of the vertices, change between up and down."""
+    """How often the boundary's steps change between up and down, in the lexicographic order of vertices."""
     following = np.roll(vertices, -1, axis=0)
     up = (following[:, 0] > vertices[:, 0]) | ((following[:, 0] == vertices[:, 0]) & (following[:, 1] > vertices[:, 1]))
     return int((up != np.roll(up, 1)).sum())

@@ -1,7 +1,7 @@
-"""Motions of planar robots taken apart into pieces, whatever way their root goes.
+"""Motions of planar robots on curves: their pieces and their samples.
 
 In: both ends of a motion, the curve that the root follows. Out: the pieces that the core judges, and how many samples
-the motion needs. OMPL's curves of one kind and turning radius are made once.
+the motion needs. OMPL's space for a kind of curve and a turning radius is made once.
 """
 
 from __future__ import annotations

@@ -1,15 +1,15 @@
 """Dubins and Reeds-Shepp curves as OMPL interpolates them, taken apart into arcs and lines.
 
-In: two poses of a robot's root. Out: `Curves.pieces`, on each of which the root goes straight or turns about a fixed
-centre, in closed form, with a bound of how far that is from OMPL's curve.
+In: two poses of a robot's root. Out: `Curves.pieces`. On each piece the root goes straight or turns about a fixed
+centre, in closed form; a bound says how far that is from OMPL's curve.
 
 OMPL's bindings give a curve's length and single states, not its pieces. So a curve is cut into cells between states,
-and each cell is asked whether it is of one kind. With lengths in turning radii, heading rates are -1, 0 or 1 and speed
-is 1. So if the heading changes by a cell's length d, and the way along its mean heading is 2 sin(d / 2), the cell turns
-one way and drives one way all along: what does not adds up to about what rounding leaves open, t. A cell whose way
-along its first heading is d, across it 0, is straight: by construction no curve has two straight pieces, nor, next to
-one, a second arc that is no quarter turn, so arcs at its ends are shorter than about 2 t / d. Where neighbours are of
-known kinds, a cell between them is cut where these would meet.
+and a test decides whether a cell is of one kind. With lengths in turning radii, heading rates are -1, 0 or 1 and speed
+is 1. If the heading changes by a cell's length d, and the displacement along the mean heading is 2 sin(d / 2), the cell
+turns and drives one way all along, except for parts whose total length is about the rounding t. A cell with a
+displacement of d along its first heading and 0 across it is straight: by construction no curve has two straight pieces,
+nor, next to a straight piece, a second arc other than a quarter turn, so arcs at the cell's ends are shorter than about
+2 t / d. A cell between two neighbours of known kinds is cut where these would meet.
 """
 
 from __future__ import annotations
@@ -33,26 +33,26 @@ Floats = NDArray[np.float64]
 Curve: TypeAlias = Literal["straight", "dubins", "reeds_shepp"]
 CURVES: tuple[Curve, ...] = ("straight", "dubins", "reeds_shepp")
 
-# Rounding of OMPL's states in turning radii, for 1 + the size of the coordinates and the length in turning radii: some
+# Rounding of OMPL's states in turning radii, per 1 + the coordinates' size + the length, both in turning radii: some
 # ten operations of 2^-53 each.
 _ROUNDING = 2.0**-48
 
 # The last parameter at which OMPL interpolates; at 1 it gives the end itself.
 _LAST = 1 - 2.0**-53
 
-# Cells at first; curves have up to five pieces, but often one or two long ones (measured).
+# The number of cells to begin with; curves have up to five pieces, but often one or two long ones (measured).
 _FIRST_CELLS = 3
 
 # Arcs are recognised up to this length, in turning radii: well below half a turn.
 _LONGEST_ARC = 2.0
 
-# A cell shorter than this is left as it is, in turning radii: no point moves by more in it than as much of the lever
-# and the radius.
+# A cell shorter than this, in turning radii, is not cut: no point moves in it by more than this part of lever plus
+# radius.
 _SHORTEST = 1e-7
 
 
 def check_curve(robot: Robot, curve: Curve, turning_radius: float | None) -> None:
-    """Raises an error if a robot's root can't follow such curves, or the turning radius does not go with them."""
+    """Raises an error if a robot's root can't follow such curves, or the turning radius does not fit."""
     if curve not in CURVES:
         raise unknown_name("curve", curve, CURVES)
     if curve != "straight" and not robot.is_free:
@@ -80,7 +80,7 @@ class _Kind(NamedTuple):
 
 
 class _Cell(NamedTuple):
-    """Between two states; `kind` is None where there are several."""
+    """A part of a curve between two states; `kind` is None if it is of several kinds."""
 
     start: _Place
     end: _Place
@@ -98,7 +98,7 @@ class Curves:
             curve: "dubins" or "reeds_shepp"; see `check_curve`.
             turning_radius: m.
         """
-        from ompl import base  # an optional part of what planar robots need
+        from ompl import base  # only curves need OMPL
 
         made = {"dubins": base.DubinsStateSpace, "reeds_shepp": base.ReedsSheppStateSpace}
         self._radius = float(turning_radius)
@@ -106,7 +106,7 @@ class Curves:
         self._spare = SpareStates(self._space, 3)  # start, end, and one between
 
     def way(self, start: Floats, end: Floats, sampler: MotionSampler) -> float:
-        """No point of the robot travels further on the curve between two configurations (nq,), m.
+        """A bound on how far any point of the robot travels on the curve between two configurations (nq,), m.
 
         A curve of length s turns the root by s / radius at most.
         """
@@ -122,14 +122,14 @@ class Curves:
         """The pieces of the curve between two poses of the root.
 
         Args:
-            start: x, y in m and heading in rad; what follows does not matter.
-            end: The same.
+            start: x, y in m and heading in rad; further numbers are ignored.
+            end: The same at the end.
             lever: No point of the robot is further than this from its root, m.
 
         Returns:
-            (k, 11) as the core takes them; the last one is the end itself, which OMPL's curve meets up to 1e-6. The
-            last column says how far off a piece may be, m: mostly below 1e-9, and where a curve has arcs shorter than
-            1e-6 of the radius up to about 1e-5. A tolerance is raised to four times as much for such a piece.
+            (k, 11) as the core takes them. The last one is the end itself, which OMPL's curve meets up to 1e-6. The
+            last column bounds a piece's distance from OMPL's curve, m: mostly below 1e-9; up to about 1e-5 if the curve
+            has arcs shorter than 1e-6 of the radius. For such a piece the tolerance is raised to four times this bound.
         """
         with self._spare.taken() as states:
             first = _write(states[0], start)
@@ -149,8 +149,8 @@ class Curves:
 
 
 def _cells(cells: _Cells, at: Callable[[float], _Place], first: _Place, length: float) -> list[_Cell]:
-    """Cells of one kind each, but for those too short to matter."""
-    if length == 0:  # the root stands still, but joints may move
+    """Cells of one kind each, except those too short to matter."""
+    if length == 0:  # the root is at rest, but joints may move
         return [cells.cell(first, first._replace(t=_LAST))]
     places = [first, *(at(k / _FIRST_CELLS) for k in range(1, _FIRST_CELLS)), at(_LAST)]
     found = [cells.cell(a, b) for a, b in pairwise(places)]
@@ -184,7 +184,7 @@ def _write(state: Any, pose: Floats) -> _Place:
 
 
 def _joined(cells: _Cells, found: list[_Cell]) -> list[_Cell]:
-    """Neighbours of one kind as one cell, where it is known to be of that kind."""
+    """Joins neighbours of one kind to one cell, where the result is known to be of that kind."""
     joined = found[:1]
     for cell in found[1:]:
         last = joined[-1]
@@ -197,7 +197,7 @@ def _joined(cells: _Cells, found: list[_Cell]) -> list[_Cell]:
 
 
 class _Cells:
-    """What is known of the cells of one curve."""
+    """Tests and cuts cells of one curve."""
 
     def __init__(self, radius: float, lever: float, length: float, rounding: float) -> None:
         self._radius, self._lever, self._length, self._rounding = radius, lever, length, rounding
@@ -207,7 +207,7 @@ class _Cells:
         return (b.t - a.t) * self._length
 
     def _way(self, a: _Place, b: _Place, heading: float) -> tuple[float, float]:
-        """From one state to another, along a heading and across it to the left, in turning radii."""
+        """The displacement between two states, along a heading and across it to the left, in turning radii."""
         x, y = (b.x - a.x) / self._radius, (b.y - a.y) / self._radius
         c, s = math.cos(heading), math.sin(heading)
         return x * c + y * s, y * c - x * s
@@ -228,12 +228,12 @@ class _Cells:
             rate = 1 if turn > 0 else -1
             along, _ = self._way(a, b, a.heading + rate * d / 2)
             if abs(along) >= 2 * math.sin(d / 2) - t:
-                # Both what turns and what drives the other way is shorter than t / cos(d / 2).
+                # Parts that turn or drive the other way are shorter than t / cos(d / 2).
                 return _Cell(a, b, _Kind(rate, 1 if along > 0 else -1), 8 * t * moved * (1 + d))
         return _Cell(a, b, None, d * moved + 8 * t * self._radius)
 
     def meeting(self, cell: _Cell, before: _Kind | None, after: _Kind | None) -> float | None:
-        """The parameter within a cell at which two kinds meet, if these two make up the cell."""
+        """The parameter within a cell at which two kinds meet, if the cell consists of these two."""
         a, b, d = cell.start, cell.end, self.length(cell.start, cell.end)
         if before is None or after is None or before == after or d > _LONGEST_ARC:
             return None
@@ -241,7 +241,8 @@ class _Cells:
             turn = math.remainder(b.heading - a.heading, 2 * math.pi)
             part = (turn - after.rate * d) / (before.rate - after.rate)
         else:
-            # There and back: both half-ways and the whole one on the other side are chords of the same circle.
+            # Forwards and backwards: both half ways, and the whole way on the other side, are chords of the same
+            # circle.
             along, across = self._way(a, b, a.heading)
             whole = math.sin(d), before.rate * (1 - math.cos(d))
             half = (whole[0] + before.drive * along) / 2, (whole[1] + before.drive * across) / 2

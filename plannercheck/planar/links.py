@@ -1,4 +1,4 @@
-"""What planar robots are made of: links, given or read from a file, and the convex polygons on them."""
+"""The parts of planar robots: links, given or read from a file, and the convex polygons on them."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class Link:
     Attributes:
         name: Unique in the robot.
         footprint: One outline (n, 2) in the link's frame, m, or several; concave ones are split.
-        parent: Name of the link that it hangs on, given before it; None for the root.
-        anchor: x, y in m and angle in rad of its frame on the parent's, or in the world.
+        parent: The name of its parent link, which is listed before it; None for the root.
+        anchor: x, y in m and angle in rad of its frame in the parent's frame, or in the world.
         joint: "free" (the root alone), "revolute" or "fixed".
-        limits: Least and largest angle of a revolute joint, rad; infinite ones mean that it turns freely.
+        limits: Least and largest angle of a revolute joint, rad; infinite for one that turns freely.
     """
 
     name: str
@@ -44,10 +44,10 @@ class Body(OwnsArrays):
     """A convex polygon on a link, or in the world.
 
     Attributes:
-        name: For reports.
+        name: The name that reports use.
         link: Index of the link; -1 for a body in the world.
         vertices: (n, 2) in the link's frame, or in its own if it is in the world, m.
-        pose: (3, 3) in the world of a body on no link.
+        pose: (3, 3) in the world, for a body on no link.
     """
 
     name: str

@@ -1,7 +1,7 @@
-"""Planar motions that are proved free: the checker's bodies and pairs for the certifier (motion_certifier_2d.hpp).
+"""Proves planar motions free: a checker's bodies and pairs for the certifier (cpp/planar/motion_certifier_2d.hpp).
 
-In: what a planar checker gives its core, motions as both ends and, for curves, their pieces. Out: whether they are
-free, how far, and what proves it. What is proved covers the rounding of configurations and poses.
+In: the arguments of the core's planar checker; motions, given by both ends and, on curves, by their pieces. Out:
+whether they are free, how far, and proofs. The proofs cover the rounding of configurations and poses.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ class MotionCertifier:
 
         Args:
             q0: Starts, validated.
-            q1: Ends; angles go from one number to the other.
+            q1: Ends; angles move linearly from one number to the other.
             tolerance: m.
             threads: How many to use.
-            given: Ends before whole turns were taken off their angles, which rounds these; None if none were.
+            given: Ends before whole turns were taken off their angles, which rounds them; None if none were.
 
         Returns:
-            (n,) True means proved free, False that some pair comes within the tolerance.
+            (n,) True means proved free, False that a pair comes within the tolerance.
         """
         check_tolerance(tolerance)
         answers = np.asarray(self._core.check(q0, q1, q1 if given is None else given, tolerance, threads))
@@ -61,7 +61,7 @@ class MotionCertifier:
             q0: (nq,) start.
             q1: (nq,) end.
             tolerance: m.
-            pieces: (k, 11) of a curve, as `Curves.pieces` gives them; none for a straight motion.
+            pieces: (k, 11) pieces of a curve, from `Curves.pieces`; none for a straight motion.
             given: As for `check`.
 
         Returns:
@@ -81,13 +81,13 @@ class MotionCertifier:
         pieces: Floats = STRAIGHT,
         given: Floats | None = None,
     ) -> Passage:
-        """How far one motion is free, looked at from its start.
+        """How far one motion is free, from its start on.
 
         Args:
             q0: (nq,) start, validated.
             q1: (nq,) end.
             tolerance: m.
-            proofs: Whether to give those of all pairs.
+            proofs: Whether to return the proofs of all pairs.
             pieces: As for `is_free`.
             given: As for `check`.
 

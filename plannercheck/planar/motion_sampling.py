@@ -1,8 +1,8 @@
 """Sampled motions of planar robots: how many states a straight motion needs.
 
-In: a robot, motions. Out: steps between which no point of the robot moves further than asked for. The bound sums, over
-the numbers of a configuration, how far one unit moves a point at most: 1 for x and y together as a length, and for an
-angle the longest way from its joint to anything that it carries.
+In: a robot, motions. Out: how many steps they need so that no point moves further than a given distance in one. The
+bound is a sum over the numbers of a configuration of how far one unit moves a point at most: 1 for x and y together as
+a length; for an angle, the longest way from its joint to a point that it carries.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from plannercheck.planar.robot import Robot
 
 Floats = NDArray[np.float64]
 
-# Between two states no point moves further than this, in m: a tenth of what mobile robots usually sample at.
+# Between two states no point moves further than this, in m: a tenth of the usual step for mobile robots.
 DEFAULT_RESOLUTION = 1e-2
 
-# The way is a sum of products that round a little down.
+# Room for the rounding of the way, which is a sum of products.
 _ROUNDING = 1 + 1e-12
 
 
 class MotionSampler:
-    """Interpolates straight motions of one robot and says how many states they need."""
+    """Interpolates straight motions of one robot and computes how many states they need."""
 
     def __init__(self, robot: Robot) -> None:
         """Computes the lever arms of the robot's angles, and how far it reaches from its root, m."""
@@ -38,11 +38,11 @@ class MotionSampler:
         return self.steps_of_way(self.way(q1 - q0), resolution)
 
     def short_way(self, q0: Floats, q1: Floats) -> Floats:
-        """Ends (…, nq) with angles without limits within half a turn of the starts'; the same array if they are."""
+        """Ends (…, nq) with unlimited angles within half a turn of the starts'; the same array if they already are."""
         return short_way(q0, q1, self._angles)
 
     def way(self, differences: Floats) -> Floats:
-        """(n,) m: no point travels further on straight motions with these differences (n, nq)."""
+        """(n,) m: bounds on how far points travel on straight motions with these differences (n, nq)."""
         sliding = np.hypot(differences[:, 0], differences[:, 1]) if self._robot.is_free else 0.0
         return np.asarray(sliding + np.abs(differences) @ self.levers)
 
@@ -58,13 +58,13 @@ class MotionSampler:
         return steps.astype(np.int64)
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
-        """States (k, nq) of one straight motion at parameters (k,) in [0, 1]; the core's bits."""
+        """States (k, nq) of one straight motion at parameters (k,) in [0, 1]: the very doubles of the core."""
         return np.asarray((1 - parameters)[:, None] * q0 + parameters[:, None] * q1)
 
 
 def _lever_arms(robot: Robot) -> tuple[Floats, float]:
-    """(nq,) m per rad, 0 for x and y; and the reach from the root's frame, m."""
-    reach = np.zeros(len(robot.links))  # of what a link carries, from its own frame
+    """(nq,) lever arms in m per rad, 0 for x and y; and the robot's reach from the root's frame, m."""
+    reach = np.zeros(len(robot.links))  # of the bodies that a link carries, from its own frame
     for body in robot.bodies:
         reach[body.link] = max(reach[body.link], float(np.hypot(*body.vertices.T).max()))
     for k in range(len(robot.links) - 1, 0, -1):

@@ -1,7 +1,7 @@
 """Convex pieces of polygons, by shapely's constrained triangulation.
 
-In: simple polygons as vertices (n, 2) in order. Out: convex ones that cover the same points. A convex polygon stays as
-it is; of a concave one every piece is a triangle of its own vertices, so nothing is rounded.
+In: simple polygons as vertices (n, 2) in order. Out: convex polygons that cover the same points. A convex polygon stays
+as it is. The pieces of a concave one are triangles of its own vertices, so nothing is rounded.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def convex_pieces(outline: ArrayLike, name: str = "polygon") -> tuple[Floats, ..
         Read-only arrays (k, 2): the polygon itself if it is convex, else triangles.
 
     Raises:
-        PlannercheckError: If the outline crosses or repeats itself, or shapely is missing for a concave one.
+        PlannercheckError: If the outline crosses or repeats itself, or if it is concave and shapely is not installed.
     """
     vertices = checked_polygon(outline, name)
     if not np.isfinite(vertices).all():

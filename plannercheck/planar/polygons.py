@@ -4,10 +4,10 @@ In: polygons as arrays of vertices (n, 2) in the order of the boundary, either w
 (3, 3). Out: exact verdicts, touching included, in O(log n + log m) and with no preparation. The algorithm is in
 cpp/planar/polygon_test; every call is a batch call of the core.
 
-Points (n = 1), segments (n = 2) and runs of vertices on a line are allowed. Convexity is the caller's promise. The test
-reads a logarithmic part of the vertices; so that what it does not read can't mislead it, all are looked at once before:
-vertices that repeat the one before are dropped, numbers that are not finite refused. `scan=False` leaves that out, for
-callers who know; `Polygons` are looked at once for many calls.
+Points (n = 1), segments (n = 2) and runs of vertices on a line are allowed. The caller has to ensure convexity. The
+test reads only a logarithmic part of the vertices. So all vertices are scanned before: a vertex equal to the one before
+is dropped, and numbers that are not finite are refused. `scan=False` skips the scan where the caller knows the
+vertices; `Polygons` are scanned once for many calls.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Ints = NDArray[np.int32]
 Method: TypeAlias = Literal["filtered", "double_double", "exact"]
 METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
 
-# How far a pose may be from rigid, as ||M^T M - 1||; beyond it the numbers are a mistake.
+# The largest ||M^T M - 1|| of a pose; beyond it the numbers are a mistake.
 LARGEST_DEFECT = 1e-6
 
 # VertexFault in cpp/bindings/bind_polygons.cpp.
@@ -71,14 +71,14 @@ Several: TypeAlias = ArrayLike | Sequence[ArrayLike] | Polygons
 @set_module("plannercheck.planar")
 @dataclass(frozen=True, eq=False)
 class Counts:
-    """Verdicts on n pairs, and what each took.
+    """Verdicts on n pairs, and the work for each.
 
     Attributes:
         shared: (n,) whether the pair shares a point.
         rounds: (n,) rounds of the algorithm; each but the last drops half of a chain.
         vertices: (n,) vertices read, repetitions counted.
         double_double: (n,) signs that doubles left open.
-        exact: (n,) signs that double-double left open, too.
+        exact: (n,) signs that double-double also left open.
     """
 
     shared: Bools
@@ -107,10 +107,10 @@ def intersects(
         pose_a: Pose (3, 3) of A in the world, m; None is the identity. Used as the affine map that its doubles give.
         pose_b: Pose (3, 3) of B in the world, m.
         validate: Whether to check first, exactly and in linear time, that both are convex.
-        scan: Whether to look at all vertices first; False if none is repeated and all are finite, else the verdict
-            means nothing.
-        method: What signs are computed in first: "filtered" (doubles), "double_double" or "exact". Verdicts are the
-            same.
+        scan: Whether to scan all vertices first. False requires that none is repeated and all are finite; else the
+            verdict means nothing.
+        method: The arithmetic in which signs are first computed: "filtered" (doubles), "double_double" or "exact".
+            Verdicts do not depend on it.
 
     Returns:
         The exact verdict for the given numbers.
@@ -138,14 +138,14 @@ def intersects_batch(
     Args:
         A: One polygon (n, 2) for all pairs, or a sequence of them, or `Polygons`. float64 arrays in C order are not
             copied.
-        B: The same of the other side.
+        B: The same for the other side.
         poses_a: One pose (3, 3), or n of them (n, 3, 3); None is the identity.
-        poses_b: The same of the other side.
-        scan: As for `intersects`; `Polygons` have been looked at.
+        poses_b: The same for the other side.
+        scan: As for `intersects`; `Polygons` have been scanned.
         method: As for `intersects`.
 
     Returns:
-        (n,) exact verdicts; n is the length of whatever is not single.
+        (n,) exact verdicts; n is the length of the arguments that are sequences.
     """
     return np.asarray(_run(*_batch(A, B, poses_a, poses_b, scan), method, False)[0]).astype(bool)
 
@@ -160,7 +160,7 @@ def count_batch(
     scan: bool = True,
     method: Method = "filtered",
 ) -> Counts:
-    """The same as `intersects_batch`, with the counters of each pair."""
+    """Like `intersects_batch`, with counters for each pair."""
     shared, counted = _run(*_batch(A, B, poses_a, poses_b, scan), method, True)
     return Counts(np.asarray(shared).astype(bool), *np.ascontiguousarray(counted.T))
 
@@ -172,10 +172,10 @@ def checked_polygon(vertices: ArrayLike, name: str = "polygon", validate: bool =
         vertices: (n, 2), m.
         name: For errors.
         validate: Whether to check finiteness and convexity, exactly.
-        scan: Whether to check finiteness, and to drop vertices that repeat the one before; `validate` refuses them.
+        scan: Whether to check finiteness, and to drop a vertex equal to the one before; `validate` refuses these.
 
     Returns:
-        The same array if it is one of float64 in C order; without a last vertex that repeats the first.
+        The same array if it has float64 in C order; without the last vertex if that repeats the first.
     """
     array = contiguous(vertices)
     if array.ndim != 2 or array.shape[1] != 2 or not len(array):
@@ -202,7 +202,7 @@ def checked_poses(poses: ArrayLike | None, name: str) -> Floats:
         name: For errors.
 
     Returns:
-        (n, 3, 3), n = 1 for one; the given array itself where it can be, so whoever keeps it has to copy it.
+        (n, 3, 3), n = 1 for one pose. It may be the given array itself, so a caller who keeps it has to copy it.
     """
     if poses is None:
         return _IDENTITY
@@ -233,7 +233,7 @@ def _batch(
 
 
 def _polygons(given: Several, name: str, scan: bool) -> tuple[Any, int]:
-    """The core's list of them, for one call: arrays are not copied; and how many they are."""
+    """The core's list of polygons for one call, without copying arrays; and their number."""
     if isinstance(given, Polygons):
         return given.core, len(given)
     if isinstance(given, list | tuple) and (not given or np.ndim(given[0]) == 2):
@@ -247,7 +247,7 @@ def _polygons(given: Several, name: str, scan: bool) -> tuple[Any, int]:
 
 
 def _pairs(**lengths: int) -> int:
-    """How many pairs there are, from lengths of which each is 1 or that number."""
+    """The number of pairs; each of the lengths is 1 or that number."""
     several = {length for length in lengths.values() if length != 1}
     if len(several) > 1:
         given = ", ".join(f"{name}: {length}" for name, length in lengths.items())

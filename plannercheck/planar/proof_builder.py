@@ -1,7 +1,7 @@
-"""Builds proofs of motions in the plane, from what the certifier notes down.
+"""Builds proofs of motions in the plane from the certifier's lines.
 
-In: a planar checker, a motion that its certifier proves free. Out: a `Proof`. The certifier's lines are taken as they
-are; where the circles around both bodies are so far apart that the verifier will find them so, its intervals are joined
+In: a planar checker, a motion that its certifier proves free. Out: a `Proof`. The certifier's lines become entries as
+they are. Where the circles around both bodies are so far apart that the verifier can confirm it, intervals are joined
 to one entry by circles.
 """
 
@@ -29,12 +29,13 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Ints = NDArray[np.int64]
 
-# What computed states and poses of two bodies may be off by, a part of L links, A = 1 + all angles and the size of what
-# is posed: twice what `planar_well_formed.py` asks for, and an eighth of what the certifier leaves
+# The error of computed states and poses of two bodies, as a multiple of L (links), A = 1 + all angles, and the size of
+# what is posed: twice what `planar_well_formed.py` requires, and an eighth of what the certifier leaves
 # (cpp/planar/motion_certifier_2d).
 _ROUNDING = 2.0**-46
 
-# Circles are used where their gap is this part of both radii, and so many times what the centres leave their chords by.
+# Circles are used where their gap is at least this part of both radii, and this many times the distance by which the
+# centres leave their chords.
 _CLEAR, _BULGES = 0.02, 4.0
 
 # A circle's radius is rounded up by this part of it, and of its centre's coordinates.
@@ -45,7 +46,7 @@ _STRETCH = 3e-6
 
 
 class CertifiedPolygons(Protocol):
-    """What proofs of motions in the plane are built from; see `planar.Checker`."""
+    """The parts of a `planar.Checker` from which proofs of motions in the plane are built."""
 
     robot: Robot
     scene: Scene
@@ -64,7 +65,7 @@ class PlanarBuilder:
     """Builds proofs for one checker."""
 
     def __init__(self, checker: CertifiedPolygons) -> None:
-        """Digests the checker.
+        """Reads the checker.
 
         Raises:
             PlannercheckError: If python-flint is not installed.
@@ -92,8 +93,8 @@ class PlanarBuilder:
 
         Args:
             start: (nq,) validated.
-            end: (nq,) the short way round.
-            asked_end: (nq,) as it was asked for.
+            end: (nq,) the end of the short way round.
+            asked_end: (nq,) the end as it was asked for.
             tolerance: m.
             pieces: (k, 11) as for the certifier; none for a straight motion.
             curve: How the root moves.
@@ -126,7 +127,7 @@ class PlanarBuilder:
         return _ROUNDING * len(self._model.links) * angles * size
 
     def _clear(self, lines: Sequence[Line], parameters: Floats, states: Floats, margin: float, pieces: Floats) -> Bools:
-        """(n,) where circles are enough, with room for what is not looked at here."""
+        """(n,) where circles are enough, with room for details that are not checked here."""
         poses = self._checker.body_poses(states)
         centres = np.einsum("tbij,bj->tbi", poses[..., :2, :2], self._centres) + poses[..., :2, 2]
         links = self._checker.robot.link_poses(states)
@@ -155,7 +156,7 @@ def _to_origin(first: Floats, last: Floats) -> Floats:
 
 
 def _joined(lines: Sequence[Line], is_clear: Sequence[bool]) -> Iterable[Entry]:
-    """Entries by pair, in order; neighbours by circles are one, but for a curve's end, which counts by itself."""
+    """Entries by pair, in order; neighbours by circles are joined, except a curve's end, which counts by itself."""
     rows = sorted(zip(lines, is_clear, strict=True), key=lambda row: (row[0].pair, row[0].start, row[0].end))
     key = lambda row: (row[0].pair, row[1], row[0].start == row[0].end)  # noqa: E731
     for (pair, clear, _), group in groupby(rows, key):
@@ -168,14 +169,14 @@ def _joined(lines: Sequence[Line], is_clear: Sequence[bool]) -> Iterable[Entry]:
 
 
 def _pieces(rows: Floats) -> tuple[Piece, ...]:
-    """All but the last one, which is the end itself."""
+    """The pieces of a curve without the last row, which is the end itself."""
     return tuple(
         Piece(r[0], r[1], (r[2], r[3]), (r[4], r[5]), r[6], r[7], (r[8], r[9]), r[10]) for r in rows[:-1].tolist()
     )
 
 
 def planar_model(checker: CertifiedPolygons) -> PlanarModel:
-    """The plain data of a checker."""
+    """The model of a checker, as plain data."""
     robot = checker.robot
     rows, anchors, columns = robot.core_links()
     links = tuple(

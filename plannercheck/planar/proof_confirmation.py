@@ -1,7 +1,7 @@
-"""Whether the model in a proof in the plane is that of a robot's and a scene's files.
+"""Compares the model in a proof in the plane with a robot's and a scene's files.
 
-In: a well-formed model, a robot, a scene. Out: nothing, or an `UnprovedError` that names what differs. The files are
-those of plannercheck, whose loader is trusted with all of it; its kinematics and its verdicts are not.
+In: a well-formed model, a robot, a scene. Out: nothing, or an `UnprovedError` that names what differs. The files are in
+plannercheck's own format, so its loader is trusted here; its kinematics and its verdicts are not.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from plannercheck.proofs.planar_proof import PlanarModel
 
 
 def confirm_model(model: PlanarModel, robot: str, scene: str | None) -> None:
-    """Compares a model with files, bit for bit; the circles around bodies, which were checked, may be others.
+    """Compares a model with files, bit for bit, except the circles around bodies, which were checked before.
 
     Args:
-        model: Of a proof in the plane, well-formed.
+        model: The well-formed model of a proof in the plane.
         robot: Name of a shipped planar robot, or a YAML file.
         scene: Name of a shipped planar scene, or a scene file; None for the empty one.
 
@@ -39,6 +39,6 @@ def confirm_model(model: PlanarModel, robot: str, scene: str | None) -> None:
 
 
 def _parts(model: PlanarModel) -> tuple[str, str, str]:
-    """Of all that has to be the same, hashes; of bodies in their order, which pairs count on."""
+    """Hashes of everything that has to agree; bodies are hashed in order, since pairs are indices."""
     bodies = [(body.name, body.label, body.link, body.pose, body.vertices) for body in model.bodies]
     return content_hash(model.links), content_hash(bodies), content_hash(model.columns, model.whole_turns)

@@ -1,11 +1,11 @@
 """Planar robots: links of convex polygons that move in the plane.
 
-In: footprints, and for a chain (a tractor with trailers, an arm on a floor) what hangs on what. Out: `Robot`,
-immutable, which knows its joints and limits and poses its links.
+In: footprints, and for a chain (a tractor with trailers, an arm on a floor) the parent of each link. Out: `Robot`,
+immutable, which has joints and limits and poses its links.
 
-A link's frame sits at its anchor on its parent, turned by the anchor's angle and by its joint. The root is free (x, y,
-theta) or fixed to the world. Angles add up along the chain before sine and cosine are taken, so every pose is a
-rotation as good as doubles hold one.
+A link's frame is at its anchor on its parent, turned by the anchor's angle and by its joint. The root is free (x, y,
+theta) or fixed to the world. Angles are added along the chain before sine and cosine are computed, so every pose is as
+exact a rotation as doubles allow.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from plannercheck.planar.robot_files import planar_file, read_robot
 
 Floats = NDArray[np.float64]
 
-# Numbers that each kind of joint takes, and the core's name for it.
+# How many numbers each kind of joint takes, and the core's code for it.
 _WIDTHS: dict[str, int] = {"fixed": 0, "revolute": 1, "free": 3}
 _CODES: dict[str, int] = {"fixed": 0, "revolute": 1, "free": 2}
 
 # Without bounds, positions are sampled within 1 m of zero, as in space.
 _UNLIMITED_RANGE = 1.0
 
-# Beyond this, sums of lengths could overflow; nothing gets there.
+# Beyond this, sums of lengths could overflow; no robot gets there.
 _LARGEST_VALUE = 1e15
 
 
@@ -48,7 +48,7 @@ class Robot:
     Attributes:
         name: The robot's name.
         links: Its links, parents first.
-        bodies: Their convex pieces.
+        bodies: The links' convex pieces.
         joint_names: A name for each number of a configuration.
         lower: (nq,) lower limits in m and rad, -inf where there is none.
         upper: (nq,) upper limits.
@@ -115,17 +115,17 @@ class Robot:
         return np.asarray(~lengths & np.isinf(self.lower) & np.isinf(self.upper))
 
     def link_index(self, name: str) -> int:
-        """The place of a link."""
+        """The index of a link."""
         if name not in self._indices:
             raise unknown_name("link", name, self._indices)
         return self._indices[name]
 
     def parent_index(self, link: int) -> int:
-        """The place of a link's parent; -1 for the root."""
+        """The index of a link's parent; -1 for the root."""
         return self._parents[link]
 
     def column(self, link: int) -> int:
-        """The first number of a configuration that moves a link."""
+        """The column of the first number of a configuration that moves a link."""
         return int(self._columns[link])
 
     def within(self, lower: ArrayLike, upper: ArrayLike) -> Robot:
@@ -160,7 +160,7 @@ class Robot:
         return rows
 
     def link_poses(self, q: ArrayLike) -> Floats:
-        """World poses of all links, the same bits that verdicts use.
+        """World poses of all links: the very doubles that verdicts use.
 
         Args:
             q: (nq,) or (n, nq), m and rad.
@@ -181,7 +181,7 @@ class Robot:
         return np.array(rows, dtype=np.int32), anchors, self.nq
 
     def self_pairs(self) -> list[tuple[int, int]]:
-        """Pairs of bodies on links that move against each other and are no neighbours."""
+        """Pairs of bodies on links that move relative to each other and are not neighbours."""
         disabled = {frozenset(self.link_index(name) for name in pair) for pair in self.disabled_pairs}
         group = self._rigid_groups()
         near = {frozenset((group[k], group[parent])) for k, parent in enumerate(self._parents) if parent >= 0}
@@ -245,7 +245,7 @@ def _checked_links(given: ArrayLike | Sequence[ArrayLike] | Sequence[Link]) -> t
 
 
 def _own(link: Link) -> Link:
-    """The link with nothing that its giver could change."""
+    """A copy of the link that the caller can't change."""
     x, y, angle = (float(value) for value in link.anchor)
     limits = float(link.limits[0]), float(link.limits[1])
     return replace(link, footprint=_outlines(link), anchor=(x, y, angle), limits=limits)
@@ -292,7 +292,7 @@ def _column_names(link: Link) -> tuple[str, ...]:
 
 
 def _no_bodies() -> tuple[object, ...]:
-    """A checker's arguments for no bodies at all: it only poses."""
+    """The arguments of a core checker without bodies, which only poses links."""
     return (
         [],
         np.zeros(0, dtype=np.int32),

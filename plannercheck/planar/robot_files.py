@@ -1,6 +1,6 @@
 """Reads planar robots: robots/<name>.yaml with `kind: planar`.
 
-In: a path. Out: what `Robot` takes. Lengths are in m, angles in rad:
+In: a path. Out: the arguments of `Robot`. Lengths are in m, angles in rad:
 
     kind: planar
     name: truck_trailer            # default: the file's name
@@ -70,7 +70,7 @@ def read_robot(path: Path) -> tuple[list[Link], str, list[tuple[str, str]]]:
     """Reads a planar robot.
 
     Args:
-        path: Of a YAML file.
+        path: The YAML file.
 
     Returns:
         Its links, its name, and the pairs of links that are not tested against each other.

@@ -63,7 +63,7 @@ class Obstacle(OwnsArrays):
     """A named obstacle.
 
     Attributes:
-        outlines: As they were added, (n, 2) each in its frame, m.
+        outlines: The polygons as they were added, (n, 2) each in the obstacle's frame, m.
         pose: (3, 3) in the world, m.
         bodies: Its convex pieces.
     """
@@ -78,7 +78,7 @@ class Scene(DeclaredStates):
     """Named convex polygons, posed in the world.
 
     Attributes:
-        name: For reports.
+        name: The name that reports use.
         bounds: Least and largest x and y (2, 2) of a robot's root, m; None if the scene does not say.
         states: Start, goal and samples by robot name.
     """
@@ -90,7 +90,7 @@ class Scene(DeclaredStates):
         self._obstacles: dict[str, Obstacle] = {}
 
     def copy(self) -> Scene:
-        """A scene that can be changed on its own; both share the obstacles, which never change."""
+        """A copy that can be changed by itself; both share the obstacles, which never change."""
         other = Scene(self.name, self.bounds)
         other.states, other._obstacles = dict(self.states), dict(self._obstacles)
         return other
@@ -101,7 +101,7 @@ class Scene(DeclaredStates):
         return _read(path)
 
     def save(self, path: str | Path) -> None:
-        """Writes the scene; poses and vertices are read back as the same doubles."""
+        """Writes the scene; reading it gives the same doubles."""
         _write(self, Path(path))
 
     def add(self, name: str, outlines: Sequence[ArrayLike], pose: ArrayLike | None = None) -> None:

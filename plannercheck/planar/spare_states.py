@@ -1,7 +1,7 @@
-"""OMPL states to work in, for one call at a time.
+"""OMPL states to work with, for one call at a time.
 
-In: an OMPL space. Out: `SpareStates.taken`, as many states as a call needs. Another thread, or a finaliser that runs
-within the call, gets others: what one call writes no other one overwrites before it is read.
+In: an OMPL space. Out: `SpareStates.taken`, which lends as many states as a call needs. Another thread, or a finaliser
+that runs within the call, gets other states, so no call overwrites the states of another.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import Any
 
 
 class SpareStates:
-    """States of one space, a few for each call that is under way.
+    """States of one space, a few for each running call.
 
-    They are a `SpaceInformation`'s: those free themselves, which states of the space do not.
+    They are allocated by a `SpaceInformation`: such states free themselves, states of the space do not.
     """
 
     def __init__(self, space: Any, count: int) -> None:

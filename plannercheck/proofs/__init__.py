@@ -1,7 +1,7 @@
-"""Proofs of motions that anyone can check: plain data, and a verifier written apart from what makes them.
+"""Proofs of motions that anyone can check: plain data, and a verifier independent of the code that makes them.
 
-`Proof` is what `explain_motion(...).proof` and `certify_motions` give; `Proof.verify` confirms it in ball arithmetic
-(python-flint) without the compiled core, `Proof.save` and `load_proofs` keep it in JSON or npz.
+`explain_motion(...).proof` and `certify_motions` return `Proof`s. `Proof.verify` confirms a proof in ball arithmetic
+(python-flint) without the compiled core; `Proof.save` and `load_proofs` write and read it as JSON or npz.
 """
 
 from plannercheck.proofs.data import Entry, Hashes, Joint, Link, Model, Motion, PosedBody, Verification

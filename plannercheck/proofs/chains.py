@@ -1,4 +1,4 @@
-"""Where links are on a motion, in ball arithmetic: maps between joints of the tree, at points and over intervals.
+"""Poses of links on a motion, in ball arithmetic: maps between joints of the tree, at points and over intervals.
 
 In: a model, a motion. Out: `Chains.jet(span, above, joint)`, the jet of the map from a joint's frame to that of a joint
 above it, over a span of the parameter, and bounds that hold for every map of the tree.
@@ -14,12 +14,12 @@ from plannercheck.proofs.data import Joint, Model, Motion
 from plannercheck.proofs.jets import Jet, affine, ball_between, product
 from plannercheck.proofs.joint_motions import held_map, joint_motion
 
-# From one parameter to another; both the same for a point.
+# An interval of the parameter; both ends are equal for a point.
 Span = tuple[float, float]
 
 IDENTITY = Jet(arb_mat(4, 4, [int(k % 5 == 0) for k in range(16)]))
 
-# Chains over more spans than this are forgotten, so that memory stays bounded.
+# Chains are kept for at most this many spans, so that memory stays bounded.
 _MOST_SPANS = 3000
 
 
@@ -39,7 +39,7 @@ class Chains:
         self.defect = _defect(model)
 
     def is_above(self, above: int, joint: int) -> bool:
-        """Whether a joint is another or on its way to the world, which is above all."""
+        """Whether a joint is another one or its ancestor; the world is above all joints."""
         while joint > above:
             joint = self._parents[joint]
         return joint == above
@@ -72,7 +72,7 @@ class Chains:
         return known[above, joint]
 
     def _missing(self, known: dict[tuple[int, int], Any], above: int, joint: int) -> list[int]:
-        """The joints below one on the way to another whose maps are not known, from above."""
+        """The joints between two joints whose maps are not known yet, from above."""
         found = []
         while joint != above and (above, joint) not in known:
             found.append(joint)
@@ -99,7 +99,7 @@ def _remembered(known: dict[Any, dict[tuple[int, int], Any]], key: Any) -> dict[
 
 
 def _defect(model: Model) -> float:
-    """At least |M^T M - 1| of the rotation part of every chain of the tree, placements of links included.
+    """An upper bound of |M^T M - 1| of the rotation part of every chain, placements of links included.
 
     For a product of parts with |M_i^T M_i - 1| <= e_i it is at most the product of all 1 + e_i, less 1. A turn by
     Rodrigues' formula about an axis with |a|^2 = 1 + e has (c^2 + s^2 |a|^2 - 1) I + (2 c (1 - c) + (1 - c)^2 |a|^2 -
@@ -121,7 +121,7 @@ def _motion_defect(joint: Joint) -> Any:
 
 
 def off_rigid(matrix: Any) -> Any:
-    """At least |M^T M - 1| of the 3 x 3 part, by its Frobenius norm; exact numbers give a tiny ball."""
+    """An upper bound of |M^T M - 1| of the 3 x 3 part (Frobenius norm); exact numbers give a tiny ball."""
     m = arb_mat(3, 3, [matrix[i, j] for i in range(3) for j in range(3)])
     rest = m.transpose() * m - arb_mat(3, 3, [int(k % 4 == 0) for k in range(9)])
     return sum((entry * entry for entry in rest.entries()), arb(0)).nonnegative_part().sqrt().abs_upper()

@@ -1,8 +1,7 @@
-"""What a proof of a motion is: plain data, nothing computed.
+"""The data of a proof of a motion: plain numbers and names, nothing computed.
 
-In: names and numbers. Out: `ProofData`, frozen, and what it is made of. The claim of a proof in space, word
-for word: while the parameter t goes from 0 to 1, every joint of `model.joints` goes its own way from `motion.start` to
-`motion.end`:
+In: names and numbers. Out: `ProofData`, frozen, and its parts. The claim of a proof in space, word for word: while the
+parameter t goes from 0 to 1, every joint of `model.joints` moves by itself from `motion.start` to `motion.end`:
 
 - "turn" and "slide": the value goes linearly from multiplier * start + offset to multiplier * end + offset;
 - "circle" (cosine and sine): about its axis the short way round, at constant speed;
@@ -10,12 +9,12 @@ for word: while the parameter t goes from 0 to 1, every joint of `model.joints` 
 - "planar" (x, y, cosine, sine) and "free" (x, y, z, quaternion): along the one screw that leads from start to end, the
   turn being the short way;
 
-and all the way the convex hulls of `vertices` of the two bodies of every pair of `model.pairs`, each swollen by its
+and at every t the convex hulls of `vertices` of the two bodies of every pair of `model.pairs`, each swollen by its
 `radius`, are more than `margin` apart. Links are where exact kinematics of the given numbers puts them: placements as
 the affine maps that they are, axes as they are, the true sine and cosine. The paddings are parts of the radii. The
-margin is there for what computed poses and states may be off by, so that what is proved holds for `check_states` as
-well. Whoever makes a proof chooses it: that it is enough for that is not proved, nor that the configurations are within
-limits, nor, without `robot=` and `scene=`, whose joints, bodies and pairs these are.
+margin covers the error of computed poses and states, so that the claim holds for `check_states` as well. The maker of a
+proof chooses the margin. Not proved are: that the margin is large enough for this; that the configurations are within
+limits; and, without `robot=` and `scene=`, that joints, bodies and pairs are those of a certain robot and scene.
 
 The same classes serve the plane, where `kind` is "plane", and model and motion are of `planar_proof`.
 """
@@ -46,14 +45,14 @@ class Joint:
     """A joint that is not fixed.
 
     Attributes:
-        name: The URDF's.
+        name: Its name in the URDF.
         kind: One of `JOINT_VALUES`.
         parent: Index of the joint before it in the tree, less than its own; -1 for the world.
         placement: Rows of the (3, 4) placement on the parent joint's frame, 12 numbers, m: fixed joints are part of it.
-        axis: (3,) unit vector, which it turns about or slides along; zeros for the other kinds.
-        columns: For each number that it takes, the column of the configuration, -1 where it is held.
-        multipliers: Applied to the column's value.
-        offsets: Added to it; where it is held, the value.
+        axis: (3,) unit vector about which it turns or along which it slides; zeros for the other kinds.
+        columns: For each of its numbers the column of the configuration, -1 where it is held.
+        multipliers: Factors of the column's value.
+        offsets: Added to the product; where the number is held, its value.
     """
 
     name: str
@@ -71,7 +70,7 @@ class Link:
     """A link of the robot.
 
     Attributes:
-        name: The URDF's.
+        name: Its name in the URDF.
         joint: Index of the joint that it is on, -1 for the world.
         placement: Rows of the (3, 4) placement on the joint's frame, 12 numbers, m.
     """
@@ -83,16 +82,16 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class PosedBody:
-    """A convex body where it is.
+    """A convex body at its pose.
 
     Attributes:
         name: Of the collision geometry.
         label: The link, carried object or obstacle that it belongs to.
         link: Index of the link, -1 for the world.
         pose: Rows of the (3, 4) pose on the link or in the world, 12 numbers, m.
-        vertices: (n, 3) whose hull it is, in its own frame, m.
-        radius: How far around the hull it reaches, m: of balls, capsules, and padding.
-        padding: Which part of the radius is padding, m.
+        vertices: (n, 3) points whose hull it is, in its own frame, m.
+        radius: How far around the hull it reaches, m: the radius of balls and capsules, plus padding.
+        padding: The part of the radius that is padding, m.
         centre: (3,) of a ball in the body's frame that holds all vertices, m.
         reach: The ball's radius without `radius`, m.
     """
@@ -110,15 +109,15 @@ class PosedBody:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A robot in a scene: all that a motion's claim depends on but the motion.
+    """A robot in a scene: everything that a claim depends on except the motion.
 
     Attributes:
         joints: Parents first.
         links: The robot's.
         bodies: All of them.
-        pairs: Of bodies, as indices: every pair that the checker tests at any configuration.
-        whole_turns: Columns that are angles of which a whole turn changes nothing.
-        columns: Numbers in a configuration.
+        pairs: Pairs of indices of bodies: every pair that the checker tests at any configuration.
+        whole_turns: Columns of angles that a whole turn does not change.
+        columns: How many numbers a configuration has.
     """
 
     joints: tuple[Joint, ...]
@@ -135,9 +134,9 @@ class Motion:
 
     Attributes:
         start: (columns,) rad and m.
-        end: (columns,) the end that is gone to: angles of `whole_turns` by the short way.
-        asked_end: (columns,) the end that was asked for, which differs by whole turns, and by a rest, for rounding:
-            what it may move bodies by, every gap exceeds besides the margin, so that either end may be taken.
+        end: (columns,) the end of the motion: angles of `whole_turns` take the short way.
+        asked_end: (columns,) the end that was asked for. It differs by whole turns and by rounding. Every gap exceeds
+            the margin plus the motion of bodies by this rounding, so the claim holds for either end.
     """
 
     start: tuple[float, ...]
@@ -147,7 +146,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Entry:
-    """What proves one pair apart on an interval.
+    """The proof that one pair is apart on an interval.
 
     Attributes:
         pair: Index into the pairs.
@@ -185,7 +184,7 @@ class Hashes:
 
 @dataclass(frozen=True)
 class Verification:
-    """What the verifier says of a proof; true if and only if it is proved.
+    """The verifier's result; true if and only if the claim is proved.
 
     Attributes:
         proved: Whether every entry was confirmed, and the entries prove the claim.
@@ -205,16 +204,16 @@ class Verification:
 
 @dataclass(frozen=True, eq=False)
 class ProofData:
-    """A motion and what proves it free; `proof.Proof` verifies, saves and loads itself.
+    """A motion and the proof that it is free; `proof.Proof` can verify, save and load itself.
 
     Attributes:
         kind: "space" or "plane".
-        robot: Its name.
-        scene: Its name.
-        hashes: Of the model.
+        robot: The robot's name.
+        scene: The scene's name.
+        hashes: Hashes of the model.
         model: The robot in its scene.
         motion: The motion.
-        margin: What every gap exceeds, m: for what computed poses and states are off by.
+        margin: Every gap exceeds this, m; it covers the error of computed poses and states.
         entries: For every pair, intervals that tile [0, 1].
     """
 

@@ -1,21 +1,21 @@
-"""Whether an entry of a proof in space holds: heights of bodies along a direction, over an interval of the motion.
+"""Checks entries of a proof in space: heights of bodies along a direction, over an interval of the motion.
 
 In: a well-formed proof, its entries one by one. Out: whether each holds.
 
 Let d be the entry's direction, fixed in a frame, and x -> T(t) x the map of a body into the frame. A vertex v has the
 height h_v(t) = d . T(t) v, which is w(t) . v + s(t) with a row (w, s) of which jets give the value at both ends of an
 interval and the second derivative all over it. On an interval of length l a height is at least the chord between its
-ends less l^2/8 times the largest h_v'' (and at most the chord plus l^2/8 times the largest -h_v''). So the first body's
-lowest vertex is above the second's highest one by at least what it is at the worse end, less both bodies' largest
-deviations. If that is more than both radii and the margin, times the direction's length, the bodies are apart all
-over. Else the interval is cut in halves, some times over.
+ends less l^2/8 times the largest h_v'' (and at most the chord plus l^2/8 times the largest -h_v''). So over the whole
+interval the first body's lowest vertex is above the second's highest one by at least the difference at the worse end,
+less both bodies' largest deviations. If that is more than both radii plus the margin, times the direction's length, the
+bodies are apart on the interval. Else the interval is halved, up to a largest depth.
 
-A body that is not below the frame in the tree is seen from the joint where their ways meet: with R the turn from the
-frame to there and p its shift, its height is (R d) . (X - p). That is d . T x up to |d| |R^T R - 1| |T x|, which is
-subtracted. Lengths in the frame differ from those of the world at most by a factor, `_stretch`.
+A body that is not below the frame in the tree is seen from their lowest common joint: with R and p the rotation and
+translation from the frame to that joint, its height is (R d) . (X - p). That is d . T x up to |d| |R^T R - 1| |T x|,
+which is subtracted. Lengths in the frame differ from those of the world at most by a factor, `_stretch`.
 
-Balls: the same with centres in place of vertices and the reach added to the radii, in the frame of the joint where both
-ways meet, along a direction that is chosen here.
+Balls: the same with centres in place of vertices and the reach added to the radii, in the frame of both bodies' lowest
+common joint, along a direction that is chosen here.
 
 Vertices are multiplied with w in doubles: a sum of four products errs by at most 4 u of the sum of their sizes.
 """
@@ -38,13 +38,13 @@ from plannercheck.proofs.well_formed import unreached
 
 Floats = NDArray[np.float64]
 
-# An interval is cut in halves this often before its entry counts as false.
+# An interval is halved this often before its entry counts as false.
 DEEPEST = 7
 
 # A sum of four products in doubles errs by 4 u of their sizes to first order, what is rounded to doubles before by 1 u.
 _ROUNDING = 8 * 2.0**-53
 
-# What chains may be off rigid, norm of M^T M - 1: below this 1 / sqrt(1 - defect) < 1 + defect.
+# The largest norm of M^T M - 1 of chains: below this 1 / sqrt(1 - defect) < 1 + defect.
 _LARGEST_DEFECT = 1e-3
 
 # Covers some roundings of a bound that is computed in doubles.
@@ -58,7 +58,7 @@ _SHIFT = arb_mat(4, 4, [0] * 15 + [1])
 
 
 class Seen(NamedTuple):
-    """A body as an entry sees it.
+    """A body as seen by an entry.
 
     Attributes:
         points: (n, 3) whose hull counts: vertices or a centre.
@@ -132,7 +132,7 @@ class EntryChecker:
             raise UnprovedError(f"entry {index} does not hold: {self.described(entry)}")
 
     def holds(self, entry: Entry, deepest: int = DEEPEST) -> bool:
-        """Whether an entry holds; a false one may be found out at less than `deepest` halvings."""
+        """Whether an entry holds, with at most `deepest` halvings."""
         a, b = self._model.pairs[entry.pair]
         radii = self._model.bodies[a].radius + self._model.bodies[b].radius
         if entry.by == "plane":

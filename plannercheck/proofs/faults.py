@@ -1,7 +1,7 @@
-"""What stops a verification: a sentence, raised where it is found and returned by the verifier."""
+"""The error that stops a verification; the verifier returns its sentence."""
 
 from __future__ import annotations
 
 
 class UnprovedError(Exception):
-    """A number or an entry of a proof that is not what it has to be; never leaves the verifier."""
+    """A wrong number or entry of a proof; the verifier catches it."""

@@ -1,4 +1,4 @@
-"""Proofs in files: JSON to be read by anyone, npz to be small.
+"""Proofs in files: JSON, which anyone can read, or npz, which is smaller.
 
 In: proofs of motions of one robot in one scene, which share the model. Out: a file, and the same bits back.
 
@@ -24,14 +24,14 @@ from plannercheck.proofs.data import FORMAT, VERSION, Entry, Hashes, Model, Moti
 from plannercheck.proofs.plain_data import from_plain, to_plain
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
-# By the kind of a proof, the classes of its model and its motion.
+# The classes of a proof's model and motion, by its kind.
 _CLASSES: dict[str, tuple[type, type]] = {"space": (Model, Motion), "plane": (PlanarModel, PlanarMotion)}
 
 _KEYS = ("format", "version", "kind", "robot", "scene", "hashes", "model", "motions")
 
 
 def save_proofs(proofs: Sequence[ProofData], path: str | Path) -> None:
-    """Writes proofs of one robot in one scene, whole or not at all.
+    """Writes proofs of one robot in one scene; the file appears whole or not at all.
 
     Args:
         proofs: At least one; all of the same model.
@@ -161,7 +161,7 @@ def _from_npz(path: Path) -> Any:
 
 
 def _without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
-    """An object of JSON; of a key that stands twice other readers may take the other value."""
+    """An object of JSON; a repeated key is an error, since readers may take either value."""
     out = dict(pairs)
     if len(out) < len(pairs):
         raise PlannercheckError(f"has the same key twice in one object: {', '.join(key for key, _ in pairs)[:200]}")

@@ -1,7 +1,7 @@
 """Content hashes of plain data.
 
 In: dataclasses, tuples, arrays, numbers and texts. Out: SHA-256 over their bits, with a tag and a length before each
-part, so that no two different values have the same bytes. Names count as well.
+part, so that different values have different bytes. Names of fields are hashed as well.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Second-order jets of affine maps in ball arithmetic: value, first and second derivative by the motion's parameter.
 
 In: jets of the maps from each joint to the next, over a point or an interval of the parameter. Out: those of chains. A
-matrix is 4 x 4, `flint.arb_mat`, whose entries are balls that hold the true values all over the interval; a derivative
+matrix is a 4 x 4 `flint.arb_mat`; its entries are balls that hold the true values on the whole interval. A derivative
 that is 0 is None.
 """
 
@@ -38,12 +38,12 @@ def product(a: Jet, b: Jet) -> Jet:
 
 
 def times(a: Any, b: Any) -> Any:
-    """A product of matrices, of which None is 0."""
+    """A product of matrices; None stands for 0."""
     return None if a is None or b is None else a * b
 
 
 def total(*terms: Any) -> Any:
-    """A sum of matrices, of which None is 0."""
+    """A sum of matrices; None stands for 0."""
     out = None
     for term in terms:
         if term is not None:

@@ -1,11 +1,11 @@
-"""What each joint does on a motion, in ball arithmetic: the claim's interpolations, written from their definitions.
+"""Motions of single joints in ball arithmetic: the claim's interpolations, written from their definitions.
 
 In: a joint, both ends of a motion. Out: a function from the parameter (a point, or a ball of an interval) to the jet of
 the map from the joint's frame after its motion to its parent's.
 
-Turns are Rodrigues' formula, c I + (1 - c) a a^T + s [a], with the axis a as it is. Planar, floating and ball joints go
-along M exp(t X) with the constant twist X = log(M^-1 N), so that derivatives are products with X: of the matrix at the
-interval's middle and exp of the small rest.
+Turns are Rodrigues' formula, c I + (1 - c) a a^T + s [a], with the axis a as it is. Planar, floating and ball joints
+move along M exp(t X) with the constant twist X = log(M^-1 N), so derivatives are products with X. The matrix over an
+interval is the one at its middle times exp of the small rest.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from plannercheck.proofs.jets import Jet, affine, linear
 
 Motion = Callable[[Any], Jet]
 
-# Below this angle, rad, logarithms are summed up as series, whose next terms bound what is left out.
+# Below this angle, rad, logarithms are computed as series, whose next term bounds the remainder.
 _SMALL = arb(1) / 4
 
-# So near half a turn, sine or half of it, the way round has no proof: rounding in doubles, by 1e-16 or so, may take a
-# checker or a planner the other way round than exact numbers.
+# This near to half a turn (its sine, or half of it), the short way has no proof: rounding in doubles, by about 1e-16,
+# may take a checker or a planner the other way round than exact numbers.
 _HALF_TURN_ROOM = 1e-12
 
 
@@ -41,7 +41,7 @@ def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float]) -> 
         The function; for joints that are held, of a constant.
 
     Raises:
-        UnprovedError: If the short way round is no definite one.
+        UnprovedError: If the short way round is not definite.
     """
     placement = affine(joint.placement)
     if max(joint.columns) < 0:

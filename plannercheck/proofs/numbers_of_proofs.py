@@ -1,4 +1,4 @@
-"""Which numbers a proof may have, in space and in the plane.
+"""Limits of the numbers in a proof, in space and in the plane.
 
 In: numbers of a proof. Out: nothing, or an `UnprovedError`.
 """
@@ -11,10 +11,10 @@ from typing import Any
 
 from plannercheck.proofs.faults import UnprovedError
 
-# What a placement, or a pose in the world, may be off rigid, norm of M^T M - 1.
+# The largest norm of M^T M - 1 of a placement, or of a pose in the world.
 LARGEST_DEFECT = 1e-6
 
-# Numbers beyond this, rad and m, are no configuration or scene.
+# Larger numbers, rad and m, belong to no configuration or scene.
 LARGEST_NUMBER = 1e15
 
 # A short way round is at most half a turn, rad, up to the rounding of its end.
@@ -31,6 +31,6 @@ def check_numbers(values: Iterable[Any], what: str) -> None:
 
 
 def check_length(values: Sequence[Any], length: int, what: str) -> None:
-    """Raises an `UnprovedError` unless there are so many numbers."""
+    """Raises an `UnprovedError` unless there are `length` numbers."""
     if len(values) != length:
         raise UnprovedError(f"{what} has {len(values)} numbers, not {length}")

@@ -1,7 +1,7 @@
 """Dataclasses to and from plain data (dictionaries, lists, numbers, texts), checked against their annotations.
 
-In: a frozen dataclass of numbers, texts, tuples, arrays and other such classes, or what JSON makes of one. Out: the
-other of the two. Doubles keep their bits: JSON's shortest decimal reads back as the same double.
+In: a frozen dataclass of numbers, texts, tuples, arrays and other such classes, or its plain data as JSON gives it.
+Out: the other one. Doubles keep their bits: JSON's shortest decimal reads back as the same double.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def from_plain(kind: type[T], value: Any, where: str) -> T:
     Args:
         kind: The class.
         value: A dictionary with just its fields.
-        where: What it is, for errors.
+        where: Its name in errors.
 
     Returns:
         The object.

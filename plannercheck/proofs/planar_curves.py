@@ -1,8 +1,8 @@
-"""Whether the pieces of a curve are what a vehicle of its kind can drive, from the motion's start to its end.
+"""Checks that a vehicle of its kind can drive the pieces of a curve, from the motion's start to its end.
 
-In: a well-formed proof. Out: nothing, or an `UnprovedError`. Pieces tile [0, 1]; each is an arc of the turning radius,
-or a line, which the heading touches all along, forwards alone on Dubins curves; neighbours meet up to their slips; the
-first begins at the start and the last leads to the end; and the root goes along them at one speed.
+In: a well-formed proof. Out: nothing, or an `UnprovedError`. Pieces tile [0, 1]. Each is an arc of the turning radius
+or a line, tangent to the heading, and on Dubins curves it is driven forwards. Neighbours meet up to their slips. The
+first piece begins at the start and the last one leads to the end. The root moves along them at constant speed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whether an entry of a proof in the plane holds: heights of bodies along a direction, over an interval of the motion.
+"""Checks entries of a proof in the plane: heights of bodies along a direction, over an interval of the motion.
 
 In: a well-formed proof whose kind is "plane", its entries one by one. Out: an `UnprovedError` at one that does not
 hold. Links are posed by the proof's own table (`planar_paths.py`) with python-flint.
@@ -6,8 +6,8 @@ hold. Links are posed by the proof's own table (`planar_paths.py`) with python-f
 One entry, by a line. Let d be the direction, fixed in the frame of the last link that carries both bodies. On a part of
 the interval the height d . x of every point x of a body, seen from that frame, is at least the chord between its
 heights at both ends less |d| times the body's `deviation`. So the first body's lowest vertex stays above the second's
-highest one by what it does at the worse end, less |d| times both deviations. If that is more than |d| times the margin
-and the piece's slip, the bodies are apart all over. Else the part is cut in halves, some times over.
+highest one by at least the difference at the worse end, less |d| times both deviations. If that is more than |d| times
+the margin plus the piece's slip, the bodies are apart on the part. Else the part is halved, up to a largest depth.
 
 By circles ("balls"): the same with both centres in place of the vertices and the radii added to the margin, along a
 direction that the verifier chooses, from one centre to the other where they are closest on their chord.
@@ -29,7 +29,7 @@ from plannercheck.proofs.planar_proof import PlanarBody, PlanarModel
 
 Floats = NDArray[np.float64]
 
-# A part is cut in halves this often before its entry counts as not confirmed.
+# A part is halved this often before its entry counts as not confirmed.
 _DEEPEST = 14
 
 # A sum of two products in doubles errs by 3 u of their sizes, to first order; twice that is more than enough.

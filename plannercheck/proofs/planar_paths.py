@@ -1,12 +1,13 @@
-"""Where the links of a planar robot are on a motion, in ball arithmetic.
+"""Poses of a planar robot's links on a motion, in ball arithmetic.
 
-In: a well-formed model and motion. Out: `Paths`: for a span of the parameter that lies on one piece, the places of
-links at both ends, and bounds of what points of a body leave their chords by.
+In: a well-formed model and motion. Out: `Paths`: for a span of the parameter on one piece, the places of links at both
+ends, and bounds on how far points of a body leave their chords.
 
 A place is a pair of complex balls: the unit number of the link's turn, and its origin. Seen from a link, or from the
-world, a point of a body is o + e^(i f1) u1 + e^(i f2) u2 + … with complex constants u, one a link on its way, angles f
-that go linearly with the parameter, and o that does so too. So its second derivative over the span, per the span's
-length squared, is at most the sum of |f'|^2 |u|; and it leaves its chord by no more than an eighth of that.
+world, a point of a body is o + e^(i f1) u1 + e^(i f2) u2 + … with complex constants u, one for each link on the way;
+the angles f and the origin o are linear in the parameter. So its second derivative over the span, times the span's
+length squared, is at most the sum of |f'|^2 |u|, with f' the change of f over the span. The point leaves its chord by
+at most an eighth of that.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ WORLD = -1
 # A double nearest to an upper bound may be below it by half a unit of its last place.
 _UP = 1 + 2.0**-50
 
-# Places at more parameters than this are forgotten, so that memory stays bounded.
+# Places are kept for at most this many parameters, so that memory stays bounded.
 _MOST_KNOWN = 4096
 
 

@@ -1,4 +1,4 @@
-"""What a proof of a motion in the plane is: plain data, nothing computed.
+"""The data of a proof of a motion in the plane: plain numbers and names, nothing computed.
 
 In: names and numbers. Out: `PlanarModel` and `PlanarMotion`, the model and the motion of a `Proof` whose kind is
 "plane". The claim, word for word: while the parameter t goes from 0 to 1, every angle of a revolute joint goes linearly
@@ -8,10 +8,10 @@ from `start` to `end`, and the root, if it is free,
 - "dubins", "reeds_shepp": is, up to t = 1, where the pieces put it, or anywhere else as long as no point of the robot
   is further than the piece's `slip` from where the piece puts it; and at t = 1 it is at `end`;
 
-and all the way the convex hulls of the two bodies of every pair of `model.pairs` are more than `margin` apart, at exact
+and at every t the convex hulls of the two bodies of every pair of `model.pairs` are more than `margin` apart, at exact
 kinematics of the given numbers: the true sine and cosine of the sum of the angles along the chain, bodies in the world
-as the affine maps that their poses are. The margin is at least what computed poses and states may be off by, which the
-verifier confirms (`least_margin`).
+as the affine maps that their poses are. The margin is at least the error of computed poses and states; the verifier
+confirms that (`least_margin`).
 
 On a curve every piece is an arc of the turning radius, which the root's heading touches, or a line along its heading,
 forwards alone for "dubins", and is gone through at one speed; pieces meet, begin at `start` and lead to `end`. The
@@ -80,14 +80,14 @@ class PlanarBody:
 
 @dataclass(frozen=True, eq=False)
 class PlanarModel:
-    """A robot in a scene: all that a motion's claim depends on but the motion.
+    """A robot in a scene: everything that a claim depends on except the motion.
 
     Attributes:
         links: Parents first.
         bodies: The robot's, then the scene's.
-        pairs: Of bodies, as indices: every pair that the checker tests.
-        whole_turns: Columns that are angles of which a whole turn changes nothing.
-        columns: Numbers in a configuration.
+        pairs: Pairs of indices of bodies: every pair that the checker tests.
+        whole_turns: Columns of angles that a whole turn does not change.
+        columns: How many numbers a configuration has.
     """
 
     links: tuple[PlanarLink, ...]

@@ -1,7 +1,7 @@
-"""Whether a proof in the plane is well-formed: indices, finite numbers, rigid poses, circles, hashes, ends, margin.
+"""Checks that a proof in the plane is well-formed: indices, finite numbers, rigid poses, circles, hashes, ends, margin.
 
 In: a proof of any content whose classes are those of `planar_proof.py`. Out: nothing, or an `UnprovedError`. After this
-the verifier may index and compute.
+check the verifier may index and compute.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _ROUNDING = 2.0**-47
 
 
 def check_well_formed(proof: ProofData) -> None:
-    """Raises an `UnprovedError` for what no proof may have; curves and entries are looked at elsewhere."""
+    """Raises an `UnprovedError` for a proof that is not well-formed; curves and entries are checked elsewhere."""
     model, motion = proof.model, proof.motion
     if proof.kind != "plane" or not isinstance(model, PlanarModel) or not isinstance(motion, PlanarMotion):
         raise UnprovedError("the proof is not of a motion in the plane")
@@ -59,7 +59,7 @@ def hashes_of(model: PlanarModel) -> Hashes:
 
 
 def least_margin(model: PlanarModel, motion: PlanarMotion) -> float:
-    """What computed poses of two bodies on this motion may be off by, m."""
+    """The largest error of computed poses of two bodies on this motion, m."""
     first = 2 if model.links[0].joint == "free" else 0
     size = sum(math.hypot(link.x, link.y) for link in model.links)
     size += max((math.hypot(*row) for body in model.bodies if body.link >= 0 for row in body.vertices), default=0.0)

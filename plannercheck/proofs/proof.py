@@ -1,6 +1,6 @@
 """`Proof`: a proof of a motion that verifies, saves and loads itself.
 
-In: what `explain_motion` and `certify_motions` found, or a file. Out: the same data (`data.py`), a `Verification`
+In: a result of `explain_motion` or `certify_motions`, or a file. Out: the same data (`data.py`), a `Verification`
 (`verify.py`), or a file (`files.py`).
 """
 
@@ -16,17 +16,17 @@ from plannercheck.proofs.verify import model_confirmed, verified
 
 
 class Proof(ProofData):
-    """A motion and what proves it free; see `ProofData` for its attributes."""
+    """A motion and the proof that it is free; see `ProofData` for its attributes."""
 
     def verify(self, robot: str | None = None, scene: str | None = None) -> Verification:
-        """Confirms the claim in ball arithmetic, without the compiled core and without what made the proof.
+        """Confirms the claim in ball arithmetic, without the compiled core and the code that made the proof.
 
         Args:
-            robot: If given, the model has to be that of this robot: a shipped one's name, a YAML or a URDF file.
+            robot: If given, the model has to be that of this robot: the name of a shipped one, a YAML or a URDF file.
             scene: With `robot`: a shipped scene's name, or a file; None for the empty one.
 
         Returns:
-            The verification; a proof whose numbers are malformed in whatever way is not proved.
+            The verification; a proof with malformed numbers is not proved.
 
         Raises:
             PlannercheckError: If python-flint is not installed, or the robot's or scene's files can't be read.
@@ -38,7 +38,7 @@ class Proof(ProofData):
         return found
 
     def save(self, path: str | Path) -> None:
-        """Writes the proof, whole or not at all.
+        """Writes the proof; the file appears whole or not at all.
 
         Args:
             path: Ends in .json or .npz.
@@ -70,7 +70,7 @@ class Proof(ProofData):
 
 
 def load_proofs(path: str | Path) -> tuple[Proof, ...]:
-    """Reads the proofs of a file, which are not verified by that.
+    """Reads the proofs of a file, without verifying them.
 
     Args:
         path: Of a file that `save_proofs` or `Proof.save` wrote.

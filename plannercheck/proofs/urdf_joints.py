@@ -1,6 +1,6 @@
-"""The joints of a URDF, read with nothing but Python's XML: the verifier's own eyes on the model.
+"""The joints of a URDF, read with Python's XML only: the verifier's own reader of the model.
 
-In: a URDF. Out: `UrdfTree`: the joints by name, and which link is the root. No function in common with Pinocchio's
+In: a URDF. Out: `UrdfTree`: the joints by name, and which link is the root. It shares no function with Pinocchio's
 reader or with `plannercheck.robots.urdf`.
 """
 
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class UrdfJoint:
-    """A joint as the URDF says it.
+    """A joint as in the URDF.
 
     Attributes:
         name: Its name.

@@ -1,9 +1,9 @@
 """The verifier: confirms a proof of a motion in ball arithmetic, trusting nothing in it.
 
-In: a proof. Out: a `Verification`. It has no function in common with what makes proofs, and none with the checker: the
-proof has to be well-formed (`well_formed.py`, `planar_well_formed.py`, `planar_curves.py`), its entries have to tile
-[0, 1] for every pair, and every entry has to hold (`entries.py`, `planar_entries.py`) where the proof's own table of
-joints puts the links (`chains.py`, `joint_motions.py`, `planar_paths.py`).
+In: a proof. Out: a `Verification`. It shares no function with the code that makes proofs, and none with the checker.
+The proof has to be well-formed (`well_formed.py`, `planar_well_formed.py`, `planar_curves.py`), its entries have to
+tile [0, 1] for every pair, and every entry has to hold (`entries.py`, `planar_entries.py`) with links posed by the
+proof's own table of joints (`chains.py`, `joint_motions.py`, `planar_paths.py`).
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from plannercheck.proofs.data import Entry, Model, ProofData, Verification
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.planar_proof import PlanarModel
 
-# Digits of ball arithmetic. In space one machine word, 11 bits more than a double; in the plane, where angles of up to
-# 1e15 rad and lengths of up to 1e15 m have to leave more than a double's, three.
+# The precision of ball arithmetic. In space it is one machine word, 11 bits more than a double; in the plane it is
+# three words, since angles of up to 1e15 rad and lengths of up to 1e15 m need more.
 _BITS = {"space": 64, "plane": 192}
 
 
@@ -73,7 +73,7 @@ def _plane(proof: ProofData) -> Callable[[int, Entry], None]:
 
 
 def model_confirmed(proof: ProofData, robot: Any, scene: str | None) -> Verification:
-    """Whether a proof's model is that of files; no entry is looked at.
+    """Whether a proof's model is that of files; entries are not checked.
 
     Args:
         proof: In space or in the plane.

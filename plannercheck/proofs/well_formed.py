@@ -1,7 +1,7 @@
-"""Whether a proof in space is well-formed: indices, finite numbers, rigid placements, hashes, the motion's ends.
+"""Checks that a proof in space is well-formed: indices, finite numbers, rigid placements, hashes, the motion's ends.
 
-In: a proof of any content whose classes are those of `data.py`. Out: nothing, or an `UnprovedError`. After this the
-verifier may index and compute.
+In: a proof of any content whose classes are those of `data.py`. Out: nothing, or an `UnprovedError`. After this check
+the verifier may index and compute.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.numbers_of_proofs import HALF_TURN, LARGEST_DEFECT, LARGEST_NUMBER, check_length, check_numbers
 
-# What an axis or a unit part may be off length 1.
+# How far the length of an axis or a unit vector may be from 1.
 LARGEST_STRETCH = 1e-6
 
-# Bits in which whole turns are taken off angles of up to 1e15 rad: what is left is known far better than its double.
+# The precision in which whole turns are taken off angles of up to 1e15 rad: far better than the result's double.
 _TURN_BITS = 192
 
 
 def check_well_formed(proof: ProofData) -> None:
-    """Raises a `UnprovedError` for what no proof may have; entries are looked at by `check_tiling`."""
+    """Raises an `UnprovedError` for a proof that is not well-formed; `check_tiling` checks the entries."""
     model, motion = proof.model, proof.motion
     if proof.kind != "space" or not isinstance(model, Model) or not isinstance(motion, Motion):
         raise UnprovedError("the proof is not of a motion in space")
@@ -180,7 +180,7 @@ def _check_unit(joint: Joint, motion: Motion) -> None:
 
 
 def unreached(model: Model, motion: Motion) -> dict[int, float]:
-    """By column of whole turns, how far the end is from the asked one by more than whole turns, rad (upper bound)."""
+    """By column of whole turns, a bound on the difference of the ends besides whole turns, rad."""
     bits, flint.ctx.prec = flint.ctx.prec, _TURN_BITS
     try:
         out = {}

@@ -162,7 +162,7 @@ class SceneContents(DeclaredStates):
         It is tested against obstacles and against all links but its own and the touch links.
 
         Args:
-            name: The name of an obstacle, which then is one no more, or of a new object.
+            name: The name of an obstacle to take, or of a new object.
             link: The robot's link.
             pose: (4, 4) of the object's frame in the link's, m; None is the identity.
             touch_links: Links, or other attached objects, that it may touch.

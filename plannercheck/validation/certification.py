@@ -1,12 +1,12 @@
-"""Certificates for the verdicts on a set of configurations, each proved in exact arithmetic apart from the core.
+"""Certificates for the verdicts on a set of configurations, each proved in exact arithmetic without the core.
 
 In: a checker, configurations (n, nq) and the first colliding pair of each. Out: a CertificationReport that counts the
-proofs and lists what is not proved.
+proofs and lists unproved verdicts.
 
 The idea: an invalid configuration needs one point that two bodies share, a valid one a separating plane for every
-pair. Most pairs are so far apart that a plane along a world axis does; whole-number boxes find those at once. For the
-rest the core gives a plane, which `Separation.verify` proves. All proofs are about the points that the shapes give, not
-about the vertices of their hulls, so the hulls that the core made are not trusted either.
+pair. Most pairs are so far apart that a plane at right angles to a world axis separates them; boxes in whole numbers
+find these quickly. For the others the core gives a plane, which `Separation.verify` proves. All proofs are about the
+points of the shapes, not about the vertices of the hulls that the core made, so these hulls are not trusted either.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from plannercheck.motions.checker import Checker
 Floats = NDArray[np.float64]
 Box = tuple[Integers, Integers]
 
-# Boxes are in whole numbers of 2^-60 m, rounded outward: far finer than any gap that boxes should find.
+# Boxes are in whole numbers of 2^-60 m, rounded outward: far finer than any gap that matters.
 _GRID = -60
 # Configurations whose poses are held in memory at once.
 _BLOCK = 256
@@ -54,14 +54,14 @@ class Unproved:
 
 @dataclass(frozen=True)
 class CertificationReport:
-    """What was proved about a set of verdicts.
+    """The proofs of a set of verdicts, counted.
 
     Attributes:
-        states: Configurations whose verdicts were looked at.
+        states: Configurations whose verdicts were checked.
         shared_points: Invalid configurations, each proved by a point that two bodies share.
         planes: Pairs of bodies in valid configurations proved apart by a plane of the core.
         boxes: Such pairs proved apart by exact boxes along the world's axes.
-        unproved: The rest.
+        unproved: Verdicts without a proof.
     """
 
     states: int

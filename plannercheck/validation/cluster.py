@@ -2,12 +2,12 @@
 
 In: a checker, a `Judge`, the address of a scheduler or a number of processes. Out: findings, as they come in.
 
-The checker travels once to each worker, prepared bodies and all, as a plugin: workers that come later, or anew after a
-loss, get it, too. The rows go with the task, so the scheduler can give a lost worker's chunks to another; a few for
-each worker are under way at a time, and that is all that is held.
+Each worker gets the checker once, with its prepared bodies, as a plugin; workers that join later or restart get it as
+well. The rows go with the task, so the scheduler can give a lost worker's chunks to another one. Only a few chunks for
+each worker are in memory at a time.
 
-Who reaches a scheduler can run code on its workers, so a cluster that is started here listens on the loopback alone,
-speaks only with those who hold a certificate that this run has made and keeps in memory, and serves no pages.
+Whoever reaches a scheduler can run code on its workers. So a cluster that is started here listens on the loopback only,
+requires a certificate that this run makes and keeps in memory, and serves no pages.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from plannercheck.validation.judging import Findings, Judge
 distributed: Any = extra_module("distributed", "dask", "clusters")
 dask_system: Any = extra_module("dask.system", "dask", "clusters")
 
-# Chunks under way for each thread of a worker: one that is judged, and one on its way.
+# Chunks for each thread of a worker: one that is judged, and one in transit.
 _AHEAD = 2
 
-# How often a chunk is tried again after an error, and s to wait for a scheduler or the first worker.
+# How often a chunk is tried again after an error, and how long to wait for a scheduler or the first worker, s.
 _RETRIES, _PATIENCE = 3, 30
 
 # Where a cluster of this machine listens.
@@ -43,7 +43,7 @@ _LOOPBACK = "127.0.0.1"
 
 
 class _ServesNoPages:
-    """Of a node of dask: it opens no HTTP server. Without this, each does, whatever is said of dashboards."""
+    """A node of dask without an HTTP server, which each node would open, whatever the settings of dashboards."""
 
     def start_http_server(self, *arguments: Any, **options: Any) -> None:
         """Called by distributed where a node starts."""
@@ -54,11 +54,11 @@ class LocalScheduler(_ServesNoPages, distributed.Scheduler):  # type: ignore[mis
 
 
 class LocalWorker(_ServesNoPages, distributed.Worker):  # type: ignore[misc]  # that library is optional
-    """A worker of such a cluster; named in what a child process is told, so it is public here."""
+    """A worker of such a cluster; public, since child processes import it by name."""
 
 
 class CheckerOnWorker(distributed.WorkerPlugin):  # type: ignore[misc]  # that library is optional
-    """What a worker holds: the checker, unpacked when the worker gets it."""
+    """The plugin of a worker: the checker, unpacked when the worker gets it."""
 
     def __init__(self, name: str, packed: bytes, judge: Judge, is_child: bool) -> None:
         self.name, self._packed, self._judge, self._is_child = name, packed, judge, is_child
@@ -104,7 +104,7 @@ class ClusterEngine:
 
         Args:
             checker: The checker.
-            judge: What is asked.
+            judge: The questions about each chunk.
             scheduler: Address of a scheduler, e.g. "tcp://10.0.0.1:8786"; None starts a cluster on this machine.
             workers: Processes of such a cluster.
             security: distributed.Security for a given scheduler; None takes what dask's own configuration says.

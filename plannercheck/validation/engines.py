@@ -1,6 +1,6 @@
-"""Where chunks are judged: in this process. `cluster` has the same for other machines.
+"""Judges chunks in this process; `cluster` does the same on other machines.
 
-In: chunks, in order. Out: chunks with what was found about them; from a cluster in any order.
+In: chunks, in order. Out: chunks with findings; from a cluster in any order.
 """
 
 from __future__ import annotations

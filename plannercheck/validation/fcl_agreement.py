@@ -1,11 +1,11 @@
-"""A checker held against FCL, pair by pair, with exact arithmetic as the judge.
+"""Compares a checker with FCL, pair by pair, with exact arithmetic as the judge.
 
 In: a checker and configurations (n, nq). Out: an AgreementReport that counts pairs and lists every
 disagreement with the verdict of exact arithmetic on the same hulls and poses.
 
-FCL is an independent peer, not the truth: it works to a tolerance and errs near contact and on small or flat
-bodies. So nothing is concluded from FCL alone. Pairs whose world boxes are apart are free without asking FCL. Bodies
-that FCL has no reliable form for (flat ones, swollen polygons and polytopes) are held against exact arithmetic.
+FCL is an independent library, not the truth: it works to a tolerance, and errs near contact and on small or flat
+bodies. So FCL alone decides nothing. Pairs whose world boxes are apart count as free without a query to FCL. Bodies for
+which FCL has no reliable form (flat ones, swollen polygons and polytopes) are compared with exact arithmetic.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What a run depends on, so that no other run takes up its journal.
+"""The fingerprint of a run, so that only the same run can resume its journal.
 
-In: a checker, a `Judge`. Out: a mapping of names to texts. Two runs with the same one give the same findings for the
-same rows; the rows themselves are compared chunk by chunk.
+In: a checker, a `Judge`. Out: a mapping of names to texts. Two runs with the same fingerprint give the same findings
+for the same rows; the rows themselves are compared chunk by chunk.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _POSED = 5
 
 
 def fingerprint(checker: AnyChecker, judge: Judge, chunk_rows: int) -> dict[str, str]:
-    """What findings depend on: the version, the robot in its scene, and what is asked; not the number of threads."""
+    """Everything that findings depend on: the version, the robot in its scene, and the judge, but not its threads."""
     asked = {name: str(value) for name, value in asdict(judge).items() if name != "threads"}
     return {
         "version": __version__,
@@ -37,7 +37,7 @@ def fingerprint(checker: AnyChecker, judge: Judge, chunk_rows: int) -> dict[str,
 
 
 def content_hash(checker: AnyChecker) -> str:
-    """Of all that verdicts depend on: bodies, pairs, limits, and where kinematics puts the links."""
+    """A hash of everything that verdicts depend on: bodies, pairs, limits, and poses of the links."""
     robot = checker.robot
     digest = hashlib.sha256(" ".join(robot.joint_names).encode())
     for array in (checker.pairs, robot.lower, robot.upper):

@@ -1,8 +1,8 @@
-"""The journal of a run: what has been found so far, so that an interrupted run goes on where it stopped.
+"""The journal of a run: all findings so far, so that an interrupted run can resume.
 
-In: findings of chunks, in any order. Out: the same, chunk by chunk, in the order of the rows. The file has the
-fingerprint of its run in the first line; then come records, each with its length and checksum, so that one that a kill
-cut off is known for what it is. Nothing is rewritten, and a chunk is written by one call.
+In: findings of chunks, in any order. Out: the same, chunk by chunk, in the order of the rows. The first line of the
+file has the fingerprint of its run. Records follow, each with its length and checksum, so that a record cut off by a
+kill is recognised. Nothing is rewritten, and each chunk is written by one call.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ class Record:
     """A chunk in the journal.
 
     Attributes:
-        file: Which of the files it is of.
-        first_row: In that file.
-        checksum: Of its rows.
-        failed: How many of them did not pass.
+        file: The index of its file.
+        first_row: Its first row in that file.
+        checksum: The checksum of its rows.
+        failed: How many of its rows did not pass.
         report: The summary.
         place: Where its arrays are in the journal.
         size: Bytes of its arrays.
@@ -70,7 +70,7 @@ class Journal:
     """
 
     def __init__(self, path: Path, fingerprint: Mapping[str, str], resume: bool = False) -> None:
-        """Begins a journal, or goes on with one.
+        """Begins a journal, or resumes one.
 
         Args:
             path: The file.

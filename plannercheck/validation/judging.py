@@ -1,7 +1,7 @@
-"""What is asked about each configuration of a set, and what is found.
+"""The questions about each configuration of a set, and the findings.
 
-In: a checker, rows of a chunk. Out: `Findings`: arrays with one entry a row, and their summary. A `Judge` and what it
-finds travel between machines.
+In: a checker, rows of a chunk. Out: `Findings`: arrays with one entry for each row, and their summary. A `Judge` and
+its findings can be sent between machines.
 
 Certificates are about one pair a configuration: a point that the first colliding pair shares, or, if the configuration
 is valid, a plane between the two bodies that are nearest to each other.
@@ -37,13 +37,13 @@ _POSED_ROWS = 512
 
 @dataclass(frozen=True)
 class Findings:
-    """What was found about a chunk.
+    """The findings about a chunk.
 
     Attributes:
-        arrays: By name, one entry a row; all but the first two only if they are asked for: `first_pair`, int32 row of
-            the checker's pairs, -1 if valid; `beyond_limits`; `explained_pair`, int32 row of the pair that the rest is
-            about, -1 if none; `point` that both bodies share, m; `normal` and `offset` of the plane between them, `gap`
-            between them at least, m; NaN where there is none.
+        arrays: Arrays by name, one entry for each row; all except the first two only if they are asked for:
+            `first_pair`, int32 row of the checker's pairs, -1 if valid; `beyond_limits`; `explained_pair`, int32 row of
+            the pair that the rest is about, -1 if none; `point` that both bodies share, m; `normal` and `offset` of the
+            plane between them, `gap` between them at least, m; NaN where there is none.
         report: The summary.
     """
 
@@ -53,7 +53,7 @@ class Findings:
 
 @dataclass(frozen=True)
 class Judge:
-    """What is asked.
+    """The questions about each configuration.
 
     Attributes:
         all_pairs: Whether all colliding pairs are counted, not just the first of each configuration.

@@ -1,11 +1,11 @@
-"""Verdicts in files: npz, csv or parquet, one entry a configuration, written chunk by chunk.
+"""Verdicts in files: npz, csv or parquet, one entry for each configuration, written chunk by chunk.
 
-In: a journal that is complete. Out: a file that appears whole or not at all, with the same bytes however often the run
-was interrupted, and wherever it was done.
+In: a complete journal. Out: a file that appears whole or not at all. Its bytes do not depend on interruptions of the
+run, nor on the machines.
 
 npz: `valid` (n,), `first_pair` (n,) row of `pairs` or -1, `beyond_limits` (n,), `pairs` (k, 2) names, `files` and
 `file_rows`; with certificates `explained_pair`, `point`, `normal`, `offset`, `gap`; if only failures are written,
-`file` and `row` of each. csv and parquet: a line a configuration with the names of file, links and obstacles.
+`file` and `row` of each. csv and parquet: one line for each configuration, with the names of file, links and obstacles.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class Results:
 
 
 def check_output(path: Path) -> None:
-    """Says before long work that an output has a suffix that nothing writes, or lacks a library."""
+    """Raises, before long work, if an output's suffix is not supported, or its library is missing."""
     if path.suffix not in SUFFIXES:
         raise PlannercheckError(f"--output must be one of {', '.join(SUFFIXES)}, not {str(path)!r}")
     if is_folder(path):

@@ -1,4 +1,4 @@
-"""Paths checked again: every sampled state by FCL, and what lies between the samples.
+"""Checks paths again: every sampled state by FCL, and states between the samples.
 
 In: a checker and a path. Out: `PathCheck`.
 """
@@ -19,13 +19,13 @@ from plannercheck.validation.fcl_agreement import AgreementReport, compare_with_
 
 Floats = NDArray[np.float64]
 
-# How much denser than the samples the states are that are looked for collisions between them.
+# States between the samples are this many times denser than the samples.
 DENSER = 10
 
 
 @dataclass(frozen=True)
 class PathCheck:
-    """What became of a path's states.
+    """The results for a path's states.
 
     Attributes:
         agreement: The comparison with FCL on the path resampled as its motions were checked.

@@ -1,7 +1,7 @@
-"""Whole paths proved free: the judge of any planner's output.
+"""Proves whole paths free, from any planner.
 
-In: a checker, a path of configurations. Out: a `PathVerdict`, which names the first motion that is not free with the
-parameter, the pair and the certificate.
+In: a checker, a path of configurations. Out: a `PathVerdict`, which has the first motion that is not free, with its
+parameter, pair and certificate.
 """
 
 from __future__ import annotations

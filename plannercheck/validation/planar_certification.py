@@ -1,7 +1,7 @@
 """Certificates for the verdicts on a set of planar configurations, each proved in exact arithmetic apart from the core.
 
-In: a planar checker, configurations and the first colliding pair of each. Out: the report of the space's
-certification: an invalid configuration needs one shared point, a valid one a separating line for every pair.
+In: a planar checker, configurations and the first colliding pair of each. Out: the same report as in space. An invalid
+configuration needs one shared point, a valid one a separating line for every pair.
 """
 
 from __future__ import annotations

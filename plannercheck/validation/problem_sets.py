@@ -1,8 +1,8 @@
 """Plans for the problems of a MotionBenchMaker set.
 
-In: a robot and problems. Out: a `ProblemResult` each, and `SetSummary` for a whole set.
+In: a robot and problems. Out: a `ProblemResult` for each, and a `SetSummary` for a whole set.
 
-The robot is posed as each request says: its joints outside the group are held where the start state has them.
+The robot's joints outside the group are held at the values of each request's start state.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from plannercheck.validation.path_recheck import PathCheck, check_path
 
 @dataclass(frozen=True, eq=False)
 class ProblemResult:
-    """A problem and what came of it.
+    """A problem and its result.
 
     Attributes:
         name: The problem's.
@@ -82,11 +82,11 @@ def solve(
     Args:
         problem: The problem.
         robot: Any robot with the problem's joints.
-        planner: Given the checker, the problem and which goal to go for, the plan.
+        planner: A function of the checker, the problem and the index of a goal, which returns the plan.
         verify: Whether to check the path again, see `check_path`.
 
     Returns:
-        The result. Of several goals the first that is accepted is planned to.
+        The result. Of several goals, the first accepted one is used.
     """
     checker = Checker(robot_of(problem, robot), problem.scene)
     with within(f"problem {problem.name}"):

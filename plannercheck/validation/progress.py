@@ -1,6 +1,6 @@
-"""How far a run is: one line that changes on a terminal, a line now and then elsewhere.
+"""The progress of a run: one line that changes on a terminal, a line from time to time elsewhere.
 
-In: rows done, and the part of the files that has been read. Out: text on a stream: part, rows, rate, time that remains.
+In: rows done, and the part of the files that has been read. Out: text on a stream: part, rows, rate, remaining time.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""A run: chunks of files are judged, what was found is kept, and written when all is done.
+"""A run: judges chunks of files and keeps the findings, which are written when all chunks are done.
 
-In: chunks, an engine, a journal. Out: the summary. Chunks that the journal has from an earlier run are read, compared
-by their checksums, and not judged again.
+In: chunks, an engine, a journal. Out: the summary. Chunks that the journal has from an earlier run are compared by
+their checksums and not judged again.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class Run:
         """Nothing is done yet.
 
         Args:
-            judge: What is asked.
+            judge: The questions about each configuration.
             journal: Where findings are kept; None keeps only the summary.
-            progress: Is told about each chunk.
+            progress: Gets each chunk's rows.
         """
         self._judge, self._journal = judge, journal
         self._progress = Progress("none") if progress is None else progress

@@ -30,7 +30,7 @@ class Validation(OwnsArrays):
     """Verdicts on a set.
 
     Attributes:
-        first_pair: (n,) row of the checker's pairs that was found colliding first, -1 if valid.
+        first_pair: (n,) row of the checker's pair that was first found to collide, -1 if valid.
         beyond_limits: (n,) whether some joint is beyond a limit.
         report: The summary.
     """
@@ -76,7 +76,7 @@ def validate(checker: AnyChecker, q: ArrayLike, threads: int = 1, all_pairs: boo
 
 
 def _warn_of_doubts(checker: AnyChecker, rows: NDArray[np.float64], first: Ints, beyond: Bools) -> None:
-    """Says so where a set can be judged, but is hardly meant."""
+    """Warns of sets that are probably mistakes, e.g. in degrees."""
     if len(rows) and (first >= 0).all() and (hint := always_hint(checker, rows)):
         warnings.warn(hint, RuntimeWarning, stacklevel=3)
     if beyond.sum() > len(rows) / 2:

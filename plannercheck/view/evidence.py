@@ -1,7 +1,7 @@
-"""What proves a frame's verdicts, to be drawn: common points of colliding pairs, planes between the nearest others.
+"""Proofs of a frame's verdicts, to be drawn: common points of colliding pairs, planes between the nearest other pairs.
 
 In: a checker, poses of all bodies at a configuration, which pairs collide. Out: `Witness`es and `Plane`s. Pairs are
-measured in the order of the distances of balls around their bodies, until no ball could come nearer.
+measured in the order of the distances of balls around their bodies, until no other pair can be nearer.
 """
 
 from __future__ import annotations

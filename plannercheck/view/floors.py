@@ -1,7 +1,8 @@
-"""Which obstacles are the floor, so that it can be told from the furniture, and hidden by itself.
+"""Finds the obstacles that are the floor, so that the floor can be hidden.
 
-In: the meshes of a picture. Out: the same, those of the floor on a layer of their own. An obstacle is the floor if its
-name says so; without such a name, if it is wide and flat and neither the robot nor another obstacle is below its top.
+In: the meshes of a picture. Out: the same meshes, those of the floor on a layer of their own. An obstacle is the floor
+if its name says so; without such a name, if it is wide and flat and neither the robot nor another obstacle is below its
+top.
 """
 
 from __future__ import annotations

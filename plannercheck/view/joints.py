@@ -1,7 +1,7 @@
-"""Joints to be moved by hand, and the picture that belongs to them.
+"""Joints that a user moves by sliders, and the picture for their values.
 
-In: a checker, the configurations of a picture. Out: `Joints`: sliders' names, bounds and values, and a picture for
-values that someone has set, with its verdict.
+In: a checker, the configurations of a picture. Out: `Joints`: the sliders' names, bounds and values, and a picture with
+its verdict for values that the user sets.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What a picture consists of, in metres and world coordinates, whatever draws it.
+"""The contents of a picture, in metres and world coordinates, for any renderer.
 
-In: numbers. Out: frozen values: meshes with a pose a frame, separating planes, witness points. Both back ends
-(page.py, server.py) draw exactly this.
+In: numbers. Out: frozen values: meshes with a pose for each frame, separating planes, witness points. Both back ends
+(page.py, server.py) draw exactly these.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whose pages may talk to the server of `view`: only its own.
+"""Lets only the server's own pages talk to the server of `view`.
 
 In: the host it serves. Out: within `own_pages_only`, a viser server that refuses WebSockets of other pages.
 

@@ -1,7 +1,7 @@
-"""A picture as one HTML file: data and renderer inlined, nothing fetched when it is looked at.
+"""A picture as one HTML file with data and renderer inlined; it loads nothing else.
 
 In: a `Picture`. Out: the file. Numbers are packed as little-endian 32-bit values in base64; viewer.html draws them with
-WebGL 2. Pictures are for the eye: what is drawn is rounded to single precision, verdicts and names are not.
+WebGL 2. Drawn coordinates are rounded to single precision; verdicts are not.
 """
 
 from __future__ import annotations

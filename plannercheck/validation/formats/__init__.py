@@ -1,5 +1,6 @@
-"""Files of configurations and of paths, in the formats that users have them in.
+"""Files of configurations and of paths, in common formats.
 
-Read `chunks` first (checked rows of any file), then `columns` (which column is which joint) and `blocks` (what readers
-give); one module a format: `npy`, `csv`, `hdf5`, `parquet`. `paths` and `trajectories` read what planners write.
+Read `chunks` first (checked rows of any file), then `columns` (the joint of each column) and `blocks` (the output of
+readers). Each format has a module: `npy`, `csv`, `hdf5`, `parquet`. `paths` and `trajectories` read the output of
+planners.
 """

@@ -1,7 +1,7 @@
-"""Blocks of rows, as the readers of single formats give them.
+"""Blocks of rows, which the readers of all formats produce.
 
-In: arrays of a file. Out: `Block`s of at most the wished number of rows, (n, nq) in the robot's order, in the file's
-own units; how much of the file has been read goes with each, for progress.
+In: arrays of a file. Out: `Block`s of at most a given number of rows, (n, nq) in the robot's order, in the file's own
+units. Each has the part of the file that has been read, for progress.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from plannercheck.validation.formats.columns import Columns, WidthError
 
 Floats = NDArray[np.float64]
 
-# Names of arrays that are taken if a file holds several.
+# The usual names of the array of configurations, for files that hold several arrays.
 KEYS = ("q", "configurations")
 
-# Under which name, or as which attribute, a file of arrays says what its columns are.
+# The name of the array or attribute that lists the columns' names.
 NAMES_KEY = "joint_names"
 
 

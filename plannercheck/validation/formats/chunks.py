@@ -1,7 +1,7 @@
 """Chunks of checked rows, from files of any format and size, or from standard input.
 
-In: paths. Out: `Chunk`s, so that a set may be larger than memory. What is wrong with a file is said with its name and,
-where there is one, the row (counted from 0).
+In: paths. Out: `Chunk`s, so that a set may be larger than memory. Errors name the file and, where there is one, the row
+(counted from 0).
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _KEYED = {
 }
 SUFFIXES = (".npy", ".npz", ".csv", ".tsv", ".parquet", ".pq", ".hdf5", ".h5")
 
-# How files begin that can't be read from a stream.
+# The first bytes of formats that can't be read from a stream.
 _SEEKING = {b"PK\x03\x04": "npz", b"PAR1": "parquet", b"\x89HDF": "hdf5"}
 
 
@@ -54,10 +54,10 @@ class Chunk:
     """Consecutive rows of a set.
 
     Attributes:
-        first_row: Of the chunk in its file, from 0.
+        first_row: The chunk's first row in its file, from 0.
         rows: (n, nq) float64, rad and m, all finite.
-        file: Which of the files it is of, from 0.
-        part: Of all files that has been read with this chunk, 0 to 1; None if nobody knows.
+        file: The index of its file, from 0.
+        part: The part of all files that has been read with this chunk, 0 to 1; None if unknown.
     """
 
     first_row: int
@@ -82,7 +82,7 @@ def read_sets(
 
     Args:
         paths: npy, npz, csv, parquet or hdf5 files; `-` is standard input, npy or csv.
-        columns: What to look for in them.
+        columns: The columns to read.
         key: The array, dataset or column of lists, for files that hold several.
         size: Most rows of a chunk.
 

@@ -1,7 +1,7 @@
-"""Which columns of a file are which joints, and in what unit.
+"""The joints and units of a file's columns.
 
-In: a robot, and the names of a file's columns where it has them. Out: `Columns`, which says where each joint's column
-is and brings rows to the robot's order, in rad and m.
+In: a robot, and the names of a file's columns if it has them. Out: `Columns`, which finds each joint's column and
+brings rows to the robot's order, in rad and m.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _SHOWN_NAMES = 20
 
 
 class WidthError(PlannercheckError):
-    """A file has other columns than were looked for; perhaps it gives configurations in another way."""
+    """A file has other columns than expected; perhaps it gives configurations in another way."""
 
 
 class HeaderError(WidthError):
@@ -42,12 +42,12 @@ class Columns:
     Attributes:
         joints: A name for each joint, in the robot's order.
         width: Numbers in a configuration, nq; more than joints if some take several.
-        named: What a file calls the joints, in the same order; None if it calls them as the robot does.
-        held: Joints of the robot that the configurations do not have, since they stand still.
-        ignored: Columns that may have the name of a held joint all the same.
+        named: The file's names of the joints, in the same order; None if they are the robot's.
+        held: Held joints of the robot, which configurations do not have.
+        ignored: Columns to ignore though they have the name of a held joint.
         degrees: (nq,) which numbers are given in degrees; None if none is.
-        described: Words for which joint takes which columns.
-        spread: Turns rows into configurations; None where they are.
+        described: A sentence about which joint takes which columns.
+        spread: Turns rows into configurations; None if they already are configurations.
         others: The same robot's configurations by fewer numbers, see `JointValues`.
     """
 

@@ -1,7 +1,7 @@
 """csv: one configuration a line, separated by commas, semicolons, tabs or spaces.
 
 In: a text stream. Out: `Block`s. The first line may name the columns: then the joints' columns are found by name, in
-any order, and others are left out. Empty lines and those that start with # do not count.
+any order, and other columns are ignored. Empty lines and lines that start with # are skipped.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from plannercheck.validation.formats.columns import Columns
 
 Floats = NDArray[np.float64]
 
-# Lines from which on another library pays although it takes a moment to load.
+# From this many lines on, another library is faster although it takes a moment to load.
 MANY_LINES = 10_000
 
 

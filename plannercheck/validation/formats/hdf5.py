@@ -1,4 +1,4 @@
-"""HDF5, by h5py: a dataset (n, nq), or one dataset (n,) a joint.
+"""HDF5, by h5py: a dataset (n, nq), or one dataset (n,) for each joint.
 
 In: a path. Out: `Block`s. A dataset may name its columns by an attribute `joint_names` or by fields.
 """

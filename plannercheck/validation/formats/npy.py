@@ -1,7 +1,7 @@
-"""npy and npz: arrays of numpy, read window by window or as a stream, so that no more than a block is held.
+"""npy and npz: arrays of numpy, read block by block, so that only one block is in memory.
 
 In: a path or a binary stream. Out: `Block`s. Only arrays in Fortran's order inside an npz or on a stream are read
-whole, since their rows lie scattered.
+whole, since their rows are scattered.
 """
 
 from __future__ import annotations

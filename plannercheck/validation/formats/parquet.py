@@ -1,4 +1,4 @@
-"""Parquet, by pyarrow: one column a joint, found by name, or one column of lists.
+"""Parquet, by pyarrow: one column for each joint, found by name, or one column of lists.
 
 In: a path. Out: `Block`s, decoded batch by batch.
 """

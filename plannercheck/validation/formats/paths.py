@@ -1,11 +1,11 @@
-"""Paths of planners in files: ours, tables, MoveIt's trajectories, and what OMPL prints.
+"""Paths of planners in files: our plans, tables, MoveIt's trajectories, and OMPL's printed paths.
 
-In: a file, the joints of a planning group. Out: `PathFile`: configurations in the group's order, and what the file says
-of joints outside it.
+In: a file, the joints of a planning group. Out: `PathFile`: configurations in the group's order, and the file's values
+of joints outside the group.
 
 JSON and YAML hold a plan as `Plan.save` writes it, a list of configurations (JSON), or a MoveIt trajectory
 (trajectories.py). npy, npz and csv are tables as for sets of configurations. Anything else is text: OMPL's
-`PathGeometric` as it is printed, or as a matrix. All are taken as straight motions from state to state.
+`PathGeometric` as printed, or as a matrix. The motion from each state to the next is taken as straight.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _OMPL_NUMBERS = re.compile(r"State \[([^\[\]]*)\]")
 
 @dataclass(frozen=True, eq=False)
 class PathFile(OwnsArrays):
-    """A path as a file has it.
+    """A path as read from a file.
 
     Attributes:
         states: (k, nq) configurations of the group, k at least 1; rad and m.

@@ -1,13 +1,13 @@
-"""MoveIt's trajectories in files: their positions, and what says that a controller does not go straight between them.
+"""MoveIt's trajectories in files: their positions, and whether a controller leaves the straight motions between them.
 
 In: a parsed JointTrajectory, a RobotTrajectory, or a DisplayTrajectory with one of them or several in a row. Out:
 `Trajectory`.
 
-A controller goes straight, joint by joint, from point to point only if it is given positions alone, or velocities and
-accelerations that are all zero: then the splines of all joints pass through the same fractions of their ways at the
-same times. With other velocities it runs cubic splines, with accelerations as well quintic ones
-(joint_trajectory_controller, `Trajectory::interpolate_between_points`). Times and efforts change where the robot is
-when, not where it passes.
+A controller moves straight in joint space from point to point only if the trajectory has positions only, or velocities
+and accelerations that are all zero: then the splines of all joints pass the same fractions of their ways at the same
+times. With other velocities it runs cubic splines, with accelerations as well quintic ones
+(joint_trajectory_controller, `Trajectory::interpolate_between_points`). Times and efforts change when the robot passes
+a point, not where it passes.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Floats = NDArray[np.float64]
 _TRAJECTORY_KEYS = ("header", "joint_names", "points")
 _POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
 
-# What bends the way between two points.
+# The fields that bend the way between two points.
 _BENDING = ("velocities", "accelerations")
 
 
