@@ -15,7 +15,7 @@ import plannercheck as pc
 from plannercheck.ompl import setup, space_of
 
 P = pc.planar
-PAGE = Path(__file__).parents[2] / "docs" / "ompl.md"
+PAGE = Path(__file__).parents[2] / "docs" / "how_to" / "plan_with_ompl.md"
 
 
 @pytest.fixture
