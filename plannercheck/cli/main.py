@@ -61,11 +61,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = _joined_vectors(list(sys.argv[1:] if argv is None else argv))
     try:
         options = parser_for(arguments).parse_args(arguments)
+        with warnings.catch_warnings(), _interrupted_by_sigterm(), _safe_output():
+            warnings.showwarning = _show_warning
+            return _run(options)
     except SystemExit as stop:  # argparse has said why
         return int(stop.code or 0)
-    with warnings.catch_warnings(), _interrupted_by_sigterm(), _safe_output():
-        warnings.showwarning = _show_warning
-        return _run(options)
+    except KeyboardInterrupt as stop:
+        return _interrupted(stop)
 
 
 class Terminated(KeyboardInterrupt):
@@ -108,10 +110,6 @@ def _run(options: argparse.Namespace) -> int:
     except PlannercheckError as error:
         _say(str(error))
         return BAD_INPUT
-    except Terminated:
-        return TERMINATED
-    except KeyboardInterrupt:
-        return INTERRUPTED
     except BrokenPipeError:  # the reader, e.g. `head`, has seen enough
         _drop_output()
         return BROKEN_PIPE
@@ -124,10 +122,19 @@ def _run(options: argparse.Namespace) -> int:
         return FAILED
 
 
-def _say(message: str) -> None:
+def _interrupted(stop: KeyboardInterrupt) -> int:
+    """Says that the command was ended, and what it has kept; the exit code."""
+    is_terminated = isinstance(stop, Terminated)
+    words = "terminated" if is_terminated else "interrupted"
+    _say("; ".join([words, *map(str, stop.args)]), kind="")
+    _flush_or_drop()
+    return TERMINATED if is_terminated else INTERRUPTED
+
+
+def _say(message: str, kind: str = "error: ") -> None:
     """One line on the error stream."""
     with suppress(OSError, ValueError, AttributeError):  # full, closed or none
-        print(f"plannercheck: error: {on_terminal(' '.join(message.split()))}", file=sys.stderr)
+        print(f"plannercheck: {kind}{on_terminal(' '.join(message.split()))}", file=sys.stderr)
 
 
 def _flush_or_drop() -> None:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import multiprocessing
+import signal
 import threading
 import time
 from collections import Counter, defaultdict
@@ -126,7 +128,7 @@ def run(
     """
     tally = StressTally()
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(ProcessPoolExecutor(processes)) if processes > 1 else None
+        pool = stack.enter_context(_stoppable_pool(processes)) if processes > 1 else None
         first = 0
         while (left := pairs - tally.pairs.total()) > 0:  # more than once where bodies are refused
             past = first + -(-left // len(GAPS))
@@ -136,6 +138,24 @@ def run(
                     progress(tally)
             first = past
     return tally
+
+
+@contextlib.contextmanager
+def _stoppable_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that do not outlive the run, nor speak of Ctrl-C, which reaches all of a terminal's processes."""
+    with ProcessPoolExecutor(processes, initializer=_ignore_ctrl_c) as pool:
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for child in multiprocessing.active_children():
+                child.terminate()
+            raise
+
+
+def _ignore_ctrl_c() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the parent's handler would raise
 
 
 def _judged(
