@@ -5,6 +5,7 @@ limits, by the bounds of `reach_bounds`), `prepared_bodies`, `compiled_pairs` an
 judges configurations with) and `verdicts` (what a checker says), and `state_checker`, which puts these together.
 `checker_base` (names and certificates, in space and in the plane), `clearance` and `carrying_checker` are what it
 stands on; `padding` and `settings` are what it is built with, `touching_pairs` what it warns of. `left_out_pairs` lists
-all places where a pair may be left out, `collision_matrix` proposes which ones to leave out; `protocols` are what code
+all places where a pair may be left out, `collision_matrix` proposes which ones to leave out; `hull_fidelity` says what
+hulls refuse that meshes would not; `protocols` are what code
 for checkers in space and in the plane asks of them.
 """
