@@ -119,15 +119,15 @@ COMMANDS = {
         "--output",
         "{out}/v.npz",
     ],
-    "threads": ["validate", "--robot", "panda", "{set}", "--threads", "3", "--explain", "--pairs", "all"],
+    "threads": ["validate", "--robot", "panda", "{set}", "--threads", "3", "--explain", "--output", "{out}/v.csv"],
     "plan": ["plan", "--robot", "panda", "--scene", "bookshelf", "--planner", "RRTstar", "--time", "60"],
     "stress": ["stress", "--pairs", "10000000"],
     "processes": ["stress", "--pairs", "10000000", "--processes", "2"],
     "motions": ["stress", "--motions", "100000"],
-    "acm": ["acm", "--robot", "pr2", "--states", "30000000"],
+    "acm": ["acm", "--robot", "pr2", "--states", "60000"],
     "inspect": ["inspect", "--robot", "panda", "--scene", "kitchen", "--states", "8000000"],
     "bench": ["bench", "pairs", "--output", "{out}"],
-    "view": ["view", "--robot", "panda", "{set}", "--only-invalid", "--html", "{out}/page.html"],
+    "view": ["view", "--robot", "panda", "--path", "{set}", "--frames", "1000000", "--html", "{out}/page.html"],
 }
 
 
@@ -135,7 +135,7 @@ COMMANDS = {
 def test_commands(name, tmp_path, q):
     given = tmp_path / "q.npy"
     if any("{set}" in word for word in COMMANDS[name]):
-        np.save(given, np.tile(q, (5, 1)) if name == "validate" else q)
+        np.save(given, np.tile(q, (5, 1)) if name in ("validate", "threads") else q)
     (tmp_path / "out").mkdir()
     words = [word.format(set=given, out=tmp_path / "out") for word in COMMANDS[name]]
     run = (
