@@ -13,10 +13,15 @@ from numpy.typing import NDArray
 
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.counters import sum_fields
+from plannercheck.common.html_tables import html_table
 from plannercheck.common.public_names import set_module
 
 if TYPE_CHECKING:
     from plannercheck.proofs.proof import Proof
+
+
+# A verdict's line names so many colliding pairs.
+_NAMED = 3
 
 
 class PairCertificate(Protocol):
@@ -27,7 +32,7 @@ class PairCertificate(Protocol):
         ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PairVerdict:
     """The verdict of one pair of bodies.
 
@@ -48,9 +53,12 @@ class PairVerdict:
     colliding: bool
     certificate: PairCertificate
 
+    def __repr__(self) -> str:
+        return f"PairVerdict({_named(self)}, {_words(self)})"
+
 
 @set_module("plannercheck")
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Verdict:
     """The verdict of one configuration.
 
@@ -66,6 +74,18 @@ class Verdict:
     collisions: tuple[PairVerdict, ...]
     separations: tuple[PairVerdict, ...]
     kinematic_error: float
+
+    def __repr__(self) -> str:
+        found = "valid" if self.valid else f"{_counted(len(self.collisions), 'colliding pair')}: {_first_names(self)}"
+        planes = f"; {_counted(len(self.separations), 'separation')}" if self.separations else ""
+        return f"Verdict({found}{planes})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (pair.first, pair.second, pair.first_body, pair.second_body, _words(pair), type(pair.certificate).__name__)
+            for pair in (*self.collisions, *self.separations)
+        ]
+        return html_table(repr(self), ("link", "with", "body", "with body", "verdict", "certificate"), rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +120,25 @@ class MotionProof(OwnsArrays):
     bulge: float
 
 
-@dataclass(frozen=True)
+def _named(pair: PairVerdict) -> str:
+    return f"{pair.first} – {pair.second}"
+
+
+def _words(pair: PairVerdict) -> str:
+    return "colliding" if pair.colliding else "apart"
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def _first_names(verdict: Verdict) -> str:
+    """The first colliding pairs by name."""
+    names = [_named(pair) for pair in verdict.collisions[:_NAMED]]
+    return ", ".join([*names, *["…"] * (len(verdict.collisions) > _NAMED)])
+
+
+@dataclass(frozen=True, repr=False)
 class MotionVerdict:
     """The verdict of one motion; parameters go from 0 at its start to 1 at its end.
 
@@ -125,6 +163,30 @@ class MotionVerdict:
     pair: PairVerdict | None
     proofs: tuple[MotionProof, ...] = ()
     prover: Callable[[], Proof | None] | None = field(default=None, repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        if self.free:
+            found = f"free, all pairs further than {self.tolerance:g} m apart"
+        elif self.collides_at is not None:
+            found = f"free until {self.free_until:.6g}, collides at {self.collides_at:.6g}"
+        else:
+            found = f"free until {self.free_until:.6g}, within {self.tolerance:g} m at {self.near_at:.6g}"
+        pair = f": {_named(self.pair)}" if self.pair is not None else ""
+        proofs = f"; {_counted(len(self.proofs), 'proof')}" if self.proofs else ""
+        return f"MotionVerdict({found}{pair}{proofs})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (
+                each.first,
+                each.second,
+                f"{each.start:.6g} to {each.end:.6g}",
+                each.frame or "the world",
+                f"{each.gap:.4g}",
+            )
+            for each in self.proofs
+        ]
+        return html_table(repr(self), ("link", "with", "parameters", "plane in the frame of", "gap, m"), rows)
 
     @cached_property
     def proof(self) -> Proof | None:
@@ -173,6 +235,13 @@ class ValidityReport:
     pairs: tuple[PairCount, ...]
     all_pairs: bool = False
     duration: float = 0.0
+
+    def _repr_html_(self) -> str:
+        beyond = f", {self.beyond_limits} beyond the limits" if self.beyond_limits else ""
+        title = f"{_counted(self.states, 'configuration')}: {self.valid} valid, {self.invalid} colliding{beyond}"
+        rows = [(pair.first, pair.second, pair.states) for pair in self.pairs]
+        counted = "all colliding pairs" if self.all_pairs else "the first pair found"
+        return html_table(title, ("link", "with", f"configurations ({counted})"), rows)
 
     @property
     def invalid(self) -> int:

@@ -17,6 +17,7 @@ from plannercheck.bodies.convex_decomposition import polytope_volume
 from plannercheck.bodies.meshes import load_triangles
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.checking.hull_fidelity import largest_filling, refused_by_filling
 from plannercheck.checking.input_hints import always_hint
 from plannercheck.checking.left_out_pairs import left_out_pairs
 from plannercheck.checking.protocols import AnyChecker
@@ -65,6 +66,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--without", action="store_true", help="also time the states without each way of skipping work, one at a time"
     )
+    parser.add_argument(
+        "--fidelity",
+        action="store_true",
+        help="also how far hulls are from their meshes, and the share of states that only the hulls' filling refuses",
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the random configurations; default: 0")
 
 
@@ -79,6 +85,9 @@ def run(options: argparse.Namespace) -> int:
         _show_bodies(checker, meshes_of(checker, described(options)))
     else:
         _show_polygons(checker)
+    if options.fidelity:
+        _check_fidelity(checker)
+        _show_fidelity(checker, described(options), options.states, options.seed)
     _show_sample(checker, options.states, options.seed)
     if options.without:
         if not isinstance(checker, Checker):
@@ -113,6 +122,35 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
     )
     print(f"\n{_left_out(checker)}\n")
     print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
+
+
+def _check_fidelity(checker: AnyChecker) -> None:
+    if not isinstance(checker, Checker):
+        raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
+
+
+def _show_fidelity(checker: AnyChecker, description: RobotDescription, states: int, seed: int) -> None:
+    """How far hulls are from meshes, and what that refuses."""
+    assert isinstance(checker, Checker)
+    meshes = meshes_of(checker, description)
+    rows = []
+    for body, polytope in zip(checker.bodies, checker.polytopes, strict=True):
+        mesh = meshes.get(body.name)
+        if mesh is None or polytope is None or polytope.dimension < 3 or polytope.swell:
+            continue
+        ratio = f"{polytope_volume(polytope) / mesh.volume:.2f}" if mesh.volume else "-"
+        rows.append((body.name, body.link or "(scene)", ratio, f"{1e3 * largest_filling(polytope, mesh):.1f}"))
+    print()
+    print(table(("hull", "link", "hull / mesh volume", "furthest from the mesh, mm"), rows))
+    found = refused_by_filling(checker, meshes, checker.robot.random_configurations(states, seed))
+    share = percentage(found.only_filling, found.states)
+    print(
+        f"\n{found.only_filling} of {found.states} random configurations ({share}) are refused only because hulls fill "
+        f"hollows: hulls collide in {found.refused}, triangles of meshes in {found.refused - found.only_filling} "
+        "of these (coal, without a proof)"
+    )
+    if found.only_filling:
+        print("convex pieces follow meshes more closely: `decomposition` in the robot's YAML")
 
 
 def _left_out(checker: Checker) -> str:

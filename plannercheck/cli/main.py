@@ -18,11 +18,12 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from types import FrameType
-from typing import TextIO, cast
+from typing import Any, NoReturn, TextIO, cast
 
 from plannercheck.cli.suggestions import SuggestingParser
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.escaping import TerminalText, on_terminal
+from plannercheck.common.optional_imports import extra_module
 from plannercheck.common.version import __version__
 
 # Exit codes beyond a command's own 0 and 1.
@@ -45,6 +46,9 @@ COMMANDS = {
     "inspect": "show the bodies and pairs of a robot in a scene, and what checking them takes",
 }
 
+# Shells for which `--print-completion` writes.
+SHELLS = ("bash", "zsh", "tcsh")
+
 # Options whose value may start with a minus sign.
 _VECTOR_OPTIONS = ("--start", "--goal", "--q")
 
@@ -61,11 +65,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = _joined_vectors(list(sys.argv[1:] if argv is None else argv))
     try:
         options = parser_for(arguments).parse_args(arguments)
+        with warnings.catch_warnings(), _interrupted_by_sigterm(), _safe_output():
+            warnings.showwarning = _show_warning
+            return _run(options)
     except SystemExit as stop:  # argparse has said why
         return int(stop.code or 0)
-    with warnings.catch_warnings(), _interrupted_by_sigterm(), _safe_output():
-        warnings.showwarning = _show_warning
-        return _run(options)
+    except KeyboardInterrupt as stop:
+        return _interrupted(stop)
 
 
 class Terminated(KeyboardInterrupt):
@@ -108,10 +114,6 @@ def _run(options: argparse.Namespace) -> int:
     except PlannercheckError as error:
         _say(str(error))
         return BAD_INPUT
-    except Terminated:
-        return TERMINATED
-    except KeyboardInterrupt:
-        return INTERRUPTED
     except BrokenPipeError:  # the reader, e.g. `head`, has seen enough
         _drop_output()
         return BROKEN_PIPE
@@ -124,10 +126,19 @@ def _run(options: argparse.Namespace) -> int:
         return FAILED
 
 
-def _say(message: str) -> None:
+def _interrupted(stop: KeyboardInterrupt) -> int:
+    """Says that the command was ended, and what it has kept; the exit code."""
+    is_terminated = isinstance(stop, Terminated)
+    words = "terminated" if is_terminated else "interrupted"
+    _say("; ".join([words, *map(str, stop.args)]), kind="")
+    _flush_or_drop()
+    return TERMINATED if is_terminated else INTERRUPTED
+
+
+def _say(message: str, kind: str = "error: ") -> None:
     """One line on the error stream."""
     with suppress(OSError, ValueError, AttributeError):  # full, closed or none
-        print(f"plannercheck: error: {on_terminal(' '.join(message.split()))}", file=sys.stderr)
+        print(f"plannercheck: {kind}{on_terminal(' '.join(message.split()))}", file=sys.stderr)
 
 
 def _flush_or_drop() -> None:
@@ -151,9 +162,13 @@ def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
         epilog="Exit codes: 0 all valid or solved, 1 something is not, 2 bad input, 3 the command could not finish.",
     )
     parser.add_argument("--debug", action="store_true", help="show where a command fails")
+    parser.add_argument(
+        "--print-completion", choices=SHELLS, action=_PrintCompletion, help="print what completes commands in a shell"
+    )
     parser.add_argument("--version", action="version", version=f"plannercheck {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     chosen = next((argument for argument in arguments if not argument.startswith("-")), None)
+    is_whole = any(argument.startswith("--print-completion") for argument in arguments)
     for name, summary in COMMANDS.items():
         command = commands.add_parser(
             name,
@@ -161,11 +176,26 @@ def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
             description=summary[0].upper() + summary[1:] + ".",
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        if name == chosen:
+        if is_whole or name == chosen:
             module = importlib.import_module(f"plannercheck.cli.{name}")
             module.add_arguments(command)
             command.set_defaults(run=module.run)
     return parser
+
+
+class _PrintCompletion(argparse.Action):
+    """Prints a shell's completion and ends."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
+    ) -> NoReturn:
+        """Called where the option is met."""
+        try:
+            shtab = extra_module("shtab", "completion", "shell completions")
+        except PlannercheckError as error:
+            parser.exit(BAD_INPUT, f"plannercheck: error: {error}\n")
+        print(shtab.complete(parser, shell=values))
+        parser.exit(0)
 
 
 def _joined_vectors(arguments: list[str]) -> list[str]:

@@ -118,17 +118,17 @@ def _journal(options: argparse.Namespace, checker: AnyChecker, judge: Judge) -> 
     journal = Journal(path, fingerprint(checker, judge, _chunk_rows(options)), options.resume)
     try:
         yield journal
-    except BaseException:
+    except BaseException as error:
         if not journal.records or STANDARD_INPUT in options.files:
             journal.remove()
         else:
             journal.close()
             rows = sum(record.rows for record in journal.records.values())
-            print(
-                f"plannercheck: {rows:,} judged configurations are kept in {str(path)!r}; the same command with "
-                "--resume goes on",
-                file=sys.stderr,
-            )
+            kept = f"{rows:,} judged configurations are kept in {str(path)!r}; the same command with --resume goes on"
+            if isinstance(error, KeyboardInterrupt):  # the one line that is said then
+                error.args = (kept,)
+            else:
+                print(f"plannercheck: {kept}", file=sys.stderr)
         raise
 
 

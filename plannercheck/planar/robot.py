@@ -27,6 +27,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.planar.links import Body, Link
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.robot_files import planar_file, read_robot
+from plannercheck.robots.robot_table import robot_html
 
 Floats = NDArray[np.float64]
 
@@ -219,6 +220,9 @@ class Robot:
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, {len(self.links)} links, {len(self.bodies)} bodies, nq={self.nq})"
+
+    def _repr_html_(self) -> str:
+        return robot_html(repr(self), self.joint_names, range(self.nq), self.lower, self.upper)
 
 
 def _rebuilt(

@@ -35,6 +35,7 @@ from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.loading import Reference, RobotParts, robot_parts, urdf_description
 from plannercheck.robots.planning_groups import explicit_group
 from plannercheck.robots.reference_configuration import all_values, checked_values, reference_of
+from plannercheck.robots.robot_table import robot_html
 from plannercheck.robots.urdf import LinkTree, Mimic
 
 Floats = NDArray[np.float64]
@@ -336,6 +337,9 @@ class Robot:
     def __repr__(self) -> str:
         group = f"group {self.group!r}, " if self.group else ""
         return f"Robot({self.name!r}, {group}nq={self.nq}, {len(self.bodies)} bodies)"
+
+    def _repr_html_(self) -> str:
+        return robot_html(repr(self), self.joint_names, self._map.starts, self.lower, self.upper)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Robot, (self._parts,)

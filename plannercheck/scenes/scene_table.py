@@ -5,15 +5,10 @@ In: a scene. Out: HTML, in which names are always plain text.
 
 from __future__ import annotations
 
-import html
-from collections.abc import Sequence
-
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import Box, Hull, Shape, Sphere
+from plannercheck.common.html_tables import html_table
 from plannercheck.scenes.contents import SceneContents
-
-# Rows beyond this number are only counted.
-_MOST_ROWS = 40
 
 _HEADER = ("object", "shapes", "position, m", "in the frame of")
 
@@ -21,14 +16,7 @@ _HEADER = ("object", "shapes", "position, m", "in the frame of")
 def scene_html(scene: SceneContents) -> str:
     """The table, under the scene's own words for itself."""
     items = (*scene.objects, *scene.attached)
-    rows = [_row(_cells(item)) for item in items[:_MOST_ROWS]]
-    if len(items) > _MOST_ROWS:
-        rows.append(_row([f"… and {len(items) - _MOST_ROWS} more"]))
-    return f"<p>{html.escape(repr(scene))}</p><table>{_row(_HEADER, 'th')}{''.join(rows)}</table>"
-
-
-def _row(cells: Sequence[str], tag: str = "td") -> str:
-    return f"<tr>{''.join(f'<{tag}>{html.escape(cell)}</{tag}>' for cell in cells)}</tr>"
+    return html_table(repr(scene), _HEADER, [_cells(item) for item in items])
 
 
 def _cells(item: SceneObject) -> tuple[str, str, str, str]:

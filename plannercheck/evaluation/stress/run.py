@@ -8,12 +8,13 @@ seed and the number of pairs alone.
 from __future__ import annotations
 
 import contextlib
-import itertools
+import multiprocessing
+import signal
 import threading
 import time
-from collections import Counter, defaultdict
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -46,6 +47,8 @@ THOROUGH_DRAWS = 8
 CERTIFIED_DRAWS = 4
 # Draws that a process judges at a time.
 CHUNK = 40
+# Parts of a run that are begun before they are asked for, on any number of processes.
+UNDER_WAY = 2048
 CERTIFICATE = "certificate"
 OURS = (*METHODS, CERTIFICATE)
 ORACLE = "oracle of the run"  # in the list of times; a method is called oracle, too
@@ -126,7 +129,7 @@ def run(
     """
     tally = StressTally()
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(ProcessPoolExecutor(processes)) if processes > 1 else None
+        pool = stack.enter_context(_stoppable_pool(processes)) if processes > 1 else None
         first = 0
         while (left := pairs - tally.pairs.total()) > 0:  # more than once where bodies are refused
             past = first + -(-left // len(GAPS))
@@ -138,6 +141,23 @@ def run(
     return tally
 
 
+@contextlib.contextmanager
+def _stoppable_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that do not outlive the run, nor speak of Ctrl-C, which reaches all of a terminal's processes."""
+    with ProcessPoolExecutor(processes, initializer=_ignore_ctrl_c) as pool:
+        try:
+            yield pool
+        except BaseException:
+            for child in multiprocessing.active_children():
+                child.terminate()
+            raise
+
+
+def _ignore_ctrl_c() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the parent's handler would raise
+
+
 def _judged(
     pool: ProcessPoolExecutor | None, seed: int, first: int, past: int, peers: Sequence[Peer]
 ) -> Iterator[StressTally]:
@@ -145,8 +165,19 @@ def _judged(
     size = 1 if pool is None else CHUNK
     starts = range(first, past, size)
     ends = [min(start + size, past) for start in starts]
-    chunks = itertools.repeat(seed), starts, ends, itertools.repeat(peers)
-    return map(judge_draws, *chunks) if pool is None else pool.map(judge_draws, *chunks)
+    chunks = [(seed, start, end, peers) for start, end in zip(starts, ends, strict=True)]
+    return (judge_draws(*chunk) for chunk in chunks) if pool is None else _ahead(pool, chunks)
+
+
+def _ahead(pool: ProcessPoolExecutor, chunks: Iterable[tuple[int, int, int, Sequence[Peer]]]) -> Iterator[StressTally]:
+    """In order, a few of them under way: `pool.map` begins all, and can't be left without a traceback."""
+    under_way: deque[Future[StressTally]] = deque()
+    for chunk in chunks:
+        under_way.append(pool.submit(judge_draws, *chunk))
+        if len(under_way) >= UNDER_WAY:
+            yield under_way.popleft().result()
+    while under_way:
+        yield under_way.popleft().result()
 
 
 def judge_draws(seed: int, first: int, past: int, peers: Sequence[Peer]) -> StressTally:

@@ -1,0 +1,33 @@
+"""A robot as notebooks show it: a table of its configurations' numbers and their limits.
+
+In: a robot's line of words, names, limits. Out: HTML.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.common.html_tables import html_table
+
+Floats = NDArray[np.float64]
+
+
+def robot_html(title: str, joints: Sequence[str], starts: Sequence[int], lower: Floats, upper: Floats) -> str:
+    """The table; a joint of several numbers has as many rows.
+
+    Args:
+        title: The robot's own words for itself.
+        joints: Names.
+        starts: First column of each joint.
+        lower: (nq,) rad or m.
+        upper: (nq,) rad or m.
+    """
+    names = np.repeat(np.array(joints, dtype=object), np.diff([*starts, len(lower)]))
+    rows = [
+        (column, name, f"{low:.6g}", f"{high:.6g}")
+        for column, (name, low, high) in enumerate(zip(names, lower, upper, strict=True))
+    ]
+    return html_table(title, ("column", "joint", "lower, rad or m", "upper"), rows)

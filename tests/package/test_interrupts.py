@@ -1,0 +1,169 @@
+"""Ctrl-C ends every long call within half a second, from Python and in commands; outputs are whole or not there."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+
+# s: before the signal comes, and from then to the end. Half a second is meant, the machine may be busy.
+BEGUN, AT_MOST, COMMAND_AT_MOST = 0.5, 1.0, 1.5
+
+
+@pytest.fixture(autouse=True)
+def _alarm_as_ctrl_c():
+    """A timer of the system, which needs no thread that waits for the GIL."""
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    yield
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    signal.signal(signal.SIGALRM, before)
+
+
+def ends_by_ctrl_c(call):
+    began = time.perf_counter()
+    signal.setitimer(signal.ITIMER_REAL, BEGUN)
+    with pytest.raises(KeyboardInterrupt):
+        call()
+    assert time.perf_counter() - began - BEGUN < AT_MOST
+
+
+@pytest.fixture(scope="module")
+def checker():
+    """One that takes its time: some 20 µs a state."""
+    switches = dict.fromkeys(["bounds", "boxes", "overlaps", "cached_plane", "centre_axis"], False)
+    return pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"), **switches)
+
+
+@pytest.fixture(scope="module")
+def q(checker):
+    return checker.robot.random_configurations(600_000, 0)
+
+
+@pytest.fixture(scope="module")
+def free(checker, q):
+    few = q[:500]
+    return few[checker.check_states(few)]
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("name", ["check_states", "first_colliding_pair"])
+def test_sets(checker, q, name, threads):
+    ends_by_ctrl_c(lambda: getattr(checker, name)(q, threads=threads))
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_motions(checker, q, threads):
+    ends_by_ctrl_c(lambda: checker.check_motions(q[:-1], q[1:], threads=threads))
+
+
+def test_one_motion_of_very_many_states(checker, free):
+    ends_by_ctrl_c(lambda: checker.check_motion(free[0], free[0] + 1e-4, resolution=1e-12))
+
+
+def test_proofs(checker, free):
+    pytest.importorskip("flint")
+    starts = np.tile(free, (200, 1))
+    ends_by_ctrl_c(lambda: checker.certify_motions(starts, starts + 1e-3))
+
+
+def test_clearances(checker, q):
+    ends_by_ctrl_c(lambda: checker.clearances(q[:50_000]))
+
+
+def test_a_body_of_very_many_vertices():
+    points = np.random.default_rng(0).normal(size=(800_000, 3))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    ends_by_ctrl_c(lambda: pc.Polytope(points))
+
+
+def test_convex_decomposition(monkeypatch):
+    pytest.importorskip("coacd")
+    monkeypatch.setenv("PLANNERCHECK_CACHE", "0")
+    ends_by_ctrl_c(lambda: pc.Robot.load("ur10", pc.Decomposition(threshold=0.02)))
+
+
+def test_planar_sets():
+    robot = pc.planar.Robot.load("truck_trailer")
+    checker = pc.planar.Checker(robot, pc.planar.Scene.load("parking"), bounds=False, method="exact")
+    q = robot.random_configurations(400_000, 0)
+    ends_by_ctrl_c(lambda: checker.check_states(q))
+    ends_by_ctrl_c(lambda: checker.check_motions(q[:-1], q[1:]))
+
+
+def test_a_plan(checker, free):
+    ends_by_ctrl_c(lambda: pc.ompl.plan(checker, free[0], free[-1], planner="RRTstar", time_limit=30, seed=1))
+
+
+def test_what_a_thread_learnt_before_serves_after(checker, q):
+    ends_by_ctrl_c(lambda: checker.check_states(q))
+    assert np.array_equal(checker.check_states(q[:500]), [checker.is_valid(row) for row in q[:500]])
+
+
+COMMANDS = {
+    "validate": ["validate", "--robot", "panda", "--scene", "bookshelf", "{set}", "--output", "{out}/v.csv"],
+    "explained": [
+        "validate",
+        "--robot",
+        "panda",
+        "--scene",
+        "kitchen",
+        "{set}",
+        "--explain",
+        "--output",
+        "{out}/v.npz",
+    ],
+    "threads": ["validate", "--robot", "panda", "{set}", "--threads", "3", "--explain", "--output", "{out}/v.csv"],
+    "plan": ["plan", "--robot", "panda", "--scene", "bookshelf", "--planner", "RRTstar", "--time", "60"],
+    "stress": ["stress", "--pairs", "10000000"],
+    "processes": ["stress", "--pairs", "10000000", "--processes", "2"],
+    "motions": ["stress", "--motions", "100000"],
+    "acm": ["acm", "--robot", "pr2", "--states", "60000"],
+    "inspect": ["inspect", "--robot", "panda", "--scene", "kitchen", "--states", "8000000"],
+    "bench": ["bench", "pairs", "--output", "{out}"],
+    "view": ["view", "--robot", "panda", "--path", "{set}", "--frames", "1000000", "--html", "{out}/page.html"],
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_commands(name, tmp_path, q):
+    given = tmp_path / "q.npy"
+    if any("{set}" in word for word in COMMANDS[name]):
+        np.save(given, np.tile(q, (5, 1)) if name in ("validate", "threads") else q)
+    (tmp_path / "out").mkdir()
+    words = [word.format(set=given, out=tmp_path / "out") for word in COMMANDS[name]]
+    run = (
+        "import sys; from plannercheck.cli.main import main; sys.stderr.write('begun\\n'); sys.exit(main(sys.argv[1:]))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", run, *words],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert process.stderr is not None
+    assert process.stderr.readline() == "begun\n"
+    time.sleep(3)
+    assert process.poll() is None, process.stderr.read()
+    sent = time.perf_counter()
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    try:
+        _, said = process.communicate(timeout=20)
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+    assert time.perf_counter() - sent < COMMAND_AT_MOST
+    assert process.returncode == 130
+    assert [line for line in said.splitlines() if "warning" not in line][-1:] != []
+    assert said.count("interrupted") == 1, said
+    assert "Traceback" not in said
+    left = [path.name for path in (tmp_path / "out").iterdir() if path.is_file()]
+    assert all(path.endswith(".progress") for path in left)
