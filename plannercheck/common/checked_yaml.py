@@ -21,6 +21,7 @@ from typing import Any, TypeAlias
 import yaml
 
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
+from plannercheck.common.file_kinds import file_kind
 from plannercheck.common.input_limits import check_yaml
 
 Node: TypeAlias = dict[str, Any]
@@ -70,6 +71,9 @@ def read_bytes(path: Path) -> bytes:
 def parse_yaml(text: bytes | str) -> Node:
     """Parses a YAML document whose top level maps keys to values."""
     check_yaml(text)
+    kind = file_kind(text if isinstance(text, bytes) else text.encode(errors="replace"))
+    if kind and text.strip():
+        raise PlannercheckError(f"no valid YAML: {kind}")
     try:
         document = yaml.load(text, Loader=_LOADER)  # a safe one, chosen above
     except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none

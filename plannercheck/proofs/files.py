@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from plannercheck.common.atomic_files import written_aside
 from plannercheck.common.checked_yaml import BROKEN_FILE, read_bytes, within
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.file_kinds import kind_of
 from plannercheck.proofs.data import FORMAT, VERSION, Entry, Hashes, Model, Motion, ProofData
 from plannercheck.proofs.plain_data import from_plain, to_plain
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
@@ -41,7 +42,8 @@ def save_proofs(proofs: Sequence[ProofData], path: str | Path) -> None:
         PlannercheckError: If the proofs are of several models, or the file can't be written.
     """
     path = Path(path)
-    _check_suffix(path)
+    with within(f"proof file {str(path)!r}"):
+        _check_suffix(path)
     content = document(proofs)
     if path.suffix == ".json":
         text = json.dumps(content, default=lambda array: array.tolist(), separators=(",", ":"))
@@ -136,7 +138,7 @@ def _motion(
 
 def _check_suffix(path: Path) -> None:
     if path.suffix not in (".json", ".npz"):
-        raise PlannercheckError(f"proof file {str(path)!r} must end in .json or .npz")
+        raise PlannercheckError("must end in .json or .npz")
 
 
 def _from_json(path: Path) -> Any:
@@ -145,7 +147,7 @@ def _from_json(path: Path) -> Any:
     except PlannercheckError:
         raise
     except (ValueError, RecursionError) as error:
-        raise PlannercheckError(f"is no JSON, or is cut off: {error}") from None
+        raise PlannercheckError(f"is no JSON, or is cut off: {kind_of(path) or error}") from None
 
 
 def _from_npz(path: Path) -> Any:

@@ -42,6 +42,7 @@ from plannercheck.common.checked_yaml import (
     within,
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.package_data import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
 from plannercheck.robots.robot_descriptions import files_by_name
 from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
@@ -122,7 +123,10 @@ def find_description(name_or_path: str | Path) -> Path:
         return path
     shipped = shipped_folder("robots") / f"{name_or_path}.yaml"
     if not is_file(shipped) and (path.suffix or (is_file(path) or is_folder(path))):
-        raise PlannercheckError(f"robot {str(name_or_path)!r} must be a shipped robot's name, a YAML or a URDF file")
+        kind = kind_of(path)
+        raise PlannercheckError(
+            f"robot {str(name_or_path)!r} must be a shipped robot's name, a YAML or a URDF file{kind and '; '}{kind}"
+        )
     if not is_file(shipped):
         raise unknown_name("robot", str(name_or_path), shipped_robots())
     return shipped

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from xml.etree.ElementTree import Element
 
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
 from plannercheck.common.package_data import is_file
 
@@ -67,9 +68,18 @@ def read_srdf(path: Path) -> Element:
         raise PlannercheckError(f"SRDF {path} does not exist")
     check_xml(path, "SRDF")
     try:
-        return ElementTree.parse(path).getroot()
+        root = ElementTree.parse(path).getroot()
     except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
-        raise PlannercheckError(f"SRDF {path} does not parse: {error}") from None
+        kind = kind_of(path)
+        reason = str(error) if not kind or "XML" in kind or kind.endswith(("RDF", "xacro")) else kind
+        raise PlannercheckError(f"SRDF {path} does not parse: {reason}") from None
+    if root.tag != "robot":
+        raise PlannercheckError(f"SRDF {path} is none: its root is <{root.tag}>, not <robot>")
+    if kind_of(path) == "it is a xacro":
+        raise PlannercheckError(f"SRDF {path} is a xacro, which has to be expanded first: xacro {path} > expanded.srdf")
+    if root.find("link") is not None or root.find("joint[@type]") is not None:
+        raise PlannercheckError(f"SRDF {path} is none: it has links and joints, as a URDF has, which --robot takes")
+    return root
 
 
 def group_names(root: Element) -> list[str]:

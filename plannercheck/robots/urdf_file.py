@@ -18,6 +18,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.file_kinds import file_kind, kind_of
 from plannercheck.common.input_limits import check_xml_text
 from plannercheck.common.package_data import is_file
 from plannercheck.robots.urdf_messages import native_messages
@@ -32,8 +33,6 @@ _UTF8 = (b"utf-8", b"utf8", b"us-ascii", b"ascii")
 _NO_TEXT = re.compile("[\ud800-\udfff]")
 _BLANK = " \t\r\n\0"  # some files end in a zero byte
 _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
-
-_EMPTY = "it is empty"
 
 # Every XML reader knows these.
 _KNOWN_PREFIXES = frozenset({"xml", "xmlns"})
@@ -88,7 +87,7 @@ class UrdfFile:
             content = plain.encode()
         check_xml_text(content, f"URDF {path}")
         if root is None:
-            return cls(path, None, fault if content.strip() else _EMPTY, None)
+            return cls(path, None, fault, None)
         _check_expanded(root, path)
         _check_named(root, path)
         return cls(path, _with_names(root) or plain, "", root)
@@ -115,7 +114,12 @@ class UrdfFile:
         """Says so if the file is no XML; else empty."""
         if not self.fault:
             return ""
-        return self.fault if self.fault == _EMPTY else f"it is no XML ({self.fault})"
+        kind = kind_of(self.path)
+        return (
+            kind
+            if kind and "XML" not in kind and not kind.endswith(("RDF", "xacro"))
+            else f"it is no XML ({self.fault})"
+        )
 
     def with_meshes(self, files: dict[str, Path]) -> UrdfFile:
         """The same URDF with other files for some of its collision meshes, by the name that it gives them."""
@@ -167,8 +171,13 @@ def _check_expanded(root: Element, path: Path) -> None:
 
 
 def _check_named(root: Element, path: Path) -> None:
-    """Raises for a robot without a name, which urdfdom does not take."""
-    if root.tag == "robot" and not root.get("name"):
+    """Raises for a robot without a name, which urdfdom does not take, and for what is none."""
+    if root.tag != "robot":
+        kind = file_kind(ElementTree.tostring(root))
+        raise PlannercheckError(f"URDF {path} is none: {kind}, where the root must be <robot>")
+    if root.find("link") is None and (root.find("group") is not None or root.find("disable_collisions") is not None):
+        raise PlannercheckError(f"URDF {path} is none: it is an SRDF, which --srdf takes, beside the URDF as --robot")
+    if not root.get("name"):
         raise PlannercheckError(f'URDF {path}: its <robot> has no name: write <robot name="...">')
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.checked_yaml import BROKEN_FILE, parse_yaml, read_bytes, within
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS
 from plannercheck.common.package_data import is_folder
 from plannercheck.scenes.moveit_goals import InverseKinematics
@@ -123,7 +124,8 @@ def _archive(path: Path) -> dict[str, bytes]:
         raise
     except BROKEN_FILE as error:
         raise PlannercheckError(
-            f"problem set {str(path)!r} is neither a folder nor a readable tar archive: {error!s:.200}"
+            f"problem set {str(path)!r} is neither a folder nor a readable tar archive: "
+            f"{kind_of(path) or getattr(error, 'strerror', None) or 'no kind of tar can read it'}"
         ) from None
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.file_kinds import kind_of
 from plannercheck.evaluation.stress_motions.aims import Motions
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.judges import judge
@@ -53,7 +54,9 @@ class MotionCase:
         try:
             return MotionCase._of_document(json.loads(path.read_text(encoding="utf-8")))
         except (*BROKEN_FILE, AttributeError) as error:  # the last for motions that are no mapping
-            raise PlannercheckError(f"file {str(path)!r} is no case of a motion: {error!s:.200}") from None
+            told = f"{error!s:.200}" if isinstance(error, OSError | ValueError) else "`stress --cases` writes them"
+            reason = kind_of(path) or told
+            raise PlannercheckError(f"file {str(path)!r} is no case of a motion: {reason}") from None
 
     @staticmethod
     def _of_document(content: dict[str, Any]) -> MotionCase:

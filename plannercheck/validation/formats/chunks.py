@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.checked_yaml import within
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.package_data import is_file, is_folder
 from plannercheck.validation.formats.blocks import Block
 from plannercheck.validation.formats.columns import Columns, HeaderError, WidthError, columns_of
@@ -147,6 +148,15 @@ def _state(path: Path) -> _State | None:
     return _State(found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns)
 
 
+# What `kind_of` says of files that are what their suffix says.
+_KINDS = {
+    ".npy": "it is a numpy array, as .npy files are",
+    ".npz": "it is a zip archive, as .npz files are",
+    **dict.fromkeys((".parquet", ".pq"), "it is a parquet file"),
+    **dict.fromkeys((".hdf5", ".h5"), "it is an HDF5 file"),
+}
+
+
 def _check_file(path: Path) -> None:
     """Raises if a file is not there, or in no format that can be read."""
     if path == STANDARD_INPUT:
@@ -155,6 +165,9 @@ def _check_file(path: Path) -> None:
         raise PlannercheckError(f"must be one of {', '.join(SUFFIXES)}, not {path.suffix or 'without suffix'}")
     if not is_file(path):
         raise PlannercheckError("is a folder" if is_folder(path) else "does not exist")
+    kind = kind_of(path)
+    if kind not in ("", "it is empty", _KINDS.get(path.suffix.lower())):
+        raise PlannercheckError(f"is no {path.suffix.lower()[1:]} file: {kind}")
 
 
 def _blocks(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[Block]:

@@ -24,6 +24,7 @@ from plannercheck.checking.protocols import AnyRobot
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.checked_yaml import mapping, parse_yaml, read_bytes, sequence, text, within
 from plannercheck.common.errors import PlannercheckError, shortened
+from plannercheck.common.file_kinds import kind_of
 from plannercheck.robots.robot import Robot
 from plannercheck.validation.formats.chunks import read_chunks, read_states
 from plannercheck.validation.formats.columns import WidthError
@@ -76,6 +77,7 @@ def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathF
         elif path.suffix.lower() in (".json", ".yaml", ".yml"):
             found = _from_document(_document(path), joint_names, width)
         else:
+            _check_text(path)
             found = PathFile(_from_text(read_bytes(path).decode("utf-8", "replace"), width), {})
         if not len(found.states):
             raise PlannercheckError("holds no states")
@@ -115,13 +117,20 @@ def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
     raise errors[0]
 
 
+def _check_text(path: Path) -> None:
+    """Raises for a file that is known to be something else than OMPL's text."""
+    kind = kind_of(path)
+    if kind:
+        raise PlannercheckError(f"is no path: {kind}")
+
+
 def _document(path: Path) -> Any:
     if path.suffix.lower() != ".json":
         return parse_yaml(read_bytes(path))
     try:
         return json.loads(read_bytes(path))
     except ValueError as error:
-        raise PlannercheckError(f"is no JSON: {error}") from None
+        raise PlannercheckError(f"is no JSON: {kind_of(path) or error}") from None
     except RecursionError:
         raise PlannercheckError("is JSON that is nested too deep") from None
 
