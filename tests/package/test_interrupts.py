@@ -125,7 +125,7 @@ COMMANDS = {
     "processes": ["stress", "--pairs", "10000000", "--processes", "2"],
     "motions": ["stress", "--motions", "100000"],
     "acm": ["acm", "--robot", "pr2", "--states", "60000"],
-    "inspect": ["inspect", "--robot", "panda", "--scene", "kitchen", "--states", "8000000"],
+    "inspect": ["inspect", "--robot", "panda", "--scene", "kitchen", "--states", "400000", "--without"],
     "bench": ["bench", "pairs", "--output", "{out}"],
     "view": ["view", "--robot", "panda", "--path", "{set}", "--frames", "1000000", "--html", "{out}/page.html"],
 }

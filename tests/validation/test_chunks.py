@@ -139,7 +139,6 @@ def test_an_npz_with_several_arrays_needs_the_usual_name(tmp_path, rows):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("", "holds no configuration"),
         ("1,2\n3,4\n", r"must have 3 columns \(the joints are a, b, c\), not 2"),
         ("a,b,d\n1,2,3\n", r"no column for joint 'c'; its header is a, b, d"),
         ("a,b,c,c\n1,2,3,4\n", "2 columns named 'c'"),

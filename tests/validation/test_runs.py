@@ -173,6 +173,15 @@ def test_sets_without_rows(tmp_path, name):
     assert (tmp_path / name).stat().st_size
 
 
+@pytest.mark.parametrize("name", ["q.npy", "q.csv", "header.csv"])
+def test_an_empty_set_is_the_same_in_every_format(tmp_path, capsys, name):
+    np.save(tmp_path / "q.npy", np.empty((0, 7)))
+    np.savetxt(tmp_path / "q.csv", np.empty((0, 7)), delimiter=",")
+    (tmp_path / "header.csv").write_text(",".join(f"panda_joint{k}" for k in range(1, 8)) + "\n")
+    assert run(tmp_path / name) == 0
+    assert "0 configurations" in capsys.readouterr().out
+
+
 class Stopped(KeyboardInterrupt):
     """Ctrl-C."""
 

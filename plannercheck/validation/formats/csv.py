@@ -41,8 +41,9 @@ def csv_stream_blocks(file: TextIO, columns: Columns, size: int, total: int | No
     if first is None and columns.width == 0:  # a robot that nothing moves has one configuration, of no numbers
         yield Block(np.empty((1, 0)), 1.0)
         return
-    if first is None:
-        raise PlannercheckError("holds no configuration")
+    if first is None:  # NumPy writes an empty set so
+        yield Block(np.empty((0, columns.width)), 1.0)
+        return
     separator = next((s for s in ",;\t" if s in first), None)
     names = _fields(first, separator)
     places = None if _is_row(names) else columns.places(names)
