@@ -13,7 +13,7 @@ from plannercheck.cli.main import main
         (["valdate"], "did you mean validate?"),
         (["stess"], "did you mean stress?"),
         (["validate", "q.npy", "--robot", "panda", "--sceen", "bookshelf"], "did you mean --scene or --scheduler?"),
-        (["inspect", "--robt=panda"], "did you mean --robot?"),
+        (["inspect", "--robt=panda"], "did you mean --robot or --group?"),
         (["inspect", "--robot", "panda", "--no-self-colision"], "did you mean --no-self-collision?"),
         (["plan", "--robot", "panda", "--plannner=RRT"], "did you mean --planner?"),
         (["bench", "stats"], "did you mean states?"),

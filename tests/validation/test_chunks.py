@@ -140,7 +140,7 @@ def test_an_npz_with_several_arrays_needs_the_usual_name(tmp_path, rows):
     ("content", "message"),
     [
         ("", "holds no configuration"),
-        ("1,2\n3,4\n", r"must have 3 columns \(a, b, c\), not 2"),
+        ("1,2\n3,4\n", r"must have 3 columns \(the joints are a, b, c\), not 2"),
         ("a,b,d\n1,2,3\n", r"no column for joint 'c'; its header is a, b, d"),
         ("a,b,c,c\n1,2,3,4\n", "2 columns named 'c'"),
         ("a,b,c\n1,2,3\n1,2,x\n", "row 1 must have 3 numbers, not '1,2,x'"),
