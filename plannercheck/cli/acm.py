@@ -44,6 +44,9 @@ Examples:
   plannercheck acm --audit --meshes 200          # all shipped robots that disable pairs
 """
 
+# Suffixes of what is written.
+_YAML, _SRDF = (".yaml", ".yml"), (".srdf", ".xml")
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
@@ -65,6 +68,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
     check_folder(options.output)
+    if options.output is not None and options.output.suffix not in (*_YAML, *_SRDF):
+        raise PlannercheckError(f"--output must end in .srdf or .yaml, not {options.output.name!r}")
     if options.states < 1 or options.seed < 0 or options.meshes < 0:
         raise PlannercheckError("--states must be at least 1, --seed and --meshes at least 0")
     if options.robot is None and not options.audit:
@@ -100,13 +105,11 @@ def _show_proposal(matrix: CollisionMatrix) -> None:
 
 
 def _write(matrix: CollisionMatrix, description: RobotDescription, path: Path) -> None:
-    if path.suffix in (".yaml", ".yml"):
+    if path.suffix in _YAML:
         text = description_text(description, _group(description), yaml_text(matrix.disabled()), path)
-    elif path.suffix in (".srdf", ".xml"):
+    else:
         root = None if description.semantics is None else description.semantics.root
         text = srdf_text(matrix.robot.model.name, matrix.disabled(), root)
-    else:
-        raise PlannercheckError(f"--output must end in .srdf or .yaml, not {path.name!r}")
     written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     print(f"\n{len(matrix.disabled())} disabled pairs written to {path}")
 

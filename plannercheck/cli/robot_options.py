@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.package_data import is_folder
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
@@ -56,6 +57,9 @@ def described(options: argparse.Namespace) -> RobotDescription:
         changes["srdf"] = options.srdf
     if options.floating:
         changes["floating"] = True
+    missing = [folder for folder in options.package_dirs or () if not is_folder(folder)]
+    if missing:
+        raise PlannercheckError(f"--package-dirs: there is no folder {str(missing[0])!r}")
     if options.package_dirs:
         changes["package_dirs"] = (*options.package_dirs, *description.package_dirs)
     if options.xacro_arg:

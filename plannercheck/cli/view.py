@@ -54,6 +54,9 @@ Examples:
 # Frames of a set that are shown unless told otherwise.
 _DEFAULT_STATES = 50
 
+# Of TCP.
+_LAST_PORT = 65535
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
@@ -117,6 +120,8 @@ def _check(options: argparse.Namespace) -> None:
         raise PlannercheckError("FILE, --q and --path exclude each other: give one")
     if options.frames < 1 or options.first < 1 or (options.planes or 0) < 0:
         raise PlannercheckError("--frames and --first must be at least 1, --planes at least 0")
+    if not 0 < options.port <= _LAST_PORT:
+        raise PlannercheckError(f"--port must be from 1 to {_LAST_PORT}, not {options.port}")
     if options.meshes and is_planar(options.robot, "robots"):
         raise PlannercheckError("--meshes is for robots in space")
 

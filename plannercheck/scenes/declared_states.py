@@ -97,9 +97,9 @@ class DeclaredStates:
         return value
 
     def _undeclared(self, robot: str, what: str) -> PlannercheckError:
-        others = ", ".join(self.states) or "none"
+        others = f", but for {', '.join(self.states)}" if self.states else ""
         return PlannercheckError(
-            f"scene {self.name!r} declares no {what} for robot {robot!r}, but for {others}: give the {what} yourself"
+            f"scene {self.name!r} declares no {what} for robot {robot!r}{others}: give the {what} yourself"
         )
 
 

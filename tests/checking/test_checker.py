@@ -367,8 +367,8 @@ def test_bad_configurations_are_named_by_row(checker, samples, call):
 
 def test_single_states_must_be_single(checker, samples):
     for call in (checker.is_valid, checker.explain):
-        with pytest.raises(pc.PlannercheckError, match=r"\(7,\), not \(1, 7\)"):
-            call(samples[:1])
+        with pytest.raises(pc.PlannercheckError, match=r"\(7,\), not \(2, 7\)"):
+            call(samples[:2])
     with pytest.raises(pc.PlannercheckError, match="finite"):
         checker.is_valid(np.full(7, np.inf))
 
