@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# The oldest compilers that the documentation names, GCC 11 and Clang 14, as far as they are installed.
+#
+#   tests/package/compilers.sh           every source through each compiler, without code: some seconds each, in .ci/run
+#   tests/package/compilers.sh --build   builds with each for level v3 and compares the hashes of verdicts
+#                                        (level_digest.py) with those of the build that is imported: minutes
+#
+# Warnings are errors. PYTHON names the interpreter, whose environment has plannercheck's dependencies and nanobind.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+python=${PYTHON:-$(command -v python)}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+configure() {  # compiler, level, folder
+  cmake -S plannercheck/cpp -B "$3" -DCMAKE_CXX_COMPILER="$1" -DPLANNERCHECK_LEVELS="$2" -DPLANNERCHECK_WERROR=ON \
+    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DPython_EXECUTABLE="$python" > /dev/null
+}
+
+# The build's own commands, with the output replaced.
+check_sources() {  # folder
+  "$python" - "$1/compile_commands.json" << 'CODE'
+import json, pathlib, shlex, subprocess, sys
+
+for entry in json.loads(pathlib.Path(sys.argv[1]).read_text()):
+    command = shlex.split(entry["command"])
+    output = command.index("-o")
+    command[output : output + 2] = ["-fsyntax-only"]
+    subprocess.run(command, cwd=entry["directory"], check=True)
+CODE
+}
+
+digest() {  # folder of the package
+  PYTHONPATH=$1 PLANNERCHECK_CACHE=0 "$python" tests/package/level_digest.py
+}
+
+build_and_compare() {  # compiler, folder
+  cmake --build "$2" --parallel "${JOBS:-1}" > /dev/null
+  mkdir "$2/package"
+  cp -r plannercheck robots configs "$2/package"
+  rm -f "$2"/package/plannercheck/_*.so
+  cp "$2"/_*.so "$2/package/plannercheck"
+  [ "$(digest "$2/package")" = "$(digest "${REFERENCE:-$PWD}")" ] || { echo "$1: other verdicts" >&2; exit 1; }
+}
+
+for compiler in g++-11 clang++-14; do
+  command -v "$compiler" > /dev/null || { echo "$compiler is not installed"; continue; }
+  if [ "${1:-}" = --build ]; then
+    configure "$compiler" v3 "$work/$compiler"
+    build_and_compare "$compiler" "$work/$compiler"
+    echo "$compiler: builds, the same verdicts"
+  else
+    configure "$compiler" "v4;plain" "$work/$compiler"  # AVX-512's lanes, and what other processors have
+    check_sources "$work/$compiler"
+    echo "$compiler: takes every source"
+  fi
+done
