@@ -107,8 +107,8 @@ def boxes_of(hulls: Sequence[HullAndSwell]) -> Boxes:
 class Chains:
     """The moving joints between the world and the bodies, the lengths between them, and poses of their frames.
 
-    Each of the n joints has a frame before its motion (index k) and one after it (n + k); those of the bodies follow (2
-    n + b). Lengths that no joint of the group changes are measured in one configuration.
+    Each of the n joints has a frame before its motion (index k) and one after it (n + k); those of the bodies
+    follow (2 n + b). Lengths that no joint of the group changes are measured in one configuration.
     """
 
     def __init__(self, robot: Robot, table: JointTable, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> None:

@@ -1,5 +1,5 @@
-"""plannercheck held against exact arithmetic, and measured beside other methods.
+"""Compares plannercheck with exact arithmetic, and measures it beside other methods.
 
 Read `stress` (hard pairs of bodies), `stress_motions` (motions with contact by construction) and `bench` (time against
-error). Nothing else in the package needs them; each is a command of the command line.
+error). Each is a command of the command line; nothing else in the package needs them.
 """

@@ -192,8 +192,8 @@ def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) 
 
 
 # Joints that turn as well as slide: how many of their first numbers are lengths. They move along a screw of at most
-# half a turn, so their origin stays within d / 2 of the middle m of the ends, d being the ends' distance. And |m| + d /
-# 2 is at most the sum of the larger numbers of both ends. So levers are measured at the ends.
+# half a turn, so their origin stays within d/2 of the middle m of the ends, d being the ends' distance. And |m| + d/2
+# is at most the sum of the larger numbers of both ends. So levers are measured at the ends.
 _SCREWS = {"JointModelPlanar": 2, "JointModelFreeFlyer": 3}
 
 

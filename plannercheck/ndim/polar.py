@@ -4,8 +4,8 @@ In: points, hyperplanes and polytopes in doubles. Out: their polars: ρ of point
 polytopes, shell simplices. A hyperplane {y : z·y = 1} misses the origin and is written as its z, which is also its
 polar point; so points and hyperplanes are the same arrays, read in two ways, and ρ is the identity on them.
 
-The idea of the paper in one line: x and h trade places, x ∈ h₀ exactly if ρ(h) ∈ ρ₀(x), so that growing one polytope
-is shrinking its polar, and "P and ρ₀(Q) share a point" is "a hyperplane separates ρ∞(P) from Q".
+The idea of the paper in one line: points and hyperplanes are swapped, x ∈ h₀ exactly if ρ(h) ∈ ρ₀(x). So a polytope
+grows exactly if its polar shrinks, and "P and ρ₀(Q) share a point" means "a hyperplane separates ρ∞(P) from Q".
 
 Where the text needs care: ρ₀(ρ₀(P)) = P wants the origin strictly inside P (counterexample on the boundary:
 [-1, 1] × [0, 1], whose ρ₀ is unbounded), and ρ₀ through vertices is false for unbounded P. `Halfspaces` can hold

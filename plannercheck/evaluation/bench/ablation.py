@@ -1,7 +1,7 @@
-"""What each stage of a check brings: the checker with one switch off, against the checker with all on.
+"""The effect of each stage of a check: the checker with one switch off, compared with the checker with all on.
 
-In: a robot and a scene. Out: a row for each switch and kind of states. Verdicts are the same whatever is off; they are
-compared all the same.
+In: a robot and a scene. Out: a row for each switch and kind of states. Verdicts do not depend on switches; they are
+compared nevertheless.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from plannercheck.scenes.scene import Scene
 
 Floats = NDArray[np.float64]
 
-# Arguments of `Checker`, all True by default, in the order of the stages; those that it has are measured.
+# Arguments of `Checker`, all True by default, in the order of the stages.
 SWITCHES = (
     "reach",
     "static_poses",
@@ -38,19 +38,19 @@ SWITCHES = (
 )
 ALL_ON = "all on"
 WALK = "walk for oracle"
-# States a motion, each about as far from the next as a planner's.
+# States of each motion, about as far apart as a planner's.
 _STATES_A_MOTION = 64
 
 
 @dataclass(frozen=True)
 class SwitchRow:
-    """What one switch brings on one kind of states.
+    """The effect of one switch on one kind of states.
 
     Attributes:
         states: "random", or "along motions".
         off: The switch that is off.
-        microseconds: The least time a state.
-        ratio: That time over that with all on.
+        microseconds: The least time for each state.
+        ratio: That time over the time with all on.
         wrong: Verdicts that differ from those with all on.
     """
 

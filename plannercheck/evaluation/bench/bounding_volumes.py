@@ -1,8 +1,8 @@
-"""Simple bodies around convex ones: balls, a capsule, a box. They contain the body, so they never miss a collision.
+"""Simple bodies around convex ones: balls, a capsule, a box. They contain the body, so they miss no collision.
 
 In: a prepared body. Out: balls (k, 4) of centre and radius, a posed capsule or a posed box, in the body's frame, m.
-Balls: the body is cut in two across its longest extent, then whichever part's ball sticks out furthest, and so on; the
-parts make up the body, so their balls cover it. Boxes and capsules lie along the frame's axes or the principal
+Balls: the body is cut in two across its longest extent; then the part whose ball sticks out furthest is cut, and so on.
+The parts make up the body, so their balls cover it. Boxes and capsules lie along the frame's axes or the principal
 ones, whichever takes less volume.
 """
 
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 # Steps towards the furthest point: the ball is within some per cent of the least (Badoiu and Clarkson).
 _STEPS = 32
-# Everything grows by this part, far above rounding.
+# All volumes are enlarged by this part, far above rounding.
 _GROWTH = 1e-9
 _SMALLEST = 1e-9  # m; a box needs some thickness
 
@@ -31,7 +31,7 @@ def balls_around(body: Polytope, counts: Sequence[int]) -> dict[int, Floats]:
     """Covers of a body by several numbers of balls.
 
     Args:
-        body: Of any dimension; its swell is covered, too.
+        body: A body of any dimension; its swell is covered as well.
         counts: How many balls, each at least 1.
 
     Returns:

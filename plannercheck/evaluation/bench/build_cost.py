@@ -1,7 +1,7 @@
-"""What building something costs: seconds and resident memory, without the disk cache of prepared bodies.
+"""The cost of building something: seconds and resident memory, without the disk cache of prepared bodies.
 
-In: a function that builds. Out: `Built`. Memory is what the process's resident set grows by, freed memory given back to
-the system before and after; that is coarse below some hundred kB, and 0 where freed memory was used again.
+In: a function that builds. Out: `Built`. Memory is the growth of the process's resident set; freed memory is given back
+to the system before and after. The figure is coarse below some hundred kB, and 0 where freed memory was used again.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _STATM = Path("/proc/self/statm")  # Linux: sizes in pages, the second is the re
 
 @dataclass(frozen=True)
 class Built(Generic[T]):
-    """Something with what it took.
+    """A built object and the cost of building it.
 
     Attributes:
         value: What was built.

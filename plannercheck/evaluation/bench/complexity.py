@@ -1,11 +1,12 @@
-"""Rounds and visited vertices against n: the paper's three algorithms beside what they are compared with.
+"""Rounds and visited vertices against n: the paper's three algorithms and their competitors.
 
-In: a largest n and a number of queries. Out: a row for each body, method and n, and how it grows with n. Bodies meet
-themselves near contact, at gaps of 1 and 0.1 mm for bodies of about 1 m, apart and overlapping. Counted, not timed.
+In: a largest n and a number of queries. Out: a row for each body, method and n, and the growth with n. Each body is
+tested against a copy of itself near contact, at gaps of 1 and 0.1 mm for bodies of about 1 m, apart and overlapping.
+Work is counted, not timed.
 
-What counts as a visited vertex: one whose product with a direction is formed, or that takes part in a game or in a
-closest pair of constant size. The core counts blocks of four vertices, and games of at most 10 against 10. Dobkin and
-Kirkpatrick's walk of 1990 is our own, and scans the new neighbours of a vertex one after the other.
+A visited vertex is one whose product with a direction is formed, or that takes part in a game or in a closest pair of
+constant size. The core counts blocks of four vertices, and games of at most 10 against 10. Dobkin and Kirkpatrick's
+walk of 1990 is our own, and scans the new neighbours of a vertex one after the other.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ _CROWDED, _NARROW = 0.9, 0.05
 
 @dataclass(frozen=True)
 class ComplexityRow:
-    """What one method visits on bodies of one size.
+    """The vertices that one method visits on bodies of one size.
 
     Attributes:
         where: "space", "plane", or "trees, d = 2" and so on.

@@ -1,18 +1,18 @@
 """The walk of Dobkin and Kirkpatrick (1990), for comparison: the closest pair down both inner hierarchies.
 
-In: bodies with volume, prepared, and their poses. Out: whether they share a point, and what was visited.
+In: prepared bodies with volume, and their poses. Out: whether they share a point, and the visited vertices.
 
-The idea: keep the closest pair of P_i and R_j, and go down one level in either, by turns. The plane through the pair's
-point of P, at right angles to the pair, is tangent to P_i; at most one vertex p of the next level lies beyond it, and
-it is a neighbour of every vertex on the plane. If there is none, the pair stays. If there is, a closer pair can only
-be on p's star, which is of constant size: its closest pair with R_j is found the same way, down the levels of R from
-the top to j. So O(log n) steps may each cost O(log m): O(log n log m) in all.
+The idea: keep the closest pair of P_i and R_j, and go down one level in P or in R, alternately. The plane through the
+pair's point of P, at right angles to the pair, is tangent to P_i; at most one vertex p of the next level lies beyond
+it, and it is a neighbour of every vertex on the plane. If there is none, the pair stays. If there is, a closer pair can
+only be on p's star, which is of constant size: its closest pair with R_j is found the same way, down the levels of R
+from the top to j. So O(log n) steps may each cost O(log m): O(log n log m) in all.
 
-How p is found is left open in 1990: a scan of the neighbours that appear at that level, as here, is linear in the
-degree, which the degree-doubling polyhedron of the paper (section "Polyhedra in 3D space") makes linear in n.
+The paper of 1990 leaves open how p is found. A scan of the neighbours that appear at that level, as here, is linear in
+the degree, which the degree-doubling polyhedron of the paper (section "Polyhedra in 3D space") makes linear in n.
 
-Of the core only the levels are used. Vertices are mapped to the world all at once, which is not counted: a program that
-wants speed maps those that it visits. In doubles: contact is a distance below `nearest.TOUCHING`.
+Only the levels come from the core. All vertices are mapped to the world at once, which is not counted: a fast program
+would map only those that it visits. In doubles, contact is a distance below `nearest_points.TOUCHING`.
 """
 
 from __future__ import annotations

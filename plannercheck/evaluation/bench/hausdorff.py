@@ -1,8 +1,8 @@
-"""How far a body that stands in for another sticks out of it, or falls short of it: one-sided Hausdorff distances.
+"""How far an approximation of a body sticks out of it or falls short of it: one-sided Hausdorff distances.
 
 In: points, or balls, and a convex body of vertices and outward triangles. Out: the greatest distance of any of them
-from the body, in m. For stand-ins inside the body the points are the body's vertices and the stand-in is measured
-from; for ones around it the other way; the distance to a convex body is convex, so that vertices are enough.
+from the body, in m. For an approximation inside the body, the body's vertices are measured from the approximation; for
+one around it, the other way round. The distance to a convex body is a convex function, so vertices are enough.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""The methods that `plannercheck bench states` compares: what builds each, and what it claims.
+"""The methods that `plannercheck bench states` compares: how to build each, and its claimed error.
 
-In: a checker. Out: `Method`s. All judge the same pairs of the same robot; cut-offs, balls, capsules and boxes stand in
-for the robot's bodies only, obstacles stay as they are. How far a stand-in is off is computed from its shape
-(`furthest` of hausdorff.py), as the largest over the bodies that some pair needs.
+In: a checker. Out: `Method`s. All judge the same pairs of the same robot. Cut-off hierarchies, balls, capsules and
+boxes replace the robot's bodies only; obstacles stay as they are. The error of such a stand-in is computed from its
+shape (`furthest` of hausdorff.py); it is the largest one over the bodies of all pairs.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl"]
 
-# All but the exact ones, which are always there.
+# All kinds except the exact ones, which are always compared.
 KINDS: tuple[Kind, ...] = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl")
 
 # Balls a body.

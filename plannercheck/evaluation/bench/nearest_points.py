@@ -1,12 +1,12 @@
-"""Nearest points of two convex bodies, to count with: of few points each, and by extreme vertices.
+"""Nearest points of two convex bodies, with counted work: for few points, and by extreme vertices.
 
 In: points, or for each body a function from a direction to its furthest vertex. Out: nearest points as mixtures of
 vertices; whether bodies share a point. In doubles and in plain Python, for the baselines of `bench complexity`: no
-verdict of the library rests on it.
+verdict of the library depends on it.
 
-The point nearest to the origin of a hull of points d_k: the weights w >= 0 that minimise |Σ w_k d_k|² + (1 − Σ w_k)²
-are a multiple of those that mix it, because for any sum of weights the first term is least at it (Lawson and Hanson
-1974, non-negative least squares).
+The point of a hull of points d_k nearest to the origin: the weights w >= 0 that minimise |Σ w_k d_k|² + (1 − Σ w_k)²
+are a multiple of the weights of this point, since for any given sum of weights the first term is least there (Lawson
+and Hanson 1974, non-negative least squares).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Other libraries as judges of the same states: Pinocchio with coal, and python-fcl.
 
 In: a checker. Out: functions that judge rows of configurations, True meaning valid, over the checker's pairs, stopping
-at a state's first collision. coal and FCL get the very hulls that the checker tests (and spheres, capsules, cylinders
-and cones as such), contacts switched off. Pinocchio poses for coal; for FCL the checker's batch kernel poses and boxes
-along the world's axes, in numpy, leave out pairs that are far apart.
+at a state's first collision. coal and FCL get the same hulls that the checker tests (and spheres, capsules, cylinders
+and cones as such), with contacts switched off. Pinocchio poses the robot for coal. For FCL the checker's batch kernel
+poses it, and boxes along the world's axes, in numpy, leave out pairs that are far apart.
 """
 
 from __future__ import annotations

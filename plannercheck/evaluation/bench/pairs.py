@@ -1,9 +1,9 @@
-"""Time a pair of bodies against their vertices and the gap between them, beside coal's own C++ loop and python-fcl.
+"""Time for a pair of bodies against its vertices and gap, beside coal's own C++ loop and python-fcl.
 
-In: numbers of vertices. Out: a row for each method, size and gap. Bodies are round (all points are vertices), poses
-random: a random feature of one at the gap over one of the other. Ours are the core's batch call, each pair cold (no
-cached plane); coal's is `computeCollisions` of a Pinocchio geometry model of as many pairs, without early stop, so that
-no Python counts, each pair cold as well; FCL is called from Python.
+In: numbers of vertices. Out: a row for each method, size and gap. Bodies are round (all points are vertices). Poses are
+random: a random feature of one body at the gap from one of the other. plannercheck is timed by the core's batch call,
+each pair cold (no cached plane). coal is timed by `computeCollisions` of a Pinocchio geometry model with as many pairs,
+without early stop, so that no Python is timed, each pair cold as well. FCL is called from Python.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Posed = tuple[Floats, Floats]
 SIZES = (8, 32, 150, 1000, 10_000, 100_000)
 # Relative to the bodies' size of 1 m: far apart, near contact, deep inside each other.
 GAPS = (0.5, 1e-4, -0.3)
-# How many times faster than coal's loop is asked for, by vertices: at the first gap and at the second.
+# How many times faster than coal's loop the goals are, by vertices: at the first gap and at the second.
 ASKED = {8: (4, 2), 32: (8, 3), 150: (10, 4), 1000: (15, 5), 10_000: (30, 10), 100_000: (70, 25)}
 _HALF_AXES = np.array([1.0, 0.7, 0.5])
 OURS: tuple[Method, ...] = ("oracle", "walk")

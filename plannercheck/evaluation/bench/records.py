@@ -1,4 +1,4 @@
-"""Results of measurements as JSON, with what one has to know to compare them: command, date, commit, machine.
+"""Results of measurements as JSON, with the circumstances: command, date, commit, machine.
 
 In: rows of a measurement, as dataclasses or mappings. Out: a file that `docs/render_results.py` makes tables of, so
 that no figure is copied by hand.
@@ -46,7 +46,7 @@ def write_record(path: Path, rows: Sequence[Any]) -> None:
 
 
 def command_line(arguments: Sequence[str]) -> str:
-    """What was typed, as anyone may type it: without `--output` and without folders of this machine.
+    """The command as anyone may repeat it: without `--output` and without folders of this machine.
 
     Args:
         arguments: As in `sys.argv`: the program's or the script's file first.
@@ -74,7 +74,7 @@ def commit() -> str | None:
 
 
 def machine() -> dict[str, Any]:
-    """Processor, its count, the core's instruction set, and how much else ran (mean load of a minute)."""
+    """Processor, number of processors, the core's instruction set, and the mean load of a minute."""
     load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else None
     return {
         "processor": _processor(),

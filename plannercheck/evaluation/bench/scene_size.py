@@ -1,7 +1,7 @@
-"""How a check grows with a scene: boxes near the robot, and thousands more that it cannot reach.
+"""The cost of a check against the size of the scene: boxes near the robot, and thousands out of its reach.
 
-In: a robot and numbers of boxes. Out: a row for each scene, with what its checker takes in memory. As many boxes are
-near the robot in every scene: the rest stands a good deal further away than the robot reaches.
+In: a robot and numbers of boxes. Out: a row for each scene, with its checker's time and memory. Every scene has the
+same number of boxes near the robot; all others are far out of reach.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _EDGES = (0.03, 0.1)
 
 @dataclass(frozen=True)
 class ScaleRow:
-    """What a scene of boxes costs.
+    """The cost of a scene of boxes.
 
     Attributes:
         boxes: In the scene.

@@ -1,8 +1,8 @@
 """A robot as balls against the obstacles of a scene, judged by the core in floats, eight states at once.
 
-In: a checker and balls around its robot's bodies. Out: a judge of configurations that never misses a collision of the
-checker's. Obstacles are boxes, balls, capsules and cylinders in closed form, others by the planes of their facets
-(near an edge a little too large). Balls grow by what floats may err.
+In: a checker and balls around its robot's bodies. Out: a judge of configurations that misses none of the checker's
+collisions. Obstacles are boxes, balls, capsules and cylinders in closed form; others are given by the planes of their
+facets (near an edge a little too large). Balls are enlarged by the error of floats.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 # Of an obstacle, as in cpp/evaluation/sphere_model.hpp.
 _ROUNDED_BOX, _CYLINDER, _PLANES = range(3)
-# What floats may err by, as a part of the largest coordinates: some twenty roundings of 2^-24 each.
+# The error of floats, as a part of the largest coordinates: some twenty roundings of 2^-24 each.
 _FLOAT_ERROR = 2.0**-19
 
 

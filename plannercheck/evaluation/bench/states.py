@@ -1,7 +1,7 @@
 """Run time against error on the states of a robot in a scene, for all methods of methods.py.
 
-In: a checker, configurations. Out: a row a method. Truth are the exact verdicts; a method is wrong in a state that it
-calls free and that collides ("false free"), or the other way round.
+In: a checker, configurations. Out: a row for each method. The exact verdicts are the truth. A method is wrong in a
+state that it calls free although it collides ("false free"), or the other way round.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Bools = NDArray[np.bool_]
 
 Report = Callable[[str], None]
 
-# Seconds that a method works at a time, and into how many parts its states are split for that at most.
+# Seconds that a method works at a time, and the most parts into which its states are split for that.
 _PART = 2e-3
 _MOST_PARTS = 32
 

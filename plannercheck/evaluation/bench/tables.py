@@ -1,4 +1,4 @@
-"""Rows of measurements as a table on the terminal, as CSV, and where plots go.
+"""Rows of measurements as a table on the terminal and as CSV; the folder of results.
 
 In: frozen dataclasses, all of one kind. Out: text, files.
 """

@@ -1,10 +1,9 @@
 """Interleaved timing: contenders take turns, A B C C B A ..., and the least time of each counts.
 
 In: functions by name, or several that share a contender's work. Out: seconds by name. Absolute times drift by tens of
-per cent on a shared machine; ratios of minima that were taken by turns in one process do not. Long work in one piece
-would never meet the machine at its best from end to end, as short work does: parts of similar length are compared. The
-clock is that of the calling thread's own work, which is all that any contender uses: time in which another process had
-the processor does not count.
+per cent on a shared machine; ratios of minima, taken alternately in one process, do not. Short work sometimes runs
+wholly while the machine is fast, long work never does; so parts of similar length are compared. The clock measures the
+processor time of the calling thread, the only one that contenders use, so time of other processes does not count.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Hierarchies cut off at a level: the bodies that a query would know if it stopped there.
 
-In: a prepared body. Out: one coarser body a level, nested. The hull of the vertices that are alive at a level of the
-inner hierarchy is part of the body (it misses collisions); the body that the facets alive at a level of the polar
-hierarchy bound contains it (it reports too many). Queries stop at 64 points, which they scan; here the hierarchies go
-on below that, by the same rule, down to a tetrahedron.
+In: a prepared body. Out: nested coarser bodies, one for each level. The hull of the vertices alive at a level of the
+inner hierarchy is inside the body (it misses collisions). The facets alive at a level of the polar hierarchy bound a
+body around it (it reports too many). Queries stop at 64 points, which they scan; here the hierarchies continue, by the
+same rule, down to a tetrahedron.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Exact = NDArray[np.object_]
 _REMOVED_DEGREE = 8
 # Fewer points bound no body.
 _FEWEST = 4
-# Outer bodies grow by this part, far above the rounding of their corners: they do contain.
+# Outer bodies are enlarged by this part, far above the rounding of their corners, so that they contain the body.
 _GROWTH = 1e-12
 # Outer bodies that reach out further than this times the body's radius are of no use.
 _LONGEST = 2.0

@@ -1,6 +1,6 @@
-"""The stress suite: families of hard pairs, and every verdict held against exact arithmetic.
+"""The stress suite: families of hard pairs, with every verdict compared with exact arithmetic.
 
-Data goes body_families, contact_poses -> sample_bodies, touching_neighbours -> random_cases -> run, which asks
-`oracle` and, in processes of their own (`supervised_process`), `other_libraries` -> tables; `failing_cases` keeps what
-fails.
+The data flow: body_families, contact_poses -> sample_bodies, touching_neighbours -> random_cases -> run -> tables.
+`run` calls `oracle` and, in processes of their own (`supervised_process`), `other_libraries`; `failing_cases` keeps
+failures.
 """

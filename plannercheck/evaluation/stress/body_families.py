@@ -1,4 +1,4 @@
-"""Bodies that every test of the pair test draws from: families of vertex sets and robots' meshes.
+"""Bodies for tests of the pair test: families of vertex sets and robots' meshes.
 
 In: a family's name, a number of vertices, a seed. Out: points (n, 3) in metres, about 1 m across, whose
 convex hull is the body. The families are those on which intersection tests differ: round and random ones,

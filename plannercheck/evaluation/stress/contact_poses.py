@@ -1,4 +1,4 @@
-"""Poses that put two convex bodies at a wished gap, a feature of one over a feature of the other.
+"""Poses that put two convex bodies at a given gap, a feature of one over a feature of the other.
 
 In: two bodies with outward triangles, a number of poses, gaps in metres. Out: poses (k, 4, 4) for both.
 

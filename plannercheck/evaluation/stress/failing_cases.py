@@ -1,4 +1,4 @@
-"""Two posed bodies as a file: a case that once failed, to be kept by name; and how to make it smaller first.
+"""Failing cases in files: two posed bodies; a case is made smaller before it is kept.
 
 In and out: JSON with vertices and poses as hexadecimal floats, so that no bit is lost.
 """

@@ -1,10 +1,10 @@
-"""Who is right about a pair: proofs in compiled whole numbers, in which the core has no part (cpp/oracle).
+"""The truth about a pair: proofs in compiled whole numbers, independent of the core (cpp/oracle).
 
-In: a draw. Out: verdicts that are proved, and what the core's own certificates prove.
+In: a draw. Out: proved verdicts, and the verdicts that the core's own certificates prove.
 
-The idea: a separation or a common point is hard to find and easy to check. The oracle looks for one by itself, in whole
-numbers of any size, and tells a verdict only if its proof holds by definition. Where it finds none, Python's integers
-decide (`plannercheck.bodies.exact_reference`).
+The idea: a separation or a common point is hard to find and easy to check. The oracle searches for one by itself, in
+whole numbers of any size, and gives a verdict only if its proof holds by definition. Where it finds none, Python's
+integers decide (`plannercheck.bodies.exact_reference`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.contact_poses import Points
 from plannercheck.evaluation.stress.random_cases import Draw
 
-# What `_oracle.decide` says where it found no proof.
+# The answer of `_oracle.decide` where it found no proof.
 _UNPROVED = 2
 # Of the core's numbers that are doubles: digits of whole numbers take the mantissa's bits.
 _MANTISSA_BITS = 53

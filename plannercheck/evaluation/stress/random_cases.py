@@ -1,10 +1,10 @@
-"""What the stress suite tests, as data; and random draws from it.
+"""The cases of the stress suite as data, and random draws from them.
 
 In: a random generator. Out: a `Draw`: two bodies and poses of both, one for each gap of GAPS.
 
 A draw takes one value of each list: how the bodies lie (RELATIONS), the family and number of vertices of either, the
-smaller one's size, the ratio of the sizes, the distance from the origin, the rotation. Gaps are wished for, along a
-direction in which the bodies face each other; what rounding makes of them is for exact arithmetic to say.
+smaller one's size, the ratio of the sizes, the distance from the origin, the rotation. Gaps are taken along a direction
+in which the bodies face each other. They are rounded, so exact arithmetic decides what they become.
 """
 
 from __future__ import annotations

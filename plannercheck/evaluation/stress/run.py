@@ -1,8 +1,8 @@
-"""The stress run: every verdict on random draws held against proofs in exact arithmetic, in which the core has no part.
+"""The stress run: compares every verdict on random draws with proofs in exact arithmetic, independent of the core.
 
 In: how many pairs, a seed, peers, processes. Out: a `StressTally`: wrong verdicts, exceptions and timeouts of every
-contestant by family and gap; and a shrunk case for each of the first failures of ours. What is found depends on the
-seed and the number of pairs alone.
+contestant by family and gap; and a shrunk case for each of the first failures of ours. The results depend only on the
+seed and the number of pairs.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ Key = tuple[str, str, bool]  # family, gap, whether the bodies share a point
 
 @dataclass
 class StressTally:
-    """What a run found.
+    """The results of a run.
 
     Attributes:
         pairs: By family, gap and truth.

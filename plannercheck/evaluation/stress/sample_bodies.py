@@ -1,4 +1,4 @@
-"""Bodies to be laid upon each other: prepared, with points on their border and the directions that face outward there.
+"""Prepared bodies to be put in contact, with points on their boundary and outward directions there.
 
 In: a family, a number of vertices, a size, a swell. Out: a `Specimen`, of any dimension.
 """

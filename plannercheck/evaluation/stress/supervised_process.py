@@ -1,6 +1,7 @@
-"""A peer in processes of its own: libccd, which FCL asks, loops for ever on some pairs, and no thread can be stopped.
+"""Another library in processes of its own, which can be stopped: libccd, which FCL uses, hangs on some pairs.
 
-In: a peer, a draw. Out: its outcomes, "timeout" where it does not come back; the next process goes on behind that pair.
+In: another library, a draw. Out: its outcomes, "timeout" where it does not return; the next process continues after
+that pair.
 """
 
 from __future__ import annotations

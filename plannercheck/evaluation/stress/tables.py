@@ -1,4 +1,4 @@
-"""The stress tally as text: one table by family, one by gap, and for peers the share of wrong verdicts in both.
+"""The stress tally as text: a table by family, one by gap, and the shares of wrong verdicts of other libraries.
 
 In: a `StressTally`. Out: lines.
 """

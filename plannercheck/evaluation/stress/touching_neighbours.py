@@ -1,7 +1,7 @@
-"""Bodies that share exactly a face, an edge, a vertex or a part of an edge with another one.
+"""Pairs of bodies that share exactly a face, an edge, a vertex or a part of an edge.
 
-In: what is shared, a size, a number of points. Out: two bodies in one frame, and the direction in which the first
-lies of the second. Points lie on a lattice, so that middles are exact.
+In: the kind of the shared feature, a size, a number of points. Out: two bodies in one frame, and the direction from the
+second to the first. Points are on a lattice, so that middles are exact.
 """
 
 from __future__ import annotations

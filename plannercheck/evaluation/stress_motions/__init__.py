@@ -1,5 +1,5 @@
-"""The stress suite of motions: contact by construction, and what the certifier says of it.
+"""The stress suite of motions: contact by construction, and the certifier's verdicts on it.
 
-Data goes recipes, aims, tangents, trees, contacts, ends -> draws (and planar_draws, ompl_paths, unposed_robots) ->
-subjects (what is asked) -> judges (by reasons and collisions) -> outcomes -> run -> tables; `cases` keeps what fails.
+The data flow: recipes, aims, tangents, trees, contacts, ends -> draws (and planar_draws, ompl_paths, unposed_robots) ->
+subjects (the checkers) -> judges (by reasons and collisions) -> outcomes -> run -> tables; `cases` keeps failures.
 """

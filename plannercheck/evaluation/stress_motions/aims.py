@@ -1,6 +1,6 @@
 """Motions through a state at which bodies touch by construction.
 
-In: a robot, a state with the contact that was built there, a random generator. Out: motions that are at the state at a
+In: a robot, a state with the contact that was built there, a random generator. Out: motions that pass the state at a
 known parameter: in any direction, along the contact, or of one joint alone; from 1e-9 to 1e4 rad long.
 """
 

@@ -1,6 +1,7 @@
-"""A motion that failed, with its robot and scene, as a file to be asked again; and how to make it smaller first.
+"""Failing motions in files, with robot and scene, to be judged again; a case is made smaller before it is kept.
 
-In and out: JSON. The recipe of the checker, the motion, and those that were asked before it, where that matters.
+In and out: JSON with the recipe of the checker, the motion, and the motions that were judged before it, where that
+matters.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Accepted motions collide nowhere: at their ends, in contacts by construction, at states all along.
+"""Checks that accepted motions collide nowhere: at their ends, in contacts by construction, at sampled states.
 
 In: a draw with the answers to its motions. Out: faults.
 """

@@ -1,11 +1,11 @@
 """Contact by construction: a state is chosen first, then a body is put where it touches the robot there.
 
-In: a posed robot, a shape, a depth. Out: the shape's pose at which it shares a point with a body of the robot at just
-that state, or misses it by as much; and how the point moves against it, so that motions can be laid along the contact
-as well as across it.
+In: a posed robot, a shape, a depth. Out: a pose of the shape at which it overlaps a body of the robot at that state by
+the depth, or misses it by as much; and the contact's point and normal, so that motions can go along the contact as well
+as across it.
 
-A vertex of one body, moved towards the middle of the other by the depth, is a point of both: convexity says so,
-whatever the shapes. A gap is kept along the normal that supports both.
+A vertex of one body, moved towards the middle of the other by the depth, is a point of both, by convexity. A gap is
+kept along the normal that supports both.
 """
 
 from __future__ import annotations

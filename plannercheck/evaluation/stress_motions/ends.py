@@ -1,6 +1,6 @@
-"""What a family of the motion stress asks of states and ends: far ends of continuous joints, lengths off unit.
+"""States and ends of families of the motion stress: far ends of continuous joints, unit vectors of inexact length.
 
-In: a robot among contacts, an aim. Out: states, and motions through them as the family has them.
+In: a robot among contacts, an aim. Out: states, and motions through them by the rules of the family.
 """
 
 from __future__ import annotations

@@ -1,14 +1,15 @@
-"""Every verdict on the motions of a draw, held against what must be so.
+"""Checks every verdict on the motions of a draw by rules that have to hold.
 
-In: a draw. Out: `Judged`: how its motions were answered, and faults.
+In: a draw. Out: `Judged`: counts of verdicts, and faults. The rules:
 
 - A motion that passes a contact by construction is not free, nor is one that collides at any state that is sampled:
   around the contact, all along, and where a search finds the least clearance. Ends count as they were given.
-- A motion that is refused comes within the tolerance, at the state that the certifier names or somewhere else.
-- A verdict depends on nothing but the motion: asked alone, in batches of any order, explained, by a fresh checker.
+- A refused motion comes within the tolerance, at the state that the certifier names or at another one.
+- A verdict depends on the motion only: it is the same alone, in batches of any order, explained, and by a new checker.
 - A motion is where it should be at the parameter of the contact.
-- A proof is verified, apart from the core.
-- Numbers that are too large, or too far off length 1, may be declined by a `PlannercheckError`, by each way alike.
+- A proof is verified without the core.
+- Too large numbers, and unit vectors too far from length 1, may be declined by a `PlannercheckError`, in every call
+  alike.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Whether a motion that is proved is the one that OMPL makes: the same states between the same ends.
+"""Checks that a proved motion is the one that OMPL makes: the same states between the same ends.
 
-In: random numbers. Out: a `Judged`. OMPL interpolates in its own space; the links are held against those on the motion
-that the checker judges, joint by joint and mimics included.
+In: random numbers. Out: a `Judged`. OMPL interpolates in its own space; poses of links are compared with those on the
+motion that the checker judges, mimic joints included.
 """
 
 from __future__ import annotations

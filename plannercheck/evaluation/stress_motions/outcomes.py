@@ -1,4 +1,4 @@
-"""What the motion stress finds in a draw: answers, counts and faults; and what all judges ask.
+"""The results of the motion stress for a draw: answers, counts and faults; and queries that all judges share.
 
 In: a checker, motions. Out: `Judged`, states on a motion, which states are valid.
 """

@@ -1,8 +1,8 @@
 """Random draws of the motion stress in the plane: chains and trailers, straight motions, Dubins and Reeds-Shepp curves.
 
-In: a family's name, a random generator. Out: a `Draw`. As in space: a state is chosen first, and an obstacle is put
-where it touches a body of the robot there. Straight motions are laid through the state; curves are drawn first, the
-state is taken from one, and its neighbours are a little off.
+In: a family's name, a random generator. Out: a `Draw`. As in space, a state is chosen first, and an obstacle is put
+where it touches a body of the robot at that state. Straight motions pass the state. For curves, one is drawn first and
+the state is taken from it; further curves differ a little.
 """
 
 from __future__ import annotations

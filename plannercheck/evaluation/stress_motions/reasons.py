@@ -1,4 +1,4 @@
-"""What answers are held against: refusals have a reason, motions go where they should, proofs are verified.
+"""Checks of answers: refusals have a reason, motions pass the right states, proofs are verified.
 
 In: a draw with the answers to its motions. Out: faults.
 """

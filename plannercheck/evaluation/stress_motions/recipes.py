@@ -1,10 +1,10 @@
-"""Robots and scenes of the motion stress as plain data, and how they are built: what is drawn can be kept as JSON.
+"""Robots and scenes of the motion stress as plain data, which can be kept as JSON, and how to build them.
 
-In: a recipe, nested lists and numbers. Out: a checker, in space or in the plane. Python writes doubles so that they are
-read back as the same bits.
+In: a recipe, nested lists and numbers. Out: a checker, in space or in the plane. Python writes and reads doubles
+without loss.
 
-Trees are built in code, not from a URDF: so they may hold what no URDF says (balls, screws, any axis), cost no files,
-and list the pairs that are to be tested.
+Trees are built in code, not from a URDF. So they need no files, may have what no URDF can describe (ball joints,
+screws, any axis), and list the tested pairs.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The stress of motions: random draws, each judged by itself, in any number of processes.
+"""The motion stress: random draws, each judged by itself, in any number of processes.
 
 In: how many motions, a seed. Out: a `MotionTally` by family, and the failures as cases. Every draw has random numbers
-of its own, so that what is found does not depend on how many processes share the work.
+of its own, so the results do not depend on the number of processes.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ _DRAWN, _JUDGED = 0, 1
 
 @dataclass
 class MotionTally:
-    """What a run found.
+    """The results of a run.
 
     Attributes:
         counts: By family and what was counted: motions, free, refused, declined, sharp, sampled states, verified.

@@ -1,7 +1,7 @@
-"""A checker as the motion stress asks it: the same questions in space and in the plane.
+"""The checker behind the motion stress, with the same queries in space and in the plane.
 
-In: a recipe. Out: a `Subject`: verdicts of motions alone, together and explained, states on them, clearances. What the
-clearances come from shares nothing with what proves motions.
+In: a recipe. Out: a `Subject`: verdicts on motions alone, together and explained, states on them, clearances. The
+clearances share no code with the proofs of motions.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The tally of the motion stress as text: one line a family.
+"""The tally of the motion stress as text: one line for each family.
 
 In: a `MotionTally`. Out: lines.
 """

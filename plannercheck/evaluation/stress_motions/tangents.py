@@ -1,8 +1,9 @@
-"""Configurations moved along tangent vectors: motions are laid through a chosen state.
+"""Moves configurations along tangent vectors, to make motions through a chosen state.
 
 In: a robot's joints, configurations, tangent vectors. Out: configurations. A motion from `moved(q, -t d)` to
-`moved(q, (1 - t) d)` is at q at the parameter t, whatever moves: numbers go linearly, and circles, balls, planar and
-floating joints along one screw, seen from the moving frame (Pinocchio's `integrate`, written apart from the core).
+`moved(q, (1 - t) d)` is at q at the parameter t, for all kinds of joints: single numbers move linearly; circles, ball,
+planar and floating joints move along one screw, seen from the moving frame (Pinocchio's `integrate`, independent of the
+core).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Random trees of joints: all kinds, in every position, as roots and behind others, with mimics, long arms and slides.
 
-In: a random generator, what the tree is to have. Out: the joints of a `SpaceRecipe`, its group and held values; random
-configurations of the robot that is made of it.
+In: a random generator, the properties of the tree. Out: the joints of a `SpaceRecipe`, its group and held values;
+random configurations of its robot.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _RARELY, _OFTEN = 1 / 6, 0.5
 
 @dataclass(frozen=True)
 class Wishes:
-    """What a tree is to have.
+    """The wanted properties of a tree.
 
     Attributes:
         kinds: Joints to choose from, the later ones given by weight.

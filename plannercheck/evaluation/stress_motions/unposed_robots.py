@@ -1,6 +1,6 @@
-"""Robots that the compiled kernel does not pose: screws (helical joints). Their motions can't be proved: they say so.
+"""Robots that the compiled kernel does not pose (screws, i.e. helical joints): asking for proofs raises errors.
 
-In: random numbers. Out: a `Judged`: every way to ask for a proof raises a `PlannercheckError` that says so.
+In: random numbers. Out: a `Judged`: every call for a proof has to raise a `PlannercheckError` that says why.
 """
 
 from __future__ import annotations
