@@ -34,6 +34,9 @@ _NO_TEXT = re.compile("[\ud800-\udfff]")
 _BLANK = " \t\r\n\0"  # some files end in a zero byte
 _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
 
+# Roots of robots in other formats: MuJoCo's and Gazebo's.
+OTHER_ROOTS = ("mujoco", "sdf")
+
 # Every XML reader knows these.
 _KNOWN_PREFIXES = frozenset({"xml", "xmlns"})
 
@@ -171,7 +174,9 @@ def _check_expanded(root: Element, path: Path) -> None:
 
 
 def _check_named(root: Element, path: Path) -> None:
-    """Raises for a robot without a name, which urdfdom does not take, and for what is none."""
+    """Raises for a robot without a name, which urdfdom does not take, and for what is none; others read OTHER_ROOTS."""
+    if root.tag in OTHER_ROOTS:
+        return
     if root.tag != "robot":
         kind = file_kind(ElementTree.tostring(root))
         raise PlannercheckError(f"URDF {path} is none: {kind}, where the root must be <robot>")

@@ -124,7 +124,7 @@ COMMANDS = {
     "stress": ["stress", "--pairs", "10000000"],
     "processes": ["stress", "--pairs", "10000000", "--processes", "2"],
     "motions": ["stress", "--motions", "100000"],
-    "acm": ["acm", "--robot", "pr2", "--states", "60000"],
+    "acm": ["acm", "--robot", "pr2", "--states", "300000"],
     "inspect": ["inspect", "--robot", "panda", "--scene", "kitchen", "--states", "400000", "--without"],
     "bench": ["bench", "pairs", "--output", "{out}"],
     "view": ["view", "--robot", "panda", "--path", "{set}", "--frames", "1000000", "--html", "{out}/page.html"],
@@ -151,7 +151,7 @@ def test_commands(name, tmp_path, q):
     )
     assert process.stderr is not None
     assert process.stderr.readline() == "begun\n"
-    time.sleep(3)
+    time.sleep(1.5)
     assert process.poll() is None, process.stderr.read()
     sent = time.perf_counter()
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
