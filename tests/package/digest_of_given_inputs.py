@@ -1,0 +1,44 @@
+"""Whether the core gives the same bits on another processor, from the same inputs.
+
+    python tests/package/digest_of_given_inputs.py write inputs.npz    # on one machine: inputs, and a line of hashes
+    python tests/package/digest_of_given_inputs.py read inputs.npz     # on the other: the line has to be the same
+
+level_digest.py draws its inputs where it runs, and NumPy's linear algebra rounds differently on other processors.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+from level_digest import METHODS, core, digest, pair_options, stress_draws
+
+
+def written_inputs(path: Path) -> None:
+    arrays: dict[str, np.ndarray] = {}
+    for k, d in enumerate(stress_draws()):
+        arrays |= {f"{k}.p": d.p.polytope.vertices, f"{k}.r": d.r.polytope.vertices}
+        arrays |= {f"{k}.poses_p": d.poses_p, f"{k}.poses_r": d.poses_r}
+    np.savez(path, **arrays)
+
+
+def hashes(path: Path) -> dict[str, str]:
+    """Of bodies built from the vertices, and of verdicts and stages of these bodies at the poses."""
+    given = np.load(path)
+    bodies, verdicts = [], []
+    for k in range(len(given.files) // 4):
+        p, r = (core.Body.from_points(np.ascontiguousarray(given[f"{k}.{name}"]), 0.0) for name in "pr")
+        bodies += [p.serialise(), r.serialise()]
+        for method in METHODS:
+            found = core.intersect_batch(p, given[f"{k}.poses_p"], r, given[f"{k}.poses_r"], pair_options(method))
+            verdicts += [found[0].tobytes(), found[1].tobytes()]
+    return {"bodies": digest(bodies), "pairs": digest(verdicts)}
+
+
+if __name__ == "__main__":
+    how, file = sys.argv[1], Path(sys.argv[2])
+    if how == "write":
+        written_inputs(file)
+    print(json.dumps(hashes(file)))
