@@ -1,4 +1,4 @@
-// What bodies need posed for a block of states, computed when it is first asked for in the block.
+// Per body, a value posed for a block of states, computed when the block first asks for it.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,10 @@ class PosedInBlock {
  public:
   explicit PosedInBlock(std::size_t bodies = 0) : values_(bodies), block_of_(bodies) {}
 
-  // Before the first question of a block.
+  // Starts a new block.
   void begin() { ++block_; }
 
-  // pose(value) sets a body's value; of one that is fixed only once.
+  // pose(value) computes a body's value: once a block, or only once if the body is fixed.
   template <class Pose>
   const Value& of(std::size_t body, bool fixed, Pose pose) {
     Value& value = values_[body];
@@ -28,7 +28,7 @@ class PosedInBlock {
 
  private:
   std::vector<Value> values_;
-  std::vector<std::uint64_t> block_of_;  // that a body was posed for last
+  std::vector<std::uint64_t> block_of_;  // for which a body was posed last
   std::uint64_t block_ = 1;
 };
 

@@ -8,7 +8,7 @@
 namespace plannercheck {
 namespace {
 
-// Bodies are off rigid by 3.6e-6 at most (plannercheck/robots/unit_lengths.py), so they stretch by half of that.
+// Bodies are off rigid by at most 3.6e-6 (plannercheck/robots/unit_lengths.py), so they stretch by half of that.
 constexpr double kPosedStretch = 1 + 4e-6;
 
 struct Ball {
@@ -25,8 +25,8 @@ double radius_around(const std::vector<Vec3>& points, Vec3 centre, Vec3* furthes
   return std::sqrt(most);
 }
 
-// A ball about as small as any that holds the points, by walking towards the furthest one in ever smaller steps (Badoiu
-// and Clarkson's core sets: after n steps the radius is within about 1/n of the least).
+// A ball that holds the points and is nearly as small as possible: its centre walks towards the furthest point in ever
+// smaller steps (Badoiu and Clarkson's core sets: after n steps the radius is within about 1/n of the least).
 Ball small_ball(const Body& body) {
   constexpr int kSteps = 128;
   const std::vector<Vec3>& points = body.inner.points;

@@ -1,4 +1,4 @@
-// A ball around a body that hangs on a link, in floats, and what its radius has to be once it is posed.
+// A ball around a body that hangs on a link, in floats, and the radius that it needs once posed.
 #pragma once
 
 #include <array>
@@ -13,16 +13,16 @@ struct BoundingBall {
   std::int32_t link;
   std::array<float, 3> centre;  // in the link's frame
   float radius;
-  float room;  // for the rounding of posing it, besides that of the posed centre
+  float room;  // rounding of posing, besides that of the posed centre
 
-  // Of the posed ball, so that it holds the body in spite of all rounding, that of this sum included.
+  // Radius of the posed ball: it holds the body in spite of all rounding, including that of this sum.
   Floats radius_at(Floats x, Floats y, Floats z) const {
     return radius_at(x, y, z, Floats{} + radius, Floats{} + room);
   }
   static Floats radius_at(Floats x, Floats y, Floats z, Floats radius, Floats room);
 
-  // Floats err by u = 2^-24: a ball's centre c is posed from rounded numbers by three products and sums, which errs by
-  // at most 6u of the posed centre and 17u of |c|, |.|_1 at least. This covers both, posing vertices in doubles, and
+  // Floats err by u = 2^-24. Posing a ball's centre c from rounded numbers takes three products and sums and errs by at
+  // most 6u of the posed centre and 17u of |c|, in |.|_1. This constant also covers posing vertices in doubles and
   // computing the bound itself.
   static constexpr double kCentreError = 0x1p-19;
 };

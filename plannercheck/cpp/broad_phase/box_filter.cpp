@@ -6,18 +6,18 @@
 namespace plannercheck {
 namespace {
 
-// Floats err by u = 2^-24. A pose's and an axis' entries are rounded, and so are three products of them and two sums:
-// an entry of a posed axis errs by 5u, so the product of two axes by at most 22u of |u| |m| <= 1 + 1e-5, and a shadow's
-// half length by that of the edges' sum: kShadow. A posed centre c errs by 6u of its numbers in each entry, at most 6u
-// of its own and 29u of |c| in the link, |.|_1 at least; differences of centres, times an axis, by 13u of both:
-// kCentre. Both leave room for rounding what they are compared with.
+// Floats err by u = 2^-24. The entries of a pose and of an axis are rounded, as are three products of them and two
+// sums: an entry of a posed axis errs by 5u. So the product of two axes errs by at most 22u of |u| |m| <= 1 + 1e-5, and
+// half a projection by that much of the edges' sum: kShadow. A posed centre c errs in each entry by 6u of its numbers,
+// at most 6u of its own and 29u of |c| in the link, in |.|_1. Differences of centres, times an axis, err by 13u of
+// both: kCentre. Both constants leave room for rounding what they are compared with.
 constexpr double kShadow = 0x1p-19, kCentre = 0x1p-19;
-// Of two bodies with less room both centres' |.|_1 are below 2^125, and nothing overflows.
+// If two bodies have less room than this, both centres' |.|_1 are below 2^125, and nothing overflows.
 constexpr float kLargestRoom = 0x1p106F;
-// Bodies are off rigid by δ <= 3.6e-6 (plannercheck/robots/unit_lengths.py). Along the posed axis u of an edge, |u|² <=
-// 1 + δ, the body's own half edges h have the shadow h (1 + δ), the others, whose axes v have |u v| <= δ, δ h each, the
-// swell at most half δ of itself besides; the other body's swell, as a part of its half edges, loses as much. In all
-// below 2 δ of the half edges' sums.
+// Bodies are off rigid by δ <= 3.6e-6 (plannercheck/robots/unit_lengths.py). Take the posed axis u of an edge, |u|² <=
+// 1 + δ. On it, the body's own half edge h projects to h (1 + δ), the other half edges, whose axes v have |u v| <= δ,
+// to δ h each, and the swell grows by at most half δ of itself. The other body's swell, as a part of its half edges,
+// loses as much. In all: below 2 δ of the half edges' sums.
 constexpr double kSkew = 2e-5;
 
 float up(double value) { return std::nextafterf(static_cast<float>(value), __builtin_inff()); }
@@ -80,7 +80,7 @@ unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Wo
   const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
   const Floats room = p.room + q.room;
   const Floats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
-  std::array<Floats, 3> shadow;  // of b's half edges on its own axes and a's on b's
+  std::array<Floats, 3> shadow;  // projections of b's half edges on its own axes and of a's on b's
   for (std::size_t j = 0; j < 3; ++j) shadow[j] = room + half_b[j];
   FloatMask out = {};
 #pragma GCC unroll 3

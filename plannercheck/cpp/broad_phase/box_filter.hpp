@@ -1,7 +1,7 @@
-// Boxes of two bodies in the states of a block: whether a face's plane of one of them separates both, in lanes.
+// Boxes around two bodies in the states of a block: whether a face plane of one box separates both, in lanes.
 //
 // In: posed links of a block, bodies' boxes in their own frames. Out: the states in which two boxes are apart, whatever
-// the rounding. The test of PairFrame::boxes_apart, in floats with more room.
+// the rounding. This is the test of PairFrame::boxes_apart, in floats and with more room for rounding.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@
 
 namespace plannercheck {
 
-// A box in its link's frame, or in the world: rows of `axes` are unit vectors along its edges but for rounding.
+// A box in its link's frame, or in the world: the rows of `axes` are unit vectors along its edges, up to rounding.
 struct BodyBox {
   std::int32_t link;
   std::array<float, 3> centre;
   std::array<std::array<float, 3>, 3> axes;
-  std::array<float, 3> half;  // of its edges, with the body's swell
+  std::array<float, 3> half;  // half the edges, with the body's swell
   bool upright;               // the axes are exactly those of the frame
-  float room;                 // what the axes may be off, times the edges, and the rounding of posing
+  float room;  // for axes that are off rigid, times the edges, and for the rounding of posing
 };
 
 BodyBox body_box(const MountedBody& mounted);
@@ -34,7 +34,7 @@ class BlockBoxes {
   explicit BlockBoxes(std::vector<BodyBox> boxes) : boxes_(std::move(boxes)) {}
 
   struct Posed {
-    std::array<Floats, 9> axes;  // of edge j: entries 3 j …
+    std::array<Floats, 9> axes;  // of edge j: entries 3 j to 3 j + 2
     std::array<Floats, 3> centre;
     Floats room;
   };
@@ -42,11 +42,11 @@ class BlockBoxes {
   typedef PosedInBlock<Posed> Workspace;
   Workspace new_workspace() const { return Workspace(boxes_.size()); }
 
-  // Bit k: in state k the boxes of bodies a and b are apart. `links`: all links' poses, of which only those of boxes
-  // that move count.
+  // Bit k: in state k the boxes of bodies a and b are apart. `links`: the poses of all links; only those of moving
+  // boxes are read.
   unsigned apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& workspace) const;
 
-  // A body's box in the block; posed at the first call.
+  // A body's box in the block, posed at the first call.
   const Posed& posed(RoundedLinks& links, std::size_t body, Workspace& workspace) const;
 
  private:

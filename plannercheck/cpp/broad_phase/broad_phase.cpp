@@ -8,15 +8,16 @@
 namespace plannercheck {
 namespace {
 
-// Of an obstacle's vertices posed in doubles: three products and sums.
+// Of posing an obstacle's vertices in doubles: three products and sums.
 constexpr double kVertexError = 8 * 0x1p-53;
 
-// States in a block from which on lanes over states beat lanes over obstacles, and pairs' boxes one by one (measured).
+// With this many states in a block, lanes over states are faster than lanes over obstacles and than testing pairs'
+// boxes one by one (measured).
 constexpr int kFewStates = 3;
-// Obstacles in a scene up to which testing all of them beats the tree (measured).
+// Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).
 constexpr std::size_t kFewObstacles = 64;
 
-// The box around a body that stands still, with the rounding of its vertices' posing.
+// The box around a body that stands still, with room for the rounding of its posed vertices.
 WorldBox world_box(const MountedBody& mounted) {
   const Body& body = *mounted.body;
   const Pose& pose = mounted.placement;
@@ -37,7 +38,7 @@ WorldBox world_box(const MountedBody& mounted) {
 BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
                        const std::vector<bool>& lasting, std::size_t links, const SampledPoses& sampled)
     : links_(links), pairs_(pairs), obstacles_(0), tree_({}) {
-  // A mover's or an obstacle's place, in the order of the bodies.
+  // The index of a body among the movers or among the obstacles, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
   std::vector<bool> used(bodies.size(), false);
   for (const auto& pair : pairs) {
@@ -153,7 +154,7 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
   }
 }
 
-// A collision that lasts is all there is to know of any state.
+// A permanent collision decides every state.
 void BroadPhase::take_lasting(int count, Workspace& w) const {
   w.overlapping = (1U << count) - 1;
   w.skipped = count * (static_cast<long>(pairs_.size()) - 1);
@@ -218,7 +219,7 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
   }
 }
 
-// Around the movers in each state. Their balls have room for the rounding of one more sum.
+// The box around the company's movers in each state. The balls' radii have room for the rounding of one more sum.
 BroadPhase::FloatBox BroadPhase::around(const Company& company, const std::vector<Balls>& balls) const {
   const Floats infinity = Floats{} + __builtin_inff();
   FloatBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
@@ -231,7 +232,7 @@ BroadPhase::FloatBox BroadPhase::around(const Company& company, const std::vecto
     }
     total += balls[m].radius;
   }
-  // A radius is infinite or no number where its centre is: such a ball may be anywhere.
+  // A ball whose centre is infinite or NaN has such a radius, too, and may be anywhere.
   const FloatMask known = total < infinity;
   for (std::size_t i = 0; i < 3; ++i) {
     out.low[i] = known ? out.low[i] : -infinity;
@@ -287,7 +288,7 @@ void BroadPhase::test_boxes(Workspace& w) const {
   }
 }
 
-// States that are found leave at once.
+// Finds states that surely collide; these are dropped at once.
 void BroadPhase::find_overlaps(Workspace& w) const {
   w.overlaps.begin();
   for (const Candidate& candidate : w.candidates) {

@@ -1,10 +1,10 @@
-// Which pairs of bodies may touch, for eight states at once: bounding balls among moving bodies and against obstacles'
-// boxes, of which many are in a tree; then, of the pairs left, those that surely share a point by balls and boxes
-// inside them, and those that boxes around them separate.
+// Which pairs of bodies may touch, for eight states at once. Bounding balls are tested among moving bodies, and against
+// obstacles' boxes, in a tree where these are many. Of the pairs left, balls and boxes inside bodies prove collisions,
+// and boxes around bodies prove others apart.
 //
-// In: posed links of a block of states, in lanes. Out: the states that surely collide, if that is all that counts, and
-// for each other one the pairs that no bound settles. Every bound is proved with its rounding, so that none of these
-// filters can change a verdict. Immutable; what it finds and the balls it poses are the caller's.
+// In: posed links of a block of states, in lanes. Out: the states that surely collide, if only that counts, and for
+// every other state the pairs that no bound decides. Every bound is proved with its rounding, so no filter changes a
+// verdict. Immutable; the workspace for results and posed balls is the caller's.
 #pragma once
 
 #include <array>
@@ -26,7 +26,8 @@ namespace plannercheck {
 
 class BroadPhase {
  public:
-  // `lasting`: by pair, whether its bodies both stand still and share a point. Others that stand still are apart.
+  // `lasting`: for each pair, whether both bodies stand still and share a point. Other pairs that stand still are
+  // apart.
   BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
              const std::vector<bool>& lasting, std::size_t links, const SampledPoses& sampled);
 
@@ -35,7 +36,7 @@ class BroadPhase {
     Floats x, y, z, radius;
   };
 
-  // A pair, and a bit for each state in which it may touch.
+  // A pair and the states in which it may touch, one bit each.
   struct Candidate {
     std::int32_t pair;
     unsigned states;
@@ -48,25 +49,25 @@ class BroadPhase {
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
     std::vector<Candidate> candidates;
-    std::vector<std::int32_t> found, reached;                  // obstacles, by one state's ball and by any
-    std::vector<unsigned> states;                              // that reach an obstacle; 0 between searches
+    std::vector<std::int32_t> found, reached;  // obstacles near the ball: in one state, in any state
+    std::vector<unsigned> states;  // per obstacle, those in which it is near; 0 between searches
     std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
-    bool boxed = false;                                        // boxes have been tested
-    long boxes_apart = 0;                                      // pairs settled by that
+    bool boxed = false;  // whether boxes have been tested
+    long boxes_apart = 0;  // pairs that the boxes separate
     unsigned overlapping = 0;                                  // states in which some pair surely shares a point
-    long skipped = 0;                                          // their other pairs
+    long skipped = 0;  // other pairs of these states
   };
   Workspace new_workspace() const;
 
-  // What to try on pairs whose balls meet.
+  // Filters for pairs whose balls meet.
   struct Filters {
-    bool overlaps;  // finds states that surely collide, whose other pairs are then left out
-    bool boxes;     // tested only for so many states that it pays
+    bool overlaps;  // finds states that surely collide, whose other pairs are then skipped
+    bool boxes;  // used only where there are enough states for it to pay
   };
 
   // Fills `near` for the first `count` states.
   void find(const Lanes* links, int count, Filters filters, Workspace& workspace) const;
-  // The same without any bound: all pairs.
+  // The same without bounds: all pairs.
   void take_all(int count, Workspace& workspace) const;
 
  private:
@@ -75,7 +76,7 @@ class BroadPhase {
     std::int32_t pair;
   };
 
-  // A box in each state: around an obstacle, in all the same, or around some movers.
+  // A box in each state: around an obstacle (the same in all states), or around some movers.
   struct FloatBox {
     std::array<Floats, 3> low, high;
   };
@@ -84,7 +85,7 @@ class BroadPhase {
   std::vector<std::array<std::int32_t, 2>> pairs_;
   std::vector<BoundingBall> movers_;  // around bodies that hang on links
   std::vector<MovingPair> moving_pairs_;
-  std::vector<std::int32_t> lasting_pairs_;  // that collide in every state
+  std::vector<std::int32_t> lasting_pairs_;  // these collide in every state
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;  // pair_of_[mover * obstacles_ + obstacle], or −1
   std::vector<std::int32_t> hunters_;  // movers that have a pair with an obstacle

@@ -1,4 +1,4 @@
-// Links' poses in the states of a block, rounded to floats when they are first asked for in the block.
+// Links' poses in the states of a block, rounded to floats when the block first asks for them.
 #pragma once
 
 #include "broad_phase/block_cache.hpp"
@@ -10,7 +10,7 @@ class RoundedLinks {
  public:
   explicit RoundedLinks(std::size_t links = 0) : links_(links), rounded_(links) {}
 
-  // `poses`: of a block's links (state_block.hpp), which are read later.
+  // `poses`: of a block's links (state_block.hpp); they have to outlive the block.
   void begin(const Lanes* poses) {
     poses_ = poses;
     rounded_.begin();

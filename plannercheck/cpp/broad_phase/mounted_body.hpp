@@ -1,4 +1,4 @@
-// A prepared body where it belongs: on a link of the robot, or in the world.
+// A prepared body with its placement: on a link of the robot, or in the world.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace plannercheck {
 
-// A link's pose times a placement on it: these operations, in this order, for every verdict and every pose given out.
+// A link's pose times a placement on it. Every verdict and every pose given out uses these operations in this order.
 inline Pose placed_on(const std::array<double, 12>& link, const Pose& placement) {
   const auto& p = placement.m;
   Pose out;

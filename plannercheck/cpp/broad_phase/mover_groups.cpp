@@ -9,12 +9,12 @@
 namespace plannercheck {
 namespace {
 
-constexpr std::size_t kMostMovers = 8;  // larger ones never paid, with any of the shipped robots
-// Of testing a body against an obstacle, and of making the box around a company, in tests of that box: by their
-// instructions.
+constexpr std::size_t kMostMovers = 8;  // larger ones never paid off with any of the shipped robots
+// Costs in units of one test of a company's box, by instructions: of testing a body against an obstacle, and of making
+// the box around a company.
 constexpr double kBodyCost = 1.5, kCompanyCost = 3;
 
-// Around all movers of a company, by state.
+// The box around all movers of a company, by state.
 typedef std::vector<WorldBox> Extent;
 
 constexpr double kFarthest = std::numeric_limits<double>::infinity();
@@ -57,11 +57,12 @@ std::vector<std::int32_t> obstacles_of(std::size_t first, std::size_t last, std:
 
 }  // namespace
 
-// The cheapest way to cut the row of movers into companies, by the last company of each beginning of the row.
+// The cheapest way to cut the row of movers into companies: for each prefix of the row, the last company of its best
+// cut.
 std::vector<Company> companies(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
                                const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled) {
   const std::size_t n = movers.size(), size = sampled.states == 0 ? 0 : sampled.poses.size() / sampled.states;
-  std::vector<double> cost(n + 1, kFarthest);  // of the first movers
+  std::vector<double> cost(n + 1, kFarthest);  // of the first i movers
   std::vector<std::size_t> begin(n + 1, 0);    // of their last company
   cost[0] = 0;
   for (std::size_t first = 0; first < n; ++first) {

@@ -1,8 +1,8 @@
-// Which moving bodies are tested together against obstacles: neighbours in a chain, which a box around all of them
-// keeps apart from most obstacles at once.
+// Which moving bodies are tested together against obstacles: neighbours in a chain, whose common box keeps them apart
+// from most obstacles at once.
 //
-// In: balls around bodies on links, obstacles' boxes, pairs, links' poses in some states. Out: companies, chosen so
-// that in those states, eight at a time, there is least to test. Any choice is right; it only costs more or less.
+// In: balls around bodies on links, obstacles' boxes, pairs, links' poses in sampled states. Out: the companies that
+// need the fewest tests in these states, eight at a time. Any choice gives the same verdicts; only its cost differs.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace plannercheck {
 
-// Movers that follow one another, and the obstacles that some of them have a pair with.
+// Consecutive movers, and the obstacles with which some of them have a pair.
 struct Company {
   std::size_t first, last;
   std::vector<std::int32_t> obstacles;

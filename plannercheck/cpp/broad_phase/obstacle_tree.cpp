@@ -63,7 +63,7 @@ void ObstacleTree::collect(const FloatSphere& sphere, std::vector<std::int32_t>&
       const std::int32_t child = node.child[static_cast<std::size_t>(__builtin_ctz(left))];
       if (child >= 0) {
         waiting[count++] = child;
-      } else if (child != kNothing) {  // which is near only if the sphere is not finite
+      } else if (child != kNothing) {  // such a child is near only if the sphere is not finite
         found.push_back(~child);
       }
     }

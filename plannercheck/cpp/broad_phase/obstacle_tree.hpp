@@ -1,8 +1,8 @@
-// Which obstacles a sphere comes near: a tree over their axis-aligned boxes in the world, eight children a node.
+// Which obstacles a sphere may touch: a tree over their axis-aligned boxes in the world, eight children a node.
 //
-// In: boxes of bodies that never move, later spheres in float32. Out: all boxes that a sphere may touch.
-// One node is tested in one pass over eight lanes of floats. Boxes are rounded outwards, a comparison leaves room for
-// its own rounding: no box that the sphere touches is missed, and NaN counts as near.
+// In: boxes of bodies that never move; then spheres in float32. Out: all boxes that a sphere may touch. A node is
+// tested in one pass over eight float lanes. Boxes are rounded outwards and comparisons leave room for their own
+// rounding, so no box that the sphere touches is missed; NaN counts as near.
 #pragma once
 
 #include <array>
@@ -24,23 +24,23 @@ struct WorldBox {
   Vec3 twice_centre() const { return low + high; }
 };
 
-// The box around some of the boxes.
+// The box around a range of the boxes.
 WorldBox box_around(const std::vector<WorldBox>& boxes, IndexRange range);
 
-// A ball in the world that holds what it stands for: the rounding of its centre is part of the radius.
+// A ball in the world that holds the body it bounds; its radius includes the rounding of its centre.
 struct FloatSphere {
   float x, y, z;
-  float limit;  // squared distances above it are proved to be beyond the radius: see `far_beyond`
+  float limit;  // larger squared distances are proved to exceed the radius; see `far_beyond`
 };
 
-// What squared distances of floats have to exceed to prove that lengths exceed a radius: differences err by 2^-24 of
-// themselves, squares and sums by three times as much, products that underflow by 2^-149 each.
+// The limit that a squared distance in floats has to exceed, to prove that the distance exceeds a radius. Differences
+// err by 2^-24 of themselves, squares and sums by three times as much, products that underflow by 2^-149 each.
 template <class Number>
 Number far_beyond(Number radius) {
   return radius * radius * (1 + 0x1p-20F) + 1e-40F;
 }
 
-// How far coordinates lie outside of intervals, up to the sign; 0 inside. What is no number stays so.
+// How far coordinates lie outside of intervals, up to the sign; 0 inside; NaN stays NaN.
 template <class Low, class High>
 Floats beyond(Floats c, Low low, High high) {
   const Floats lowest = low - Floats{}, highest = high - Floats{};
@@ -48,7 +48,7 @@ Floats beyond(Floats c, Low low, High high) {
   return c - (at_least < highest ? at_least : highest);
 }
 
-// To the next float where it is no float.
+// The next float below a double that is no float.
 inline float rounded_down(double value) {
   const auto rounded = static_cast<float>(value);
   return static_cast<double>(rounded) > value ? std::nextafterf(rounded, -std::numeric_limits<float>::infinity())

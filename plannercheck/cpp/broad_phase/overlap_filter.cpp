@@ -7,17 +7,17 @@
 namespace plannercheck {
 namespace {
 
-// Bounds in floats, u = 2^-24, for bodies posed by M, off rigid by δ <= 3.6e-6: lengths change by 0.51 δ at most. A
+// Bounds in floats, u = 2^-24, for bodies posed by M, off rigid by δ <= 3.6e-6: lengths change by at most 0.51 δ. A
 // ball's centre, posed from rounded numbers by three products and sums, errs by 6u of its own |.|_1 and 17u of that in
-// the link: half of kPosingError. The box' middle errs by its room at most (box_filter.cpp), of which twice is taken:
-// the other half, at least 2e-5 of the half edges' sum e, is for the rest. With r and ρ the radii:
-// - posing shrinks them to 1 − 0.51 δ of themselves at least;
-// - with w the centre less the middle, its coordinates A w in the box' frame err by (15u + 1.01 δ) |w| besides, A being
-//   M's transpose in floats in place of its inverse, and by 6u |w| more: |w| <= e + 2 (r + ρ) if the test says yes;
+// the link: half of kPosingError. The middle of the box errs by at most its room (box_filter.cpp). Twice that room is
+// taken; the other half, at least 2e-5 of the half edges' sum e, covers the following. Let r and ρ be the radii:
+// - posing shrinks them to at least 1 − 0.51 δ of themselves;
+// - let w be the centre less the middle. Its coordinates A w in the box' frame err by (15u + 1.01 δ) |w|, since A is M's
+//   transpose in floats in place of its inverse, and by 6u |w| more; |w| <= e + 2 (r + ρ) if the test says yes;
 // - the distance from the box, its square, and rounding the box itself err by 10u (e + r + ρ);
 // - posing stretches that distance, which is at most r + ρ, by 0.51 δ of itself.
 // In all that is (1.01 δ + 31u) e + (3.04 δ + 52u)(r + ρ) < 5.5e-6 e + 1.41e-5 (r + ρ). The part of r is less than what
-// kShrunk takes off r; and as ρ <= e, the rest is below 1.97e-5 e, which is less than the room's other half.
+// kShrunk takes off r. As ρ <= e, the rest is below 1.97e-5 e, which is less than the room's other half.
 constexpr double kPosingError = 0x1p-18, kShrunk = 1 - 2e-5;
 // Squares of shorter lengths lose bits to underflow.
 constexpr float kShortest = 1e-16F;

@@ -1,7 +1,7 @@
-// States of a block in which a ball inside one body overlaps a box inside another, in lanes.
+// The states of a block in which a ball inside one body overlaps a box inside another, in lanes.
 //
 // In: posed links of a block, the boxes that box_filter.hpp poses. Out: states in which a pair surely shares a point,
-// whatever the rounding: most of those in which it does.
+// whatever the rounding; these are most of the states in which it does.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class BlockOverlaps {
   BlockOverlaps() = default;
   BlockOverlaps(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs);
 
-  // Surely inside the body if the radius is positive.
+  // It is surely inside the body if the radius is positive.
   struct PosedBall {
     Floats x, y, z, radius;
   };
@@ -30,8 +30,8 @@ class BlockOverlaps {
   typedef PosedInBlock<PosedBalls> Workspace;
   Workspace new_workspace() const { return Workspace(balls_.size()); }
 
-  // Bit k: in state k the pair surely shares a point. `links`: all links' poses, of which only those of bodies that
-  // move count.
+  // Bit k: in state k the pair surely shares a point. `links`: the poses of all links; only those of moving bodies are
+  // read.
   unsigned overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes, BlockBoxes::Workspace& posed_boxes,
                    Workspace& workspace) const;
 
@@ -41,7 +41,7 @@ class BlockOverlaps {
     float radius;
   };
 
-  // Of a body that moves, in its link's frame.
+  // The balls inside a body that moves, in its link's frame.
   struct Balls {
     std::int32_t link = -1;
     std::size_t count = 0;
@@ -49,14 +49,14 @@ class BlockOverlaps {
     float room = 0;  // for the rounding of posing, besides that of a posed centre
   };
 
-  // Of any body, in its own frame relative to the middle of the box around it; rounded by `radius`.
+  // The box inside any body, in the body's own frame, relative to the middle of the box around it; rounded by `radius`.
   struct Box {
     bool exists = false;
     std::array<float, 3> low, high;
     float radius = 0;
   };
 
-  // Which body of a pair brings the balls and which the box; −1 if none can.
+  // Which body of a pair gives the balls and which the box; −1 if neither can.
   struct Roles {
     std::int32_t balls = -1, box = -1;
   };

@@ -1,5 +1,5 @@
-// Sample poses used to choose the groups of movers (mover_groups.hpp). A header of its own, free of lanes, since the
-// bindings make them: mover_groups.hpp has lanes of floats.
+// Sample poses used to choose the groups of movers (mover_groups.hpp). This header is free of lanes, as the bindings
+// make the poses; mover_groups.hpp has lanes of floats.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace plannercheck {
 
-// Of all links, row-major 4x4.
+// Poses of all links, row-major 4x4.
 struct SampledPoses {
   std::vector<double> poses;
   std::size_t states = 0;

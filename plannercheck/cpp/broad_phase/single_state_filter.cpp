@@ -47,7 +47,7 @@ std::vector<BodyLanes::Row> BodyLanes::rows(const std::vector<Partner>& partners
   return out;
 }
 
-// In doubles, as the links are: no worse than what the balls' room is for.
+// Poses in doubles, as the links are; the balls' room covers it.
 void BodyLanes::pose(const Lanes* links, std::size_t state, Workspace& posed) const {
   const Lanes* const group = links + pose_index(links_, state / kLanes, 0);
   const std::size_t lane = state % kLanes;

@@ -1,8 +1,8 @@
-// Which bounding balls of one state meet each other and boxes around obstacles: lanes over bodies, for single states,
-// which would leave lanes over states empty.
+// Which bounding balls of one state meet each other and the boxes around obstacles. Its lanes run over bodies, for
+// single states, which would leave lanes over states empty.
 //
 // In: posed links of a block, of which one state counts; balls around bodies on links; boxes. Out: the pairs that may
-// touch, by the same comparisons as in lanes over states. Immutable; posed balls are the caller's.
+// touch, by the same comparisons as in lanes over states. Immutable; the workspace of posed balls is the caller's.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class BodyLanes {
   };
 
   BodyLanes() = default;
-  // `links`: of the robot.
+  // `links`: how many the robot has.
   BodyLanes(std::vector<BoundingBall> balls, std::size_t links, const std::vector<WorldBox>& boxes,
             const std::vector<Partner>& balls_with_balls, const std::vector<Partner>& balls_with_boxes);
 
@@ -48,17 +48,17 @@ class BodyLanes {
   void find(const Workspace& posed, Found found) const;
 
  private:
-  // Eight of the others, and a bit for each that the ball has a pair with.
+  // Eight partners, and a bit for each with which the ball has a pair.
   struct Eight {
     std::size_t index;
     unsigned paired;
   };
 
-  // All partners of a ball.
+  // All partners of one ball.
   struct Row {
     std::size_t ball;
-    std::vector<Eight> eights;        // those with a pair at least
-    std::vector<std::int32_t> pairs;  // by the other one
+    std::vector<Eight> eights;  // those with at least one pair
+    std::vector<std::int32_t> pairs;  // by partner
   };
 
   struct Sizes {
@@ -78,7 +78,7 @@ class BodyLanes {
   std::vector<BoundingBall> balls_;
   std::size_t links_ = 0;
   std::vector<Sizes> sizes_;  // of eight balls
-  std::vector<Boxes> boxes_;  // eight of them
+  std::vector<Boxes> boxes_;  // of eight obstacles
   std::vector<Row> ball_rows_, box_rows_;
 };
 

@@ -1,4 +1,4 @@
-// States that are judged together, one a float lane.
+// States that are tested together, one in each float lane.
 #pragma once
 
 #include <array>
@@ -9,10 +9,10 @@
 namespace plannercheck {
 
 inline constexpr int kBlockStates = kFloats;
-inline constexpr int kBlockGroups = kBlockStates / kLanes;  // of Lanes that hold a number of each of them
+inline constexpr int kBlockGroups = kBlockStates / kLanes;  // groups of Lanes that hold one number of each state
 static_assert(kBlockGroups * kLanes == kBlockStates);
 
-// Link poses of a block: number i of the row-major 3x4 matrix of a link, for the states of a group.
+// Index into the link poses of a block: number i of the row-major 3x4 matrix of a link, for the states of a group.
 inline std::size_t pose_index(std::size_t links, std::size_t group, std::size_t link) {
   return (group * links + link) * 12;
 }

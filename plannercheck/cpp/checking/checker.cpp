@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
-// Which pairs share a point although both bodies stand still. Others that do so are apart: no state asks again.
+// Which pairs share a point although both bodies stand still. Other pairs that stand still are apart, so no state tests
+// either kind again.
 std::vector<bool> lasting_collisions(const std::vector<MountedBody>& bodies,
                                      const std::vector<std::array<std::int32_t, 2>>& pairs,
                                      const PairOptions& options) {
@@ -41,7 +42,7 @@ CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more) {
 
 struct CheckerCore::Workspace {
   CheckerCounters counters;
-  std::vector<Lanes> columns, links;  // of a block's groups: configurations, link poses
+  std::vector<Lanes> columns, links;  // of a block's groups: configurations and link poses
   LinkPoser poser;
   BroadPhase::Workspace broad_phase;
   std::vector<CachedPlane> planes;         // per pair

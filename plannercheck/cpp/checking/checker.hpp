@@ -1,8 +1,8 @@
-// Verdicts for sets of configurations: posing and bounds for blocks of states in lanes, then tests of the pairs left.
+// Verdicts for sets of configurations: blocks of states are posed and bounded in lanes, then the pairs left are tested.
 //
 // In: posed links (from the kinematics kernel or given), bodies on links, pairs of bodies. Out: for each configuration
 // whether some pair shares a point, and which. Immutable: each thread brings a workspace, which holds what is learnt.
-// Free of lanes, whose number differs between instruction sets: those are checker.cpp's own.
+// This header is free of lanes, whose number differs between instruction sets; only checker.cpp uses them.
 #pragma once
 
 #include <array>
@@ -18,14 +18,14 @@
 
 namespace plannercheck {
 
-// Every pair of every state is counted once, by what settled it.
+// Every pair of every state is counted once, by what decided it.
 struct CheckerCounters {
   long states = 0, pairs = 0;
-  long bounds = 0;                     // balls that do not meet, obstacles' boxes out of reach, what stands still apart
-  long boxes = 0;                      // boxes that a face's plane separates
+  long bounds = 0;  // balls that do not meet, obstacles' boxes out of range, static pairs that are apart
+  long boxes = 0;  // boxes separated by a face plane
   long overlaps = 0;                   // balls inside one body that meet a box inside the other
   std::array<long, kStages> stages{};  // of the pair test
-  long skipped = 0;                    // the state's verdict was known already
+  long skipped = 0;  // the state's verdict was already known
   PairCounters pair;
 };
 
@@ -35,48 +35,48 @@ struct CheckerOptions {
   PairOptions pair;
   bool bounds = true;  // balls and the tree of obstacles
   bool boxes = true;
-  bool overlaps = true;  // of balls inside bodies with boxes inside others, where any collision will do
-  bool learning = true;  // the pair that collided most often first, where any collision will do
+  bool overlaps = true;  // of balls inside bodies with boxes inside others, where any collision decides
+  bool learning = true;  // tests the pair that collided most often first, where any collision decides
 };
 
-// What a state's verdict depends on: whether any pair shares a point, or which ones do.
+// What a state's verdict depends on: whether any pair shares a point, or which ones.
 enum class Sought { kAnyCollision, kWhichCollide };
 
 class BroadPhase;
 
 class CheckerCore {
  public:
-  // `sampled`: states by which it is decided what is tested together; they make no verdict.
+  // `sampled`: states that determine which bodies are tested together; they have no effect on verdicts.
   CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
               CheckerOptions options, const SampledPoses& sampled);
 
-  // What one thread poses, bounds, learns and counts.
+  // The poses, bounds, learnt order and counts of one thread.
   struct Workspace;
   std::shared_ptr<Workspace> new_workspace() const;
-  // What has been counted since the last call.
+  // The counts since the last call.
   static CheckerCounters take_counters(Workspace& workspace);
 
   std::size_t body_count() const { return bodies_.size(); }
   std::size_t pair_count() const { return pairs_.size(); }
   std::int32_t link_count() const { return links_; }
 
-  // The pose of a body: its link's pose times its placement, the same bits as in every verdict. `links`: the links'
+  // The pose of a body, its link's pose times its placement: the same bits as in every verdict. `links`: the links'
   // poses, row-major 4x4.
   Pose body_pose(std::size_t body, const double* links) const;
 
-  // For each of n configurations (n, width): whether no pair shares a point.
+  // Whether no pair shares a point, for each of n configurations (n, width).
   void check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
                     Workspace& workspace) const;
-  // The index of the first pair that shares a point, in the order of the table, or −1.
+  // The index of the first pair in the table that shares a point, or −1.
   void first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
                         Workspace& workspace) const;
-  // The same for links that are posed already: n times link_count() matrices, row-major 4x4.
+  // The same for links that are already posed: n times link_count() matrices, row-major 4x4.
   void first_collisions(const double* links, std::size_t n, std::int32_t* first, Workspace& workspace) const;
   // The same for every pair: colliding[i * pair_count() + k] for configuration i and pair k.
   void all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& workspace) const;
 
-  // Whether the states (1 − t) q0 + t q1 at t = 0, 1/steps, …, 1 are all free; coarse to fine, so that a collision is
-  // met early.
+  // Whether the states (1 − t) q0 + t q1 at t = 0, 1/steps, …, 1 are all free. They are tested coarse to fine, so that
+  // a collision is met early.
   bool motion_is_free(const Kinematics& kinematics, const double* q0, const double* q1, long steps,
                       Workspace& workspace) const;
 
@@ -84,11 +84,11 @@ class CheckerCore {
   std::vector<MountedBody> bodies_;
   std::vector<std::array<std::int32_t, 2>> pairs_;  // guest, host
   std::int32_t links_;
-  std::vector<unsigned char> needed_;  // links that some body of a pair hangs on
+  std::vector<unsigned char> needed_;  // links that carry a body of some pair
   CheckerOptions options_;
   std::shared_ptr<const BroadPhase> broad_phase_;
 
-  // Calls judge(row, state of the block) for every row, the block's links posed and its near pairs found.
+  // Calls judge(row, state of the block) for every row, once the block's links are posed and its near pairs found.
   template <class Judge>
   void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Sought sought, Workspace& workspace,
                   Judge judge) const;

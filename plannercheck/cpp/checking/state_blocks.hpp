@@ -1,6 +1,6 @@
-// Configurations in lanes: blocks of rows as they are given, or of states along a straight motion, coarse to fine.
+// Configurations in lanes: blocks of rows as given, or of states along a straight motion, coarse to fine.
 //
-// Number c of a block's state s is lane s % kLanes of columns[s / kLanes * width + c]. States past the last one repeat
+// Number c of a block's state s is lane s % kLanes of columns[s / kLanes * width + c]. Lanes past the last state repeat
 // it, so that every lane holds a configuration.
 #pragma once
 
@@ -23,7 +23,7 @@ void load_rows(const double* q, std::size_t n, std::size_t width, Lanes* columns
 }
 
 // Whether the states (1 − t) q0 + t q1 at t = 0, 1/steps, …, 1 are all free, by blocks of `states`; coarse to fine, so
-// that a collision is met early. all_free(n): whether the first n states of the columns are.
+// that a collision is met early. all_free(n) says whether the first n states of the columns are free.
 template <std::size_t states, class AllFree>
 bool is_free_coarse_to_fine(const double* q0, const double* q1, long steps, std::size_t width, Lanes* columns,
                             AllFree all_free) {

@@ -1,11 +1,12 @@
 // Adaptive subdivision of a motion, in space and in the plane: grids of states, finer where pairs are not settled.
 //
 // In: a run, which poses the grids and measures the pairs; pairs for the first grid. Out: whether all of them are
-// settled, else where and by which pair the motion is refused.
+// settled; if not, where and by which pair the motion is refused.
 //
-// Idea (see motion_certifier.hpp). On each grid all pairs pass the run's filters. What these leave open is taken
-// deepest first: the state that looks most like a collision, the plane found last, a descent on the swept bodies. An
-// interval is cut further for the pairs that nothing settles, until they are settled or found within the tolerance.
+// Idea (see motion_certifier.hpp): on each grid all pairs pass the run's filters. The pairs left open are tried deepest
+// first: at the state that looks most like a collision, by the plane found last, by a descent on the swept bodies. An
+// interval is cut further for the pairs that none of these settles, until they are settled or proved within the
+// tolerance.
 #pragma once
 
 #include <algorithm>
@@ -24,10 +25,10 @@ namespace plannercheck {
 inline constexpr int kIntervals[] = {1, 3, 7, 15, 23, 31};
 inline constexpr std::size_t kGridStates = 32;  // at most
 
-// Into how many intervals one is cut that has pairs left: ε shrinks to a ninth.
+// An interval with pairs left is cut into this many: ε shrinks to a ninth.
 inline constexpr int kCut = 3;
 
-// The smallest first grid on which no point leaves its chords by more than `coarse`, m, given a bound of |p''|.
+// The smallest first grid on which no point leaves its chords by more than `coarse`, m; `curvature`: a bound of |p''|.
 inline int first_intervals(double curvature, double coarse) {
   for (const int n : kIntervals) {
     if (curvature / 8 <= coarse * n * n) return n;
@@ -35,14 +36,14 @@ inline int first_intervals(double curvature, double coarse) {
   return kIntervals[std::size(kIntervals) - 1];
 }
 
-// What separated a pair last: a plane, in 2D a line.
+// The plane (in 2D the line) that separated a pair last.
 template <class Direction>
 struct Plane {
-  std::uint64_t motion = 0;  // by which it was found, 0 if there is none
+  std::uint64_t motion = 0;  // in which it was found; 0 if there is none
   Direction direction;       // in the pair's frame
 };
 
-// Intervals of a pair that the filters leave open, and the state at which its bounds are deepest in each other.
+// Intervals of a pair that the filters leave open, and the state at which the bounds overlap deepest.
 struct OpenPair {
   std::int32_t pair;
   unsigned open;
@@ -50,23 +51,23 @@ struct OpenPair {
   std::size_t state;
 };
 
-// A pair that is not settled on an interval; `refused`: the parameter of an end at which it is within the tolerance, −1
-// if there is none.
+// A pair that is not settled on an interval. `refused`: the parameter of an end at which it is within the tolerance, or
+// −1.
 struct Failure {
   std::size_t interval;
   std::int32_t pair;
   double refused;
 };
 
-// What a thread keeps. Space names the types of space or the plane: Direction, Grid, Open (an OpenPair), Counters, and
-// for a run Pair (two bodies), Poses (of both at a state), Workspace.
+// The data of one thread. Space names the types of space or the plane: Direction, Grid, Open (an OpenPair), Counters
+// and, for a run, Pair (two bodies), Poses (of both at a state), Workspace.
 template <class Space>
 struct SubdivisionWorkspace {
   using Direction = typename Space::Direction;
 
   SubdivisionWorkspace(typename Space::Grid made, std::size_t pairs) : grid(std::move(made)), planes(pairs) {}
 
-  // With that the planes of earlier motions are none of this one's.
+  // After this, planes of earlier motions do not count as planes of this one.
   void begin_motion() {
     ++counters.motions;
     ++motion;
@@ -77,29 +78,31 @@ struct SubdivisionWorkspace {
   std::vector<typename Space::Open> open;
   std::vector<Failure> failures;         // a stack: grids inside grids
   std::vector<Plane<Direction>> planes;  // per pair
-  std::uint64_t motion = 0;              // how many were begun
+  std::uint64_t motion = 0;  // counts the motions begun
   typename Space::Counters counters;
 };
 
-// One motion's check. A class Run derives from it and provides, a pair's index being its row in the table:
+// The check of one motion. A class Run derives from it and provides the following; a pair's index is its row in the
+// table.
 //   pose_grid(from, to, intervals)       poses the states of a grid;
 //   near(index)                          the intervals that spheres or circles leave open of a pair, as bits;
-//   found_open(index, near)              what is open of these, and where it is deepest;
-//   first_direction(open)                in the pair's frame, from b to a, where the motion has no plane of the pair
-//   yet; apart(index)                         a larger gap at both ends of an interval settles it, m; poses(pair,
-//   state)                   those of both bodies and of the pair's frame; gap_at(pair, poses, direction)       m;
-//   swept(pair, poses, count, limit, hint)   a descent at one pose or two, a SweptAnswer;
+//   found_open(index, near)              which of these boxes leave open, and where the bounds are deepest;
+//   first_direction(open)                where the motion has no plane of the pair yet; pair's frame, from b to a;
+//   apart(index)                         a larger gap at both ends of an interval settles it, m;
+//   poses(pair, state)                   the poses of both bodies and of the pair's frame;
+//   gap_at(pair, poses, direction)       the gap along the direction, m;
+//   swept(pair, poses, count, limit, hint)  a descent at one pose or two: a SweptAnswer;
 //   touches(state of a pair, state)      whether no interval at the state can be settled;
 //   proves_clear(state of a pair, state) whether the pair is more than the tolerance apart there;
-//   fail(state of a pair, interval)      what to do where plane and descent settle nothing, by `end_within` and
-//   `leave`; proof(state of a pair, from, to, least gap of both ends).
+//   fail(state of a pair, interval)      called where plane and descent settle nothing; uses `end_within`, `leave`;
+//   proof(state of a pair, from, to, least gap of both ends).
 template <class Run, class Space>
 class AdaptiveSubdivision {
  public:
   using Direction = typename Space::Direction;
   using Proofs = std::vector<IntervalProof<Direction>>;
 
-  // Looks for the first place where the motion is refused. With `proofs`, notes down those of all pairs.
+  // Looks for the first place where the motion is refused. With `proofs`, records the proofs of all pairs.
   void in_order(Proofs* proofs) { ordered_ = true, proofs_ = proofs; }
 
  protected:
@@ -116,17 +119,17 @@ class AdaptiveSubdivision {
   Proofs* proofs_ = nullptr;
   MotionReport report_;
 
-  // What is known of a pair on the grid, besides its plane.
+  // What is known of a pair on the grid, apart from its plane.
   struct PairState {
     const Pair& pair;
     std::int32_t index;
     double apart;
     Plane<Direction>& plane;
-    unsigned measured = 0, checked = 0;  // states whose gap along the plane is known; states that are proved clear
+    unsigned measured = 0, checked = 0;  // states whose gap along the plane is known; states proved clear
     std::array<double, kGridStates> gaps;
   };
 
-  // What a run may replace: the motion's parameter of one of the grids, and a choice of what the next grid poses.
+  // A run may replace these: the motion's parameter for one of the grids, and what the next grid poses.
   double parameter(double t) const { return t; }
   void choose(const std::vector<std::int32_t>&) {}
 
@@ -139,7 +142,7 @@ class AdaptiveSubdivision {
 
   // ----- grids inside grids
 
-  // Whether all pairs are settled on the grid that is placed; if not, the report says where the motion is refused.
+  // Whether all pairs are settled on the current grid; if not, the report says where the motion is refused.
   bool judge_grid(const std::vector<std::int32_t>& candidates) {
     const std::size_t base = w_.failures.size();
     const unsigned all = (1U << w_.grid.intervals()) - 1;
@@ -152,7 +155,7 @@ class AdaptiveSubdivision {
       const Open found = self().found_open(index, near);
       if (found.open != 0) w_.open.push_back(found);
     }
-    // The likeliest to collide first: whose bounds are deepest in each other.
+    // The likeliest to collide first: the pair whose bounds overlap deepest.
     std::sort(w_.open.begin(), w_.open.end(), [](const auto& a, const auto& b) { return a.depth < b.depth; });
     for (const Open& found : w_.open) {
       if (!settle(found)) return false;
@@ -170,7 +173,7 @@ class AdaptiveSubdivision {
     for (std::size_t k = 0; k < failures.size();) {
       const std::size_t interval = failures[k].interval;
       report_.free_until = self().parameter(t[interval]);
-      Failure first{interval, -1, 2};  // the one that is refused first
+      Failure first{interval, -1, 2};  // the earliest one that is refused
       std::vector<std::int32_t> pairs;
       for (; k < failures.size() && failures[k].interval == interval; ++k) {
         if (failures[k].refused >= 0 && failures[k].refused < first.refused) first = failures[k];
@@ -199,7 +202,7 @@ class AdaptiveSubdivision {
   bool settle(const Open& found) {
     PairState s{pairs_[at(found.pair)], found.pair, self().apart(found.pair), w_.planes[at(found.pair)], 0, 0, {}};
     if (s.plane.motion != w_.motion) s.plane = {w_.motion, self().first_direction(found)};
-    // In order, too: what it learns of the plane may decide where rounding does.
+    // In order as well: what this teaches about the plane may decide where rounding does.
     if (found.depth < 0 && self().touches(s, found.state) && !ordered_) {
       return refuse_at(w_.grid.parameter(found.state), found.pair);
     }
@@ -255,13 +258,13 @@ class AdaptiveSubdivision {
 
   // ----- an interval that neither its plane nor a descent settles
 
-  // The parameter of an end at which the pair is within the tolerance, −1 if there is none.
+  // The parameter of an end at which the pair is within the tolerance; −1 if there is none.
   double end_within(PairState& s, std::size_t i) {
     if (!clear(s, i)) return w_.grid.parameter(i);
     return clear(s, i + 1) ? -1 : w_.grid.parameter(i + 1);
   }
 
-  // Whether the pair is proved to be more than the tolerance apart at a state; if not, it is within it.
+  // Whether the pair is proved to be more than the tolerance apart at a state; if not, it is within the tolerance.
   bool clear(PairState& s, std::size_t state) {
     if ((s.checked >> state & 1U) != 0) return true;
     if (!self().proves_clear(s, state)) return false;
@@ -269,7 +272,7 @@ class AdaptiveSubdivision {
     return true;
   }
 
-  // False if the pair is within the tolerance at an end. In order, the interval is looked at further all the same.
+  // False if the pair is within the tolerance at an end. In order, the interval is cut further even then.
   bool leave(PairState& s, std::size_t i, double refused) {
     if (!ordered_ && refused >= 0) return refuse_at(refused, s.index);
     w_.failures.push_back({i, s.index, refused});

@@ -51,7 +51,8 @@ Quaternion exp_of(Vec3 turn, double t) {
   return {v.x, v.y, v.z, std::cos(half)};
 }
 
-// Below this angle the closed forms below cancel and their series, to the terms written, err by less than 1e-15.
+// Below this angle the closed forms below suffer cancellation; their series, to the terms written, err by less than
+// 1e-15.
 constexpr double kSmallAngle = 0.25;
 
 double one_minus_cos(double a) {  // (1 − cos a) / a²
@@ -71,13 +72,13 @@ double inverse_term(double a) {  // (1 − a/2 · cot(a/2)) / a²
   return 1.0 / 12 + s * (1.0 / 720 + s * (1.0 / 30240 + s * (1.0 / 1209600 + s / 47900160)));
 }
 
-// Where the twist (turn, slide) has taken the origin at parameter t.
+// The displacement of the origin under the twist (turn, slide) at parameter t.
 Vec3 carried(Vec3 turn, double angle, Vec3 slide, double t) {
   const Vec3 c = cross(turn, slide);
   return t * (slide + (one_minus_cos(t * angle) * t) * c + (arc_minus_sin(t * angle) * t * t) * cross(turn, c));
 }
 
-// The slide whose twist with this turn carries the origin to `shift` at t = 1.
+// The slide for which the twist with this turn carries the origin to `shift` at t = 1.
 Vec3 slide_to(Vec3 shift, Vec3 turn, double angle) {
   const Vec3 c = cross(turn, shift);
   return shift - 0.5 * c + inverse_term(angle) * cross(turn, c);

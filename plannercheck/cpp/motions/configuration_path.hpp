@@ -1,9 +1,9 @@
-// The straight segment between two configurations, with every joint's own interpolation.
+// The straight segment between two configurations, interpolated joint by joint.
 //
 // In: which columns of a configuration form a circle, a quaternion, or a pose; two configurations. Out: the
 // configuration at any parameter in [0, 1], and how fast each part turns and slides. Idea: every joint moves along a
-// constant twist (a screw), which is what Pinocchio's `interpolate` does: angles and lengths linearly, a (cosine, sine)
-// the short way round, a quaternion by slerp, planar and floating joints by the exponential of one twist.
+// constant twist (a screw), as Pinocchio's `interpolate` does: angles and lengths linearly, a (cosine, sine) the short
+// way round, a quaternion by slerp, planar and floating joints by the exponential of one twist.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,8 @@ struct PathPart {
   std::int32_t column;  // the first one
 };
 
-// Of a part or a joint, for a parameter that goes from 0 to 1: rad, m, and the furthest it gets from its origin, m.
+// How far a part or joint turns (rad) and slides (m) as the parameter goes from 0 to 1, and the furthest that it gets
+// from its origin (m).
 struct Rate {
   double turn = 0, slide = 0, extent = 0;
 };
@@ -35,7 +36,7 @@ class ConfigurationPath {
  public:
   ConfigurationPath(std::size_t width, std::vector<PathPart> parts);
 
-  // Columns that no part covers are interpolated linearly: of continuous joints the caller gives the short way.
+  // Columns that no part covers are interpolated linearly; for continuous joints the caller chooses the short way.
   void set(const double* q0, const double* q1);
 
   // Configurations at n parameters, column by column: q[column * stride + i].
@@ -43,9 +44,9 @@ class ConfigurationPath {
 
   double start(std::int32_t column) const { return q0_[static_cast<std::size_t>(column)]; }
   double end(std::int32_t column) const { return q1_[static_cast<std::size_t>(column)]; }
-  // Of the part that begins at a column.
+  // The rate of the part that begins at a column.
   Rate rate(std::int32_t column) const;
-  // The largest number in both configurations, and how far a circle or quaternion of theirs is off length 1 at most.
+  // The largest number in both configurations; how far any of their circles and quaternions is off length 1.
   double largest() const { return largest_; }
   double off_unit() const { return off_unit_; }
 

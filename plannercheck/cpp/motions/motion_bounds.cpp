@@ -3,12 +3,12 @@
 namespace plannercheck {
 namespace {
 
-// Rounding of rates and sums, some hundred operations, and rotations that are off unit length by their rounding (what
-// is given further off counts in the certifier's slack).
+// Covers the rounding of rates and sums, some hundred operations, and of rotations off unit length by rounding. (Input
+// that is further off counts in the certifier's slack.)
 constexpr double kBoundRounding = 1 + 1e-9;
 
 Rate rate_of(const JointDrive& joint, const ConfigurationPath& path) {
-  if (joint.column < 0) return {};  // held: no chain asks for it
+  if (joint.column < 0) return {};  // a held joint: no chain asks for it
   if (joint.kind == DriveKind::kPart) return path.rate(joint.column);
   const double a = joint.multiplier * path.start(joint.column), b = joint.multiplier * path.end(joint.column);
   const double way = std::fabs(b - a);
@@ -25,7 +25,7 @@ void rates_of(const MotionChains& chains, const ConfigurationPath& path, std::ve
 
 MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::vector<Rate>& rates) {
   MotionBound bound;
-  double turned = 0;  // Σ |ω_i| of the joints before
+  double turned = 0;  // Σ |ω_i| over the joints before this one
   const auto first = static_cast<std::size_t>(chains.first_entry[chain]);
   const auto past = static_cast<std::size_t>(chains.first_entry[chain + 1]);
   for (std::size_t e = first; e < past; ++e) {

@@ -9,7 +9,7 @@
 namespace plannercheck {
 namespace {
 
-// How far a body's points, centre and sphere are from what its placement is seen from, m.
+// How far a body's points, centre and sphere lie from the frame that its placement refers to, m.
 double size_of(const MountedBody& mounted) {
   const double far = norm_1(mounted.placement.translation()) + mounted.body->reach * kStretch;
   return far + mounted.body->reach + 2 * sphere_radius(*mounted.body);
@@ -62,7 +62,7 @@ void MotionCertifier::bound_still() {
   }
 }
 
-// The pairs of a mover with the bodies that stand still and whose boxes meet a box.
+// The pairs of a mover with bodies that stand still and whose boxes meet the given box.
 void MotionCertifier::find_near(std::size_t mover, Vec3 low, Vec3 high, std::vector<std::int32_t>& found) const {
   const std::int32_t* pairs = &pair_of_[mover * still_row_];
   for (std::size_t first = 0; first < still_row_; first += kStep) {

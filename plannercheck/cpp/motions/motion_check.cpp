@@ -1,8 +1,8 @@
-// The check of a motion in space: what adaptive_subdivision.hpp asks of a run.
+// The check of a motion in space: the Run of adaptive_subdivision.hpp.
 //
-// In: a certifier, a workspace, a motion. Out: a report. The first grid is placed by the bounds of the motion, and
-// boxes around whole paths choose the pairs for it. A pair passes spheres, boxes along the plane found last, and hulls
-// along planes of earlier motions, which are hints; gaps and descents are those of swept_distance.hpp.
+// In: a certifier, a workspace, a motion. Out: a report. The bounds of the motion determine the first grid, and boxes
+// around whole paths choose the pairs for it. A pair passes spheres, boxes along the plane found last, and hulls along
+// planes of earlier motions, which are hints. Gaps and descents are those of swept_distance.hpp.
 #include <numeric>
 #include <utility>
 
@@ -14,27 +14,27 @@
 namespace plannercheck {
 namespace {
 
-// The first grid is so fine that no body leaves its chords by more than this, m: coarser ones leave more pairs to the
+// The first grid is so fine that no body leaves its chords by more than this, m. Coarser grids leave more pairs to the
 // costlier tests, finer ones pose more states (measured).
 constexpr double kCoarse = 0.02;
 
-// Boxes that are deeper in each other along a hint than this part of the smaller body's radius: the hulls would have to
-// leave that much of them free, which few do (a sixth of the Panda's pairs).
+// A hint is tried only if the boxes overlap along it by at most this part of the smaller body's radius: deeper, the
+// hulls would have to leave that much of their boxes empty, which few do (a sixth of the Panda's pairs).
 constexpr double kDeepestHint = 1;
 
-// All rounding here (poses of bodies, directions, products, boxes) is some hundred u = 2^-53 of the sizes that enter.
+// All rounding here (poses of bodies, directions, products, boxes) is some hundred u = 2^-53 of the operands.
 constexpr double kRunRounding = 0x1p-42, kUnit = 0x1p-53;
 
-// And for each joint on a chain, as which the frame's computed turn errs, and for each part: the numbers of a
+// In addition, for each joint on a chain the error of the frame's computed turn, and for each part: the numbers of a
 // quaternion between the ends err by up to 62u.
 constexpr double kTurnRounding = 64 * kUnit, kPartRounding = 144 * kUnit;
 
-// Rounding may take at most this part of the tolerance, else the numbers are too large.
+// Rounding may take at most this part of the tolerance; beyond, the numbers are too large.
 constexpr double kRoundingPart = 1.0 / 16;
 
 }  // namespace
 
-// For adaptive_subdivision.hpp.
+// The Space of adaptive_subdivision.hpp.
 struct SpatialMotions {
   using Pair = CertifiedPair;
   using Poses = PosedPair;
@@ -111,15 +111,16 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   void pose_grid(double from, double to, int intervals) { w_.grid.place(kinematics_, w_.path, from, to, intervals); }
 
-  // How far a gap of two bodies may be off, by the sizes of what is computed with:
-  // - kinematics: each body's computed pose is off by an error at the states of the grid, from which follows what is
-  //   proved of exact poses; and the computed poses of any state between are off these by as much again: four errors;
-  // - rounding here, of numbers up to how far any body can be from the world's origin, and placements off rigid, as
-  //   which directions and chords in links' frames are;
-  // - states go along unit quaternions, cosines and sines, while the ends are posed as they are given. A quaternion of
-  //   length 1 + ε and that of length 1 differ as matrices by 4ε at most, a circle by ε; each such part on a body's
-  //   chain moves it by as much of its arm, and both bodies have up to `depth` of them;
-  // - the configurations between the ends, whose numbers err by at most 8u of the ends', which each joint turns into as
+  // How far a gap of two bodies may be off. The bound adds up:
+  // - kinematics: the computed pose of each body is off by at most the kinematic error at the states of the grid, from
+  //   which the proof for exact poses follows; computed poses of states between are off the exact ones by as much
+  //   again: four errors;
+  // - rounding here: of numbers up to how far any body can be from the world's origin; placements that are off rigid,
+  //   and with them directions and chords in links' frames;
+  // - parts off unit length: states go along unit quaternions, cosines and sines, while the ends are posed as given. A
+  //   quaternion of length 1 + ε and that of length 1 differ as matrices by at most 4ε, a circle by ε. Each such part
+  //   on a body's chain moves it by as much of its arm, and both bodies have up to `depth` of them;
+  // - configurations between the ends: their numbers err by at most 8u of the ends', which each joint turns into as
   //   much of its arm.
   void set_rounding(const double* q0, const double* q1, double largest, double arm) {
     double size = 1 + certifier_.still_size_ + certifier_.mounted_size_ + model_.extent + largest / 8 + arm;
@@ -131,7 +132,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     filters_.set_rounding(4 * kinematic_error_ + part * size, size);
   }
 
-  // Pairs of which the boxes around both bodies' whole paths meet, and pairs of two bodies that move.
+  // Finds the pairs whose boxes around whole paths meet, and takes all pairs of two bodies that move.
   void find_candidates() {
     w_.candidates = certifier_.among_self_;
     for (std::size_t m = 0; m < certifier_.movers_.size(); ++m) {
@@ -145,7 +146,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   unsigned near(std::int32_t index) const { return filters_.near(pairs_[at(index)]); }
 
-  // What boxes leave open of a pair: along the plane found last, and along a direction that they suggest.
+  // What boxes leave open of a pair: along the plane found last, and along a direction taken from the boxes.
   DirectedPair found_open(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = model_.pairs[at(index)];
     const Plane<Vec3>& plane = w_.planes[at(index)];
@@ -163,9 +164,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return found;
   }
 
-  // Whether a plane of an earlier motion keeps the pair apart by more than twice the tolerance wherever it is open.
-  // Then it is within the tolerance at no state of this motion, so that the way without hints, which refuses a motion
-  // only by such a state, settles the pair as well. A hint that leaves anything open counts for nothing.
+  // Whether a plane of an earlier motion keeps the pair more than twice the tolerance apart wherever it is open. Then
+  // no state of this motion is within the tolerance. Without hints a pair is refused only by such a state, so it would
+  // be settled as well. A hint that leaves any interval open is discarded.
   bool hint_settles(const CertifiedPair& pair, const DirectedPair& found, Vec3 direction) {
     if (ordered_ || !certifier_.hints_) return false;
     DirectedPair left = found;
@@ -201,7 +202,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return {s.index, from, to, s.plane.direction, gap, filters_.bulge(s.pair)};
   }
 
-  // A pair that is clear at both ends may be settled all the same.
+  // A pair that is clear at both ends may still be settled.
   bool fail(PairState& s, std::size_t i) {
     const double refused = end_within(s, i);
     if (refused < 0 && (plane_settles(s, i) || is_short(s))) {
@@ -211,7 +212,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return leave(s, i, refused);
   }
 
-  // Whether a pair that is clear at an end cannot meet on an interval, as the bodies travel less than the tolerance.
+  // Whether a pair that is clear at an end cannot meet on an interval because its bodies travel less than the
+  // tolerance.
   bool is_short(const PairState& s) {
     const double way = filters_.speed(s.pair) * w_.grid.step();
     return way + filters_.bulge(s.pair) + 4 * filters_.slack() <= tolerance_;
@@ -222,18 +224,18 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return is_apart(s, state, limit) || is_further(s, state, limit);
   }
 
-  // The descent ends early where its simplices are flat; before a motion is refused, the proved bound of the distance
-  // has the last word.
+  // The descent ends early where its simplices are flat. Before a motion is refused, the proved bound of the distance
+  // decides.
   bool is_further(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);
-    if (share_a_point(s, pose)) return false;  // the distance would go on to how deep they are in each other
+    if (share_a_point(s, pose)) return false;  // pair_distance would go on to the penetration depth
     const PairDistance found = pair_distance(posed_a(s, pose), posed_b(s, pose), limit, w_.counters.pair);
     if (!(found.lower > limit)) return false;
     learn(s, pose.frame.from_world(found.direction));
     return true;
   }
 
-  // Whether the pair shares a point at a state: no interval there can be settled.
+  // Whether the pair shares a point at a state; then no interval there can be settled.
   bool touches(PairState& s, std::size_t state) {
     if (is_apart(s, state, filters_.slack())) return false;
     return share_a_point(s, filters_.posed(s.pair, state));

@@ -9,7 +9,7 @@ namespace {
 using Row = std::array<double, kGridRow>;
 using LaneVector = std::array<Lanes, 3>;
 
-// Row-wise difference of two centres, from a state on.
+// The difference of two centres, given by rows, from a state on.
 LaneVector difference(const double* a, const double* b, std::size_t i) {
   LaneVector d;
   for (std::size_t k = 0; k < 3; ++k) d[k] = load_lanes(a + k * kGridRow + i) - load_lanes(b + k * kGridRow + i);
@@ -26,7 +26,7 @@ LaneVector turned_back(const double* rows, const LaneVector& v) {
   return out;
 }
 
-// A direction of a frame in the world.
+// A direction of a frame, turned into the world.
 LaneVector turned(const MotionGrid& grid, std::int32_t frame, std::size_t first, Vec3 d) {
   if (frame < 0) return {broadcast(d.x), broadcast(d.y), broadcast(d.z)};
   LaneVector out;
@@ -37,7 +37,7 @@ LaneVector turned(const MotionGrid& grid, std::int32_t frame, std::size_t first,
   return out;
 }
 
-// The least product of a direction with a point of a posed body's box.
+// The least product of a direction with the points of a posed body's box.
 Lanes least_of_box(const Body& body, const std::array<Lanes, 12>& m, const LaneVector& d) {
   const Vec3 middle = 0.5 * (body.low + body.high), half = 0.5 * (body.high - body.low);
   Lanes sum = (d[0] * m[3] + d[1] * m[7]) + d[2] * m[11];
@@ -76,7 +76,7 @@ std::array<Vec3, 2> MotionFilters::box_around_path(std::int32_t index, std::int3
 unsigned MotionFilters::near(const CertifiedPair& pair) const {
   const double apart = sphere_radius(body(pair.a)) + bulge(pair) + slack_;
   if (stands_still(pair.b)) {
-    // The transpose of a placement that is off rigid, in place of its inverse.
+    // The error of using the transpose of a placement off rigid as its inverse.
     const double turned = 2 * defects_[at(pair.b)] * size_;
     return chord_meets_box(pair, apart + body(pair.b).swell * kStretch + turned);
   }
@@ -84,7 +84,7 @@ unsigned MotionFilters::near(const CertifiedPair& pair) const {
   return spheres_come_near(pair, sum) ? chord_meets_sphere(pair, sum) : 0;
 }
 
-// The sphere around a on the chord of its centre, against b's box, in b's frame.
+// The intervals on which the sphere around a, its centre on the chord, meets b's box; in b's frame.
 unsigned MotionFilters::chord_meets_box(const CertifiedPair& pair, double apart) const {
   const Body& b = body(pair.b);
   const auto& m = model_.bodies[at(pair.b)].placement.m;
@@ -110,8 +110,8 @@ unsigned MotionFilters::chord_meets_box(const CertifiedPair& pair, double apart)
   return open & all_intervals();
 }
 
-// Whether the spheres' distance at the states allows them to meet between: the centres approach at most at the speed
-// of both, seen from the frame.
+// Whether the spheres are near enough at the states to meet between them: the centres approach each other at most at
+// the sum of both speeds, seen from the frame.
 bool MotionFilters::spheres_come_near(const CertifiedPair& pair, double sum) const {
   Lanes least = broadcast(std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
@@ -122,8 +122,8 @@ bool MotionFilters::spheres_come_near(const CertifiedPair& pair, double sum) con
   return bits(least <= broadcast(reach * reach)) != 0;
 }
 
-// With c the difference of the centres in the middle of a chord and d that of its ends, the distance along the chord is
-// at least √(c·c − |c·d|).
+// Let c be the difference of the centres in the middle of a chord and d that of its ends. The distance along the chord
+// is at least √(c·c − |c·d|).
 unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum) const {
   std::array<Row, 3> seen;
   for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
@@ -177,7 +177,7 @@ Vec3 MotionFilters::between(const CertifiedPair& pair, std::size_t state) {
   const auto beyond = [](double x, double low, double high) { return x < low ? x - low : x > high ? x - high : 0; };
   Vec3 d{beyond(c.x, b.low.x, b.high.x), beyond(c.y, b.low.y, b.high.y), beyond(c.z, b.low.z, b.high.z)};
   if (norm_1(d) == 0) d = c - b.centre;
-  // Poses may stretch, so its length is taken in the frame, where gaps are compared with metres.
+  // Poses may stretch, so the direction's length is taken in the frame, where gaps are compared in metres.
   const Vec3 seen = p.frame.from_world(p.b.rotate(d));
   const double length = norm(seen);
   return length > 0 && std::isfinite(length) ? (1 / length) * seen : Vec3{1, 0, 0};

@@ -1,9 +1,9 @@
-// Bounds that settle intervals of a motion in lanes, and the quantities of a pair that they and the exact steps
+// Filters that settle intervals of a motion in lanes, and the quantities of a pair that they and the exact steps
 // compare.
 //
-// In: a grid of states, bounds of the bodies' motion, pairs. Out: for a pair the intervals that bounding spheres and
-// boxes leave open, one bit each. Each filter proves the bodies apart all the way over an interval, by the chords of
-// centres or by one direction at both ends (see motion_certifier.hpp); all of them err on the open side.
+// In: a grid of states, bounds of the bodies' motion, pairs. Out: for each pair the intervals that bounding spheres and
+// boxes leave open, one bit each. Each filter proves the bodies apart throughout an interval, by the chords of centres
+// or by one direction at both ends (see motion_certifier.hpp). In doubt a filter leaves the interval open.
 #pragma once
 
 #include <array>
@@ -15,25 +15,25 @@
 
 namespace plannercheck {
 
-// Bodies' poses are off rigid by 3.6e-6 at most (plannercheck/robots/unit_lengths.py), so they stretch by half of that.
+// Bodies' poses are off rigid by at most 3.6e-6 (plannercheck/robots/unit_lengths.py), so they stretch by half of that.
 inline constexpr double kStretch = 1 + 2e-6;
 
-// The sphere around a body's centre.
+// The radius of the sphere around a body's centre.
 inline double sphere_radius(const Body& body) { return (body.radius + body.swell) * kStretch; }
 
-// With a direction that its bounds suggest, in the pair's frame, from b to a.
+// An open pair with a direction taken from its bounds, in the pair's frame, from b to a.
 struct DirectedPair : OpenPair {
   Vec3 direction;
 };
 
 class MotionFilters {
  public:
-  // `defects`: of the placements of bodies that stand still, how far they are off rigid.
+  // `defects`: how far the placements of bodies that stand still are off rigid.
   MotionFilters(const MotionModel& model, const std::vector<double>& defects, MotionGrid& grid,
                 const std::vector<MotionBound>& bounds)
       : model_(model), defects_(defects), grid_(grid), bounds_(bounds) {}
 
-  // The bound of all rounding, m, and of the coordinates that enter.
+  // Sets the bound of all rounding, m, and that of the coordinates involved.
   void set_rounding(double slack, double size) { slack_ = slack, size_ = size; }
   double slack() const { return slack_; }
 
@@ -47,19 +47,19 @@ class MotionFilters {
   double bulge(double curvature) const { return curvature * grid_.step() * grid_.step() / 8; }
   double bulge(const CertifiedPair& pair) const { return bulge(curvature(pair.chain_a) + curvature(pair.chain_b)); }
   double swells(const CertifiedPair& pair) const { return (body(pair.a).swell + body(pair.b).swell) * kStretch; }
-  // More than this between the hulls, along a direction at both ends of an interval, settles it.
+  // An interval is settled if the hulls are further apart than this along one direction at both ends.
   double apart(const CertifiedPair& pair) const { return bulge(pair) + swells(pair) + slack_; }
 
   unsigned all_intervals() const { return (1U << grid_.intervals()) - 1; }
 
   // Low and high corner of the box around the whole path of a body, given its chain from the world.
   std::array<Vec3, 2> box_around_path(std::int32_t body, std::int32_t chain) const;
-  // What bounding spheres leave open: on chords against each other or against the box of a body that stands still.
+  // What bounding spheres leave open: on chords, against each other or against the box of a body that stands still.
   unsigned near(const CertifiedPair& pair) const;
-  // Settles what the bodies' boxes do along a direction of the frame, with `beyond` to spare, and notes the state at
-  // which their gap along it is least.
+  // Settles the intervals whose boxes are apart along a direction of the frame, by `beyond` more than needed; records
+  // the state at which the gap along it is least.
   void boxes_settle(DirectedPair& found, Vec3 direction, double beyond = 0);
-  // A direction to begin with, of length 1 up to rounding: the way out of b's box if a's centre is outside, else
+  // A first direction, of length 1 up to rounding: the way out of b's box if a's centre is outside, else the direction
   // between the centres.
   Vec3 between(const CertifiedPair& pair, std::size_t state);
   PosedPair posed(const CertifiedPair& pair, std::size_t state);

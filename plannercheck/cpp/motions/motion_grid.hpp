@@ -1,7 +1,8 @@
-// States along a motion, posed one a lane and kept by rows: one row for each number of a pose, one column a state.
+// States along a motion, posed one in each lane and kept by rows: one row for each number of a pose, one column for
+// each state.
 //
-// In: a path, the bodies on links, an interval of parameters. Out: centres and poses of the bodies at its states.
-// Idea: intervals between states are judged in lanes as well, by loading a row at a state and at the next one.
+// In: a path, the bodies on links, an interval of parameters. Out: centres and poses of the bodies at its states. Idea:
+// intervals between states are tested in lanes as well, by loading a row at a state and at the next one.
 #pragma once
 
 #include <array>
@@ -17,27 +18,27 @@ namespace plannercheck {
 
 inline constexpr std::size_t kStep = static_cast<std::size_t>(kLanes);  // states that are posed at once
 
-// The length of a row: room for all states, and whole lanes may be read from one state further.
+// The length of a row: room for all states, read in whole lanes from any of them.
 inline constexpr std::size_t kGridRow = 40;
 
 class MotionGrid {
  public:
   MotionGrid(const std::vector<MountedBody>& bodies, std::size_t width, std::size_t links);
 
-  // What the next grids pose: bodies that move, and links that are frames.
+  // Chooses what the next grids pose: bodies that move, and links that serve as frames.
   void choose(const std::vector<std::int32_t>& bodies, const std::vector<std::int32_t>& frames);
 
-  // intervals + 1 states from `from` to `to`.
+  // Poses intervals + 1 states from `from` to `to`.
   void place(const Kinematics& kinematics, const ConfigurationPath& path, double from, double to, int intervals);
 
   std::size_t intervals() const { return intervals_; }
   double parameter(std::size_t state) const { return t_[state]; }
-  // The longest interval, rounded up: parameters are rounded.
+  // The length of the longest interval, rounded up, since parameters are rounded.
   double step() const { return (t_[intervals_] - t_[0]) / static_cast<double>(intervals_) * (1 + 1e-9) + 0x1p-50; }
 
   // Rows x, y, z of a body's centre; bodies that stand still have none.
   const double* centre(std::int32_t body) const { return &centres_[static_cast<std::size_t>(body) * 3 * kGridRow]; }
-  // Twelve rows of its pose, computed when they are first asked for.
+  // Twelve rows of a body's pose, computed on first use.
   const double* poses(std::int32_t body);
   // Twelve rows of a link's pose.
   const double* link(std::int32_t link) const { return &links_[static_cast<std::size_t>(link) * 12 * kGridRow]; }

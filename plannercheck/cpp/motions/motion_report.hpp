@@ -8,19 +8,19 @@ namespace plannercheck {
 enum class MotionAnswer : int {
   kFree,
   kRefused,    // proved to come within the tolerance
-  kImprecise,  // numbers so large that rounding exceeds a part of the tolerance
+  kImprecise,  // numbers so large that rounding exceeds its part of the tolerance
 };
 
 // Where a check ended: at `refused` the pair is within the tolerance; up to `free_until` the motion is proved free, if
-// it was looked at in order.
+// it was checked in order.
 struct MotionReport {
   MotionAnswer answer = MotionAnswer::kFree;
   double free_until = 1, refused = -1;
   std::int32_t pair = -1;
 };
 
-// What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction`, in the pair's
-// frame, from b to a; their points leave their chords by at most `bulge`, which is less.
+// What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction` (in the pair's
+// frame, from b to a), while their points leave their chords by at most `bulge`, which is less than the gap.
 template <class Direction>
 struct IntervalProof {
   std::int32_t pair;
@@ -29,18 +29,18 @@ struct IntervalProof {
   double gap, bulge;
 };
 
-// What a descent on the swept bodies finds at all poses that it was given.
+// The result of a descent on the swept bodies, at all poses given.
 template <class Direction>
 struct SweptAnswer {
   bool apart = false;   // proved: more than the limit apart along `direction`
   Direction direction;  // in the pair's frame, from b to a, of length 1 up to rounding
-  double gap = 0;       // along it: a lower bound but for the rounding that the limit has to cover
+  double gap = 0;  // along `direction`: a lower bound up to rounding, which the limit has to cover
 };
 
 struct GridCounters {
   long motions = 0, grids = 0, states = 0;
-  long pairs = 0, intervals = 0;  // looked at on grids; their intervals past bounding spheres or circles
-  long planes = 0, swept = 0;     // gaps along planes, or lines in the plane, and descents
+  long pairs = 0, intervals = 0;  // on grids; intervals that bounding spheres or circles leave open
+  long planes = 0, swept = 0;  // evaluated gaps along planes (lines in the plane), and descents
 };
 
 inline GridCounters& operator+=(GridCounters& sum, const GridCounters& more) {

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kDescentRounds = 48;
 
-// A new difference that is nearer by less than this part does not count as progress.
+// A new difference that is nearer by less than this part is no progress.
 constexpr double kDescentProgress = 1e-12;
 
 struct Difference {
@@ -24,7 +24,7 @@ Difference difference_at(const Body& a, const Body& b, const PosedPair& pose, Ve
   return {pose.frame.from_world(w), dot(d, w)};
 }
 
-// Up to four points, whose hull is made to hold the point nearest to the origin.
+// Up to four points, reduced to the corners of the face that holds the point nearest to the origin.
 struct NearSimplex {
   int count = 0;
   std::array<Vec3, 4> point;
@@ -56,7 +56,7 @@ Vec3 nearest_on_triangle(NearSimplex& s, Vec3 a, Vec3 b, Vec3 c) {
   return a + (vb * scale) * ab + (vc * scale) * ac;
 }
 
-// The nearest point of a tetrahedron; the origin itself, with all four corners kept, if it is inside.
+// The nearest point of a tetrahedron. If the origin is inside, the origin itself, and all four corners are kept.
 Vec3 nearest_on_tetrahedron(NearSimplex& s) {
   const std::array<Vec3, 4> p = s.point;
   constexpr std::array<std::array<std::size_t, 4>, 4> faces{{{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}};
@@ -114,7 +114,7 @@ SweptAnswer<Vec3> swept_distance(const Body& a, const Body& b, const PosedPair* 
     if (round == 0 || lowest.along > answer.gap) answer.direction = d, answer.gap = lowest.along;
     answer.apart = lowest.along > limit;
     if (answer.apart) return answer;
-    // The vertex is no nearer to the origin than the simplex: as near as doubles tell.
+    // The new vertex is no nearer to the origin than the simplex: as near as doubles can tell.
     if (simplex.count > 0 && length - lowest.along <= kDescentProgress * length) return answer;
     simplex.point[static_cast<std::size_t>(simplex.count++)] = lowest.point;
     v = nearest(simplex);

@@ -1,10 +1,10 @@
-// The distance of two bodies, or of what two bodies sweep between two poses, against a limit.
+// The distance of two bodies, or of the sets that two bodies sweep between two poses, against a limit.
 //
-// In: both bodies posed once, or at both ends of an interval, together with the frame in which directions are kept.
-// Out: a direction along which the bodies are more than the limit apart at all these poses; or that they are not. Idea:
-// Gilbert, Johnson and Keerthi's descent on the hull of the bodies' differences at all poses, seen from the frame; it
-// ends as soon as a bound of either kind is on one side of the limit. Only the lower bound is relied on for "apart": it
-// is the least product of the direction with a difference, an extreme vertex of each body.
+// In: both bodies posed once, or at both ends of an interval, and the frame in which directions are kept. Out: a
+// direction along which the bodies are more than the limit apart at all these poses; or that they are not. Idea:
+// Gilbert, Johnson and Keerthi's descent on the hull of the bodies' differences at all poses, seen from the frame. It
+// ends as soon as a lower or an upper bound is on one side of the limit. "Apart" relies only on the lower bound: the
+// least product of the direction with a difference, from an extreme vertex of each body.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace plannercheck {
 
-// Rotation of the frame in the world, row-major; the identity for the world itself.
+// Rotation of the frame in the world, row-major; the identity if the frame is the world.
 struct FrameTurn {
   std::array<double, 9> m{1, 0, 0, 0, 1, 0, 0, 0, 1};
 
@@ -28,17 +28,17 @@ struct FrameTurn {
   }
 };
 
-// Both bodies at one parameter.
+// Both bodies and their frame at one parameter.
 struct PosedPair {
   Pose a, b;
   FrameTurn frame;
 };
 
-// The vertices of the bodies (without their swells) at `count` poses, 1 or 2, from a direction to begin with.
+// The descent on the vertices of the bodies (without their swells) at `count` poses, 1 or 2, from an initial direction.
 SweptAnswer<Vec3> swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit,
                                  Vec3 hint, PairCounters& counters);
 
-// The gap of the vertices along a direction of the frame at one pose.
+// The gap of the vertices, at one pose, along a direction of the frame.
 double gap_along(const Body& a, const Body& b, const PosedPair& pose, Vec3 direction, PairCounters& counters);
 
 }  // namespace plannercheck

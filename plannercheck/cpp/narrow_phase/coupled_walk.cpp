@@ -16,8 +16,9 @@ struct Star {
   void add(Vec3 p) { point[static_cast<std::size_t>(count++)] = p; }
 };
 
-// Of the way on which the tip is extreme. At its end the tip ties with a neighbour, and rounding would pick either: the
-// closing check would fail half the time. Measured: 0.5 to 0.99 take as many blocks and games.
+// Share of the segment on which the tip is extreme that is used. At its end the tip ties with a neighbour, rounding
+// would pick either, and the closing check would fail half the time. Measured: 0.5 to 0.99 take as many blocks and
+// games.
 constexpr double kPassage = 0.9;
 
 static_assert(kCrownTop <= kMaxActives && 1 + kRemovedDegree + 1 <= kMaxActives, "every star fits a game");
@@ -50,7 +51,7 @@ class CoupledWalk {
   const Hierarchy& q_;
   PairCounters& counters_;
   Step step_ = Step::kOn;
-  long mixtures_ = 0;            // games so far: how deep the points of the invariants are mixed, at most
+  long mixtures_ = 0;  // games so far: bounds how often the points of the invariants are mixed again
   Star guest_star_, host_star_;  // P*, Q*
   std::int32_t guest_tip_ = -1, host_tip_ = -1;  // v and k, where the plane and the point are tangent
   Vec3 plane_, point_;                           // q and x of the invariant that holds
@@ -58,7 +59,8 @@ class CoupledWalk {
   Vec3 q_phi_, x_gamma_;
   Vec3 played_plane_, played_point_;  // what the last game found
 
-  // The separation invariant holds: one or more levels down in the hierarchy of P. Returns whether it still holds.
+  // A step while the separation invariant holds: one or more levels down in the hierarchy of P. Returns whether it
+  // still holds.
   bool walk_primal() {
     ++counters_.rounds;
     const std::int32_t p = finer_beyond(p_, guest_tip_, frame_.guest_direction(plane_));
@@ -87,7 +89,7 @@ class CoupledWalk {
     return false;
   }
 
-  // The inverse separation invariant holds: the same with the roles of P and Q swapped.
+  // A step while the inverse separation invariant holds: the same with the roles of P and Q swapped.
   bool walk_polar() {
     ++counters_.rounds;
     const std::int32_t k = finer_beyond(q_, host_tip_, point_);
@@ -116,7 +118,7 @@ class CoupledWalk {
     return true;
   }
 
-  // Where a vertex lies in the top and in the crown; or -1.
+  // The index of a vertex among the top vertices, which is its id in the crown; -1 below the top.
   static std::int32_t place_in_crown(const Hierarchy& h, std::int32_t v) {
     if (h.level[static_cast<std::size_t>(v)] < h.depth) return -1;
     return static_cast<std::int32_t>(std::lower_bound(h.top.begin(), h.top.end(), v) - h.top.begin());
@@ -159,9 +161,10 @@ class CoupledWalk {
     }
   }
 
-  // The point of the segment from `from`, which satisfies the invariant but at the star's tip, to `to`, which satisfies
-  // it on the star: past the parameter where the tip passes 1, most of the way to where the tip stops to be the star's
-  // extreme point (sense +1: largest, −1: least). By convexity it is then extreme on the whole level.
+  // A point of the segment from `from`, which satisfies the invariant except at the star's tip, to `to`, which
+  // satisfies it on the star. The point lies beyond the parameter where the tip passes 1, and most of the way to where
+  // the tip stops being the star's extreme point (sense +1: largest, −1: least). By convexity the tip is then extreme
+  // on the whole level.
   static Vec3 towards(Vec3 from, Vec3 to, const Star& star, int sense) {
     const Vec3 tip = star.point[0];
     double t = 1;
@@ -176,7 +179,7 @@ class CoupledWalk {
     return (1 - t) * from + t * to;
   }
 
-  // Plays P* against Q*: whether conv(P*) is separated from the polar of Q*; sets the played plane or point.
+  // Plays P* against Q*. Returns whether conv(P*) is separated from the polar of Q*; sets the played plane and point.
   bool play() {
     ++counters_.games, ++mixtures_;
     Game game;
@@ -199,9 +202,9 @@ class CoupledWalk {
     return mixture.value > 1;
   }
 
-  // The extreme vertex along u, where the walk has come to the bottom at `tip` with nothing of its chain beyond. If its
-  // ring has nothing beyond either, it is the tip; rounding may break that. Tips at the crown's top have no ring: they
-  // were found there for this u.
+  // The extreme vertex along u, where the walk has come to the bottom at `tip` and no vertex of its chain is beyond. If
+  // none of its ring is beyond either, it is the tip; rounding may break that. Tips at the crown's top have no ring:
+  // they were found there for this u.
   std::int32_t closing(const Hierarchy& h, std::int32_t tip, Vec3 u) {
     const std::int32_t place = place_in_crown(h, tip);
     const std::int32_t further = place < 0 ? beyond_in_ring(h, tip, u, counters_.queries)
@@ -209,7 +212,7 @@ class CoupledWalk {
     return further < 0 ? tip : extreme_from(h, further, u, counters_.queries);
   }
 
-  // The bottom is reached: the invariant that holds is the answer, checked over the whole body.
+  // At the bottom the invariant that holds is the answer; it is checked over the whole body.
   Certificate certificate(bool separated) {
     Certificate certificate;
     certificate.q = plane_;

@@ -8,8 +8,8 @@ namespace {
 // Distances are promised up to 1e-9 of max(distance, 1e-3 of the size).
 constexpr double kRelative = 2.5e-10, kLeastPart = 1e-3;
 
-// Bodies are off rigid by 3.6e-6 at most, so they stretch by half of that; the rounding of a ball's centre and of
-// distances, as a part of what goes into it. A norm whose squares underflow errs by less than kTrustedLength.
+// Bodies are off rigid by at most 3.6e-6, so they stretch by half of that. kBallRounding: the rounding of a ball's
+// centre and of distances, relative to their operands. A norm whose squares underflow errs by less than kTrustedLength.
 constexpr double kDistanceStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
 
 double total_swell(const PosedBody& a, const PosedBody& b) { return a.body->swell + b.body->swell; }
@@ -18,13 +18,13 @@ Vec3 posed_centre(const PosedBody& posed) { return posed.pose.apply(posed.body->
 
 double extent(const Body& body) { return body.radius + body.swell; }
 
-// Directions along which the guest may leave the host: the best one found.
+// Directions along which the guest may leave the host; keeps the best one found.
 class WayOut {
  public:
   WayOut(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
       : guest_(guest), host_(host), counters_(counters) {}
 
-  // How deep the hulls are in each other is at most `depth`, which is what the guest has to move along `direction`.
+  // The hulls' penetration is at most `depth`: moving the guest that far along `direction` separates them.
   double depth = std::numeric_limits<double>::infinity();
   Vec3 direction, deepest;
 

@@ -3,7 +3,7 @@
 namespace plannercheck {
 namespace {
 
-// Both hierarchies, which answer at once.
+// Queries both hierarchies at once, without steps.
 struct AtOnce {
   bool ask_guest(DoubleOracle<AtOnce>& oracle, Vec3 q) const {
     const PairFrame& frame = oracle.frame();

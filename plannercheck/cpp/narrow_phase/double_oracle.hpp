@@ -1,8 +1,9 @@
-// The double oracle: small active sets on both sides, vertices of the guest and points of the host's polar; their game
-// says which body is asked for one more. It ends with a certificate that has been checked, or undecided: it never
-// guesses.
+// The double oracle: small active sets on both sides, vertices of the guest and points of the host's polar. The game
+// between them decides which body is queried for one more. It ends with a certificate that has been checked, or
+// undecided: it never guesses.
 //
-// Whom it asks is a parameter, so that a caller may have several under way. For kernels only: its headers have lanes.
+// The class that answers the queries is a parameter, so that a caller may interleave several searches. For kernels
+// only, since its headers use lanes.
 #pragma once
 
 #include <algorithm>
@@ -15,12 +16,12 @@
 
 namespace plannercheck {
 
-// Keeping only the support cycles near contact (measured: 5 to 12 %).
+// Active sets that keep only the support cycle near contact (measured: 5 to 12 %).
 inline constexpr int kActives = GrowingGame::kMost;
-// GJK needs fewer at 100,000 vertices; what is left is decided exactly.
+// GJK needs fewer at 100,000 vertices; the exact stage decides the rest.
 inline constexpr int kOracleRounds = 48;
 
-// Places that are not taken hold zeros.
+// Unused places hold zeros.
 struct Actives {
   int count = 0;
   std::array<std::int32_t, kActives> id;
@@ -56,9 +57,9 @@ struct Actives {
   }
 };
 
-// Asked: has `bool ask_guest(oracle, q)` and `bool ask_host(oracle, x)`, which look for the guest's vertex that is
-// deepest below the plane q, and for the host's facet that x violates most. Either they call the oracle's `answer_…`
-// and return what that returns, or they return false and it is called before the next round.
+// Asked has `bool ask_guest(oracle, q)`, which looks for the guest's vertex deepest below the plane q, and `bool
+// ask_host(oracle, x)`, which looks for the host's facet that x violates most. Either they call the oracle's `answer_…`
+// and return its result, or they return false and the caller calls it before the next round.
 template <class Asked>
 class DoubleOracle {
  public:
@@ -69,8 +70,8 @@ class DoubleOracle {
   PairCounters& counters() const { return counters_; }
   const Certificate& certificate() const { return certificate_; }
 
-  // From a guest's vertex, or all of a box, and the host's facet that a point of it violates most. Boxes and small
-  // polars take part as a whole.
+  // Starts from a guest's vertex (all vertices of a box) and the host's facet that a point of it violates most. Boxes
+  // and small polars take part as a whole.
   void start(std::int32_t vertex, std::int32_t facet) {
     if (frame_.guest().is_box != 0) {
       for (std::int32_t v = 0; v < kActives; ++v) add_row(v, frame_.guest_vertex(v));
@@ -88,7 +89,7 @@ class DoubleOracle {
     return opening() ? ask_next() : ask_by_game();
   }
 
-  // True if that ends the search. q: as asked; x: the vertex.
+  // Returns true if the vertex ends the search. q: as asked; x: the vertex.
   bool answer_guest(Vec3 q, std::int32_t v, Vec3 x) {
     certificate_.q = q;
     if (frame_.separates(q, dot(q, x))) {
@@ -118,25 +119,25 @@ class DoubleOracle {
   PairCounters& counters_;
   Actives rows_, columns_;           // vertices of the guest, points of the host's polar
   std::optional<GrowingGame> game_;  // most searches end before they need it
-  bool afresh_ = false;              // solved from the beginning since the last vertex or facet came in
+  bool afresh_ = false;  // solved from the beginning since the last vertex or facet was added
   Certificate certificate_;
 
-  // |q·x| over the host's polar and the guest, with room for rounding.
+  // An upper bound of |q·x| over the host's polar and the guest, with room for rounding.
   static double largest_payoff(const PairFrame& frame) {
     return 1.001 * frame.host().polar_radius * (norm(frame.guest_centre()) + frame.guest().radius) + 1e-300;
   }
 
-  // The first games are solved by hand: until a third vertex or facet comes in, unless no progress was made.
+  // Games of up to two vertices and two facets have a closed form, which is used unless it made no progress.
   bool opening() const { return columns_.count <= 2 && rows_.count <= 2 && !afresh_; }
 
   bool ask_next() {
     if (rows_.count == 1) return ask_guest(columns_.point(0));
-    if (columns_.count == 1) return ask_host(rows_.point(1));  // which is lower than the first vertex
+    if (columns_.count == 1) return ask_host(rows_.point(1));  // it is lower than the first vertex
     return ask_by_two();
   }
 
-  // Two vertices to two facets: the first facet answered to the first vertex, so a >= b, the second vertex to that
-  // facet, a >= c, and the second facet to that vertex, d >= c. If also d > b, both sides mix; else d is the value.
+  // Two vertices against two facets. The first facet answered to the first vertex, so a >= b; the second vertex to that
+  // facet, so a >= c; the second facet to that vertex, so d >= c. If also d > b, both sides mix; else d is the value.
   bool ask_by_two() {
     const Vec3 x0 = rows_.point(0), x1 = rows_.point(1), q0 = columns_.point(0), q1 = columns_.point(1);
     const double a = dot(x0, q0), b = dot(x0, q1), c = dot(x1, q0), d = dot(x1, q1);
@@ -173,7 +174,7 @@ class DoubleOracle {
     return asked_.ask_host(*this, x);
   }
 
-  // The game's rounding has grown, or the bodies are too close to call.
+  // Either the game's rounding has grown, or the bodies are too close for doubles.
   bool no_progress() {
     if (afresh_) return true;
     afresh_ = true;
@@ -196,8 +197,8 @@ class DoubleOracle {
   }
 };
 
-// Where the search begins: most bodies that overlap well share the guest's point that reaches furthest to the host's
-// centre, about, so before anything else is set up, the host is asked for that.
+// Where the search begins. Most bodies that overlap deeply share, approximately, the guest's point that reaches
+// furthest towards the host's centre. So the host is queried for that point before anything else is set up.
 inline Vec3 first_point(const PairFrame& frame, std::int32_t guest_vertex) {
   return frame.guest().is_box != 0 ? frame.guest_box_point() : frame.guest_vertex(guest_vertex);
 }
@@ -209,7 +210,7 @@ inline Certificate shared_at(Vec3 x) {
   return certificate;
 }
 
-// The whole search, from a guest's vertex, with both hierarchies asked at once.
+// The whole search from a guest's vertex, each query answered at once.
 Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters);
 
 }  // namespace plannercheck

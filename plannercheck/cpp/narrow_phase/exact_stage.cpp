@@ -22,20 +22,20 @@ struct Corner {
 };
 
 struct Nearest {
-  std::vector<Corner> corners;  // the smallest set whose hull holds the nearest point, inside
+  std::vector<Corner> corners;  // the smallest set whose hull holds the nearest point in its interior
   std::vector<Dyadic> weights;
   DyadicVec3 direction;  // towards the nearest point; 0 if that is the origin
 };
 
 // Candidates for the nearest point of at most four corners' hull: the projection of the origin on the span of some of
-// them, if it lies strictly between these and no other corner is nearer along it. Whichever passes is the nearest
-// point, so the order of trying only matters for speed.
+// them. A candidate passes if it lies strictly between these corners and no other corner is nearer along it. Every
+// candidate that passes is the nearest point, so the order of trying only matters for speed.
 class Candidates {
  public:
   explicit Candidates(const std::vector<Corner>& corners) : corners_(corners) {}
 
-  // Of the sets (bits) that include `needed`, the larger first. One passes: of a smallest set of corners that mixes the
-  // nearest point, affinely independent as it is, the weights are positive and unique (Carathéodory).
+  // Tries the sets (bits) that include `needed`, the larger first. One passes: a smallest set of corners that mixes the
+  // nearest point is affinely independent, so its weights are positive and unique (Carathéodory).
   Nearest run(unsigned needed) {
     for (int size = static_cast<int>(corners_.size()); size > 0; --size) {
       for (unsigned set = 1; set < 1U << corners_.size(); ++set) {
@@ -94,7 +94,7 @@ class Candidates {
     return true;
   }
 
-  // The origin strictly inside: four volumes of one sign.
+  // Whether the origin is strictly inside: four volumes of one sign.
   bool take_tetrahedron(const DyadicVec3& a, const DyadicVec3& b, const DyadicVec3& c, const DyadicVec3& d) {
     const DyadicVec3 cd = cross(c, d), ab = cross(a, b);
     weights_ = {dot(b, cd), -dot(a, cd), dot(d, ab), -dot(c, ab)};
@@ -109,7 +109,7 @@ class Candidates {
     return true;
   }
 
-  // No corner outside the set is nearer along the direction (which is then that of the nearest point).
+  // Whether no corner outside the set is nearer along the direction (which is then that of the nearest point).
   bool none_nearer(unsigned set, const DyadicVec3& on_plane) const {
     if (is_zero(direction_)) return true;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -142,7 +142,7 @@ Corner furthest_against(const PosedBody& guest, const PosedBody& host, const Dya
   return corner_at(guest, host, extreme(guest.body->inner, in_guest), extreme(host.body->inner, in_host));
 }
 
-// Whether the hulls come within the swell at the nearest point so far.
+// Whether the distance of the nearest point so far is at most the swell.
 bool within(const Nearest& nearest, const Dyadic& square_of_swell) {
   if (is_zero(nearest.direction)) return true;
   if (square_of_swell.sign() == 0) return false;
@@ -150,7 +150,7 @@ bool within(const Nearest& nearest, const Dyadic& square_of_swell) {
   return (height * height - square_of_swell * dot(nearest.direction, nearest.direction)).sign() <= 0;
 }
 
-// Whether all of the difference lies further along the direction than the swell, its least height being given.
+// Whether the whole difference lies further along the direction than the swell. `height`: its least height.
 bool beyond(const Dyadic& height, const DyadicVec3& direction, const Dyadic& square_of_swell) {
   if (height.sign() <= 0) return false;
   if (square_of_swell.sign() == 0) return true;
@@ -182,9 +182,8 @@ Nearest beginning(const PosedBody& guest, const PosedBody& host, const Proximity
 
 }  // namespace
 
-// Ends: unless it answers, a new corner is lower along the direction than the nearest point, which is therefore nearer
-// the next time, and mixed from the new corner among others; and at the true nearest point one of the two tests
-// answers.
+// Termination: unless the loop answers, the new corner is lower along the direction than the nearest point. The next
+// nearest point is mixed from it and others, and is nearer. At the true nearest point one of the two tests answers.
 ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, const Proximity& start) {
   const Dyadic swell = Dyadic(guest.body->swell) + Dyadic(host.body->swell), square = swell * swell;
   Nearest nearest = beginning(guest, host, start);

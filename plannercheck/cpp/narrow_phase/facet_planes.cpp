@@ -33,7 +33,7 @@ Corners guest_corners(const PairFrame& frame) {
   return out;
 }
 
-// The host's corners about in the guest's frame, relative to the guest's centre.
+// Approximately the host's corners in the guest's frame, relative to the guest's centre.
 Corners host_corners(const PairFrame& frame) {
   const std::array<double, 9>& m = frame.rotation();
   const Vec3 origin = frame.host().centre + frame.guest_centre();
@@ -47,14 +47,13 @@ Corners host_corners(const PairFrame& frame) {
   return out;
 }
 
-// A facet, as a point q of the polar, and the least q·x over the other body's corners: they are beyond it if that is
-// more than 1.
+// A facet, as a point q of the polar, and the least q·x over the other body's corners; above 1, they are all beyond it.
 struct Facet {
   Vec3 q;
   double least;
 };
 
-// The facet of which the corners are furthest.
+// The facet beyond which the corners lie furthest.
 Facet furthest_facet(const Levels& polar, const Corners& corners) {
   Quad best = Quad{} - __builtin_inf();
   QuadMask block = {};

@@ -1,6 +1,6 @@
-// Planes of small bodies' facets: of two bodies that are apart, however near, nine pairs in ten are separated by one.
+// Facet planes of small bodies: of the pairs that are apart, however near, such a plane separates nine in ten.
 //
-// All corners of one body are held against all facets of the other, in lanes; what looks best is then proved.
+// All corners of one body are tested against all facets of the other, in lanes; the best plane is then proved.
 #pragma once
 
 #include "narrow_phase/centre_axis.hpp"
@@ -8,11 +8,11 @@
 
 namespace plannercheck {
 
-inline constexpr std::size_t kFewCorners = 8;  // so at most 12 facets: beyond, asking for extreme vertices costs less
+inline constexpr std::size_t kFewCorners = 8;  // so at most 12 facets: with more, support queries are cheaper
 
 inline bool has_few_corners(const Body& body) { return body.inner.points.size() <= kFewCorners && body.has_polar(); }
 
-// Of two bodies of few corners: by a facet of the host or of the guest; undecided if none separates.
+// For two bodies of few corners: tries the host's facets, then the guest's; undecided if none separates.
 Certificate facet_plane(const PairFrame& frame, const CentreAxis& axis, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -8,19 +8,22 @@ namespace {
 
 constexpr int kGjkRounds = 64;
 
-// All are times the sum of the sizes r_P + r_R + |w|, w = t_P − t_R, and checked by tests/error_bounds/gjk.
+// All bounds are multiples of the sum of the sizes r_P + r_R + |w|, w = t_P − t_R; tests/error_bounds/gjk checks them.
 //
-// kDifference: fl(M_P p) − fl(M_R r) + fl(t_P − t_R) errs by 5.2u (r_P + r_R) for the products, u |w| for the
-// translations and 2u of everything for the sums: below 7.2u.
-// kSupport: a direction d in the world, turned into a body's frame, errs by 5.2u |d|. The vertex found and the one that
-// is lowest along d itself both move by as much: 10.4u |d| r. A scan in doubles compares two rounded products, 3u |d| r
-// each by Cauchy-Schwarz (kScanError, by |d|_1, would be 7u). The difference errs as above, evaluating d·w by 3u |d|
-// |w|: 26.6u. The length of d is 1 up to 4.5u; heights are at most the sum of the sizes, so distances take that much
-// more: 31.1u. Swells, given 4u by kSwellAlong, lose 3u to rounding: no more.
-// kVolume: determinants of three corners, times the product of their |.|_1: cross product, product and two sums, 5u.
+// kDifference: fl(M_P p) − fl(M_R r) + fl(t_P − t_R) errs by 5.2u (r_P + r_R) in the products, u |w| in the
+// translations and 2u of everything in the sums: below 7.2u.
 //
-// Where lengths are so small that products underflow, all of this errs by kDenormalError at most besides: nine products
-// a body and three of the height, by 2^-1075 each, times entries of the direction.
+// kSupport: a direction d of the world errs by 5.2u |d| when turned into a body's frame. This moves both the vertex
+// found and the one lowest along d itself: 10.4u |d| r. A scan in doubles compares two rounded products, 3u |d| r each
+// by Cauchy-Schwarz (kScanError, by |d|_1, would be 7u). The difference errs as above, evaluating d·w by 3u |d| |w|:
+// 26.6u in all. The length of d is 1 up to 4.5u, and heights are at most the sum of the sizes, so distances need that
+// much more: 31.1u. Swells lose 3u to rounding, of the 4u that kSwellAlong gives them.
+//
+// kVolume: determinants of three corners, as multiples of the product of their |.|_1: cross product, product and two
+// sums, 5u.
+//
+// Where lengths are so small that products underflow, all of this errs by at most kDenormalError more: nine products a
+// body and three of the height, by 2^-1075 each, times entries of the direction.
 constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
 constexpr double kVolume = 16 * 0x1p-53;
 constexpr double kSwellAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
@@ -104,9 +107,9 @@ void keep_corners(const CornerFace& face, Simplex& simplex) {
   simplex.weight = face.weight;
 }
 
-// The face that holds the newest corner and the point nearest to the origin, as far as doubles tell: whatever is
-// chosen, its point is a mixture of corners. False if it is no nearer than `square`, which becomes its squared
-// distance.
+// Keeps the face, among those with the newest corner, that holds the point nearest to the origin, as far as doubles
+// tell. Whatever face is chosen, its point is a mixture of corners. False if it is no nearer than `square`; else its
+// squared distance becomes `square`.
 bool reduce_to_nearest_face(Simplex& simplex, double& square) {
   const unsigned newest = 1U << (simplex.count - 1);
   CornerFace face, best;
@@ -126,9 +129,9 @@ bool reduce_to_nearest_face(Simplex& simplex, double& square) {
 }
 
 // Whether four differences, each known up to `error`, surely hold the origin strictly inside: all four determinants
-// that weigh the corners have a sure sign, the same after the alternation. With L the largest |.|_1 a determinant is
-// off by (L + e)³ − L³, if each corner errs by e, which is 0.6 of `error`: below 3 error L² up to e = L / 5, and beyond
-// that 3 error L² is more than the determinant can be, L³.
+// that weigh the corners have a sure sign, the same after the alternation. Let L be the largest |.|_1. If each corner
+// errs by e = 0.6 `error`, a determinant is off by (L + e)³ − L³. Up to e = L / 5 that is below 3 error L²; beyond, 3
+// error L² exceeds L³, which no determinant exceeds.
 bool surely_inside(const Simplex& s, double error) {
   std::array<Vec3, 4> w;
   double largest = 0;
@@ -188,7 +191,7 @@ class NearestPoints {
     return out;
   }
 
-  // Goes on past separating planes, until both bounds meet or doubles make no more progress.
+  // Continues past separating planes until both bounds meet or doubles make no more progress.
   HullDistance descend(Vec3 direction, const DistanceGoal& goal, Simplex& simplex) {
     HullDistance out;
     out.direction = direction;
@@ -259,7 +262,8 @@ class NearestPoints {
             static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
   }
 
-  // Mixing four corners errs by 4u of their size besides, and their weights' sum by 4u, which twice kDifference covers.
+  // Mixing four corners errs by 4u more of their size, and the sum of their weights by 4u. Twice kDifference covers
+  // both.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
     const bool within = swell_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ < swell_;
     if (!within && !(simplex.count == 4 && surely_inside(simplex, difference_error_))) return false;

@@ -1,6 +1,7 @@
 // The point of conv(P) − conv(R) nearest to the origin, in doubles, with certificates of its own (Gilbert, Johnson and
-// Keerthi 1988, on the hierarchies' extreme vertices). Needs no interior point, so it serves flat and swollen bodies,
-// and as the second filter after the game: its bounds involve neither facets nor the inverse of a pose.
+// Keerthi 1988, on the hierarchies' extreme vertices). It needs no interior point, so it serves flat and swollen
+// bodies. It is also the second filter after the game, since its bounds involve neither facets nor the inverse of a
+// pose.
 #pragma once
 
 #include <array>
@@ -12,23 +13,23 @@ namespace plannercheck {
 
 struct Proximity {
   Answer answer = Answer::kUndecided;
-  Vec3 direction;      // in the world, from host to guest: of a separating plane, or the best found
-  Vec3 direction_low;  // what double-double adds to it; 0 if found in doubles
-  Vec3 point;          // in the world: of both bodies if they share one
-  // Pairs of vertices whose differences mix the nearest point found, or one of both bodies.
+  Vec3 direction;  // in the world, from host to guest: normal of a separating plane, or the best found
+  Vec3 direction_low;  // its low part in double-double; 0 if found in doubles
+  Vec3 point;  // in the world: a shared point, if there is one
+  // Pairs of vertices whose differences mix the nearest point found, or a shared point.
   int count = 0;
   std::array<std::int32_t, 4> guest, host;
 };
 
-// The distance of two hulls, swells left out, between proved bounds; m.
+// The distance of two hulls without their swells, in m, between proved bounds.
 struct HullDistance {
   double lower = 0, upper = std::numeric_limits<double>::infinity();
-  Vec3 direction;          // in the world, from host to guest, of length 1 up to rounding: that of the lower bound
+  Vec3 direction;  // in the world, from host to guest, of length 1 up to rounding: proves the lower bound
   Vec3 on_guest, on_host;  // points in the world that are `upper` apart, up to rounding
   Proximity start;         // the vertices behind them, for the next stage
 };
 
-// When a distance is known well enough: the bounds are within `relative` of max(lower − swell, least); or the lower one
+// When a distance is known well enough: its bounds are within `relative` of max(lower − swell, least), or the lower one
 // exceeds the limit.
 struct DistanceGoal {
   double relative, swell, least;
@@ -40,14 +41,13 @@ struct DistanceGoal {
   }
 };
 
-// The bounds that doubles give.
+// The bounds that doubles can prove.
 HullDistance hull_distance(const PosedBody& guest, const PosedBody& host, Vec3 hint, const DistanceGoal& goal,
                            PairCounters& counters);
 
-// The difference of vertices that is lowest along a direction of the world of length 1 up to rounding, from host to
-// guest.
+// The lowest difference of vertices along a direction of the world, from host to guest, of length 1 up to rounding.
 struct LowestDifference {
-  double height;      // along the direction, less what rounding may be
+  double height;  // along the direction, less the rounding allowed
   Vec3 guest_vertex;  // in the world
 };
 LowestDifference lowest_difference(const PosedBody& guest, const PosedBody& host, Vec3 direction,

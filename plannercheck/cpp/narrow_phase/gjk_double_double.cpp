@@ -9,32 +9,32 @@
 namespace plannercheck {
 namespace {
 
-constexpr int kDistanceRounds = 256;  // of distances, which have nothing to fall back on
-constexpr int kDouble2Rounds = 32;    // it begins near the end; what is left is decided exactly
+constexpr int kDistanceRounds = 256;  // of distances, which have no next stage
+constexpr int kDouble2Rounds = 32;  // the start is close to the answer; the exact stage decides the rest
 
-// e = kDouble2Error; all lengths are in the unit of the pair, see below. Checked by
-// tests/error_bounds/gjk_double_double.
+// e = kDouble2Error; all lengths are in the unit of the pair, see below. tests/error_bounds/gjk_double_double checks
+// these.
 //
-// (a) A difference: per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
-//     1 + 2e-6 long), so 3.5e as a vector; t_P − t_R is exact, two more sums: below 5.5e times the size.
-// (b) Support: d turned into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
-//     10.4e |d| r. The vertex is extreme along what was computed, exactly. Evaluating d·w errs by 3e |d| |w|, and w by
-//     (a). All of it: below 19e |d| times the size.
-// (c) Mixing four corners with weights of sum W errs by e for the products, 3e for the sums, besides (a), and W by 3e:
+// (a) A difference. Per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
+//     1 + 2e-6 long): 3.5e as a vector. t_P − t_R is exact; two more sums: below 5.5e times the size.
+// (b) Support. Turning d into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
+//     10.4e |d| r. The vertex is extreme exactly along the direction computed. Evaluating d·w errs by 3e |d| |w|, and w
+//     errs by (a). In all: below 19e |d| times the size.
+// (c) Mixing four corners with weights of sum W errs by e in the products and 3e in the sums, besides (a), and W by 3e:
 //     below 13e W times the size.
-// (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations of the products of their
+// (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations on the products of their
 //     1-norms.
-// Each with room for rounding the bound itself.
+// Each constant leaves room for rounding the bound itself.
 constexpr double kDifference = 16 * kDouble2Error, kSupport = 64 * kDouble2Error, kMixing = 64 * kDouble2Error,
                  kDeterminant = 32 * kDouble2Error;
-constexpr double kSquares = 32 * kDouble2Error;  // of squares, products of these and their difference: ten operations
-// Of heights and lengths rounded to doubles, with the norms, quotients and sums of weights in doubles: below 8u.
+constexpr double kSquares = 32 * kDouble2Error;  // of squares, their products and the difference of these: ten operations
+// Of heights and lengths when rounded to doubles, with norms, quotients and sums of weights in doubles: below 8u.
 constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
 
-// The unit is a power of two near the pair's size, into which vertices, translations and swells are scaled before
-// anything else, so that nothing of relevance underflows: what is lost lies below 2^-1022 units. A power beyond
-// kMostScaled is no double; where all lengths are denormal, the size is a small number of units, but one above 2^-75,
-// whose sixth power is far above what underflows, too.
+// The unit is a power of two near the pair's size. Vertices, translations and swells are scaled to it first, so that
+// nothing of relevance underflows: what is lost lies below 2^-1022 units. 2^kMostScaled is the largest factor used, as
+// a larger power may be no double. Where all lengths are denormal, the size is therefore a small number of units, but
+// above 2^-75, whose sixth power is still far above underflow.
 constexpr int kMostScaled = 1000;
 constexpr double kLargestFineSize = 0x1p1000;
 
@@ -45,8 +45,8 @@ Double2Vec3 scaled(const Double2Vec3& v, double power_of_two) {
 
 double power_of_two_below(double x) { return std::ldexp(1.0, std::ilogb(x)); }
 
-// By a power of two, to a largest entry of 1/2 to 1, or less where that power is no double; false for what has no
-// direction.
+// Scales by a power of two to a largest entry of 1/2 to 1, or less where that power is no double; false for a zero or
+// non-finite vector.
 bool scale_to_one(Double2Vec3& v) {
   const double largest = norm_max(rounded(v));
   if (!(largest > 0) || !std::isfinite(largest)) return false;
@@ -110,7 +110,7 @@ class FineNearestPoints {
   FineSimplex simplex_;
   Answer answer_ = Answer::kUndecided;
 
-  // (b), and rounding to doubles.
+  // By (b), and rounding to doubles.
   void raise_lower_bound(HullDistance& found, const Double2Vec3& towards, const FineCorner& corner) const {
     const Vec3 d = rounded(towards);
     const double height = dot(towards, corner.difference).high / norm(d);
@@ -119,7 +119,7 @@ class FineNearestPoints {
     if (lower > found.lower) found.lower = lower, found.direction = (1 / norm(d)) * d;
   }
 
-  // The upper bound from the weights: (c), and rounding to doubles.
+  // The upper bound from the weights: by (c), and rounding to doubles.
   void measure(HullDistance& found) const {
     Double2Vec3 mixture{};
     double whole = 0;
@@ -140,7 +140,7 @@ class FineNearestPoints {
     found.on_guest = (1 / whole) * on_guest, found.on_host = (1 / whole) * on_host;
   }
 
-  // Asks for corners until one proves the bodies apart, the corners prove them to meet, or there is no progress.
+  // Asks for corners until one proves the bodies apart, the corners prove that they meet, or there is no progress.
   void search(Double2Vec3& towards, double& square) {
     for (int round = 0; round < kDouble2Rounds && simplex_.count < 4; ++round) {
       ++counters_.rounds;
@@ -213,7 +213,7 @@ class FineNearestPoints {
                      extreme(host_.body->inner, FineDirection(turn_back(host_.pose, d))));
   }
 
-  // Whether the height surely exceeds the swell's share |d| swell, given that both are known up to (b).
+  // Whether the height surely exceeds |d| times the swell, both being known up to (b).
   bool separates(const Double2Vec3& d, Double2 height) const {
     const Double2 above = height - Double2{kSupport * size_ * norm_1(rounded(d)), 0};
     if (!positive(above)) return false;
@@ -228,7 +228,8 @@ class FineNearestPoints {
     return shared;
   }
 
-  // Whether the mixture that the weights give surely lies within the swell of the origin: any positive weights will do.
+  // Whether the mixture that the weights give surely lies within the swell of the origin; this is proved for any
+  // positive weights.
   bool within_swell() const {
     Double2Vec3 mixture{};
     Double2 whole{};
@@ -251,7 +252,7 @@ class FineNearestPoints {
     return largest;
   }
 
-  // Whether the four weights, which are determinants, surely are positive.
+  // Whether the four weights, which are determinants, are surely positive.
   bool surely_inside() const {
     double largest = 0;
     for (const FineCorner& corner : simplex_.corner) largest = larger(largest, norm_1(rounded(corner.difference)));
@@ -275,7 +276,7 @@ class FineNearestPoints {
     return out;
   }
 
-  // On the way from the guest's mixture to the host's, divided as the swells are; rounded.
+  // The point between the guest's mixture and the host's, in proportion to the swells; rounded.
   Vec3 shared_point() const {
     Vec3 on_guest, apart;
     double whole = 0;

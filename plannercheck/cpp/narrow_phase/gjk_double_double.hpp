@@ -9,7 +9,7 @@ namespace plannercheck {
 Proximity nearest_points_double2(const PosedBody& guest, const PosedBody& host, const Proximity& start,
                                  PairCounters& counters);
 
-// The bounds of a distance that doubles leave too far apart.
+// Narrows the bounds of a distance that doubles leave too far apart.
 HullDistance hull_distance_double2(const PosedBody& guest, const PosedBody& host, const HullDistance& found,
                                    const DistanceGoal& goal, PairCounters& counters);
 

@@ -8,19 +8,19 @@
 namespace plannercheck {
 namespace {
 
-// Levels and gains are of the order of 1: what lies nearer to 0 is rounding.
+// Levels and gains are of the order of 1; numbers nearer to 0 than this are rounding.
 constexpr double kNoise = 1e-14;
-// A pivot so much smaller than the largest that might be taken instead is what rounding left of 0.
+// A pivot that is so much smaller than the largest possible one is a rounded 0.
 constexpr double kSmallestPivot = 1e-11;
 constexpr double kNever = __builtin_inf();
 
-// Mostly only the row or column that was put in last can be mended by.
+// Mostly only the row or column added last can enter.
 bool is_one(unsigned bits) { return (bits & (bits - 1)) == 0; }
 
 }  // namespace
 
 GrowingGame::GrowingGame(double bound) : unit_(0.5 / bound), total_at_one_(1 / (1 + unit_)) {
-  // Rows that are not there are free, columns basic: without weight.
+  // Absent rows are free, absent columns basic: neither has weight.
   for (std::size_t i = 0; i < kMost; ++i) seat_[i] = kMost, seat_[kMost + i] = 0;
   level_.fill(0), gain_.fill(0);
   clear<1>();
@@ -40,7 +40,7 @@ void GrowingGame::clear() {
   }
 }
 
-// From four numbers a line to eight.
+// Widens every line from four numbers to eight.
 void GrowingGame::widen() {
   wide_ = true;
   for (int i = 0; i < kMost; ++i) {
@@ -53,7 +53,7 @@ void GrowingGame::widen() {
   }
 }
 
-// Of a new row: what it takes from each basic variable, and its gain.
+// Sets up a new row: what it takes from each basic variable, and its gain.
 template <int kQuads>
 void GrowingGame::fill_column(int column, const Line& a) {
   auto line = Few<kQuads>::all(0);
@@ -73,7 +73,7 @@ void GrowingGame::fill_column(int column, const Line& a) {
   place.with(Few<kQuads>::load(gains), gain).store(gains);
 }
 
-// Of a new column: its slack in terms of the free variables.
+// Sets up a new column: its slack in terms of the free variables.
 template <int kQuads>
 void GrowingGame::fill_line(int line, const Line& a) {
   auto numbers = Few<kQuads>::all(0);
@@ -92,7 +92,7 @@ void GrowingGame::fill_line(int line, const Line& a) {
   place.with(Few<kQuads>::load(level_.data()), level).store(level_.data());
 }
 
-// Of the rows without weight the one that would lower the optimum most.
+// Among the rows without weight, the one that would lower the optimum most.
 int GrowingGame::weightless_row() const {
   int worst = -1;
   for (int i = 0; i < rows_; ++i) {
@@ -103,7 +103,7 @@ int GrowingGame::weightless_row() const {
   return worst < 0 ? 0 : worst;
 }
 
-// Of the columns without weight the one with most slack.
+// Among the columns without weight, the one with most slack.
 int GrowingGame::weightless_column() const {
   int loosest = -1;
   for (int j = 0; j < columns_; ++j) {
@@ -180,15 +180,15 @@ void GrowingGame::pivot(int line, int column, double inverse) {
   sit(enters, line), sit(leaves, kMost + column);
 }
 
-// A step of the primal simplex; false at the optimum. The line that bounds the free variable first leaves; among
-// equals, which flat stars have, the one with the largest pivot.
+// One step of the primal simplex; false at the optimum. The line that bounds the free variable first leaves; among
+// equal ones, which flat stars have, the one with the largest pivot.
 template <int kQuads>
 bool GrowingGame::improve() {
   const auto gain = Few<kQuads>::load(gain_.data() + kMost);
   const unsigned better = above(gain, kNoise);
   if (better == 0) return false;
   const int column = is_one(better) ? __builtin_ctz(better) : place(gain, most(gain));
-  if (column >= rows_) return false;  // among what is no number
+  if (column >= rows_) return false;  // comparisons with NaN found none
   const auto pivots = Few<kQuads>::load(tableau_column(column));
   const double smallest = kSmallestPivot * most(pivots);
   if (!(smallest > 0)) return false;
@@ -207,8 +207,8 @@ bool GrowingGame::improve() {
   return true;
 }
 
-// A step of the dual simplex; false where no level is negative. The free variable that mends the line at the least cost
-// enters.
+// One step of the dual simplex; false if no level is negative. The free variable that repairs the line at the least
+// cost enters.
 template <int kQuads>
 bool GrowingGame::restore() {
   const auto level = Few<kQuads>::load(level_.data());
@@ -230,7 +230,7 @@ bool GrowingGame::restore() {
 
 template <int kQuads>
 void GrowingGame::solve_in() {
-  const int limit = 4 * (rows_ + columns_);  // rounding may cycle; the weights so far are then used
+  const int limit = 4 * (rows_ + columns_);  // rounding may cycle; the current weights are then used
   for (int step = 0; step < limit; ++step) {
     if (!restore<kQuads>() && !improve<kQuads>()) break;
   }

@@ -1,18 +1,19 @@
-// A small zero-sum game that gains rows and columns, and is solved again from where it was: min over mixtures of rows
-// of max over columns.
+// A small zero-sum game that gains rows and columns and is solved again from its last solution: min over mixtures of
+// rows of max over columns.
 //
 // In: payoffs of one more row or column at a time, and a bound of their size. Out: the value and weights for both
 // sides, >= 0 with sum 1. As in matrix_game.hpp, an error costs the caller progress, never soundness.
 //
 // With a_ij = 1 + payoff_ij / (2 bound) > 0, rows maximise Σ z_i over Σ_i a_ij z_i <= 1 for every column j, z >= 0; the
-// optimum is the inverse of the value of the game a. Of the tableau only the columns of variables that are 0 are kept:
+// optimum is the inverse of the value of the game a. Only the tableau's columns of variables that are 0 are kept:
 // x_basic = level − tableau · x_free. A new row of the game is one more free variable, which may improve the optimum
-// (primal simplex); a new column is one more basic slack, which may be negative (dual simplex): mostly a pivot or two.
+// (primal simplex). A new column is one more basic slack, which may be negative (dual simplex). Either mostly takes a
+// pivot or two.
 //
-// A step takes latency and branches that nothing predicts, not arithmetic. So the tableau is kept twice, by line and by
-// column, and both are read as they are written, four numbers at a time (a wide load right after narrower stores has to
-// wait until these are through); a variable's seat is an address, so that no branch asks whether it is basic; games of
-// up to four rows and columns use the first four numbers of every line.
+// A step is bound by latency and unpredictable branches, not by arithmetic. So the tableau is kept twice, by line and
+// by column, and both are read as they are written, four numbers at a time (a wide load right after narrower stores has
+// to wait for these). A variable's seat is an address, so that no branch asks whether it is basic. Games of up to four
+// rows and columns use the first four numbers of every line.
 #pragma once
 
 #include <array>
@@ -27,23 +28,23 @@ class GrowingGame {
   static constexpr int kMost = 8;  // rows and columns
   typedef std::array<double, kMost> Numbers;
 
-  // `bound` > 0: no payoff is larger, in absolute terms.
+  // `bound` > 0: an upper bound of the payoffs' absolute values.
   explicit GrowingGame(double bound);
 
-  // Where the next row or column goes: a free place or, with kMost of them, that of one which has no weight now.
+  // The place of the next row or column: a free one or, when kMost are taken, that of one without weight.
   int place_of_row() const { return rows_ < kMost ? rows_ : weightless_row(); }
   int place_of_column() const { return columns_ < kMost ? columns_ : weightless_column(); }
 
-  // Payoffs of a row against all columns, of a column against all rows; numbers for others are not minded.
+  // Payoffs of a row against all columns, or of a column against all rows; numbers for absent ones are ignored.
   void put_row(int place, const Numbers& payoffs);
   void put_column(int place, const Numbers& payoffs);
 
   // Finds the weights.
   void solve();
-  // Forgets rounding: solves from the beginning.
+  // Solves from the beginning, which drops accumulated rounding.
   void solve_afresh();
 
-  // Whether the value is more than 1; after `solve`.
+  // Whether the value exceeds 1; after `solve`.
   bool is_above_one() const { return total_ < total_at_one_; }
   Numbers row_weights() const;
   Numbers column_weights() const;
@@ -57,7 +58,7 @@ class GrowingGame {
   bool wide_ = false;  // more than four rows or columns
   double unit_, total_at_one_, total_ = 0;
   std::array<int, 2 * kMost> seat_, sitting_;  // by variable, by seat
-  // By seat; zeros where a basic variable has no gain, a free one no level.
+  // By seat; zeros where a basic variable has no gain or a free one no level.
   alignas(64) std::array<double, 2 * kMost> level_, gain_;
   // Lines of the tableau, negated; unit vectors; columns of the tableau.
   std::array<Line, 3 * kMost> numbers_;
@@ -70,7 +71,8 @@ class GrowingGame {
   double* unit_line(int k) { return numbers_[index(kMost + k)].data(); }
   double* tableau_line(int line) { return numbers_[index(line)].data(); }
   double* tableau_column(int column) { return numbers_[index(2 * kMost + column)].data(); }
-  // A variable in terms of the free ones, and a slack's column of all the tableau, with those of basic variables.
+  // The line of a variable in terms of the free ones; the column of a slack in the whole tableau, unit vectors
+  // included.
   const double* line_of(int seat) const { return numbers_[index(seat)].data(); }
   const double* column_of(int seat) const { return numbers_[index(kMost + seat)].data(); }
 

@@ -31,7 +31,7 @@ Proximity along(Vec3 direction) {
   return start;
 }
 
-// What needs no polar: the nearest points in doubles and in double-double, then exact arithmetic.
+// The stages that need no polar: nearest points in doubles, then in double-double, then exact arithmetic.
 PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hint, const PairOptions& options,
                           PairCounters& counters) {
 #ifdef PLANNERCHECK_NO_FALLBACK
@@ -52,7 +52,8 @@ PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hi
 #endif
 }
 
-// What costs a game: the solver, and what is left where no polar hosts or the polar's bound is too wide.
+// The stages that cost a game: the solver; then, where no polar hosts or the polar's bound is too wide, what needs
+// none.
 PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis& axis, const PairOptions& options,
                    CachedPlane* cache, PairCounters& counters) {
   const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
@@ -62,12 +63,12 @@ PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis
   return concluded(frame, certificate, options, cache, counters);
 }
 
-// Where a separating plane is kept for the next poses of this pair.
+// The cache for a separating plane, for the next poses of this pair; null where none is kept.
 CachedPlane* kept(const Body& host, const PairOptions& options, CachedPlane* cache) {
   return options.cached_plane && host.has_polar() ? cache : nullptr;
 }
 
-// Whether the plane that separated this pair at other poses separates it at these.
+// Whether the plane that separated this pair at earlier poses separates it now.
 bool plane_holds(const PairFrame& frame, const CachedPlane* cache, PairCounters& counters) {
   if (cache == nullptr || !cache->valid) return false;
   ++counters.guest_queries;
@@ -104,7 +105,7 @@ PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
   return verdict;
 }
 
-// Undecided is what is too close for the polar's bound, or within the swell of separated hulls.
+// A certificate is undecided if the gap is too small for the polar's bound, or within the swell of separated hulls.
 PairVerdict concluded(const PairFrame& frame, const Certificate& certificate, const PairOptions& options,
                       CachedPlane* cache, PairCounters& counters) {
   if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
@@ -154,7 +155,7 @@ PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& op
     const Certificate found = axis.decide(cache != nullptr, &lowest, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);
   }
-  const bool tried = guest.body->is_box != 0 && host.body->is_box != 0;  // as boxes
+  const bool tried = guest.body->is_box != 0 && host.body->is_box != 0;  // by PairFrame::boxes_apart
   if (!likely && !tried) {
     const Certificate found = by_facets(frame, axis, options, counters);
     if (found.answer != Answer::kUndecided) return certified(found, cache);

@@ -1,4 +1,5 @@
-// The test of one pair: cheapest step first, each ending with a certificate or handing on, the last one exact.
+// The test of one pair: the cheapest step first. Each step ends with a certificate or hands on to the next; the last is
+// exact.
 #pragma once
 
 #include <optional>
@@ -13,17 +14,17 @@ namespace plannercheck {
 
 enum class Solver { kDoubleOracle, kWalk, kExact };
 
-// Every clever step can be turned off; verdicts do not depend on it.
+// Every optimisation can be turned off; verdicts do not depend on it.
 struct PairOptions {
   Solver solver = Solver::kDoubleOracle;
   bool cached_plane = true;
   bool centre_axis = true;
-  bool turned_axis = true;  // whether that is turned to where the bodies would face each other if they were ellipsoids
+  bool turned_axis = true;  // whether the axis is turned to where equivalent ellipsoids would face each other
   bool facet_plane = true;
   bool nearest_points = true;  // the second filter
-  bool double_double = true;   // the third filter; without both, exact arithmetic decides what the solver leaves
-  bool warm_start = true;      // whether each of these begins with the vertices where the one before gave up
-  bool interleaving = true;    // whether a batch has several pairs of large bodies under way
+  bool double_double = true;  // the third filter; with both filters off, exact arithmetic decides what the solver leaves open
+  bool warm_start = true;  // whether each stage begins with the vertices where the one before gave up
+  bool interleaving = true;  // whether a batch interleaves the tests of several pairs of large bodies
 };
 
 // The plane that separated a pair last time, in the host's frame.
@@ -41,28 +42,28 @@ struct PairVerdict {
   std::optional<ExactAnswer> exact;  // stage kExact
 };
 
-// Of the solver's certificate, or of what comes after it where that is undecided.
+// The verdict of the solver's certificate or, if that is undecided, of the stages after it.
 PairVerdict concluded(const PairFrame& frame, const Certificate& certificate, const PairOptions& options,
                       CachedPlane* cache, PairCounters& counters);
 
-// Of a certificate that is not undecided; keeps its plane.
+// The verdict of a certificate that is not undecided; caches its plane.
 PairVerdict certified(const Certificate& certificate, CachedPlane* cache);
 
-// Of two bodies the one whose polar is better conditioned hosts: 0 for `a`, 1 for `b`. Bodies without volume have none.
+// Which body hosts, the one with the better conditioned polar: 0 for `a`, 1 for `b`. Bodies without volume have no
+// polar.
 int choose_host(const Body& a, const Body& b);
 
-// `likely`: most poses of this pair share a point, so a certificate of that is sought first. Verdicts do not depend on
-// it.
+// `likely`: most poses of this pair share a point, so such a certificate is sought first. Verdicts do not depend on it.
 PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters);
 PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters);
 
-// Whether the axis between the centres may settle it and does so by the balls around them, which takes no query.
+// Whether the balls around the centres are apart, and options allow to decide by them; takes no support query.
 inline bool is_far(const CentreAxis& axis, const PairOptions& options) {
   return options.centre_axis && options.solver != Solver::kExact && axis.separates_balls();
 }
-// The test of a pair that is not far. `axis` may be turned.
+// The test of a pair for which `is_far` is false. `axis` may be turned.
 PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis& axis, const PairOptions& options,
                             CachedPlane* cache, PairCounters& counters);
 

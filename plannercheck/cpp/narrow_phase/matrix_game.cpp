@@ -10,13 +10,13 @@
 namespace plannercheck {
 namespace {
 
-// A pivot so much smaller than others of its column is what rounding left of 0: a row through a degenerate corner would
-// be chosen for it, and the tableau lost.
+// A pivot that is so much smaller than others of its column is a rounded 0. A row through a degenerate corner would be
+// chosen for it, and the tableau lost.
 constexpr double kPivotRounding = 1e-11;
 
-// maximise Σ z_i over Σ_i (a_ij + shift) z_i <= 1 for every column j, z >= 0: with the payoffs shifted to be positive
-// the optimum is 1 / (value + shift), z is proportional to the rows' weights and the prices to the columns'.
-// Rows are padded to blocks of four: a pivot is a few vector operations.
+// maximise Σ z_i over Σ_i (a_ij + shift) z_i <= 1 for every column j, z >= 0. With the payoffs shifted to be positive
+// the optimum is 1 / (value + shift); z is proportional to the rows' weights, the prices to the columns'. Rows are
+// padded to blocks of four, so that a pivot takes a few vector operations.
 class Tableau {
  public:
   Tableau(const Game& game, double shift)
@@ -34,7 +34,7 @@ class Tableau {
   }
 
   void optimise() {
-    const int limit = 4 * (constraints_ + variables_);  // rounding may cycle; the weights so far are then used
+    const int limit = 4 * (constraints_ + variables_);  // rounding may cycle; the current weights are then used
     for (int step = 0; step < limit; ++step) {
       const int column = entering();
       if (column < 0) return;
@@ -79,7 +79,7 @@ class Tableau {
     return best;
   }
 
-  // The row that bounds the column first; among equals, which flat stars have, the one with the largest pivot.
+  // The row that bounds the column first; among equal ones, which flat stars have, the one with the largest pivot.
   int leaving(int column) const {
     double largest = 0;
     for (int j = 0; j < constraints_; ++j) largest = larger(largest, entry(j, column));
@@ -131,7 +131,7 @@ void solve(const Game& game, Mixture& mixture) {
       highest = larger(highest, a);
     }
   }
-  // The shift keeps entries of the order of the spread, so that the tableau's rounding is relative to it.
+  // The shift keeps the entries near the spread in size, so that the tableau's rounding is relative to the spread.
   const double spread = highest > lowest ? highest - lowest : 1;
   Tableau tableau(game, spread - lowest);
   tableau.optimise();

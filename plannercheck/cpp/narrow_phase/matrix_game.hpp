@@ -1,7 +1,7 @@
 // Small zero-sum games: min over mixtures of rows of max over columns.
 //
-// In: payoffs a[i][j] of at most kMaxActives rows and columns. Out: weights for both sides, >= 0 with sum 1. A solver's
-// error costs its caller progress, never soundness: the weights are always weights.
+// In: payoffs a[i][j] of at most kMaxActives rows and columns. Out: weights for both sides, >= 0 with sum 1. The
+// weights are valid weights whatever the rounding, so a solver's error costs the caller progress, never soundness.
 #pragma once
 
 #include <array>

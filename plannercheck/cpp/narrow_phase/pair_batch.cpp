@@ -12,11 +12,11 @@
 namespace plannercheck {
 namespace {
 
-constexpr std::size_t kUnderWay = 8;  // tests at a time (at 100,000 vertices 3 and 4 still wait; 6 to 12 are alike)
-// Of the inner hierarchy and the polar together; fewer stay in the cache (measured).
+constexpr std::size_t kUnderWay = 8;  // at 100,000 vertices 3 and 4 still wait; 6 to 12 take the same time
+// Least size of the inner hierarchy and the polar together; smaller ones stay in the cache (measured).
 constexpr std::size_t kInterleavedVertices = 8000;
-// Poses that differ by so many distances of neighbouring vertices, in parts of the radius, or less, read mostly the
-// same memory: tests one by one find it in the cache, and their cached planes mostly hold. (At 1,000, 10,000 and
+// Poses that differ by at most this many distances of neighbouring vertices, in parts of the radius, read mostly the
+// same memory. Tests one by one find it in the cache, and their cached planes mostly hold. (At 1,000, 10,000 and
 // 100,000 vertices interleaving pays from about 5, 5 and 2 on.)
 constexpr double kWarmDistances = 5;
 
@@ -24,7 +24,7 @@ std::size_t vertices(const Body& guest, const Body& host) {
   return guest.inner.points.size() + host.polar.points.size();
 }
 
-// Puts the oracle's questions to descents that go step by step.
+// Passes the oracle's queries to descents that go step by step.
 struct Later {
   Descent& descent;
   Vec3 asked;
@@ -43,11 +43,11 @@ struct Later {
   }
 };
 
-// A test as in pair_test by the double oracle, of bodies whose balls are not apart. It tries no cached plane: that of
-// other poses hardly ever holds (of 300 random ones two at most).
+// A test by the double oracle as in intersection.hpp, of bodies whose balls are not apart. It tries no cached plane:
+// planes of other poses hardly ever hold (at most two of 300 random ones).
 class SteppedTest {
  public:
-  // False if the verdict is there already. `cache`: where a separating plane is kept; may be null.
+  // False if the verdict is known already. `cache`: where a separating plane is kept; may be null.
   bool begin(std::size_t pair, const PosedBody& guest, const PosedBody& host, const PairOptions& options,
              CachedPlane* cache, PairCounters& counters) {
     pair_ = pair, options_ = &options, cache_ = cache, counters_ = &counters;
@@ -60,7 +60,7 @@ class SteppedTest {
     return search(Sought::kLowest, guest_.body->inner, axis_->towards_host());
   }
 
-  // One step of the descent; where it has ended, what its vertex leads to. False when the verdict is there.
+  // One step of the descent; at its end, what follows from its vertex. False once the verdict is known.
   bool step() { return descent_.step(counters_->queries) || proceed(); }
 
   std::size_t pair() const { return pair_; }
@@ -182,12 +182,12 @@ void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane*
   }
 }
 
-// Whether a pose is about the one before: entries of the rotation and parts of the bodies' size differ by less than
-// `most`. Half of the entries tell that well enough: verdicts do not depend on it.
+// Whether a pose is close to the one before: entries of the rotation, and of the translation in parts of the bodies'
+// size, differ by less than `most`. Half of the entries tell that well enough, as verdicts do not depend on it.
 class Sequence {
  public:
   Sequence(double most, double size) : turned_(most), moved_(most * size) {
-    last_.fill(std::numeric_limits<double>::quiet_NaN());  // the first one follows none
+    last_.fill(std::numeric_limits<double>::quiet_NaN());  // the first pose follows none
   }
 
   bool follows(const Pose& pose) {
@@ -234,7 +234,7 @@ class Interleaving {
   CachedPlane* cache_;  // null if none is kept
   Sequence guests_, hosts_;
 
-  // The next pair that would wait for memory; those before it are done with. False if there is none left.
+  // Begins the next pair that would wait for memory, after it has tested those before it; false if there is none left.
   bool begin(SteppedTest& test) {
     while (next_ < pairs_) {
       poll_interruption();
@@ -250,7 +250,7 @@ class Interleaving {
     return false;
   }
 
-  // Many are, and take less time than it takes to begin.
+  // Far pairs are many, and deciding one takes less time than beginning a stepped test.
   bool takes_far(std::size_t pair, const PosedBody& guest, const PosedBody& host) {
     const CentreAxis axis(guest, host);
     if (!is_far(axis, options_)) return false;
@@ -263,7 +263,7 @@ class Interleaving {
     return hosts_.follows(host.pose) && guest_follows;
   }
 
-  // A step of the test at k, whose place goes on to the next pair, or to the last test under way.
+  // One step of the test at k. When it ends, its place goes to the next pair, or to the last test under way.
   void turn(std::size_t& k) {
     SteppedTest& test = *under_way_[k];
     if (!test.step()) {

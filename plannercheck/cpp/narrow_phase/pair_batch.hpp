@@ -1,11 +1,10 @@
 // Many poses of the same two bodies.
 //
-// A test of large bodies waits for memory most of its time: each step of a descent reads what the one before has led
-// to. Tests of different poses have nothing to do with each other, so several are under way at a time: each does a
-// step, asks for the memory that its next one reads, and the others' steps follow meanwhile. Poses about the same as
-// those before find their memory in the cache and are tested at once. Verdicts are those of the tests one by one; so
-// are certificates, stages and counters without cached planes: with them, only poses that follow others try one, the
-// latest that was left, which need not be that of the pair before.
+// A test of large bodies mostly waits for memory: each step of a descent reads what the step before leads to. Tests of
+// different poses are independent, so several are interleaved: each does a step and prefetches what its next one reads
+// while the others do theirs. Poses close to the ones before find their memory in the cache and are tested at once.
+// Verdicts equal those of the tests one by one. Without cached planes, so do certificates, stages and counters; with
+// them, only poses that follow others try a plane, the latest one kept, which need not be that of the pair before.
 #pragma once
 
 #include <cstddef>
@@ -20,14 +19,14 @@ class PairBatch {
   virtual PosedBody guest(std::size_t i) const = 0;
   virtual PosedBody host(std::size_t i) const = 0;
   virtual void take(std::size_t i, const PairVerdict& verdict) = 0;
-  // Of bodies whose balls are apart, which are many: for batches that need no certificate.
+  // For bodies whose balls are apart, which are many: batches that need no certificate replace this.
   virtual void take_far(std::size_t i, const CentreAxis& axis) { take(i, certified(axis.separated(false), nullptr)); }
 
  protected:
   ~PairBatch() = default;
 };
 
-// Of two bodies, the same in all pairs; verdicts come in any order.
+// Tests the same two bodies at all poses; verdicts come in any order.
 void test_pairs(const Body& guest, const Body& host, std::size_t pairs, const PairOptions& options, PairBatch& batch,
                 PairCounters& counters);
 

@@ -3,27 +3,32 @@
 namespace plannercheck {
 namespace {
 
-// Bounds, u = 2^-53, |.| Euclidean, columns of M at most 1 + 2e-6 long, r_P = reach of the guest, w = t_P − t_R,
-// c = the host's centre, δ = ‖M_RᵀM_R − 1‖. Terms of second order are covered by rounding each sum up generously.
+// Error bounds. u = 2^-53, |.| is Euclidean, columns of M are at most 1 + 2e-6 long, r_P = reach of the guest, w = t_P
+// − t_R, c = the host's centre, δ = ‖M_RᵀM_R − 1‖. Each sum is rounded up generously, which covers terms of second
+// order.
 //
-// (a) Relative pose. fl(M_Rᵀ M_P) errs by 3u an entry at most (Cauchy-Schwarz on unit columns), 9u in the Frobenius
-//     norm: 9u r_P. fl(M p) errs by 3u |p| an entry: 5.2u r_P; adding the shift by 2u (r_P + |shift|). The shift: w by
-//     u|w|, M_Rᵀw by 5.2u|w|, subtracting c by 2u (|w| + |c|). And M_R⁻¹ − M_Rᵀ = (1 − M_RᵀM_R) M_R⁻¹, so using the
-//     transpose errs by (1 + 1e-5) δ (r_P + |w|). In all at most 20u (r_P + |w| + |c|) + 1.01 δ (r_P + |w|).
+// (a) Relative pose. fl(M_Rᵀ M_P) errs by at most 3u an entry (Cauchy-Schwarz on unit columns), 9u in the Frobenius
+//     norm: 9u r_P. fl(M p) errs by 3u |p| an entry: 5.2u r_P. Adding the shift errs by 2u (r_P + |shift|). In the
+//     shift, w errs by u|w|, M_Rᵀw by 5.2u|w|, and subtracting c by 2u (|w| + |c|). M_R⁻¹ − M_Rᵀ = (1 − M_RᵀM_R) M_R⁻¹,
+//     so the transpose in place of the inverse errs by (1 + 1e-5) δ (r_P + |w|). In all: at most 20u (r_P + |w| + |c|)
+//     + 1.01 δ (r_P + |w|).
 // (b) Separation by q, |q| <= r_Q (1 + 1e-9). The guest's direction fl(Mᵀq) errs by 5.2u |q|, which moves the least
-//     product by at most 10.4u |q| r_P; a scan may miss it by 14u |q| r_P (kScanError, |.|_1 <= √3 |.|); evaluating q·x
-//     errs by 5.2u |q| |x|. sup over R of q·x is at most 1 + 20u r_Q r_R: polar points err by kPolarError, mixing 8 of
-//     them by 16u: 8u in the sum of the weights, which are multiplied by the inverse of their rounded sum, 8u in the
-//     products and sums. In all r_Q times (30u (r_P + |shift|) + 20u r_R) besides (a).
-// (c) Containment of x: mixing 8 vertices errs by 16u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by
-//     5.2u r_Q |x|, polar points by 4u r_Q |x|, with |x| <= r_P + |shift|: r_Q times 40u (r_P + |shift|) besides (a).
+//     product by at most 10.4u |q| r_P. A scan may miss that product by 14u |q| r_P (kScanError, |.|_1 <= √3 |.|).
+//     Evaluating q·x errs by 5.2u |q| |x|. The supremum of q·x over R is at most 1 + 20u r_Q r_R: polar points err by
+//     kPolarError, mixing 8 of them by 16u. Of these, 8u are in the sum of the weights, which are multiplied by the
+//     inverse of their rounded sum, and 8u in the products and sums. In all: r_Q times (30u (r_P + |shift|) + 20u r_R)
+//     besides (a).
+// (c) Containment of x. Mixing 8 vertices errs by 16u (r_P + |shift|), a scan by 14u r_Q |x|, evaluating by 5.2u r_Q
+//     |x|, polar points by 4u r_Q |x|, with |x| <= r_P + |shift|. In all: r_Q times 40u (r_P + |shift|) besides (a).
 //     Counted more sharply, as tests/error_bounds/pair_frame does, (b) is 33.6u and (c) 37.2u, (a) included.
-// |shift| <= |w| + |c| up to the rounding above, so one bound serves both. The walk mixes 16 points at a time (32u),
-// moves what it got towards another mixture (3u), and may mix that again: kMixtureError for each of its games.
+//
+// |shift| <= |w| + |c| up to the rounding above, so one bound serves both. Each game of the coupled walk mixes 16
+// points (32u) and moves the result towards another mixture (3u), which later games may mix again: kMixtureError for
+// each game.
 constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
-constexpr double kMixtureError = 40 * 0x1p-53;  // of one more mixture of mixtures
-constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by 3.6e-6 at most
-constexpr double kAxisDefect = 8e-6;            // of the products of two of them: M_P and M_R count
+constexpr double kMixtureError = 40 * 0x1p-53;  // of each game whose mixture is mixed again
+constexpr double kAxisLength = 1 + 4e-6;  // of a column of M_Rᵀ M_P: both bodies are off rigid by at most 3.6e-6
+constexpr double kAxisDefect = 8e-6;  // of the products of two columns: M_P and M_R both count
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 
 }  // namespace
@@ -58,8 +63,8 @@ Vec3 PairFrame::guest_box_point() const {
   return map({clamped(centre.x, low.x, high.x), clamped(centre.y, low.y, high.y), clamped(centre.z, low.z, high.z)});
 }
 
-// The axes are the host's own and the columns of M_Rᵀ M_P, which are the guest's but for the poses' defects: any axis
-// separates if the boxes' shadows on it are apart. A shadow is its centre and half its length.
+// The axes are the host's own and the columns of M_Rᵀ M_P, which are the guest's up to the poses' defects. An axis
+// separates the boxes if their projections on it, each given by its centre and half its length, are apart.
 bool PairFrame::boxes_apart() const {
   const Body &g = guest(), &h = host();
   const Vec3 host_half = 0.5 * (h.high - h.low), guest_half = 0.5 * (g.high - g.low);

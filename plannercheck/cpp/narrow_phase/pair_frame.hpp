@@ -1,11 +1,11 @@
 // One pair of posed bodies: the frame of the host, the certificates and their proven error bounds.
 //
-// The host R is described by its polar: R = {x : q·x <= 1 for all polar points q}, coordinates in R's frame relative to
-// its centre. The guest P is the hull of vertices M p + t under the relative pose. In that frame the game
+// The polar describes the host R: R = {x : q·x <= 1 for all polar points q}, in R's frame relative to its centre. The
+// guest P is the hull of its vertices, M p + t under the relative pose. In that frame this game decides:
 //     v = min over x in P of max over q in conv(polar) of q·x
-// decides: v > 1 is a separation (the plane q·x = 1), v <= 1 a shared point x (Theorem "Polarity of polyhedra" with
-// both polars hidden). Swollen bodies share a point if their hulls come as near as the sum of both swells, in m of the
-// world.
+// If v > 1, the plane q·x = 1 separates the bodies; if v <= 1, they share the point x (Theorem "Polarity of polyhedra";
+// both polars are implicit in the game). Swollen bodies share a point if the distance of their hulls is at most the sum
+// of both swells, in m of the world.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ struct Certificate {
   Answer answer = Answer::kUndecided;
   Stage stage = Stage::kSolver;
   Vec3 q, x;
-  long mixtures = 0;  // how deep q and x are mixtures of mixtures; see PairFrame::separates
+  long mixtures = 0;  // number of games from which q and x were mixed; see PairFrame::separates
 };
 
 struct PairCounters {
@@ -61,29 +61,30 @@ class PairFrame {
   Vec3 guest_centre() const { return map(guest().centre); }
   Vec3 polar_point(std::int32_t k) const { return host().polar.points[static_cast<std::size_t>(k)]; }
 
-  // Of points of the guest: rows of M_Rᵀ M_P, and what is added.
+  // Map guest points into this frame: the rows of M_Rᵀ M_P, and the shift that is added.
   const std::array<double, 9>& rotation() const { return m_; }
   Vec3 shift() const { return shift_; }
-  // At least ‖M_RᵀM_R − 1‖.
+  // An upper bound of ‖M_RᵀM_R − 1‖.
   double defect() const { return defect_; }
 
-  // The point of the guest's box that is nearest to the host's centre, up to rounding: where the bodies overlap most
-  // likely. It is in the box whatever the rounding.
+  // The point of the guest's box nearest to the host's centre, up to rounding: a likely shared point of bodies that
+  // overlap. Rounding never takes it out of the box.
   Vec3 guest_box_point() const;
 
-  // The direction in the guest's frame along which to look for the vertex with the least q·x.
+  // The direction, in the guest's frame, whose extreme vertex has the least q·x.
   Vec3 guest_direction(Vec3 q) const;
 
-  // Whether a plane along a face of one body's box separates both boxes, whatever the rounding.
+  // Whether a face plane of one body's box separates both boxes, whatever the rounding.
   bool boxes_apart() const;
 
-  // With value = min over guest vertices of q·x as found by `extreme`, and sup over R of q·x <= 1 up to rounding: q is
-  // a mixture of at most 8 polar points, or of mixtures of 16, `mixtures` deep. The distance along q is (value − 1) /
-  // |q|.
+  // Whether q proves the bodies apart. `value`: the least q·x over the guest's vertices, as found by `extreme`. Over R,
+  // q·x is at most 1 up to rounding, since q is a mixture of at most 8 polar points, or of 16 points in each of
+  // `mixtures` games. The distance along q is (value − 1) / |q|.
   bool separates(Vec3 q, double value, long mixtures = 0) const {
     return value > 1 + error(mixtures) + (swell_ > 0 ? swell_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
   }
-  // With value = max over polar points of q·x as found by `extreme`, x a mixture of guest vertices likewise.
+  // Whether R contains x, a mixture of guest vertices of the same kind. `value`: the largest q·x over the polar points,
+  // as found by `extreme`.
   bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
 
  private:
@@ -91,9 +92,9 @@ class PairFrame {
   std::array<double, 9> m_;
   Vec3 shift_;  // M_Rᵀ (t_P − t_R) − centre
   double defect_;
-  double pose_error_;  // of a coordinate in this frame, whatever is computed from a few of them
+  double pose_error_;  // of a coordinate in this frame, with room for a few operations on it
   double error_, mixture_error_;
-  double swell_;  // of both bodies, rounded up and stretched by what the pose may be off rigid
+  double swell_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
 
   double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
 

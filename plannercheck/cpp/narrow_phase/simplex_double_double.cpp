@@ -3,7 +3,7 @@
 namespace plannercheck {
 namespace {
 
-// The projection of the origin on the span of the corners of a set; false unless it lies inside.
+// The projection of the origin on the span of a set's corners; false unless it lies inside their hull.
 class Projection {
  public:
   Projection(const FineSimplex& simplex, unsigned set) {

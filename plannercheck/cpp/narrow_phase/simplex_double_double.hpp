@@ -1,8 +1,8 @@
 // The face of a simplex nearest to the origin, in double-double: what each round of gjk_double_double.cpp keeps.
 //
 // In: one to four corners, differences of vertices. Out: some of them, with weights that mix the point of their hull
-// nearest to the origin. A guide, as far as double-double tells: the caller proves its answers from the corners and
-// weights, whatever they are.
+// nearest to the origin, as far as double-double tells. The result is only a guide: the caller proves its answers from
+// the corners and weights, whatever they are.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct FineFace {
   unsigned set = 0;
   std::array<Double2, 4> weight{};                          // in the order of the corners of the set
   Double2Vec3 towards;                                      // along the nearest point, of any length
-  double square = std::numeric_limits<double>::infinity();  // of the distance, about
+  double square = std::numeric_limits<double>::infinity();  // of the distance, approximately
 };
 
 struct FineSimplex {

@@ -7,9 +7,9 @@
 namespace plannercheck {
 namespace {
 
-// The difference is rounded (u), the products (u), the sums (2u): |error| <= 4u(1 + …) Σ|terms|; 6u leaves room for
-// the rounding of the bound itself. Products that underflow lose at most 2^-1074 each: below kUnderflow nothing is
-// trusted, exact ties included.
+// Rounding the difference errs by u, the products by u, the sums by 2u: |error| <= 4u(1 + …) Σ|terms|. 6u leaves room
+// for rounding the bound itself. Products that underflow lose at most 2^-1074 each; below kUnderflow nothing is
+// trusted, not even exact ties.
 constexpr double kDifferenceError = 6 * kRoundoff;
 constexpr double kUnderflow = 1e-300;
 
@@ -28,14 +28,14 @@ inline Beyond compare_block(const Block& block, Vec3 v, Vec3 u) {
   return {quad_bits(value > error), quad_bits(absolute_quad(value) <= error)};
 }
 
-constexpr std::int32_t kScannedEntries = 8;  // more are searched by bisection; removed vertices have no more
+constexpr std::int32_t kScannedEntries = 8;  // more are searched by bisection; removed vertices never have more
 
 class WedgeWalk {
  public:
   WedgeWalk(const Levels& h, const Stand& stand, Vec3 u, QueryCounters& counters)
       : h_(h), corner_(stand.point), u_(u), fan_(h.fans[at(stand.fan())]), counters_(counters) {}
 
-  // A vertex beyond the plane through v, at the coarsest level that has one; or -1.
+  // A vertex beyond the plane through v at the coarsest level that has one; or -1.
   std::int32_t run() {
     std::int32_t wedge = entry();
     for (;;) {
@@ -55,22 +55,24 @@ class WedgeWalk {
   const WedgeFan& fan_;
   QueryCounters& counters_;
 
-  // Sign of u's side of the plane through the axis and the normal of the facet v a b; positive: counter-clockwise.
+  // On which side of the plane through the axis and the normal of the facet v a b the direction u lies; positive:
+  // counter-clockwise.
   int side(std::int32_t a, std::int32_t b) const {
     return wedge_side(fan_.axis, corner_, h_.points[at(a)], h_.points[at(b)], u_);
   }
 
   std::int32_t rim(std::int32_t entry) const { return h_.wedges[at(h_.entries[at(fan_.first_entry + entry)])].rim; }
 
-  // The side of u on the facet clockwise of entry i; the one counter-clockwise is that of entry i + 1.
+  // The side of u relative to the facet clockwise of entry i; entry i + 1 gives the one counter-clockwise.
   int facet_side(std::int32_t i) const {
     const std::int32_t count = fan_.entries;
     return side(rim((i + count - 1) % count), rim(i % count));
   }
 
   // The first wedge: the edge between whose two facet normals u lies. Neighbouring normals are less than half a turn
-  // apart, as the axis is inside the cone. The wedge of an edge within a facet is empty: both its sides are 0 for u on
-  // the far side of the axis, too, so it never is taken; where u is on the facet's normal, its neighbours hold u.
+  // apart, as the axis is inside the cone. An edge within a facet has an empty wedge, which is never taken: both its
+  // sides are 0, also for u on the far side of the axis. Where u is on the facet's normal, the neighbouring wedges hold
+  // u.
   std::int32_t entry() const {
     std::int32_t tests = 0;
     std::int32_t found = fan_.entries > kScannedEntries ? search_entries(&tests) : -1;
@@ -92,8 +94,8 @@ class WedgeWalk {
     return 0;  // u is the axis: every wedge holds it
   }
 
-  // By bisection in the half turn from the first normal, or in the other; -1 if the wedge found does not hold u, which
-  // takes u in the plane of the axis and the first normal, or a normal just about opposite to that.
+  // Searches by bisection in the half turn from the first normal, or in the other half. -1 if the wedge found does not
+  // hold u: then u lies in the plane of the axis and the first normal, or along a normal almost opposite to that one.
   std::int32_t search_entries(std::int32_t* tests) const {
     const bool first_half = facet_side(0) >= 0;
     std::int32_t low = first_half ? 0 : fan_.first_half - 1, high = first_half ? fan_.first_half : fan_.entries;
@@ -115,7 +117,7 @@ class WedgeWalk {
   }
 };
 
-// The first vertex of the block beyond the plane through the stand takes its place; false if there is none.
+// Moves the stand to the first vertex of the block beyond the plane through it; false if there is none.
 inline bool advance(const Block& block, Vec3 u, Stand& stand, QueryCounters& counters) {
   ++counters.blocks;
   const Beyond beyond = compare_block(block, stand.point, u);
@@ -152,13 +154,13 @@ bool walk_wedges(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters)
   return child >= 0;
 }
 
-// The vertex beyond the plane through the stand at the coarsest level that has one takes its place; false if none has.
+// Moves the stand to the vertex beyond the plane through it, at the coarsest level that has one; false if none has.
 bool go_beyond(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
   if (stand.chain >= 0) return scan_chain(h, u, stand, counters);
   return stand.is_walked() && walk_wedges(h, u, stand, counters);
 }
 
-// From a vertex that is extreme where it appears to the one that is extreme in the finest level.
+// Goes down from a vertex that is extreme where it appears to the one that is extreme in the finest level.
 Stand descend(const Levels& h, Stand stand, Vec3 u, QueryCounters& counters) {
   while (go_beyond(h, u, stand, counters)) {
   }
@@ -212,7 +214,7 @@ void Descent::start(const Levels& h, Vec3 u, QueryCounters& counters) {
 
 void Descent::stand_at(std::int32_t v) { stand_ = {levels_->points[at(v)], v, kNoChain}; }
 
-// First for the cell's blocks, mostly all in its first group; then they are scanned.
+// The first call prefetches the cell's blocks, mostly all in its first group; the second one scans them.
 bool Descent::step_in_cell(QueryCounters& counters) {
   if (!has_asked_) {
     for (const std::uint16_t block : cell_->first) ask_for(levels_->cells.blocks[block]);

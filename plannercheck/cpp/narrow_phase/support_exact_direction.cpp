@@ -12,18 +12,18 @@ namespace {
 // the difference, products and sums by 4u: below 5u kLargestEntry |e|_1. Products that underflow are below kUnderflow.
 constexpr double kLargestEntry = 2, kRoundedError = 8 * kLargestEntry * kRoundoff, kUnderflow = 1e-290;
 
-// In double-double the difference is exact, a direction that stands for a dyadic one errs by 2^-105 kLargestEntry an
+// In double-double the difference is exact. A direction rounded from a dyadic one errs by 2^-105 kLargestEntry an
 // entry, products by 2^-102 kLargestEntry |e|_1, each of two sums by as much: below 2^-100 kLargestEntry |e|_1.
 constexpr double kFineError = 0x1p-99 * kLargestEntry;
 
-// Where neither Dekker's split overflows nor the lower parts underflow within kFineError.
+// The range in which Dekker's split does not overflow and the lower parts do not underflow within kFineError.
 constexpr double kSmallestFine = 1e-150, kLargestFine = 1e150;
 
-// Top vertices whose rounded products lie within this of the highest, times |u|_1 · largest coordinate, may be extreme:
-// twice the scan's error and that of rounding the direction.
+// Top vertices may be extreme if their rounded products lie within this of the highest, times |u|_1 · largest
+// coordinate: twice the scan's error and that of rounding the direction.
 constexpr double kTopDoubt = 2 * (kScanError + 2 * kRoundoff);
 
-// The highest by rounded products, unless one of those in doubt is higher.
+// The vertex with the highest rounded product, unless one of those in doubt is higher.
 std::int32_t extreme_at_top(const Levels& h, const FineDirection& direction) {
   const Vec3 u = direction.rounded();
   std::array<double, kUnlayered> values;
@@ -35,7 +35,7 @@ std::int32_t extreme_at_top(const Levels& h, const FineDirection& direction) {
   const double tie = values[highest] - kTopDoubt * norm_1(u) * h.largest_coordinate - kUnderflow;
   std::int32_t found = h.top[highest];
   for (std::size_t i = 0; i < h.top.size(); ++i) {
-    if (!(values[i] >= tie) || h.top[i] == found) continue;  // against itself it would be compared exactly
+    if (!(values[i] >= tie) || h.top[i] == found) continue;  // comparing it with itself would need the exact test
     if (direction.sign(h.points[at(h.top[i])], h.points[at(found)]) > 0) found = h.top[i];
   }
   return found;

@@ -14,8 +14,8 @@ namespace plannercheck {
 
 class FineDirection {
  public:
-  // The direction is the exact sum of its high and low parts, whose entries are below 2: those of one whose largest
-  // entry is at most 1, turned by a pose, which may stretch it by 1e-6, are below √3 (1 + 1e-6).
+  // The direction is the exact sum of its high and low parts, with entries below 2: a direction of largest entry at
+  // most 1, turned by a pose that may stretch it by 1e-6, has entries below √3 (1 + 1e-6).
   explicit FineDirection(const Double2Vec3& u) : fine_(u), rounded_{u.x.high, u.y.high, u.z.high} {}
   explicit FineDirection(const DyadicVec3& u) : FineDirection(direction_of(u)) { exact_ = u; }
 

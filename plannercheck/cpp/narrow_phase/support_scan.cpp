@@ -9,19 +9,20 @@
 namespace plannercheck {
 namespace {
 
-// Rounding direction and coordinates to floats, |entries| <= 1, errs by 2^-24 each, so do products; two sums of at most
-// 3 add 5 · 2^-24: a product errs by 14 · 2^-24 at most, underflow included, times the direction's largest entry.
-// Vertices further below the highest than twice that are not extreme, and the difference of both errs by 3 · 2^-24.
+// Entries are at most 1. Rounding direction and coordinates to floats errs by 2^-24 each, and so do products; two sums
+// of at most 3 add 5 · 2^-24. So a product errs by at most 14 · 2^-24 times the direction's largest entry, underflow
+// included. Vertices further below the highest than twice that are not extreme; the difference of both errs by 3 ·
+// 2^-24.
 constexpr float kFloatTie = 32 * 0x1p-24F;
-constexpr double kSmallestFloat = 1e-20, kLargestFloat = 1e20;  // of that entry: else the direction is scaled
+constexpr double kSmallestFloat = 1e-20, kLargestFloat = 1e20;  // of that entry; outside, the direction is scaled
 constexpr double kSmallestDirection = 1e-290, kLargestDirection = 1e290;
 
 static_assert(kScanLanes == kFloats);
 
-// A direction in floats. Where no float stands for it all vertices tie.
+// A direction in floats. All vertices tie where floats cannot represent it.
 struct FloatDirection {
   float x, y, z;
-  float tie;  // how much further along it one product has to be than another to be sure
+  float tie;  // how much further along it a product has to be to be surely larger
 
   explicit FloatDirection(Vec3 u) {
     double length = norm_max(u), scale = 1;
@@ -38,7 +39,7 @@ struct FloatDirection {
   }
 };
 
-// Of the lanes that are not much below the highest, the one that is furthest.
+// The furthest vertex among the lanes that are not much below the highest.
 template <class Vertex, class Further>
 void take_furthest(unsigned lanes, Vertex vertex, Further further, std::int32_t* found) {
   for (; lanes != 0; lanes &= lanes - 1) {
@@ -47,7 +48,7 @@ void take_furthest(unsigned lanes, Vertex vertex, Further further, std::int32_t*
   }
 }
 
-// The blocks of a cell that are scanned at a time; mostly that is all of them, and nothing has to be kept in memory.
+// Blocks of a cell that are scanned together; mostly these are all, so that nothing is kept in memory.
 struct ScannedGroup {
   std::array<const CellBlock*, kGroup> block;
   std::array<Floats, kGroup> value;
@@ -73,7 +74,7 @@ struct ScannedGroup {
   }
 };
 
-// Of the top vertices the furthest; `vertex` says which one a place is, `further` whether one is further than another.
+// The furthest of the top vertices. `vertex` maps a place to its vertex, `further` compares two.
 template <class Vertex, class Further>
 std::int32_t scanned_top(const Levels& h, Vec3 u, Vertex vertex, Further further, QueryCounters& counters) {
   const FloatDirection direction(u);
@@ -94,7 +95,7 @@ std::int32_t scanned_top(const Levels& h, Vec3 u, Vertex vertex, Further further
   return found < 0 ? vertex(0) : found;
 }
 
-// So few vertices cost less in doubles than a scan in floats that leaves candidates.
+// So few vertices are scanned faster in doubles than in floats with candidates after it.
 constexpr std::size_t kFewStands = 8;
 
 std::int32_t extreme_of_few(const Levels& h, Vec3 u, QueryCounters& counters) {

@@ -1,18 +1,18 @@
-// Extreme vertices of bodies, or tops of hierarchies, of so few vertices that scanning beats walking: in floats for
-// candidates, in doubles among these.
+// Extreme vertices where so few vertices remain that scanning is faster than walking: in floats for candidates, then in
+// doubles among these.
 #pragma once
 
 #include "narrow_phase/support.hpp"
 
 namespace plannercheck {
 
-// The vertex of a body with cells, exactly. `cell`: u's.
+// The extreme vertex of a body with cells, exactly. `cell`: the cell of u.
 std::int32_t extreme_in_cell(const Levels& levels, const Cell& cell, Vec3 u, QueryCounters& counters);
 
-// Of a hierarchy's top, exactly, with what a descent needs of it.
+// The extreme vertex of a hierarchy's top, exactly, with what a descent needs of it.
 Stand stand_at_top(const Levels& levels, Vec3 u, QueryCounters& counters);
 
-// Of a top below which nothing follows: by rounded products, see kScanError.
+// The extreme vertex of a top without levels below it, by rounded products; see kScanError.
 std::int32_t extreme_of_top(const Levels& levels, Vec3 u, QueryCounters& counters);
 
 }  // namespace plannercheck
