@@ -4,9 +4,9 @@ In: two posed bodies and the core's answer. Out: frozen values in world coordina
 `verify`, which proves them in exact arithmetic from the bodies' vertices alone, without the core.
 
 The idea: a plane or a mixture of vertices is easy to check, whoever found it. All given numbers (vertices, poses as
-affine maps, swells) are taken as the exact numbers that their doubles are. A body with a swell consists of all points
-within that distance of the hull, so a plane must be at least the swell away from the vertices. A rational upper bound
-of the normal's length is enough to check that, so no root is needed.
+affine maps, inflation radii) are taken as the exact numbers that their doubles are. A body with an inflation radius
+consists of all points within that distance of the hull, so a plane must be at least the inflation radius away from the
+vertices. A rational upper bound of the normal's length is enough to check that, so no root is needed.
 """
 
 from __future__ import annotations
@@ -18,16 +18,14 @@ from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.integers import IntegerHull, Integers, in_common_unit, negated
 from plannercheck.bodies.integers import dot as product
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
 # More vertices than these are never needed (Carathéodory).
@@ -50,12 +48,17 @@ class PosedBody(OwnsArrays):
     Attributes:
         vertices: (n, 3) in the body's frame, m.
         pose: (4, 4) in the world, m.
-        swell: The swell, m.
+        inflation_radius: The inflation radius, m.
     """
 
     vertices: Floats
     pose: Floats
-    swell: float = 0.0
+    inflation_radius: float = 0.0
+
+    @property
+    def swell(self) -> float:
+        """`inflation_radius` by its former name, for one release."""
+        return self.inflation_radius
 
 
 Bodies: TypeAlias = tuple[PosedBody, PosedBody]
@@ -63,7 +66,7 @@ Bodies: TypeAlias = tuple[PosedBody, PosedBody]
 
 @dataclass(frozen=True)
 class ExactPlane:
-    """An exact separating plane: each body's vertices are beyond it by more than length times the body's swell.
+    """An exact separating plane: each body's vertices are beyond it by more than length times the body's radius.
 
     Attributes:
         normal: Of any length, from the second body to the first.
@@ -80,7 +83,7 @@ class ExactPlane:
 
 @dataclass(frozen=True)
 class ExactPoint:
-    """An exact common point: no further from each body's mixture of vertices than the body's swell.
+    """An exact common point: no further from each body's mixture of vertices than the body's inflation radius.
 
     Attributes:
         point: In the world, m.
@@ -102,7 +105,7 @@ class Mixture(OwnsArrays):
         weights: Rounded to doubles (k,).
     """
 
-    vertices: Ints
+    vertices: Ints64
     weights: Floats
 
     def __eq__(self, other: object) -> bool:
@@ -125,7 +128,7 @@ class Separation(OwnsArrays):
     Attributes:
         normal: Unit vector (3,) in the world, from the second body to the first.
         offset: The plane is normal · x = offset, in m; halfway between the bodies.
-        gap: A lower bound of the distance between the bodies in m, swells included, rounded down.
+        gap: A lower bound of the distance between the bodies in m, inflation radii included, rounded down.
         plane: The plane in exact form.
         bodies: The separated bodies.
     """
@@ -177,7 +180,8 @@ class SharedPoint(OwnsArrays):
 
     Attributes:
         point: (3,) in the world, in m, rounded.
-        first: Vertices of the first body and weights that mix the point, or a point within the body's swell of it.
+        first: Vertices of the first body and weights that mix the point, or a point within the body's inflation radius
+            of it.
         second: The same for the second body.
         place: Point and weights in exact form.
         bodies: The bodies that share the point.
@@ -236,7 +240,7 @@ def separation(direction: Point, bodies: Bodies) -> Separation | None:
 
 
 def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies) -> SharedPoint:
-    """The common point of two mixtures of vertices, which must be no further apart than the sum of the swells.
+    """The common point of two mixtures of vertices, which must be no further apart than the sum of the inflation radii.
 
     Args:
         first: Weights of vertices of the first body, of sum 1.
@@ -244,11 +248,11 @@ def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies
         bodies: The two bodies.
 
     Returns:
-        The point that divides the segment from one mixture to the other in the ratio of the swells.
+        The point that divides the segment from one mixture to the other in the ratio of the inflation radii.
     """
     p, r = _mixed(bodies[0], list(first), first.values()), _mixed(bodies[1], list(second), second.values())
-    swell_p, swell_r = Fraction(bodies[0].swell), Fraction(bodies[1].swell)
-    part = swell_p / (swell_p + swell_r) if swell_p else Fraction(0)
+    inflation_p, inflation_r = Fraction(bodies[0].inflation_radius), Fraction(bodies[1].inflation_radius)
+    part = inflation_p / (inflation_p + inflation_r) if inflation_p else Fraction(0)
     point = (p[0] + part * (r[0] - p[0]), p[1] + part * (r[1] - p[1]), p[2] + part * (r[2] - p[2]))
     place = ExactPoint(point, tuple(first.values()), tuple(second.values()))
     return SharedPoint(np.array([_rounded(x) for x in point]), _mixture(first), _mixture(second), place, bodies)
@@ -264,30 +268,30 @@ def direction_of(normal: Floats) -> Point:
 def _separates(plane: ExactPlane, bodies: Bodies) -> bool:
     if plane.length <= 0 or plane.length**2 < sum(x * x for x in plane.normal):
         return False
-    low, high, swell_p, swell_r = _extents(plane.normal, bodies)
-    apart = low - swell_p * plane.length > plane.offset > high + swell_r * plane.length
-    return apart and 0 < plane.gap <= (low - high) / plane.length - swell_p - swell_r
+    low, high, inflation_p, inflation_r = _extents(plane.normal, bodies)
+    apart = low - inflation_p * plane.length > plane.offset > high + inflation_r * plane.length
+    return apart and 0 < plane.gap <= (low - high) / plane.length - inflation_p - inflation_r
 
 
 def _plane_between(direction: Point, bodies: Bodies) -> ExactPlane | None:
-    low, high, swell_p, swell_r = _extents(direction, bodies)
-    square, apart, swell = sum((x * x for x in direction), Fraction(0)), low - high, swell_p + swell_r
-    if apart <= 0 or apart**2 <= swell**2 * square:
+    low, high, inflation_p, inflation_r = _extents(direction, bodies)
+    square, apart, inflation = sum((x * x for x in direction), Fraction(0)), low - high, inflation_p + inflation_r
+    if apart <= 0 or apart**2 <= inflation**2 * square:
         return None
     bits = _LENGTH_BITS
-    while apart <= swell * (length := _root_above(square, bits)):
+    while apart <= inflation * (length := _root_above(square, bits)):
         bits *= 2
-    offset = (low + high + (swell_r - swell_p) * length) / 2
-    return ExactPlane(direction, length, offset, apart / length - swell)
+    offset = (low + high + (inflation_r - inflation_p) * length) / 2
+    return ExactPlane(direction, length, offset, apart / length - inflation)
 
 
 def _extents(direction: Point, bodies: Bodies) -> tuple[Fraction, Fraction, Fraction, Fraction]:
-    """The least product with a vertex of the first body, the largest with one of the second, and the swells."""
+    """The least product with a vertex of the first body, the largest with one of the second, and the radii."""
     whole, denominator = _in_integers(direction)
-    p, r = in_common_unit(*(IntegerHull(body.vertices, body.pose, body.swell) for body in bodies))
+    p, r = in_common_unit(*(IntegerHull(body.vertices, body.pose, body.inflation_radius) for body in bodies))
     low, high = product(whole, p.point(p.lowest(whole))), product(whole, r.point(r.lowest(negated(whole))))
     unit = Fraction(2) ** p.unit
-    return low * unit / denominator, high * unit / denominator, p.swell * unit, r.swell * unit
+    return low * unit / denominator, high * unit / denominator, p.inflation_radius * unit, r.inflation_radius * unit
 
 
 def _in_integers(direction: Point) -> tuple[Integers, int]:
@@ -307,7 +311,7 @@ def _root_above(square: Fraction, bits: int) -> Fraction:
 
 
 def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...], point: Point) -> bool:
-    """Whether weights are convex and agree with the rounded ones, and the point within the swell of their mixture."""
+    """Whether weights are convex and agree with the rounded ones, and the point within the radius of their mixture."""
     vertices = [int(v) for v in mixture.vertices]
     if not len(vertices) == len(mixture.weights) == len(weights) or not 0 < len(vertices) <= _MOST_VERTICES:
         return False
@@ -316,7 +320,7 @@ def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...
     if [float(w) for w in mixture.weights] != [_rounded(w) for w in weights]:
         return False
     apart = (x - m for x, m in zip(point, _mixed(body, vertices, weights), strict=True))
-    return sum(x * x for x in apart) <= Fraction(body.swell) ** 2
+    return sum(x * x for x in apart) <= Fraction(body.inflation_radius) ** 2
 
 
 def _mixed(body: PosedBody, vertices: list[int], weights: Iterable[Fraction]) -> Point:

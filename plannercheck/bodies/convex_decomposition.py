@@ -19,18 +19,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies import polytope_files as body_files
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.triangle_meshes import TriangleMesh
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.isolated_process import run_isolated
 from plannercheck.common.public_names import set_module
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # How often a triangle is halved at most: from 1 m down to 4 mm; after that, a piece grows by more than the slack.
 _DEEPEST = 8
@@ -157,7 +154,7 @@ def hull_volume(points: Floats) -> float:
 
 
 def polytope_volume(polytope: Polytope) -> float:
-    """The volume of a prepared body's hull, without its swell, m³."""
+    """The volume of a prepared body's hull, without its inflation radius, m³."""
     middle = polytope.vertices.mean(axis=0)
     a, b, c = (polytope.vertices[polytope.faces[:, k]] - middle for k in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)

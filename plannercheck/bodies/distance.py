@@ -9,15 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_shapes import GivenShape, given_polytope
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.common.public_names import set_module
-
-Floats = NDArray[np.float64]
 
 
 @set_module("plannercheck")
@@ -34,8 +32,8 @@ class Distance:
             `point_p` is after the translation that separates them.
         lower_bound: A proved lower bound of the distance, m. If the bodies overlap it is negative: a translation of
             that length separates them, and the shortest such translation is no longer. It is the shortest one if only
-            the swells overlap, not the hulls. Else it is the shortest along all facets' normals, the boxes' axes and
-            the centres' axis; directions at right angles to two edges are not tried.
+            the inflation radii overlap, not the hulls. Else it is the shortest along all facets' normals, the boxes'
+            axes and the centres' axis; directions at right angles to two edges are not tried.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
             `lower_bound` apart, or the first body has to be moved.
     """
@@ -54,7 +52,7 @@ def distance(
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
 ) -> Distance:
-    """The distance of two posed bodies, swells included.
+    """The distance of two posed bodies, inflation radii included.
 
     Args:
         P: A body, as for `intersects`.

@@ -1,9 +1,9 @@
 """Exact verdicts in Python integers, independent of the compiled core.
 
-In: two sets of vertices (n, 3) in metres with a pose (4, 4) and a swell each, every double taken as the exact
-number it is; the sets may be flat, segments or points. Out: whether the two bodies share a point (touching
-counts), as a certificate that `holds` checks on its own. A body is all points within its swell, measured in the
-world, of the convex hull.
+In: two sets of vertices (n, 3) in metres with a pose (4, 4) and an inflation radius each, every double taken as the
+exact number it is; the sets may be flat, segments or points. Out: whether the two bodies share a point (touching
+counts), as a certificate that `holds` checks on its own. A body is all points within its inflation radius, measured in
+the world, of the convex hull.
 
 The idea: GJK on the differences p - r of posed vertices, in integers and so without rounding. Each round
 takes the vertex furthest against the simplex's point nearest to the origin and finds the nearest point of the
@@ -45,7 +45,7 @@ class ExactSeparation:
 
     Attributes:
         direction: Integers d with d·p - d·r > |d| S for all posed vertices p of the first and r of the second body,
-            S being the sum of the swells.
+            S being the sum of the inflation radii.
     """
 
     direction: Integers
@@ -53,7 +53,7 @@ class ExactSeparation:
 
 @dataclass(frozen=True)
 class ExactSharedPoint:
-    """The proof that two bodies share a point: convex combinations of vertices no further apart than the swells.
+    """The proof that two bodies share a point: convex combinations of vertices no further apart than the radii.
 
     Attributes:
         vertices_p: Indices of vertices of the first body.
@@ -74,15 +74,15 @@ def intersects(
     vertices_r: ArrayLike,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
-    swell_p: float = 0.0,
-    swell_r: float = 0.0,
+    inflation_p: float = 0.0,
+    inflation_r: float = 0.0,
 ) -> bool:
     """Decides whether two bodies share a point; arguments as for `decide`.
 
     Returns:
         True if they share a point, also if they only touch.
     """
-    return isinstance(decide(vertices_p, vertices_r, pose_p, pose_r, swell_p, swell_r), ExactSharedPoint)
+    return isinstance(decide(vertices_p, vertices_r, pose_p, pose_r, inflation_p, inflation_r), ExactSharedPoint)
 
 
 def decide(
@@ -90,8 +90,8 @@ def decide(
     vertices_r: ArrayLike,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
-    swell_p: float = 0.0,
-    swell_r: float = 0.0,
+    inflation_p: float = 0.0,
+    inflation_r: float = 0.0,
 ) -> Certificate:
     """Decides whether two bodies share a point, and proves it.
 
@@ -100,18 +100,18 @@ def decide(
         vertices_r: Points of the second body, (m, 3), m.
         pose_p: Pose of the first body, (4, 4), m; the identity if None.
         pose_r: Pose of the second body, (4, 4), m; the identity if None.
-        swell_p: Swell of the first body, m.
-        swell_r: Swell of the second body, m.
+        inflation_p: Inflation radius of the first body, m.
+        inflation_r: Inflation radius of the second body, m.
 
     Returns:
         A separating direction, or a shared point.
     """
-    p, r = in_common_unit(IntegerHull(vertices_p, pose_p, swell_p), IntegerHull(vertices_r, pose_r, swell_r))
-    swell = p.swell + r.swell
+    p, r = in_common_unit(IntegerHull(vertices_p, pose_p, inflation_p), IntegerHull(vertices_r, pose_r, inflation_r))
+    inflation_radius = p.inflation_radius + r.inflation_radius
     for state in _rounds(p, r):
-        if not _exceeds(state.simplex[0], state.direction, swell):
+        if not _exceeds(state.simplex[0], state.direction, inflation_radius):
             return _shared_point(state)
-        if _exceeds(state.furthest, state.direction, swell):
+        if _exceeds(state.furthest, state.direction, inflation_radius):
             return ExactSeparation(state.direction)
     raise AssertionError("GJK in integers always ends with a certificate")
 
@@ -121,22 +121,22 @@ def distance(
     vertices_r: ArrayLike,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
-    swell_p: float = 0.0,
-    swell_r: float = 0.0,
+    inflation_p: float = 0.0,
+    inflation_r: float = 0.0,
 ) -> float:
     """Measures the distance of two bodies; arguments as for `decide`.
 
     Returns:
         The distance in m, rounded once or twice from the exact one; 0 if they share a point.
     """
-    p, r = in_common_unit(IntegerHull(vertices_p, pose_p, swell_p), IntegerHull(vertices_r, pose_r, swell_r))
-    swell = p.swell + r.swell
+    p, r = in_common_unit(IntegerHull(vertices_p, pose_p, inflation_p), IntegerHull(vertices_r, pose_r, inflation_r))
+    inflation_radius = p.inflation_radius + r.inflation_radius
     for state in _rounds(p, r):
-        if not _exceeds(state.simplex[0], state.direction, swell):
+        if not _exceeds(state.simplex[0], state.direction, inflation_radius):
             return 0.0
         nearest = dot(state.direction, state.simplex[0].point)
         if dot(state.direction, state.furthest.point) >= nearest:
-            return _length_beyond(swell, Fraction(nearest**2, dot(state.direction, state.direction)), p.unit)
+            return _length_beyond(inflation_radius, Fraction(nearest**2, dot(state.direction, state.direction)), p.unit)
     raise AssertionError("GJK in integers always ends with a nearest point")
 
 
@@ -146,8 +146,8 @@ def holds(
     vertices_r: ArrayLike,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
-    swell_p: float = 0.0,
-    swell_r: float = 0.0,
+    inflation_p: float = 0.0,
+    inflation_r: float = 0.0,
 ) -> bool:
     """Checks a certificate of `decide` by its definition, exactly, with every vertex.
 
@@ -155,16 +155,16 @@ def holds(
         True if the certificate proves its verdict on these bodies and poses; other arguments as for `decide`.
     """
     p, r = _posed_fractions(vertices_p, pose_p), _posed_fractions(vertices_r, pose_r)
-    swell = Fraction(swell_p) + Fraction(swell_r)
+    inflation_radius = Fraction(inflation_p) + Fraction(inflation_r)
     if isinstance(certificate, ExactSeparation):
         normal = np.array(certificate.direction, dtype=object)
         gap = (p @ normal).min() - (r @ normal).max()
-        return bool(gap > 0 and gap * gap > swell * swell * (normal @ normal))
+        return bool(gap > 0 and gap * gap > inflation_radius * inflation_radius * (normal @ normal))
     weights = np.array(certificate.weights, dtype=object)
     if len(weights) == 0 or not (weights > 0).all():
         return False
     apart = weights @ (p[list(certificate.vertices_p)] - r[list(certificate.vertices_r)])
-    return bool(apart @ apart <= (swell * weights.sum()) ** 2)
+    return bool(apart @ apart <= (inflation_radius * weights.sum()) ** 2)
 
 
 def _posed_fractions(vertices: ArrayLike, pose: ArrayLike | None) -> NDArray[np.object_]:
@@ -210,10 +210,10 @@ def _rounds(p: IntegerHull, r: IntegerHull) -> Iterator[_State]:
         simplex, weights, direction = _nearest(simplex, furthest)
 
 
-def _exceeds(difference: _Difference, direction: Integers, swell: int) -> bool:
-    """Whether a difference lies further along a direction than the swell; never for the direction 0."""
+def _exceeds(difference: _Difference, direction: Integers, inflation_radius: int) -> bool:
+    """Whether a difference lies further along a direction than the inflation radius; never for the direction 0."""
     height = dot(direction, difference.point)
-    return height > 0 and height**2 > swell**2 * dot(direction, direction)
+    return height > 0 and height**2 > inflation_radius**2 * dot(direction, direction)
 
 
 def _difference(p: IntegerHull, r: IntegerHull, vertex_p: int, vertex_r: int) -> _Difference:
@@ -283,9 +283,9 @@ def _shared_point(state: _State) -> ExactSharedPoint:
     )
 
 
-def _length_beyond(swell: int, square: Fraction, unit: int) -> float:
-    """The root of `square`, which is above the swell, less the swell, times 2^unit."""
+def _length_beyond(inflation_radius: int, square: Fraction, unit: int) -> float:
+    """The root of `square`, which is above the inflation radius, less the inflation radius, times 2^unit."""
     shift = max(0, 2 * _ROOT_BITS - (square.numerator.bit_length() - square.denominator.bit_length())) // 2
     root = Fraction(math.isqrt((square.numerator << (2 * shift)) // square.denominator), 1 << shift)
     # The difference of the squares is exact, so there is no cancellation.
-    return float((square - swell**2) / (root + swell) * Fraction(2) ** unit)
+    return float((square - inflation_radius**2) / (root + inflation_radius) * Fraction(2) ** unit)

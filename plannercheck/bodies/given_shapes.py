@@ -11,21 +11,20 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies.meshes import hull_of_triangles
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose, hull_and_swell
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose, inflated_hull
 from plannercheck.bodies.triangle_meshes import triangles_of_coal
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.array_types import Floats
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened
-
-Array = NDArray[np.float64]
 
 # A trimesh.Trimesh, or a geometry or collision object of coal or python-fcl.
 GeometryObject: TypeAlias = Any
 GivenShape: TypeAlias = Shape | ArrayLike | GeometryObject
-PlacedShape: TypeAlias = tuple[Shape, Array | None]
+PlacedShape: TypeAlias = tuple[Shape, Floats | None]
 
 _KNOWN = (
     "a shape such as Box, points (n, 3) in m, a trimesh.Trimesh, or a box, sphere, capsule, cylinder, cone, convex or "
@@ -54,11 +53,11 @@ def given_shape(value: GivenShape, what: str) -> PlacedShape:
     if isinstance(value, Shape):
         return value, None
     library = _library(value)
-    with within(what):
+    with error_context(what):
         return (Hull(_points(value)), None) if library is None else _READERS[library](value)
 
 
-def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: str) -> tuple[Polytope, Array]:
+def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
     """A prepared body and its pose (4, 4) in the world, m; a `Polytope` is taken as it is.
 
     Args:
@@ -70,14 +69,14 @@ def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: s
     if isinstance(value, Polytope):
         return value, placed
     if not is_geometry(value):
-        with within(name):
+        with error_context(name):
             points = _points(value)
         return Polytope(points, name=name), placed
     shape, own = given_shape(value, name)
-    return Polytope(*hull_and_swell(shape), name=name), in_frame(placed, own, name)
+    return Polytope(*inflated_hull(shape), name=name), in_frame(placed, own, name)
 
 
-def in_frame(frame: Array, pose: ArrayLike | None, what: str) -> Array:
+def in_frame(frame: Floats, pose: ArrayLike | None, what: str) -> Floats:
     """The product of two poses; of an identity with a pose, exactly that pose."""
     if pose is None or np.array_equal(frame, np.eye(4)):
         return frame if pose is None else checked_pose(pose, what)
@@ -91,7 +90,7 @@ def _library(value: object) -> str | None:
     return next((name for name in _READERS if name in modules), None)
 
 
-def _points(value: GivenShape) -> Array:
+def _points(value: GivenShape) -> Floats:
     """Points (n, 3) in m."""
     try:
         given = np.asarray(value)

@@ -1,8 +1,8 @@
 """Posed vertices as integers, for arithmetic without rounding.
 
-In: vertices (n, 3), a pose (4, 4) and a swell, doubles in metres, each taken as the exact number it is. Out: the
-posed vertices and the swell as integers times one power of two, and the vertex with the least product with an
-integer direction.
+In: vertices (n, 3), a pose (4, 4) and an inflation radius, doubles in metres, each taken as the exact number it is.
+Out: the posed vertices and the inflation radius as integers times one power of two, and the vertex with the least
+product with an integer direction.
 
 The idea: doubles only choose which vertices can be extreme, within a bound of their rounding; integers decide
 among those. So a query costs one rounded product a vertex and a handful of exact ones.
@@ -33,8 +33,8 @@ _DIRECTION_BITS = 64
 class IntegerHull:
     """The vertices of one body under its pose, as integers times 2^unit, made when asked for."""
 
-    def __init__(self, vertices: ArrayLike, pose: ArrayLike | None, swell: float = 0.0) -> None:
-        self._swell = _checked_swell(swell)
+    def __init__(self, vertices: ArrayLike, pose: ArrayLike | None, inflation_radius: float = 0.0) -> None:
+        self._inflation_radius = _checked_inflation_radius(inflation_radius)
         points = _checked(vertices, "vertices", (None, 3))
         matrix = np.eye(4) if pose is None else _checked(pose, "pose", (4, 4))
         self._mantissas, exponents = _mantissas_and_exponents(points)
@@ -47,7 +47,7 @@ class IntegerHull:
         # The products M v have the unit of both factors, the translation only that of the matrix.
         self._offset_exponents = (vertex_unit + matrix_unit, matrix_unit)
         self._translation = [row[3] for row in rows]
-        self.unit = min(*self._offset_exponents, _smallest_exponent(*self._swell))
+        self.unit = min(*self._offset_exponents, _smallest_exponent(*self._inflation_radius))
         self._points: dict[int, Integers] = {}
 
     def use_unit(self, unit: int) -> None:
@@ -55,9 +55,9 @@ class IntegerHull:
         self.unit = unit
 
     @property
-    def swell(self) -> int:
-        """The swell, in units of 2^unit m."""
-        mantissa, exponent = self._swell[0].item(), self._swell[1].item()
+    def inflation_radius(self) -> int:
+        """The inflation radius, in units of 2^unit m."""
+        mantissa, exponent = self._inflation_radius[0].item(), self._inflation_radius[1].item()
         return int(mantissa << (exponent - self.unit)) if mantissa else 0
 
     def point(self, index: int) -> Integers:
@@ -107,11 +107,13 @@ def _checked(values: ArrayLike, name: str, shape: tuple[int | None, int]) -> NDA
     return array
 
 
-def _checked_swell(swell: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """A swell's mantissa and exponent."""
-    if not 0 <= swell < np.inf:
-        raise PlannercheckError(f"swell is {swell!r}: a finite length in m of at least 0 is expected")
-    return _mantissas_and_exponents(np.array(swell, dtype=np.float64))
+def _checked_inflation_radius(inflation_radius: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """An inflation radius's mantissa and exponent."""
+    if not 0 <= inflation_radius < np.inf:
+        raise PlannercheckError(
+            f"inflation radius is {inflation_radius!r}: a finite length in m of at least 0 is expected"
+        )
+    return _mantissas_and_exponents(np.array(inflation_radius, dtype=np.float64))
 
 
 def _mantissas_and_exponents(values: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

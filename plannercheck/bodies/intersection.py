@@ -44,7 +44,7 @@ class Switches:
         method: "oracle" (small active sets on both sides), "walk" (the paper's coupled walk) or "exact" (exact
             arithmetic alone).
         cached_plane: First try the plane that separated the pair last time, also for an earlier motion.
-        centre_axis: Try the axis between the centres, and swells around them, before the method.
+        centre_axis: Try the axis between the centres, and balls around them, before the method.
         turned_axis: Turn that axis to where the bodies would face each other if they were ellipsoids.
         facet_plane: Try the planes of both bodies' facets before the method, where both have eight corners at most.
         nearest_points: Try nearest points in doubles if the method does not decide.
@@ -151,7 +151,7 @@ def certify_posed(
 ) -> Certificate:
     """`certify` of bodies on links, whose poses may be less rigid than given ones (robots/unit_lengths.py)."""
     pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
-    bodies = PosedBody(P.vertices, pose_p, P.swell), PosedBody(R.vertices, pose_r, R.swell)
+    bodies = PosedBody(P.vertices, pose_p, P.inflation_radius), PosedBody(R.vertices, pose_r, R.inflation_radius)
     for stage in (method, METHODS[-1]):
         found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
         certificate = _shared_point(found, bodies) if found["shared"] else _separation(found, bodies)

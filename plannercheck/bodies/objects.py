@@ -2,7 +2,7 @@
 
 In: shapes and poses. Out: `SceneObject`, immutable, with its `bodies` posed. A moved or attached copy shares the
 shapes, and thus the bodies that a checker has prepared from them. An object whose pose a file gives in a link's frame
-has an `anchor`, until a checker knows where the link is (robots/anchored_objects.py).
+has an `pose_frame`, until a checker knows where the link is (robots/objects_in_frames.py).
 """
 
 from __future__ import annotations
@@ -14,16 +14,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_shapes import GivenShape, given_shape, in_frame, is_geometry
-from plannercheck.bodies.shapes import Body, Shape, checked_pose
+from plannercheck.bodies.shapes import GeometryObject, Shape, checked_pose
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only_copy
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
-
-Array = NDArray[np.float64]
 
 
 @set_module("plannercheck")
@@ -61,7 +59,7 @@ class SceneFrames:
     """
 
     planning: str = ""
-    fixed: Mapping[str, Array] = field(default_factory=dict)
+    fixed: Mapping[str, Floats] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,7 @@ class StatedJoints:
 
 
 @dataclass(frozen=True, eq=False)
-class Anchor:
+class PoseFrame:
     """The frame of an object's pose, if that is neither the world nor its own link: a frame at a robot state.
 
     Attributes:
@@ -99,40 +97,40 @@ class SceneObject:
     Attributes:
         name: Unique in the scene.
         parts: Its shapes, posed in its frame.
-        pose: (4, 4) of its frame in the world, or on its link, or in the anchor's frame, m; read-only.
+        pose: (4, 4) of its frame in the world, or on its link, or in the pose frame, m; read-only.
         link: The link that carries it; None for obstacles.
         touch_links: Links (or other carried objects) that a carried object may touch; its own link is always one of
             them.
-        anchor: Set if the pose is given in another frame at a robot state; objects of a checker's scene have none.
+        pose_frame: Set if the pose is given in another frame at a robot state; objects of a checker's scene have none.
         frame: The name of the frame in which a file gave the pose, if that is a fixed frame or another object's frame;
             if the robot has a link of that name, MoveIt takes the link.
         subframes: (4, 4) by name in the object's frame, m: frames in which a file may pose other objects.
-        bodies: Its shapes, posed in the world or on the link (with an anchor, in its frame): "name", or "name/0",
+        bodies: Its shapes, posed in the world or on the link (with a pose frame, in its frame): "name", or "name/0",
             "name/1", ...
     """
 
     name: str
     parts: tuple[Part, ...]
-    pose: Array
+    pose: Floats
     link: str | None = None
     touch_links: tuple[str, ...] = ()
-    anchor: Anchor | None = None
+    pose_frame: PoseFrame | None = None
     frame: str = ""
-    subframes: Mapping[str, Array] = field(default_factory=dict)
-    bodies: tuple[Body, ...] = field(init=False)
+    subframes: Mapping[str, Floats] = field(default_factory=dict)
+    bodies: tuple[GeometryObject, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         names = [self.name] if len(self.parts) == 1 else [f"{self.name}/{k}" for k in range(len(self.parts))]
         carried = None if self.link is None else self.name
         bodies = (
-            Body(name, self.link, in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
+            GeometryObject(name, self.link, in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
             for name, part in zip(names, self.parts, strict=True)
         )
         object.__setattr__(self, "bodies", tuple(bodies))
 
     def moved(self, pose: ArrayLike | None) -> SceneObject:
         """The same object elsewhere: in the world, or on its link."""
-        return dataclasses.replace(self, pose=checked_pose(pose, f"object {self.name!r}"), anchor=None, frame="")
+        return dataclasses.replace(self, pose=checked_pose(pose, f"object {self.name!r}"), pose_frame=None, frame="")
 
     def attached(self, link: str, pose: ArrayLike | None, touch_links: Iterable[str] = ()) -> SceneObject:
         """The same object on a link, with its frame at a pose (4, 4) in the link's frame, m."""
@@ -141,13 +139,13 @@ class SceneObject:
             pose=checked_pose(pose, f"object {self.name!r} on link {link!r}"),
             link=link,
             touch_links=_names(touch_links),
-            anchor=None,
+            pose_frame=None,
             frame="",
         )
 
     def released(self, pose: ArrayLike | None) -> SceneObject:
         """The same object as an obstacle, with its frame at a pose (4, 4) in the world, m."""
-        freed = dataclasses.replace(self, link=None, touch_links=(), anchor=None)
+        freed = dataclasses.replace(self, link=None, touch_links=(), pose_frame=None)
         return freed.moved(pose)
 
 
@@ -187,7 +185,7 @@ def _known_part(part: Part | GivenShape, what: str) -> Part:
 
 def unplaced(item: SceneObject) -> PlannercheckError:
     """The error for an object whose pose in the world, or on its link, is not known yet."""
-    frame = "" if item.anchor is None else item.anchor.frame
+    frame = "" if item.pose_frame is None else item.pose_frame.frame
     kind = "object" if item.link is None else "attached object"
     return PlannercheckError(
         f"{kind} {item.name!r} is posed in frame {frame or 'world'!r} at a state of the robot: build a checker, whose "

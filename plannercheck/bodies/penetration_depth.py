@@ -4,8 +4,8 @@ In: two prepared bodies of few vertices that overlap, and their poses. Out: a `D
 span the Minkowski difference, in which the origin lies; the depth is the origin's distance from its boundary. The hull
 of the differences is built with exact predicates. Along the normal of each of its triangles, the overlap of the
 vertices is the length of a translation that separates the bodies: the least one is an upper bound. The origin's
-distance from the nearest triangle is a lower bound. Swells add to both. Both bounds are proved: rounding is added to
-the upper one and subtracted from the lower one.
+distance from the nearest triangle is a lower bound. Inflation radii add to both. Both bounds are proved: rounding is
+added to the upper one and subtracted from the lower one.
 
 The number of differences is the product of the numbers of vertices, so this is for small bodies. For any bodies,
 `distance` bounds the depth from above.
@@ -16,15 +16,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies.distance import distance
 from plannercheck.bodies.given_shapes import GivenShape, given_polytope
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
-
-Floats = NDArray[np.float64]
 
 # The most differences of vertices: their hull takes some tenths of a second.
 MOST_DIFFERENCES = 100_000
@@ -62,7 +61,7 @@ def depth(
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
 ) -> Depth:
-    """The penetration depth of two posed bodies, swells included.
+    """The penetration depth of two posed bodies, inflation radii included.
 
     Args:
         P: A body, as for `intersects`.
@@ -88,22 +87,22 @@ def depth(
     apart = distance(P, R, *poses)
     if apart.distance > 0:
         return Depth(0.0, 0.0, apart.direction)
-    swell = P.swell + R.swell
-    hulls = distance(Polytope(P.vertices), Polytope(R.vertices), *poses) if swell > 0 else apart
+    inflation_radius = P.inflation_radius + R.inflation_radius
+    hulls = distance(Polytope(P.vertices), Polytope(R.vertices), *poses) if inflation_radius > 0 else apart
     on_p, on_r = (b.vertices @ pose[:3, :3].T + pose[:3, 3] for b, pose in zip((P, R), poses, strict=True))
-    extent = float(np.abs(on_p).max() + np.abs(on_r).max()) + swell
+    extent = float(np.abs(on_p).max() + np.abs(on_r).max()) + inflation_radius
     rounding = _ROUNDING * extent
-    if hulls.distance > 0:  # only the swells overlap: their sum less the distance is the depth
-        upper = swell - hulls.lower_bound + rounding
-        return Depth(upper, max(swell - hulls.distance - rounding, 0.0), hulls.direction)
+    if hulls.distance > 0:  # only the inflation radii overlap: their sum less the distance is the depth
+        upper = inflation_radius - hulls.lower_bound + rounding
+        return Depth(upper, max(inflation_radius - hulls.distance - rounding, 0.0), hulls.direction)
     differences = (on_p[:, None] - on_r).reshape(-1, 3)
     hull = Polytope(differences)
     normals = _normals(hull)
     reached = (hull.vertices @ normals.T).max(axis=0)
     best = int(reached.argmin())
-    upper = max(float(reached[best]), 0.0) + swell + rounding
+    upper = max(float(reached[best]), 0.0) + inflation_radius + rounding
     lower = max(float(_from_triangles(hull).min()) - rounding, 0.0) if hull.dimension == 3 else 0.0
-    return Depth(upper, lower + swell * (1 - _ROUNDING), -normals[best])
+    return Depth(upper, lower + inflation_radius * (1 - _ROUNDING), -normals[best])
 
 
 def _normals(hull: Polytope) -> Floats:

@@ -17,13 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies import polytope_files as body_files
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import contiguous
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 # Largest coordinate in m: beyond it products of three coordinates could overflow in the filters.
 LARGEST_COORDINATE = 1e50
@@ -33,8 +31,8 @@ LARGEST_COORDINATE = 1e50
 class Polytope:
     """The convex hull of points, preprocessed for logarithmic queries (paper, section "Polyhedra in 3D space").
 
-    Hulls without volume (a polygon, a segment, a point) are bodies as well. With a swell, the body is the set of points
-    within that distance of the hull: a ball of a point, a capsule of a segment.
+    Hulls without volume (a polygon, a segment, a point) are bodies as well. With an inflation radius, the body is the
+    set of points within that distance of the hull: a ball of a point, a capsule of a segment.
 
     Attributes:
         vertices: The extreme points (n, 3) in m, read-only.
@@ -53,8 +51,10 @@ class Polytope:
         self,
         vertices: ArrayLike,
         faces: Sequence[ArrayLike] | NDArray[np.integer[Any]] | None = None,
-        swell: float = 0.0,
+        inflation_radius: float = 0.0,
         name: str = "polytope",
+        *,
+        swell: float | None = None,
     ) -> None:
         """Computes the exact hull, or verifies given faces exactly; then builds both hierarchies.
 
@@ -62,19 +62,25 @@ class Polytope:
             vertices: Points (n, 3) in m.
             faces: The hull's faces, if they are known: polygons of indices into `vertices`, counter-clockwise seen
                 from outside; corners of a face must be exactly coplanar or convex in the order of a fan.
-            swell: The swell, measured in the world, m.
+            inflation_radius: The inflation radius, measured in the world, m.
             name: Its name in errors.
+            swell: The former name of `inflation_radius`, for one release.
 
         Raises:
             PlannercheckError: If there are no points, they are not finite, the faces do not bound their hull, or the
-                swell is negative.
+                inflation radius is negative.
         """
         points = _checked_points(vertices, name)
+        inflation_radius = inflation_radius if swell is None else swell
         try:
             if faces is None:
-                self._adopt(core.Body.from_points(points, _checked_swell(swell, name)))
+                self._adopt(core.Polytope.from_points(points, _checked_inflation_radius(inflation_radius, name)))
             else:
-                self._adopt(core.Body.from_faces(points, fans(faces, len(points), name), _checked_swell(swell, name)))
+                self._adopt(
+                    core.Polytope.from_faces(
+                        points, fans(faces, len(points), name), _checked_inflation_radius(inflation_radius, name)
+                    )
+                )
         except core.HullError as error:
             raise PlannercheckError(f"{name} ({len(points)} points) has no hull to work with: {error}") from error
 
@@ -106,9 +112,14 @@ class Polytope:
         return int(self._core.dimension)
 
     @property
-    def swell(self) -> float:
+    def inflation_radius(self) -> float:
         """Distance in m around the hull that belongs to the body."""
-        return float(self._core.swell)
+        return float(self._core.inflation_radius)
+
+    @property
+    def swell(self) -> float:
+        """`inflation_radius` by its former name, for one release."""
+        return self.inflation_radius
 
     def without_cells(self) -> Polytope:
         """The same body; extreme vertices are then searched in the hierarchies only, as in the paper: O(log n).
@@ -170,7 +181,7 @@ class Polytope:
     @classmethod
     def _from_bytes(cls, data: bytes) -> Polytope:
         try:
-            return cls._from_core(core.Body.parse(data))
+            return cls._from_core(core.Polytope.parse(data))
         except core.HullError as error:
             raise PlannercheckError(f"not a prepared body: {error}") from error
 
@@ -182,37 +193,37 @@ class Polytope:
 
 
 def prepared(
-    vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, swell: float = 0.0, name: str = "polytope"
+    vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, inflation_radius: float = 0.0, name: str = "polytope"
 ) -> Polytope:
     """A `Polytope` through the disk cache: the second preparation of the same points reads a file.
 
     Args:
         vertices: Points (n, 3) in m.
         faces: As for `Polytope`.
-        swell: As for `Polytope`.
+        inflation_radius: As for `Polytope`.
         name: Its name in errors.
 
     Returns:
         The prepared body. `PLANNERCHECK_CACHE=0` turns the cache off; any other value is the cache's folder.
     """
     points = _checked_points(vertices, name)
-    cache = body_files.cache_file(points, faces, swell)
+    cache = body_files.cache_file(points, faces, inflation_radius)
     if cache is not None and (data := body_files.read_cached(cache)) is not None:
         with contextlib.suppress(PlannercheckError):  # a damaged file is prepared anew
             found = Polytope._from_bytes(data)
-            if _is_of(found, points, swell):
+            if _is_of(found, points, inflation_radius):
                 return found
-    polytope = Polytope(points, faces, swell, name)
+    polytope = Polytope(points, faces, inflation_radius, name)
     if cache is not None:
         body_files.write_to_cache(cache, polytope.core.serialise())
     return polytope
 
 
-def _is_of(body: Polytope, points: Floats, swell: float) -> bool:
-    """Whether a body has this swell, and its vertices are some of these points."""
+def _is_of(body: Polytope, points: Floats, inflation_radius: float) -> bool:
+    """Whether a body has this inflation radius, and its vertices are some of these points."""
     source = body.source
     known = not len(source) or bool(source.min() >= 0 and source.max() < len(points))
-    return known and body.swell == swell and body.vertices.tobytes() == points[source].tobytes()
+    return known and body.inflation_radius == inflation_radius and body.vertices.tobytes() == points[source].tobytes()
 
 
 def _read_only(array: NDArray[Any]) -> NDArray[Any]:
@@ -249,10 +260,12 @@ def _checked_points(vertices: ArrayLike, name: str) -> Floats:
     return points
 
 
-def _checked_swell(swell: float, name: str) -> float:
-    if not 0 <= swell <= LARGEST_COORDINATE:
-        raise PlannercheckError(f"{name}: swell must be a length in m of at least 0, not {swell!r}")
-    return float(swell)
+def _checked_inflation_radius(inflation_radius: float, name: str) -> float:
+    if not 0 <= inflation_radius <= LARGEST_COORDINATE:
+        raise PlannercheckError(
+            f"{name}: inflation radius must be a length in m of at least 0, not {inflation_radius!r}"
+        )
+    return float(inflation_radius)
 
 
 def fans(faces: Sequence[ArrayLike] | NDArray[np.integer[Any]], points: int, name: str) -> Ints:

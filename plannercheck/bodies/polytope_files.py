@@ -18,7 +18,7 @@ import numpy as np
 import platformdirs
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 
@@ -42,7 +42,7 @@ def write(path: Path, data: bytes, mode: int = 0o666) -> None:
         PlannercheckError: If the folder can't be written to.
     """
     content = _header() + hashlib.sha256(data).digest() + data
-    written_aside(path, lambda aside: aside.write_bytes(content), mode)
+    write_atomically(path, lambda aside: aside.write_bytes(content), mode)
 
 
 def read(path: Path) -> bytes:
@@ -115,12 +115,12 @@ def cache_folder() -> Path | None:
     return Path(setting) if setting else Path(platformdirs.user_cache_dir("plannercheck"))
 
 
-def cache_file(points: NDArray[np.float64], faces: Sequence[ArrayLike] | None, swell: float) -> Path | None:
+def cache_file(points: NDArray[np.float64], faces: Sequence[ArrayLike] | None, inflation_radius: float) -> Path | None:
     """Where the prepared body of these points is cached; None if the cache is off."""
     folder = cache_folder()
     if folder is None:
         return None
-    key = hashlib.sha256(_header() + np.float64(swell).tobytes() + np.ascontiguousarray(points).tobytes())
+    key = hashlib.sha256(_header() + np.float64(inflation_radius).tobytes() + np.ascontiguousarray(points).tobytes())
     for face in faces if faces is not None else ():
         key.update(b"face" + np.asarray(face, dtype=np.int64).tobytes())
     return folder / f"{key.hexdigest()}.body"

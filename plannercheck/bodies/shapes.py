@@ -1,7 +1,7 @@
 """Collision shapes of links and obstacles, before any hull is built.
 
 In: sizes in metres (as URDF and coal give them) or points. Out: `Shape` dataclasses, each of which gives its vertices
-and faces as a convex polytope, and `Body`, a named shape with a rigid pose on a link or in the world.
+and faces as a convex polytope, and `GeometryObject`, a named shape with a rigid pose on a link or in the world.
 
 Shapes are centred at their frame's origin and lie along z; a cone's apex is at +length/2. Boxes and hulls
 are exact. Curved shapes become polytopes that contain them and stick out by at most `excess` times the
@@ -206,14 +206,14 @@ class Hull:
         return self.vertices, None
 
 
-HullAndSwell: TypeAlias = tuple[Points, Faces | None, float]
+InflatedHull: TypeAlias = tuple[Points, Faces | None, float]
 Shape: TypeAlias = Box | Sphere | Cylinder | Cone | Capsule | Hull
 
 
-def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> HullAndSwell:
+def inflated_hull(shape: Shape, excess: float = DEFAULT_EXCESS) -> InflatedHull:
     """The input of the pair test: a hull, and how far around it the body reaches.
 
-    Spheres and capsules are exact: a point and a segment, swollen by the radius. Cylinders and cones become the
+    Spheres and capsules are exact: a point and a segment, inflated by the radius. Cylinders and cones become the
     polytopes around them.
 
     Args:
@@ -221,7 +221,7 @@ def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> HullAndSwell
         excess: For cylinders and cones, how far the polytope may stick out, as a part of the radius.
 
     Returns:
-        Points (n, 3) in m, their hull's faces if known, and the swell in m.
+        Points (n, 3) in m, their hull's faces if known, and the inflation radius in m.
     """
     if isinstance(shape, Sphere):
         return np.zeros((1, 3)), None, shape.radius
@@ -231,7 +231,7 @@ def hull_and_swell(shape: Shape, excess: float = DEFAULT_EXCESS) -> HullAndSwell
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class GeometryObject:
     """A collision body: a shape, posed on its link, or in the world.
 
     Attributes:
@@ -255,6 +255,9 @@ class Body:
     def label(self) -> str:
         """Its name in reports: that of the carried object, else of the link, else its own."""
         return self.carried or self.link or self.name
+
+
+Body = GeometryObject  # its former name, for one release
 
 
 def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOLERANCE) -> Points:

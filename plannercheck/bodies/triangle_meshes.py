@@ -11,12 +11,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import OwnsArrays
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +26,10 @@ class TriangleMesh(OwnsArrays):
     """
 
     points: Floats
-    triangles: Ints
+    triangles: Ints64
 
     @staticmethod
-    def of(points: Floats, triangles: Ints) -> TriangleMesh:
+    def of(points: Floats, triangles: Ints64) -> TriangleMesh:
         """Merges equal points (n, 3), m, of triangles (m, 3)."""
         merged, index = np.unique(points, axis=0, return_inverse=True)
         corners = np.asarray(index, dtype=np.int64).reshape(-1)[triangles].reshape(-1, 3)

@@ -11,17 +11,14 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.named_configurations import named_configuration
 from plannercheck.checking.protocols import AnyRobot, AnyScene
 from plannercheck.checking.verdicts import PairCertificate, PairVerdict, Verdict
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, real_numbers, shown_array
 from plannercheck.common.errors import PlannercheckError
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 
 class NamedBody(Protocol):

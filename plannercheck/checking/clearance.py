@@ -9,15 +9,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 # Steps of the descent for a lower bound of a distance.
 _BOUND_ROUNDS = 2

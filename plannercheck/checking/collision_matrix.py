@@ -22,15 +22,13 @@ from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
 from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.settings import CheckerSwitches
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import joint_width
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.srdf import DisabledPair
 from plannercheck.robots.urdf import LinkTree
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # From this share of colliding configurations on, MoveIt's assistant says that a pair always collides.
 ALWAYS = 0.95

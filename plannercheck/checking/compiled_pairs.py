@@ -12,14 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.core import core
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 
 class PairSource(NamedTuple):
@@ -35,7 +33,7 @@ class PairSource(NamedTuple):
     """
 
     robot: Robot
-    bodies: Sequence[Body]
+    bodies: Sequence[GeometryObject]
     preparation: Preparation
     options: Sequence[Any]
     kernel: Any | None = None
@@ -72,7 +70,7 @@ class CompiledPairs:
         self._count = len(source.bodies)
         self._used = np.unique(table)
         self.polytopes = {k: source.preparation.polytope(k) for k in self._used.tolist()}
-        links, placements = mounted(robot, [source.bodies[k] for k in self._used], source.kernel)
+        links, placements = body_placements(robot, [source.bodies[k] for k in self._used], source.kernel)
         places = np.searchsorted(self._used, table).astype(np.int32).reshape(-1, 2)
         self.is_still = (links < 0)[places].all(axis=1)
         anything = np.full(robot.nq, LARGEST_VALUE)
@@ -89,7 +87,7 @@ class CompiledPairs:
             robot.sampled_link_poses,
         )
 
-    def named(self, first: Ints) -> Ints:
+    def to_table_rows(self, first: Ints) -> Ints:
         """Indices of these pairs (n,) as indices of the checker's, −1 kept."""
         if not len(self.rows):
             return first
@@ -106,7 +104,7 @@ class CompiledPairs:
         return poses
 
 
-def mounted(robot: Robot, bodies: Sequence[Body], kernel: Any | None) -> tuple[Ints, Floats]:
+def body_placements(robot: Robot, bodies: Sequence[GeometryObject], kernel: Any | None) -> tuple[Ints, Floats]:
     """The links that bodies hang on, and their poses there.
 
     Args:

@@ -15,13 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
+from plannercheck.common.array_types import Bools, Ints
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 
 class CompiledTables:
@@ -44,17 +41,17 @@ class CompiledTables:
         self._source, self._pairs = source, pairs
         self.limits = (source.robot.lower, source.robot.upper) if unreachable.any() else None
         self.within_limits = CompiledPairs(source, pairs, np.flatnonzero(~unreachable), self.limits)
-        self._all: CompiledPairs | None = self.within_limits if self.limits is None else None
+        self._all_pairs: CompiledPairs | None = self.within_limits if self.limits is None else None
         self._lock = threading.RLock()  # re-entrant: a finaliser may run, and ask, while this thread compiles
 
     @property
     def all(self) -> CompiledPairs:
         """All pairs, for configurations beyond the limits and for given poses; compiled when first needed."""
-        if self._all is None:
+        if self._all_pairs is None:
             with self._lock:
-                if self._all is None:
-                    self._all = CompiledPairs(self._source, self._pairs)
-        return self._all
+                if self._all_pairs is None:
+                    self._all_pairs = CompiledPairs(self._source, self._pairs)
+        return self._all_pairs
 
     def judged(self, judge: Callable[..., NDArray[Any]], *rows: NDArray[Any]) -> NDArray[Any]:
         """Judges each row by the table that counts for it.
@@ -107,8 +104,8 @@ class CompiledTables:
         counted = dict(self.within_limits.core.statistics())
         unreachable = (len(self._pairs) - len(self.within_limits.rows)) * counted["states"]
         counted["pairs"] += unreachable
-        if self.limits is not None and self._all is not None:
-            counted = sum_counters([counted, self._all.core.statistics()])
+        if self.limits is not None and self._all_pairs is not None:
+            counted = sum_counters([counted, self._all_pairs.core.statistics()])
         return {"states": counted.pop("states"), "pairs": counted.pop("pairs"), "unreachable": unreachable, **counted}
 
 

@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Body, Box, Capsule, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, GeometryObject, Sphere
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.checking.state_checker import StateChecker
+from plannercheck.common.array_types import Bools, Floats
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Meshes = Mapping[str, TriangleMesh]
 
 # Points of a hull's surface whose distance from the mesh is measured.
@@ -86,7 +85,7 @@ class _Shapes:
         return self._made[index]
 
 
-def _own_shape(body: Body, polytope: Polytope | None) -> coal.CollisionGeometry:
+def _own_shape(body: GeometryObject, polytope: Polytope | None) -> coal.CollisionGeometry:
     """A body that is no mesh; round ones as coal has them, all others by the triangles of their hull."""
     match body.shape:
         case Box():

@@ -7,16 +7,14 @@ never change a verdict.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
-
-Floats = NDArray[np.float64]
+from plannercheck.common.array_types import Floats
 
 # If this share of the rows is beyond the limits, all rows are probably wrong.
-_MOST = 0.5
+_SUSPICIOUS_SHARE = 0.5
 # Least and largest number of configurations used to find what always collides, and how many pairs are named.
-_ENOUGH, _SAMPLES, _SHOWN_PAIRS = 20, 200, 8
+_LEAST_CONFIGURATIONS, _SAMPLES, _SHOWN_PAIRS = 20, 200, 8
 
 
 def limits_hint(robot: AnyRobot, rows: Floats) -> str:
@@ -32,14 +30,14 @@ def limits_hint(robot: AnyRobot, rows: Floats) -> str:
     start = f"most configurations are beyond the limits of {robot.name!r}"
     if _are_degrees(robot, rows):
         return f"{start}, and as degrees they would not be: angles are in rad, convert them by numpy.radians"
-    if _part_within(robot, rows[:, ::-1]) >= _MOST:
+    if _part_within(robot, rows[:, ::-1]) >= _SUSPICIOUS_SHARE:
         return f"{start}, and in reverse order they would not be: {_order(robot)}"
     return f"{start}: {_order(robot)}, in rad and m"
 
 
 def always_hint(checker: AnyChecker, rows: Floats) -> str:
     """What colliding configurations (n, nq) have in common; empty if nothing, or if they are too few to tell."""
-    if len(rows) < _ENOUGH:
+    if len(rows) < _LEAST_CONFIGURATIONS:
         return ""
     always = np.flatnonzero(checker.colliding_pairs(rows[:_SAMPLES]).all(axis=0))
     pairs = dict.fromkeys(checker.pair_names(int(pair)) for pair in always)
@@ -62,7 +60,7 @@ def degrees_hint(robot: AnyRobot, q: Floats) -> str:
 
 def _are_degrees(robot: AnyRobot, rows: Floats) -> bool:
     """Whether rows beyond the limits would be within them as degrees, and some exceed a whole turn as rad."""
-    return _part_within(robot, np.radians(rows)) >= _MOST and float(np.abs(rows).max(initial=0)) > 2 * np.pi
+    return _part_within(robot, np.radians(rows)) >= _SUSPICIOUS_SHARE and float(np.abs(rows).max(initial=0)) > 2 * np.pi
 
 
 def _part_within(robot: AnyRobot, rows: Floats) -> float:

@@ -14,7 +14,7 @@ leave out pairs:
 6. checking/pair_proofs.py: no joint of the group moves one body against the other, and they are apart.
 7. checking/compiled_tables.py: what 5 and 6 prove takes effect: configurations within the limits are judged by a table
    without these pairs, those beyond by the table of all pairs.
-8. cpp/checking/checker.cpp: both bodies stand still, so that one test decides for every configuration.
+8. cpp/checking/checker.cpp: both bodies are static, so that one test decides for every configuration.
 9. cpp/broad_phase: bounds show that the bodies are apart at the configuration, or, where any collision decides, another
    pair collides already.
 
@@ -53,7 +53,7 @@ def left_out_pairs(checker: StateChecker) -> tuple[LeftOut, ...]:
     own = sum(body.carried is None for body in robot.bodies)
     carried = len(robot.bodies) - own
     is_own = (robot.self_pairs < own).all(axis=1)
-    disabled, apart, resting = _disabled_pairs(checker), checker.unreachable, checker.resting
+    disabled, apart, static = _disabled_pairs(checker), checker.unreachable, checker.static
     compiled = checker._tables.within_limits
     of_robot = own * (own - 1) // 2
     of_carried = carried * own + carried * (carried - 1) // 2
@@ -67,10 +67,10 @@ def left_out_pairs(checker: StateChecker) -> tuple[LeftOut, ...]:
             "allowed by the scene, or both fixed",
             len(robot.self_pairs) + of_obstacles - len(checker.pairs),
         ),
-        ("checking/unreachable_pairs.py", "can't reach each other", int((apart & ~resting).sum())),
-        ("checking/pair_proofs.py", "no joint between them, and apart", int((apart & resting).sum())),
+        ("checking/unreachable_pairs.py", "can't reach each other", int((apart & ~static).sum())),
+        ("checking/pair_proofs.py", "no joint between them, and apart", int((apart & static).sum())),
         ("checking/compiled_tables.py", "those two, within the limits", None),
-        ("cpp/checking/checker.cpp", "both stand still, tested once", int(compiled.is_still.sum())),
+        ("cpp/checking/checker.cpp", "both static, tested once", int(compiled.is_still.sum())),
         ("cpp/broad_phase", "far apart at a configuration", None),
     ]
     left = of_robot + of_carried + of_obstacles

@@ -8,14 +8,11 @@ larger than their meshes.
 from __future__ import annotations
 
 import coal
-import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.urdf import bodies_of, read_geometry
-
-Floats = NDArray[np.float64]
 
 
 class LinkMeshes:

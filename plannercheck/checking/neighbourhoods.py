@@ -11,12 +11,10 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.robots.kinematics import JointTable
-
-Floats = NDArray[np.float64]
 
 # The fields of a joint table that have a row for each joint, except the parents.
 _OF_JOINTS = ("kinds", "axes", "placements", "columns", "multipliers", "offsets")

@@ -1,9 +1,10 @@
 """Padding: distances that pairs of bodies have to keep.
 
-In: one distance in m for all pairs, or lengths by name: parts of links, obstacles or bodies, and distances of pairs of
-these. Out: `PaddedPairs`: each body's own part, by which it is swollen. The distance of a pair must exceed the sum of
-both bodies' parts. Points and faces stay as they are, and the test adds swells without rounding, so padded verdicts are
-as exact as others. One rounding to a double remains: where a part is added to the swell of a ball or capsule.
+In: one distance in m for all pairs, or lengths by name: shares of links, obstacles or bodies, and distances of pairs of
+these. Out: `PaddedPairs`: each body's own share, by which it is inflated. The distance of a pair must exceed the sum of
+both bodies' parts. Points and faces stay as they are, and the test adds inflation radii without rounding, so padded
+verdicts are as exact as others. One rounding to a double remains: where a part is added to the inflation radius of a
+ball or capsule.
 
 A pair with a distance of its own gets copies of its bodies, each with half the distance.
 """
@@ -16,10 +17,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.common.array_types import Ints
 from plannercheck.common.errors import PlannercheckError, unknown_name
-
-Ints = NDArray[np.int32]
 
 Padding: TypeAlias = float | Mapping[str, float] | Mapping[str | tuple[str, str], float]
 
@@ -30,25 +30,25 @@ class PaddedPairs(NamedTuple):
     Attributes:
         bodies: Those given, then copies for pairs with a distance of their own.
         labels: The link or obstacle of each.
-        parts: (bodies,) each body's part, m.
+        shares: (bodies,) each body's share, m.
         pairs: The given tables (k, 2), with indices of copies where pairs have a distance of their own.
     """
 
-    bodies: tuple[Body, ...]
+    bodies: tuple[GeometryObject, ...]
     labels: tuple[str, ...]
-    parts: NDArray[np.float64]
+    shares: NDArray[np.float64]
     pairs: tuple[Ints, ...]
 
 
 def padded_pairs(
-    padding: Padding, bodies: Sequence[Body], labels: Sequence[str], tables: Sequence[Ints]
+    padding: Padding, bodies: Sequence[GeometryObject], labels: Sequence[str], tables: Sequence[Ints]
 ) -> PaddedPairs:
     """Distributes padding among bodies.
 
     Args:
         padding: The distance that every pair keeps, m; or lengths by name. A body's part is its own, else its link's or
-            obstacle's, else 0; a pair keeps the sum of both parts. A pair of names (of bodies, links or obstacles, in
-            any order) has the whole distance of these pairs, whatever the parts; if several fit a pair, the last one
+            obstacle's, else 0; a pair keeps the sum of both shares. A pair of names (of bodies, links or obstacles, in
+            any order) has the whole distance of these pairs, whatever the shares; if several fit a pair, the last one
             counts.
         bodies: All bodies.
         labels: The link or obstacle of each.
@@ -61,49 +61,51 @@ def padded_pairs(
         PlannercheckError: If a length is negative or not finite, a name is unknown, or a pair is never tested.
     """
     if not isinstance(padding, Mapping):
-        parts = [_checked(padding, "padding") / 2] * len(bodies)
-        return PaddedPairs(tuple(bodies), tuple(labels), np.array(parts, dtype=np.float64), tuple(tables))
-    own = padding_parts({name: length for name, length in padding.items() if isinstance(name, str)}, bodies, labels)
+        shares = [_checked(padding, "padding") / 2] * len(bodies)
+        return PaddedPairs(tuple(bodies), tuple(labels), np.array(shares, dtype=np.float64), tuple(tables))
+    own = padding_shares({name: length for name, length in padding.items() if isinstance(name, str)}, bodies, labels)
     distances = {pair: length for pair, length in padding.items() if not isinstance(pair, str)}
     copies = _Copies(bodies, labels, own)
     for pair, length in distances.items():
         _check_pair(pair, bodies, labels, tables)
         _checked(length, f"padding of {pair!r}")
     rewritten = tuple(_rewritten(table, distances, bodies, labels, copies) for table in tables)
-    return PaddedPairs(tuple(copies.bodies), tuple(copies.labels), np.array(copies.parts, dtype=np.float64), rewritten)
+    return PaddedPairs(tuple(copies.bodies), tuple(copies.labels), np.array(copies.shares, dtype=np.float64), rewritten)
 
 
-def padding_parts(padding: Mapping[str, float], bodies: Sequence[Body], labels: Sequence[str]) -> list[float]:
+def padding_shares(
+    padding: Mapping[str, float], bodies: Sequence[GeometryObject], labels: Sequence[str]
+) -> list[float]:
     """Each body's part, m: its own, else its link's or obstacle's, else 0."""
     names = _names(bodies, labels)
     for name in padding:
         if name not in names:
             raise unknown_name("padded body, link or obstacle", name, sorted(names))
-    parts = {name: _checked(length, f"padding of {name!r}") for name, length in padding.items()}
-    return [parts.get(body.name, parts.get(label, 0.0)) for body, label in zip(bodies, labels, strict=True)]
+    shares = {name: _checked(length, f"padding of {name!r}") for name, length in padding.items()}
+    return [shares.get(body.name, shares.get(label, 0.0)) for body, label in zip(bodies, labels, strict=True)]
 
 
 class _Copies:
     """Bodies, and copies of them with other parts, one copy for each body and part."""
 
-    def __init__(self, bodies: Sequence[Body], labels: Sequence[str], parts: Sequence[float]) -> None:
-        self.bodies, self.labels, self.parts = list(bodies), list(labels), list(parts)
-        self._known = {(k, part): k for k, part in enumerate(parts)}
+    def __init__(self, bodies: Sequence[GeometryObject], labels: Sequence[str], shares: Sequence[float]) -> None:
+        self.bodies, self.labels, self.shares = list(bodies), list(labels), list(shares)
+        self._known = {(k, share): k for k, share in enumerate(shares)}
 
-    def with_part(self, body: int, part: float) -> int:
-        """The index of the copy of a body that is swollen by a part."""
-        if (body, part) not in self._known:
-            self._known[body, part] = len(self.bodies)
+    def with_share(self, body: int, share: float) -> int:
+        """The index of the copy of a body that is inflated by a share."""
+        if (body, share) not in self._known:
+            self._known[body, share] = len(self.bodies)
             self.bodies.append(self.bodies[body])
             self.labels.append(self.labels[body])
-            self.parts.append(part)
-        return self._known[body, part]
+            self.shares.append(share)
+        return self._known[body, share]
 
 
 def _rewritten(
     table: Ints,
     distances: Mapping[tuple[str, str], float],
-    bodies: Sequence[Body],
+    bodies: Sequence[GeometryObject],
     labels: Sequence[str],
     copies: _Copies,
 ) -> Ints:
@@ -111,16 +113,16 @@ def _rewritten(
     out = table.copy()
     chosen = {row: length for pair, length in distances.items() for row in _rows_of(pair, bodies, labels, table)}
     for row, length in chosen.items():
-        out[row] = [copies.with_part(body, length / 2) for body in table[row].tolist()]
+        out[row] = [copies.with_share(body, length / 2) for body in table[row].tolist()]
     out.flags.writeable = False
     return out
 
 
-def _names(bodies: Sequence[Body], labels: Sequence[str]) -> set[str]:
+def _names(bodies: Sequence[GeometryObject], labels: Sequence[str]) -> set[str]:
     return {*labels, *(body.name for body in bodies)}
 
 
-def _check_pair(pair: object, bodies: Sequence[Body], labels: Sequence[str], tables: Sequence[Ints]) -> None:
+def _check_pair(pair: object, bodies: Sequence[GeometryObject], labels: Sequence[str], tables: Sequence[Ints]) -> None:
     if not isinstance(pair, tuple) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
         raise PlannercheckError(f"padding is for a name or a pair of names, not {pair!r}")
     names = _names(bodies, labels)
@@ -133,7 +135,9 @@ def _check_pair(pair: object, bodies: Sequence[Body], labels: Sequence[str], tab
         )
 
 
-def _rows_of(pair: tuple[str, str], bodies: Sequence[Body], labels: Sequence[str], table: Ints) -> Iterator[int]:
+def _rows_of(
+    pair: tuple[str, str], bodies: Sequence[GeometryObject], labels: Sequence[str], table: Ints
+) -> Iterator[int]:
     """Rows of a table whose bodies a pair of names means."""
     meant = [{k for k, body in enumerate(bodies) if name in (body.name, labels[k])} for name in pair]
     for row, (a, b) in enumerate(table.tolist()):

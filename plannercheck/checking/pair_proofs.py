@@ -1,8 +1,8 @@
 """Proofs about pairs, kept from one checker to the next: which never meet within the limits, and which are at rest.
 
 In: a robot, bodies, their preparation, and the proofs of an earlier checker of the same robot. Out: `MeetingProofs`. A
-proof about a pair holds as long as neither body is moved. A moved obstacle is a new `Body`, so only pairs of bodies
-that were moved, added or attached are proved again (see unreachable_pairs.py).
+proof about a pair holds as long as neither body is moved. A moved obstacle is a new `GeometryObject`, so only pairs of
+bodies that were moved, added or attached are proved again (see unreachable_pairs.py).
 """
 
 from __future__ import annotations
@@ -13,17 +13,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.reach_bounds import Chains
-from plannercheck.checking.unreachable_pairs import Reach, chains_of, reach, stays_apart
+from plannercheck.checking.unreachable_pairs import UnreachablePairs, chains_of, stays_apart, unreachable_pairs
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.robots.robot import Robot
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
-
-_Side = tuple[Body, float]  # and its padding, m
+_Side = tuple[GeometryObject, float]  # and its padding, m
 
 # In a pair's number, the bits of the second body's number.
 _HALF = 32
@@ -35,7 +32,7 @@ class MeetingProofs:
     def __init__(
         self,
         robot: Robot,
-        bodies: Sequence[Body],
+        bodies: Sequence[GeometryObject],
         preparation: Preparation,
         is_compiled: bool,
         earlier: MeetingProofs | None = None,
@@ -87,22 +84,22 @@ class MeetingProofs:
     def _proved(self, pairs: Ints) -> tuple[Bools, Bools]:
         found = self._reach(pairs)
         if not self._is_compiled or not found.is_proved:
-            return np.zeros(len(pairs), dtype=bool), found.resting
+            return np.zeros(len(pairs), dtype=bool), found.static
         apart, prepared = found.apart.copy(), self._preparation.polytope
-        near = np.flatnonzero(found.resting & ~apart)
+        near = np.flatnonzero(found.static & ~apart)
         poses = self._poses_at_reference() if len(near) else None
         for k in near.tolist():
             assert poses is not None
             a, b = pairs[k].tolist()
             apart[k] = stays_apart(prepared(a), prepared(b), poses[a], poses[b])
-        return apart, found.resting
+        return apart, found.static
 
-    def _reach(self, pairs: Ints) -> Reach:
+    def _reach(self, pairs: Ints) -> UnreachablePairs:
         place = np.argsort(self._order).astype(np.int32)
         bodies = [self._bodies[k] for k in self._order]
         hulls = [self._preparation.hulls[k] for k in self._order]
         self._chains = chains_of(self._robot, bodies, hulls, self._chains)
-        return reach(self._robot, bodies, place[pairs], hulls, self._chains)
+        return unreachable_pairs(self._robot, bodies, place[pairs], hulls, self._chains)
 
     def _poses_at_reference(self) -> Floats:
         """(bodies, 4, 4) up to rounding, m."""

@@ -2,7 +2,7 @@
 
 In: a robot and a scene. Out: indices into the robot's bodies followed by the scene's. Left out are pairs that the SRDF
 or the robot's YAML disables (they are no self pairs of the robot), pairs that an allowed collision matrix allows, and
-pairs of a body that is fixed to the world with an obstacle: these never change, so they are judged once (`resting`).
+pairs of a body that is fixed to the world with an obstacle: these never change, so they are judged once (`static`).
 `left_out_pairs` lists all places where a pair may be left out.
 """
 
@@ -28,12 +28,12 @@ class PairTable:
 
     Attributes:
         pairs: (k, 2) pairs that are tested at every configuration: self pairs, then pairs with obstacles.
-        resting: (m, 2) pairs of a body that is fixed to the world with an obstacle: the same at every configuration.
+        static: (m, 2) pairs of a body that is fixed to the world with an obstacle: the same at every configuration.
         self_count: How many of `pairs` are self pairs.
     """
 
     pairs: NDArray[np.int32]
-    resting: NDArray[np.int32]
+    static: NDArray[np.int32]
     self_count: int
 
 
@@ -60,14 +60,14 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
         allowed = [scene.is_allowed(labels[a], labels[b]) for a, b in own[asked].tolist()]
         own = np.delete(own, asked[np.array(allowed, dtype=bool)], axis=0)
     obstacles: list[tuple[int, int]] = []
-    resting: list[tuple[int, int]] = []
+    static: list[tuple[int, int]] = []
     fixed = fixed_links(robot)
     for a, body in enumerate(robot.bodies):
         for k, name in enumerate(scene.body_objects):
             if scene.is_allowed(labels[a], name):
                 continue
-            (resting if body.link in fixed else obstacles).append((a, len(robot.bodies) + k))
-    return PairTable(read_only(np.concatenate([own, _rows(obstacles)])), _rows(resting), len(own))
+            (static if body.link in fixed else obstacles).append((a, len(robot.bodies) + k))
+    return PairTable(read_only(np.concatenate([own, _rows(obstacles)])), _rows(static), len(own))
 
 
 def fixed_links(robot: Robot) -> frozenset[str]:

@@ -12,12 +12,10 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope, prepared
-from plannercheck.bodies.shapes import Body, HullAndSwell, hull_and_swell
-
-Floats = NDArray[np.float64]
+from plannercheck.bodies.shapes import GeometryObject, InflatedHull, inflated_hull
+from plannercheck.common.array_types import Floats
 
 # Up to this many points, preparing a body is faster than finding, reading and checking a cached file.
 _FEW_POINTS = 32
@@ -27,12 +25,12 @@ class Preparation:
     """The bodies of a checker, prepared one by one as they are needed.
 
     Attributes:
-        hulls: Points, faces and swell of each body, its padding included.
-        paddings: (bodies,) the part of each swell that is padding, m.
+        hulls: Points, faces and inflation radius of each body, its padding included.
+        paddings: (bodies,) the part of each inflation radius that is padding, m.
     """
 
     def __init__(
-        self, bodies: Sequence[Body], excess: float, paddings: Floats, earlier: Preparation | None = None
+        self, bodies: Sequence[GeometryObject], excess: float, paddings: Floats, earlier: Preparation | None = None
     ) -> None:
         """Computes points and faces of shapes that are new.
 
@@ -44,17 +42,17 @@ class Preparation:
         """
         self._bodies = bodies
         self.paddings = paddings
-        self.hulls: list[HullAndSwell] = []
+        self.hulls: list[InflatedHull] = []
         self._polytopes: list[Polytope | None] = []
         self._known: WeakValueDictionary[bytes, Polytope] = WeakValueDictionary() if earlier is None else earlier._known
         before = {} if earlier is None else earlier._by_shape()
         for body, part in zip(bodies, paddings.tolist(), strict=True):
             known = before.get((id(body.shape), part))
-            hull, polytope = known if known else (_padded(hull_and_swell(body.shape, excess), part), None)
+            hull, polytope = known if known else (_padded(inflated_hull(body.shape, excess), part), None)
             self.hulls.append(hull)
             self._polytopes.append(polytope)
 
-    def _by_shape(self) -> dict[tuple[int, float], tuple[HullAndSwell, Polytope | None]]:
+    def _by_shape(self) -> dict[tuple[int, float], tuple[InflatedHull, Polytope | None]]:
         """What is known, by shape (`_bodies` keeps the shapes alive) and padding."""
         keys = ((id(body.shape), part) for body, part in zip(self._bodies, self.paddings.tolist(), strict=True))
         return dict(zip(keys, zip(self.hulls, self._polytopes, strict=True), strict=True))
@@ -70,21 +68,21 @@ class Preparation:
         """The prepared body."""
         found = self._polytopes[body]
         if found is None:
-            points, faces, swell = self.hulls[body]
-            key = np.float64(swell).tobytes() + points.tobytes()
+            points, faces, inflation_radius = self.hulls[body]
+            key = np.float64(inflation_radius).tobytes() + points.tobytes()
             found = self._known.get(key)
             if found is None:
                 prepare = Polytope if len(points) <= _FEW_POINTS else prepared
-                found = prepare(points, faces, swell, f"body {self._bodies[body].name!r}")
+                found = prepare(points, faces, inflation_radius, f"body {self._bodies[body].name!r}")
                 self._known[key] = found
             self._polytopes[body] = found
         return found
 
-    def so_far(self) -> tuple[Polytope | None, ...]:
+    def prepared_bodies(self) -> tuple[Polytope | None, ...]:
         """The prepared bodies, None for those not needed so far."""
         return tuple(self._polytopes)
 
 
-def _padded(hull: HullAndSwell, padding: float) -> HullAndSwell:
-    points, faces, swell = hull
-    return points, faces, swell + padding
+def _padded(hull: InflatedHull, padding: float) -> InflatedHull:
+    points, faces, inflation_radius = hull
+    return points, faces, inflation_radius + padding

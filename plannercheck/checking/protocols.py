@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.verdicts import MotionVerdict, PairVerdict, Verdict
-
-Floats = NDArray[np.float64]
+from plannercheck.common.array_types import Floats
 
 
 class AnyRobot(Protocol):

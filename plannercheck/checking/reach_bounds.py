@@ -17,17 +17,16 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body, HullAndSwell
+from plannercheck.bodies.shapes import GeometryObject, InflatedHull
 from plannercheck.checking.neighbourhoods import Neighbourhood, neighbourhood
 from plannercheck.checking.reach_screens import Screen, joint_tree
+from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.kinematics import SLIDE, TURNS, JointTable
 from plannercheck.robots.robot import Robot
 
-Floats = NDArray[np.float64]
 Cut = tuple[int, ...]
 Joints = tuple[int, ...]
 
@@ -42,7 +41,7 @@ CELLS = {0: 1, 1: 128, 2: 24}
 MOST_COLUMNS = max(CELLS)
 
 
-class End(NamedTuple):
+class BoundingBall(NamedTuple):
     """A bound on where a body is, given values of some columns.
 
     Attributes:
@@ -70,14 +69,14 @@ class Boxes(NamedTuple):
         high: (n, 3) upper corner, m.
         centre: (n, 3) centre of the box, m.
         radius: (n,) radius of the ball around the centre that holds the hull, m.
-        swell: (n,) how far around the hull the body reaches, m.
+        inflation_radius: (n,) how far around the hull the body reaches, m.
     """
 
     low: Floats
     high: Floats
     centre: Floats
     radius: Floats
-    swell: Floats
+    inflation_radius: Floats
 
     def of(self, chosen: Any) -> Boxes:
         """Some of them."""
@@ -89,8 +88,8 @@ def joined(first: Boxes, second: Boxes) -> Boxes:
     return Boxes(*(np.concatenate(both) for both in zip(first, second, strict=True)))
 
 
-def boxes_of(hulls: Sequence[HullAndSwell]) -> Boxes:
-    """The boxes and balls around hulls, see `shapes.hull_and_swell`."""
+def boxes_of(hulls: Sequence[InflatedHull]) -> Boxes:
+    """The boxes and balls around hulls, see `shapes.inflated_hull`."""
     low = np.array([points.min(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
     high = np.array([points.max(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
     centre = 0.5 * (low + high)
@@ -111,7 +110,9 @@ class Chains:
     follow (2 n + b). Lengths that no joint of the group changes are measured in one configuration.
     """
 
-    def __init__(self, robot: Robot, table: JointTable, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> None:
+    def __init__(
+        self, robot: Robot, table: JointTable, bodies: Sequence[GeometryObject], hulls: Sequence[InflatedHull]
+    ) -> None:
         """Measures the chains; `hulls` are those of `bodies`, and bodies on links come first."""
         self.robot, self._table, self._joints = robot, table, len(table.kinds)
         self.boxes = boxes_of(hulls)
@@ -134,7 +135,7 @@ class Chains:
         self._origins, self._moved_origins = origins[: self._joints], origins[self._joints : 2 * self._joints]
         centres = np.column_stack([self.boxes.centre[: len(links)], np.ones(len(links))])
         self._centres = np.einsum("bij,bj->bi", at_base[2 * self._joints :, :3], centres).tolist()
-        self._ends: dict[tuple[int, int, Cut], End] = {}
+        self._ends: dict[tuple[int, int, Cut], BoundingBall] = {}
         self._middles: dict[tuple[int, int, Cut], tuple[Floats, float]] = {}
         self._proved: bool | None = None
 
@@ -150,7 +151,7 @@ class Chains:
         self._ends |= {key: end for key, end in earlier._ends.items() if key[0] < common}
         self._middles |= {key: middle for key, middle in earlier._middles.items() if key[0] < common}
 
-    def among(self, bodies: Sequence[Body], hulls: Sequence[HullAndSwell]) -> Chains:
+    def among(self, bodies: Sequence[GeometryObject], hulls: Sequence[InflatedHull]) -> Chains:
         """The same chains, with all their results, among other obstacles.
 
         Args:
@@ -229,7 +230,7 @@ class Chains:
             [self._slides[joint] for joint in moving],
             (_rows(self._origins, moving), _rows(self._moved_origins, moving)),
             [number.get(chain[-1], -1) if chain else -1 for chain in self._chains],
-            (_rows(self._centres, range(len(self._own))), self.boxes.radius[own] + self.boxes.swell[own]),
+            (_rows(self._centres, range(len(self._own))), self.boxes.radius[own] + self.boxes.inflation_radius[own]),
         )
         return Screen(tree)
 
@@ -249,14 +250,14 @@ class Chains:
                 found.append(self._column(joint))
         return found
 
-    def end(self, body: int, branch: Joints, cut: Cut) -> End:
+    def end(self, body: int, branch: Joints, cut: Cut) -> BoundingBall:
         """A bound on where a body is, given the columns of a cut."""
         key = body, len(branch), cut
         if key not in self._ends:
             self._ends[key] = self._new_end(body, branch, cut)
         return self._ends[key]
 
-    def _new_end(self, body: int, branch: Joints, cut: Cut) -> End:
+    def _new_end(self, body: int, branch: Joints, cut: Cut) -> BoundingBall:
         known = 0
         while known < len(branch) and self._can_be_cut[branch[known]] and self._column(branch[known]) in cut:
             known += 1
@@ -277,11 +278,11 @@ class Chains:
             ball_levers[column] += rate * (1.0 if slides else length + radius)
             length += self._slides[joint]
             following = self._origins[joint]
-        return End(frame, centre, radius, levers, ball_levers, posed)
+        return BoundingBall(frame, centre, radius, levers, ball_levers, posed)
 
     def _room_beyond(self, body: int, branch: Sequence[int]) -> float:
         """How far a body gets from the origin of its branch's first joint, m; without a branch, its ball's radius."""
-        room = float(self.boxes.radius[body] + self.boxes.swell[body])
+        room = float(self.boxes.radius[body] + self.boxes.inflation_radius[body])
         following = self._centres[body]
         for joint in reversed(branch):
             room += self._slides[joint] + math.dist(following, self._moved_origins[joint])
@@ -328,7 +329,7 @@ def _most_slide(table: JointTable, joint: int, lower: Floats, upper: Floats) -> 
     return float(np.abs(ends * table.multipliers[joint][0] + table.offsets[joint][0]).max())
 
 
-def _table_of_frames(robot: Robot, table: JointTable, bodies: Sequence[Body]) -> JointTable:
+def _table_of_frames(robot: Robot, table: JointTable, bodies: Sequence[GeometryObject]) -> JointTable:
     """A table whose links are the joints' frames, before and after their motion, and the frames of bodies on links."""
     joints = np.arange(len(table.kinds), dtype=np.int32)
     links = [robot.link_index(str(body.link)) for body in bodies]

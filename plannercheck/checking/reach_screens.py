@@ -17,11 +17,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
+from plannercheck.common.array_types import Bools, Floats, Ints64
 
 # Rounding of lengths, as a part of them and in m: a pair is skipped only if it fails by more than this.
 _ROOM, _LEAST_ROOM = 1e-6, 1e-9
@@ -43,11 +40,11 @@ class JointTree(NamedTuple):
         radii: (b,) radii of the balls, m.
     """
 
-    parents: Ints
-    columns: Ints
+    parents: Ints64
+    columns: Ints64
     origins: Floats
     ways: Floats
-    bodies: Ints
+    bodies: Ints64
     centres: Floats
     body_ways: Floats
     radii: Floats
@@ -63,7 +60,7 @@ class Screen:
         while 1 << len(self._jumps) <= self._depth.max():
             self._jumps.append(self._jumps[-1][self._jumps[-1]])
 
-    def forks(self, pairs: Ints) -> Ints:
+    def forks(self, pairs: Ints64) -> Ints64:
         """(k,) the last joint that both bodies of each pair (k, 2) hang on, or the world."""
         a, b = (self._tree.bodies[side] for side in pairs.T)
         level = np.minimum(self._depth[a], self._depth[b])
@@ -73,11 +70,11 @@ class Screen:
             a, b = np.where(differ, jump[a], a), np.where(differ, jump[b], b)
         return np.asarray(np.where(a == b, a, self._tree.parents[a]))
 
-    def resting(self, pairs: Ints) -> Bools:
+    def static(self, pairs: Ints64) -> Bools:
         """(k,) whether no joint moves the bodies of each pair against each other."""
         return np.asarray(self._tree.bodies[pairs[:, 0]] == self._tree.bodies[pairs[:, 1]])
 
-    def may_be_proved(self, pairs: Ints, columns: int) -> Bools:
+    def may_be_proved(self, pairs: Ints64, columns: int) -> Bools:
         """Whether a cut might prove that the bodies of a pair never meet.
 
         Args:
@@ -93,14 +90,14 @@ class Screen:
         beyond = sides[0].beyond + sides[1].beyond
         return np.asarray(between * (1 + _ROOM) + _LEAST_ROOM > beyond)
 
-    def _above(self, nodes: Ints, depths: Ints) -> Ints:
+    def _above(self, nodes: Ints64, depths: Ints64) -> Ints64:
         """The ancestors of nodes at these depths; the nodes themselves where they are not deeper."""
         left = np.maximum(self._depth[nodes] - depths, 0)
         for k, jump in enumerate(self._jumps):
             nodes = np.where(left >> k & 1 == 1, jump[nodes], nodes)
         return nodes
 
-    def _side(self, bodies: Ints, forks: Ints, columns: int) -> _Side:
+    def _side(self, bodies: Ints64, forks: Ints64, columns: int) -> _Side:
         tree = self._tree
         nodes = tree.bodies[bodies]
         first = self._above(nodes, forks + 1)
@@ -113,7 +110,7 @@ class Screen:
         beyond = np.where(whole, 0.0, tree.body_ways[bodies] - end + tree.radii[bodies])
         return _Side(start, end - begin, beyond)
 
-    def _first_unknown(self, nodes: Ints, depths: Ints, columns: int) -> Ints:
+    def _first_unknown(self, nodes: Ints64, depths: Ints64, columns: int) -> Ints64:
         """The first joint from these depths towards the nodes that no cut of so many columns knows; -1 if none."""
         found = np.full(len(nodes), -1, dtype=np.int64)
         seen = np.full((len(nodes), columns), -1, dtype=np.int64)
@@ -139,7 +136,7 @@ class _Side(NamedTuple):
     beyond: Floats
 
 
-def _depths(parents: Ints) -> Ints:
+def _depths(parents: Ints64) -> Ints64:
     """(n,) how many joints there are from the world to each node."""
     depth = [0] * len(parents)
     for node, parent in enumerate(parents.tolist()):

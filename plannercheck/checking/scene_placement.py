@@ -1,7 +1,7 @@
 """Places objects of a scene whose pose is given in a link's frame.
 
 In: a robot, a scene. Out: the same scene, in which every object is posed in the world or on its link (see
-robots/anchored_objects.py), or an error if MoveIt would take one of its frames for another frame.
+robots/objects_in_frames.py), or an error if MoveIt would take one of its frames for another frame.
 """
 
 from __future__ import annotations
@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.robots.anchored_objects import placed
+from plannercheck.robots.objects_in_frames import placed
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
 
 def place_objects(robot: Robot, scene: Scene) -> None:
-    """Places all objects of a scene; afterwards the scene has no anchors.
+    """Places all objects of a scene; afterwards the scene has no pose frames.
 
     Args:
         robot: The robot, whose links are frames.
@@ -33,7 +33,7 @@ def place_objects(robot: Robot, scene: Scene) -> None:
                 f"object {item.name!r}: frame {item.frame!r} is one of the scene's, but also a link of "
                 f"{robot.name!r}, which MoveIt would take: rename one of them"
             )
-    scene.placed(placed(robot, [item for item in items if item.anchor is not None]))
+    scene.placed(placed(robot, [item for item in items if item.pose_frame is not None]))
 
 
 def _check_planning_frame(robot: Robot, scene: Scene) -> None:

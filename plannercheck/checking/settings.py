@@ -11,7 +11,7 @@ from typing import Any
 
 from plannercheck.bodies.intersection import Switches
 from plannercheck.bodies.objects import SceneObject
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.padding import PaddedPairs, Padding, padded_pairs
 from plannercheck.checking.pair_table import Acm, pair_table
 from plannercheck.common.errors import PlannercheckError
@@ -55,7 +55,7 @@ class Settings:
     padding: Padding
     acm: Acm
     kinematics: str
-    bodies: Sequence[Body] | None
+    bodies: Sequence[GeometryObject] | None
     switches: CheckerSwitches
 
     def carrier(self, attached: Sequence[SceneObject], earlier: Robot | None) -> Robot:
@@ -73,14 +73,14 @@ class Settings:
             scene: The scene with the obstacles.
             is_first: Whether all names of paddings have to be known; a later scene may lack some.
         """
-        bodies = stand_ins(self.bodies, (*robot.bodies, *scene.bodies))
+        bodies = substitute_bodies(self.bodies, (*robot.bodies, *scene.bodies))
         table = pair_table(robot, scene, self.self_collision, self.acm)
         labels = (*(body.label for body in robot.bodies), *scene.body_objects)
-        padding = self.padding if is_first else known_parts(self.padding, bodies, labels)
-        return padded_pairs(padding, bodies, labels, (table.pairs, table.resting))
+        padding = self.padding if is_first else padding_of_known_names(self.padding, bodies, labels)
+        return padded_pairs(padding, bodies, labels, (table.pairs, table.static))
 
 
-def without(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
+def without_attached(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
     """The robot without what a scene attaches to it; the robot of another checker may carry that already."""
     names = {item.name for item in attached}
     if names.isdisjoint(item.name for item in robot.carried):
@@ -88,7 +88,7 @@ def without(robot: Robot, attached: Sequence[SceneObject]) -> Robot:
     return robot.carrying(item for item in robot.carried if item.name not in names)
 
 
-def known_parts(padding: Padding, bodies: Sequence[Body], labels: Sequence[str]) -> Padding:
+def padding_of_known_names(padding: Padding, bodies: Sequence[GeometryObject], labels: Sequence[str]) -> Padding:
     """Paddings without names that the scene does not have any more."""
     if not isinstance(padding, Mapping):
         return padding
@@ -98,7 +98,9 @@ def known_parts(padding: Padding, bodies: Sequence[Body], labels: Sequence[str])
     }
 
 
-def stand_ins(given: Sequence[Body] | None, bodies: tuple[Body, ...]) -> tuple[Body, ...]:
+def substitute_bodies(
+    given: Sequence[GeometryObject] | None, bodies: tuple[GeometryObject, ...]
+) -> tuple[GeometryObject, ...]:
     """The bodies that are given in place of others, on the same links."""
     if given is None:
         return bodies

@@ -14,12 +14,12 @@ from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies.certificates import Certificate
 from plannercheck.bodies.intersection import Method, Switches, certify_posed
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import DEFAULT_EXCESS, Body
+from plannercheck.bodies.shapes import DEFAULT_EXCESS, GeometryObject
 from plannercheck.checking.carrying_checker import CarryingChecker
 from plannercheck.checking.checker_base import ExplainingChecker
 from plannercheck.checking.clearance import MeasuringChecker
@@ -30,8 +30,9 @@ from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.pair_table import Acm
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.scene_placement import place_objects
-from plannercheck.checking.settings import CheckerSwitches, Settings, without
+from plannercheck.checking.settings import CheckerSwitches, Settings, without_attached
 from plannercheck.checking.touching_pairs import warn_of_touching
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.threads import checked_threads
@@ -39,9 +40,6 @@ from plannercheck.robots.kinematic_error import largest_distance
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 Same = TypeVar("Same", bound="StateChecker")
 
 
@@ -56,16 +54,16 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         pairs: (k, 2) indices into `bodies`: the pairs that are tested at every configuration.
         unreachable: (k,) which pairs provably can't collide at any configuration within the limits; they are tested
             only beyond the limits, and where all pairs are asked for.
-        resting: (k,) which of the pairs no joint of the group moves relative to each other.
+        static: (k,) which of the pairs no joint of the group moves relative to each other.
         excess: How far polytopes of cylinders and cones stick out, as a part of the radius.
-        paddings: (bodies,) each body's part of the padding, m; `polytopes` are swollen by it.
+        paddings: (bodies,) each body's part of the padding, m; `polytopes` are inflated by it.
     """
 
     robot: Robot
     scene: Scene
-    bodies: tuple[Body, ...]
+    bodies: tuple[GeometryObject, ...]
     unreachable: Bools
-    resting: Bools
+    static: Bools
     _preparation: Preparation
     _proofs: MeetingProofs
 
@@ -82,7 +80,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         acm: Acm = "robot",
         kinematics: Literal["batch", "pinocchio"] = "batch",
         excess: float = DEFAULT_EXCESS,
-        bodies: Sequence[Body] | None = None,
+        bodies: Sequence[GeometryObject] | None = None,
         method: Method = "oracle",
         cached_plane: bool = True,
         centre_axis: bool = True,
@@ -124,7 +122,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
                 f"not {type(robot).__name__} and {type(scene).__name__}"
             )
         self.excess = excess
-        alone = without(robot, () if scene is None else scene.attached)
+        alone = without_attached(robot, () if scene is None else scene.attached)
         test = Switches(method, cached_plane, centre_axis, turned_axis, facet_plane, nearest_points)
         switches = CheckerSwitches(test, bounds, boxes, overlaps, learning, reach, static_poses)
         self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, switches)
@@ -147,7 +145,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         self._compile()
         self._scene_taken(earlier)
         carried = np.array([body.carried is not None for body in self.bodies], dtype=bool)
-        never_moving = self.pairs[self.resting & ~self.unreachable & carried[self.pairs].any(axis=1)]
+        never_moving = self.pairs[self.static & ~self.unreachable & carried[self.pairs].any(axis=1)]
         known = set() if earlier is None else set(earlier.bodies)
         warn_of_touching(self._pair_source(), self._labels, at_rest, never_moving, self._link_poses, known)
 
@@ -156,9 +154,14 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         self._proofs = self._meeting_proofs(None if earlier is None else earlier._proofs)
         candidates, count = np.concatenate([self.pairs, at_rest]), len(self.pairs)
         is_wanted = self._settings.switches.reach
-        apart, resting = self._proofs.of(candidates) if is_wanted else np.zeros((2, len(candidates)), dtype=bool)
-        self.unreachable, self.resting = read_only(apart[:count]), read_only(resting[:count])
+        apart, static = self._proofs.of(candidates) if is_wanted else np.zeros((2, len(candidates)), dtype=bool)
+        self.unreachable, self.static = read_only(apart[:count]), read_only(static[:count])
         return at_rest[~apart[count:]]
+
+    @property
+    def resting(self) -> Bools:
+        """`static` by its former name, for one release."""
+        return self.static
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
         """A hook: a subclass renews here what depends on the scene."""
@@ -224,12 +227,12 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
     def polytopes(self) -> tuple[Polytope | None, ...]:
         """The prepared body of each of `bodies`; None where no pair needs it."""
         _ = self._tables.all
-        return self._preparation.so_far()
+        return self._preparation.prepared_bodies()
 
     @property
     def prepared(self) -> tuple[Polytope | None, ...]:
         """Like `polytopes`, with None for bodies that have not been needed so far: those of unreachable pairs."""
-        return self._preparation.so_far()
+        return self._preparation.prepared_bodies()
 
     def is_valid(self, q: Configuration) -> bool:
         """Whether one configuration is free of collision.
@@ -285,9 +288,9 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         rows = self.robot.check_configurations(q)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
-            return self._tables.all.named(self._tables.all.core.first_of_poses(self._link_poses(rows), threads))
+            return self._tables.all.to_table_rows(self._tables.all.core.first_of_poses(self._link_poses(rows), threads))
         return self._tables.judged(
-            lambda table, part: table.named(table.core.first_of_states(self._kernel, part, threads)), rows
+            lambda table, part: table.to_table_rows(table.core.first_of_states(self._kernel, part, threads)), rows
         )
 
     def colliding_pairs(self, q: ArrayLike) -> Bools:

@@ -11,13 +11,11 @@ import warnings
 from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
+from plannercheck.common.array_types import Floats, Ints
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 LinkPoses = Callable[[Floats], Floats]
 
 _UNCOUNTED = (
@@ -36,7 +34,7 @@ def warn_of_touching(
     uncounted: Ints,
     counted: Ints,
     link_poses: LinkPoses,
-    known: Collection[Body],
+    known: Collection[GeometryObject],
 ) -> None:
     """Warns of touching pairs that no joint moves; the warning names the line three calls up, in the user's code.
 

@@ -28,92 +28,88 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.intersection import pair_options
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Body, HullAndSwell
-from plannercheck.checking.reach_bounds import MOST_COLUMNS, Boxes, Chains, Cut, End, Joints
+from plannercheck.bodies.shapes import GeometryObject, InflatedHull
+from plannercheck.checking.reach_bounds import MOST_COLUMNS, BoundingBall, Boxes, Chains, Cut, Joints
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.core import core
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 # Bodies must stay apart by this, m, and by this part of all lengths that go into the bound.
 MARGIN = 1e-6
 RELATIVE = 1e-5
 
 # Where the cells of a cut are split: most pairs that may meet do so in one of the first cells, and arrays stay small.
-_PARTS = (4, 32, *range(96, 600, 64))
+_BATCHES = (4, 32, *range(96, 600, 64))
 
 # Up to this many obstacles a cut is not split: splitting would take more time than it saves.
-_FEW = 8
+_FEW_OBSTACLES = 8
 
 
 @dataclass(frozen=True)
-class Reach:
+class UnreachablePairs:
     """What joint limits and lever arms prove about pairs.
 
     Attributes:
         apart: (k,) pairs that never meet within the limits.
-        resting: (k,) pairs that no joint of the group moves relative to each other.
+        static: (k,) pairs that no joint of the group moves relative to each other.
         is_proved: Whether rounding within the limits is bounded; if not, no pair counts as apart.
     """
 
     apart: Bools
-    resting: Bools
+    static: Bools
     is_proved: bool
 
 
-def reach(
+def unreachable_pairs(
     robot: Robot,
-    bodies: Sequence[Body],
+    bodies: Sequence[GeometryObject],
     pairs: Ints,
-    hulls: Sequence[HullAndSwell],
+    hulls: Sequence[InflatedHull],
     chains: Chains | None = None,
-) -> Reach:
+) -> UnreachablePairs:
     """Proves which pairs can never meet.
 
     Args:
         robot: The robot.
         bodies: Bodies on links, then obstacles.
         pairs: (k, 2) indices into bodies; an obstacle is second.
-        hulls: The hull of each body, see `shapes.hull_and_swell`.
+        hulls: The hull of each body, see `shapes.inflated_hull`.
         chains: Chains of the robot and these bodies if they exist already, see `chains_of`.
 
     Returns:
         Masks over the pairs. Nothing is proved if Pinocchio itself poses the robot, if rounding has no bound (a base
         that floats without limits), or if placements are no rotations.
     """
-    apart, resting = np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool)
+    apart, static = np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool)
     if not len(pairs):
-        return Reach(apart, resting, False)
+        return UnreachablePairs(apart, static, False)
     if chains is None:
         chains = chains_of(robot, bodies, hulls)
     if chains is None or not chains.is_proved():
-        return Reach(apart, resting, False)
+        return UnreachablePairs(apart, static, False)
     with_obstacle = pairs[:, 1] >= sum(body.link is not None for body in bodies)
     own = np.flatnonzero(~with_obstacle)
     apart[own] = _apart_among_links(chains, pairs[own])
-    resting[own] = chains.screen.resting(pairs[own].astype(np.int64))
+    static[own] = chains.screen.static(pairs[own].astype(np.int64))
     for body in np.unique(pairs[with_obstacle, 0]).tolist():
         rows = np.flatnonzero(with_obstacle & (pairs[:, 0] == body))
         apart[rows] = _apart_from_obstacles(chains, body, pairs[rows, 1])
-        resting[rows] = not chains.chain(body)
-    return Reach(apart, resting, True)
+        static[rows] = not chains.chain(body)
+    return UnreachablePairs(apart, static, True)
 
 
 def chains_of(
-    robot: Robot, bodies: Sequence[Body], hulls: Sequence[HullAndSwell], earlier: Chains | None = None
+    robot: Robot, bodies: Sequence[GeometryObject], hulls: Sequence[InflatedHull], earlier: Chains | None = None
 ) -> Chains | None:
-    """The lengths and poses that `reach` needs; None if Pinocchio itself poses the robot.
+    """The lengths and poses that `unreachable_pairs` needs; None if Pinocchio itself poses the robot.
 
     Args:
-        robot: As for `reach`.
-        bodies: As for `reach`.
-        hulls: As for `reach`.
+        robot: As for `unreachable_pairs`.
+        bodies: As for `unreachable_pairs`.
+        hulls: As for `unreachable_pairs`.
         earlier: Chains of the same robot and paddings; obstacles and carried objects may differ.
 
     Returns:
@@ -141,8 +137,12 @@ def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> boo
     normal = np.asarray(found["normal"])
     on_p, on_r = (body.vertices @ pose[:3, :3].T + pose[:3, 3] for body, pose in ((p, pose_p), (r, pose_r)))
     gap = float((on_p @ normal).min() - (on_r @ normal).max()) / float(np.linalg.norm(normal))
-    extent = sum(float(np.linalg.norm(points, axis=1).max()) for points in (on_p, on_r)) + p.swell + r.swell
-    return gap > p.swell + r.swell + MARGIN + RELATIVE * extent
+    extent = (
+        sum(float(np.linalg.norm(points, axis=1).max()) for points in (on_p, on_r))
+        + p.inflation_radius
+        + r.inflation_radius
+    )
+    return gap > p.inflation_radius + r.inflation_radius + MARGIN + RELATIVE * extent
 
 
 def _apart_among_links(chains: Chains, pairs: Ints) -> Bools:
@@ -178,12 +178,12 @@ def _cuts(chains: Chains, branches: tuple[Joints, Joints], columns: int) -> Iter
     yield from {tuple(sorted(set(split))) for split in splits if len(set(split)) == columns}
 
 
-def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[End]]) -> Bools:
+def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[BoundingBall]]) -> Bools:
     """Which pairs (k, 2) with these ends (k, 2) are apart in every cell of a cut, by the same one of three tests."""
     q, half = chains.cells(cut)
     around = chains.neighbourhood({end.frame for both in ends for end in both})
     apart = np.ones((3, len(pairs)), dtype=bool)
-    for part in np.split(q, _PARTS):
+    for part in np.split(q, _BATCHES):
         left = np.flatnonzero(apart.any(axis=0))
         if len(left) and len(part):
             poses = around.poses(part)
@@ -204,7 +204,7 @@ class _Moving:
         cut: Cut,
         half: Floats,
         bodies: Ints,
-        ends: list[End],
+        ends: list[BoundingBall],
         poses: Floats,
         place: dict[int, int],
     ) -> None:
@@ -227,7 +227,7 @@ class _Moving:
         away = self.centre - other.pose[..., :3, 3]
         inside = np.einsum("cnji,cnj->cni", other.pose[..., :3, :3], away)
         distance = _from_box(inside, other.box).min(axis=0)
-        room = self.radius + other.box.swell + self.sway + other.ball_sway + self._margin(other)
+        room = self.radius + other.box.inflation_radius + self.sway + other.ball_sway + self._margin(other)
         offset = np.linalg.norm(other.box.centre, axis=1)  # `away` begins at the frame's origin, however far that is
         return np.asarray(other.posed & (distance > room + RELATIVE * offset))
 
@@ -260,10 +260,12 @@ def _clear_in_cells(chains: Chains, body: int, chain: Joints, cut: Cut, obstacle
     centres, sway = chains.centres_in_cells(body, chain, cut)
     extent = end.radius + sway + np.linalg.norm(centres, axis=1).max()
     box, pose = chains.boxes.of(obstacles), chains.poses_in_world[obstacles]
-    size = np.linalg.norm(pose[:, :3, 3], axis=1) + np.linalg.norm(box.centre, axis=1) + box.radius + box.swell
-    room = end.radius + sway + box.swell + MARGIN + RELATIVE * (extent + size)
+    size = (
+        np.linalg.norm(pose[:, :3, 3], axis=1) + np.linalg.norm(box.centre, axis=1) + box.radius + box.inflation_radius
+    )
+    room = end.radius + sway + box.inflation_radius + MARGIN + RELATIVE * (extent + size)
     clear = np.isfinite(room)
-    for part in np.split(centres, _PARTS) if len(obstacles) > _FEW else [centres]:
+    for part in np.split(centres, _BATCHES) if len(obstacles) > _FEW_OBSTACLES else [centres]:
         left = np.flatnonzero(clear)
         if len(left) and len(part):
             clear[left] = (_squared_distances(part, box.of(left), pose[left]) > room[left] ** 2).all(axis=0)

@@ -92,8 +92,9 @@ class Verdict:
 class MotionProof(OwnsArrays):
     """The proof that two bodies are apart on an interval of a motion.
 
-    Seen from the frame, the points of both bodies leave the chords of their paths by at most `bulge` together. So a
-    plane that keeps the bodies further apart than this at both ends separates them on the whole interval.
+    Seen from the frame, the points of both bodies leave the chords of their paths by at most `chord_deviation`
+    together. So a plane that keeps the bodies further apart than this at both ends separates them on the whole
+    interval.
 
     Attributes:
         first: Name of the robot's link.
@@ -105,7 +106,7 @@ class MotionProof(OwnsArrays):
         frame: Name of the link in whose frame the normal is fixed; None for the world.
         normal: (3,) unit vector in the frame, (2,) in the plane, from second to first.
         gap: Along it the bodies are at least this far apart at both ends, m.
-        bulge: How far their points leave their chords at most, both bodies together, m; less than the gap.
+        chord_deviation: How far their points leave their chords at most, both bodies together, m; less than the gap.
     """
 
     first: str
@@ -117,7 +118,12 @@ class MotionProof(OwnsArrays):
     frame: str | None
     normal: NDArray[np.float64]
     gap: float
-    bulge: float
+    chord_deviation: float
+
+    @property
+    def bulge(self) -> float:
+        """`chord_deviation` by its former name, for one release."""
+        return self.chord_deviation
 
 
 def _named(pair: PairVerdict) -> str:

@@ -21,7 +21,7 @@ from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
 from plannercheck.checking.mesh_collisions import LinkMeshes
 from plannercheck.cli.common import check_folder, table
 from plannercheck.cli.robot_options import add_urdf_arguments, described, given_options
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.description import RobotDescription, description_of, shipped_robots
@@ -110,7 +110,7 @@ def _write(matrix: CollisionMatrix, description: RobotDescription, path: Path) -
     else:
         root = None if description.semantics is None else description.semantics.root
         text = srdf_text(matrix.robot.model.name, matrix.disabled(), root)
-    written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     print(f"\n{len(matrix.disabled())} disabled pairs written to {path}")
 
 

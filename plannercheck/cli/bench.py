@@ -15,8 +15,7 @@ from plannercheck.cli.common import table
 from plannercheck.cli.robot_options import add_urdf_arguments, robot_of
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
-from plannercheck.evaluation.bench import ablation as switches
-from plannercheck.evaluation.bench import complexity, pairs, plots, states
+from plannercheck.evaluation.bench import ablation, complexity, pairs, plots, states
 from plannercheck.evaluation.bench import scene_size as scale
 from plannercheck.evaluation.bench import tables as output
 from plannercheck.evaluation.bench.ablation import SwitchRow
@@ -229,7 +228,7 @@ def _pair_cells(row: PairRow) -> tuple[object, ...]:
 def _run_switches(options: argparse.Namespace) -> None:
     robot = robot_of(options)
     scene = Scene("empty") if options.scene == "none" else Scene.load(options.scene)
-    rows: list[SwitchRow] = switches.measure(robot, scene, options.states, options.rounds, options.seed)
+    rows: list[SwitchRow] = ablation.measure(robot, scene, options.states, options.rounds, options.seed)
     cells = [(row.states, row.off, f"{row.microseconds:.2f}", f"{row.ratio:.2f}", row.wrong) for row in rows]
     print(table(("states", "off", "µs a state", "x", "wrong"), cells))
     _keep(options.output, "switches", rows)

@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.checking.padding import Padding
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.cli.robot_options import add_urdf_arguments, given_options, robot_of
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.array_types import Floats
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
 from plannercheck.motions.checker import Checker
@@ -26,8 +26,6 @@ from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.joint_values import own_joints as joints_of_their_own
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
-
-Floats = NDArray[np.float64]
 
 
 def add_robot_argument(parser: argparse.ArgumentParser) -> None:
@@ -131,7 +129,7 @@ def check_folder(path: Path | None) -> None:
 
 def save_json(path: Path, value: Any) -> None:
     """Writes a value as JSON."""
-    written_aside(path, lambda aside: aside.write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8"))
+    write_atomically(path, lambda aside: aside.write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8"))
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

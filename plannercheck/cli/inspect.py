@@ -43,7 +43,7 @@ Example:
 # Ways of skipping work that a checker can be built without, and what they are.
 SKIPS = {
     "reach": "pairs that limits keep apart",
-    "static_poses": "links that stand still",
+    "static_poses": "static links",
     "bounds": "balls, tree of obstacles",
     "overlaps": "balls and boxes inside bodies",
     "boxes": "planes along boxes",
@@ -52,6 +52,18 @@ SKIPS = {
     "turned_axis": "axis between ellipsoids",
     "facet_plane": "facets of small bodies",
     "learning": "likeliest pair first",
+}
+# Counters of the pair test, and what they count.
+PAIR_TEST = {
+    "blocks": ("vertex blocks", "read on the way down a hierarchy, four vertices each"),
+    "exact_comparisons": ("exact comparisons", "of vertices whose order doubles leave open"),
+    "guest_queries": ("support queries on A", "the vertex of the one body that is deepest beyond a plane"),
+    "host_queries": ("support queries on B", "the facet of the other, in whose frame both are, that a point is beyond"),
+    "games": ("matrix games", "of the vertices and facets found so far: the next plane and point"),
+    "rounds": ("rounds", "steps of the search for a separating plane or a common point"),
+    "vertices": ("vertices", "of polygons that were read"),
+    "double_double": ("double-double", "signs that doubles leave open"),
+    "exact": ("exact", "signs that double-double leaves open, too"),
 }
 _ROUNDS = 5
 
@@ -115,10 +127,10 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
     own = int(moving[checker.pairs].all(axis=1).sum())
     total = sum({id(p): p.nbytes for p in within if p is not None}.values())
     print(f"\n{len(checker.pairs)} pairs: {own} self pairs, {len(checker.pairs) - own} with the scene")
-    by_limits, at_rest = (int((checker.unreachable & part).sum()) for part in (~checker.resting, checker.resting))
+    by_limits, at_rest = (int((checker.unreachable & part).sum()) for part in (~checker.static, checker.static))
     print(
         f"dropped within the joint limits: {by_limits} pairs that cannot reach each other, and {at_rest} of the "
-        f"{int(checker.resting.sum())} that no joint of the group moves, since they are apart"
+        f"{int(checker.static.sum())} that no joint of the group moves, since they are apart"
     )
     print(f"\n{_left_out(checker)}\n")
     print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
@@ -136,7 +148,7 @@ def _show_fidelity(checker: AnyChecker, description: RobotDescription, states: i
     rows = []
     for body, polytope in zip(checker.bodies, checker.polytopes, strict=True):
         mesh = meshes.get(body.name)
-        if mesh is None or polytope is None or polytope.dimension < 3 or polytope.swell:
+        if mesh is None or polytope is None or polytope.dimension < 3 or polytope.inflation_radius:
             continue
         ratio = f"{polytope_volume(polytope) / mesh.volume:.2f}" if mesh.volume else "-"
         rows.append((body.name, body.link or "(scene)", ratio, f"{1e3 * largest_filling(polytope, mesh):.1f}"))
@@ -167,9 +179,9 @@ def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str,
     if polytope is None:
         return "-", "-", "-", "-"
     middle = 0.5 * (polytope.vertices.min(axis=0) + polytope.vertices.max(axis=0))
-    radius = float(np.linalg.norm(polytope.vertices - middle, axis=1).max()) + polytope.swell
+    radius = float(np.linalg.norm(polytope.vertices - middle, axis=1).max()) + polytope.inflation_radius
     hull = polytope_volume(polytope) if polytope.dimension == 3 else 0.0
-    of_hull = f"{1e6 * hull:.1f}" if polytope.swell == 0.0 else "-"
+    of_hull = f"{1e6 * hull:.1f}" if polytope.inflation_radius == 0.0 else "-"
     if mesh is None or not mesh.volume:
         return f"{radius:.3f}", of_hull, "-", "-"
     return f"{radius:.3f}", of_hull, f"{1e6 * mesh.volume:.1f}", f"{hull / mesh.volume:.2f}"
@@ -231,8 +243,8 @@ def _show_sample(checker: AnyChecker, states: int, seed: int) -> None:
     settled = [(_words(name), n, f"{n / states:.2f}", percentage(n, pairs)) for name, n in statistics.items()]
     print(table(("pairs settled by", "total", "each configuration", "of all pairs"), settled[1:]))
     print()
-    tests = [(_words(name), n, f"{n / states:.2f}") for name, n in queries.items()]
-    print(table(("pair test", "total", "each configuration"), tests))
+    tests = [(*PAIR_TEST.get(name, (_words(name), "")), n, f"{n / states:.2f}") for name, n in queries.items()]
+    print(table(("pair test", "what that is", "total", "each configuration"), tests))
     if not valid and (hint := always_hint(checker, q)):
         warnings.warn(hint, RuntimeWarning, stacklevel=2)
 

@@ -8,9 +8,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli import plan_problem_sets as problem_sets
 from plannercheck.cli.checked_paths import show_checks
@@ -23,16 +20,15 @@ from plannercheck.cli.common import (
     table,
     vector,
 )
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl import LONGEST_MOTION, plan, planner_names
 from plannercheck.ompl.plans import Plan, check_suffix
-from plannercheck.ompl.start_and_goal import checked_end, judged
+from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 from plannercheck.planar.curves import CURVES
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.validation.path_recheck import check_path
-
-Floats = NDArray[np.float64]
 
 _EPILOG = """\
 Every motion is proved free, not sampled, in space and in the plane; one that comes within 0.1 mm of a collision may be
@@ -141,7 +137,7 @@ def _run_one(options: argparse.Namespace) -> int:
 
 def _check_ends(checker: AnyChecker, **ends: Floats) -> None:
     """Raises if a search could not even begin."""
-    reasons = (judged(checker, checked_end(checker, q, name)).reason(name) for name, q in ends.items())
+    reasons = (check_end_state(checker, checked_end(checker, q, name)).reason(name) for name, q in ends.items())
     reason = "; ".join(filter(None, reasons))
     if reason:
         raise PlannercheckError(f"not planned: {reason}")

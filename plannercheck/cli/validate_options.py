@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from plannercheck.cli.common import add_checker_arguments, add_robot_argument, add_scene_argument
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
@@ -180,7 +180,7 @@ def check_options(options: argparse.Namespace) -> None:
         _check_path_options(options)
     elif options.straight:
         raise PlannercheckError("--straight is for --path, not for sets")
-    with within("--threads"):
+    with error_context("--threads"):
         checked_threads(options.threads, options.threads)
     if options.proof is not None:
         _check_proof_option(options)

@@ -20,7 +20,7 @@ from plannercheck.checking.verdicts import PairVerdict
 from plannercheck.cli.common import padding_of, planar_checker, scene_of
 from plannercheck.cli.proved_paths import PathProof, check_proof_file, proof_file, write_proof
 from plannercheck.cli.robot_options import robot_of
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.robot_files import is_planar
@@ -53,7 +53,7 @@ def _planar(options: argparse.Namespace) -> list[Judged]:
     checker, verdicts = planar_checker(options), []
     for path in options.path:
         file = _read(path, checker.robot, options)
-        with within(f"path file {str(path)!r}"):
+        with error_context(f"path file {str(path)!r}"):
             if file.others:
                 raise PlannercheckError(f"{checker.robot.name!r} has no joint {', '.join(file.others)}")
             verdicts.append(_judged(checker, path, file.states, options))
@@ -74,7 +74,7 @@ def _in_space(options: argparse.Namespace) -> list[Judged]:
     for path in options.path:
         file = _read(path, robot, options)
         held = tuple(sorted(file.others.items()))
-        with within(f"path file {str(path)!r}"):
+        with error_context(f"path file {str(path)!r}"):
             if held not in checkers:
                 posed = robot.holding(file.others) if held else robot
                 checkers[held] = Checker(posed, scene, not options.no_self_collision, padding_of(options, scene))

@@ -10,7 +10,6 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.checking.input_hints import degrees_hint
 from plannercheck.checking.protocols import AnyChecker
@@ -23,6 +22,7 @@ from plannercheck.cli.common import (
     load_checker,
 )
 from plannercheck.cli.robot_options import described
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.start_and_goal import checked_end
 from plannercheck.planar.robot_files import is_planar
@@ -34,8 +34,6 @@ from plannercheck.view.page import write_page
 from plannercheck.view.picture import picture
 from plannercheck.view.server import DEFAULT_PORT, serve
 from plannercheck.view.surfaces import delivered_meshes, visual_meshes
-
-Floats = NDArray[np.float64]
 
 _EPILOG = """\
 Without FILE, --path and --q, the scene's start for the robot is shown, or else the robot's reference.

@@ -11,9 +11,9 @@ import math
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from plannercheck.common.array_types import Floats
+
 Numbers = TypeVar("Numbers", float, Floats)
 
 # 2 pi is the sum of these two up to 6e-33.

@@ -19,7 +19,7 @@ from plannercheck.common.package_data import is_folder
 _DESCRIPTORS = Path("/proc/self/fd")
 
 
-def written_aside(path: Path, write: Callable[[Path], object], mode: int = 0o666) -> None:
+def write_atomically(path: Path, write: Callable[[Path], object], mode: int = 0o666) -> None:
     """Lets a function write a file beside `path`, then renames it.
 
     Args:

@@ -1,7 +1,7 @@
 """Checked reading of YAML: every error says which file, object and key is wrong, and what would be right.
 
-In: YAML text, or nodes from PyYAML. Out: plain Python values. `within` puts a place before the message of any error
-raised inside it, so that readers of files need not pass names on.
+In: YAML text, or nodes from PyYAML. Out: plain Python values. `error_context` puts a place before the message of any
+error raised inside it, so that readers of files need not pass names on.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 @contextmanager
-def within(place: str) -> Iterator[None]:
+def error_context(place: str) -> Iterator[None]:
     """Puts a place, e.g. "object 'can'", before the message of a PlannercheckError, which keeps its type."""
     try:
         yield

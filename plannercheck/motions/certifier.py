@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.compiled_tables import CompiledTables
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
 from plannercheck.common.errors import PlannercheckError
@@ -26,7 +27,7 @@ from plannercheck.motions.certifier_answers import (
     FREE,
     IMPRECISE,
     REFUSED,
-    Passage,
+    MotionResult,
     Proof,
     check_tolerance,
     passage_of,
@@ -36,10 +37,6 @@ from plannercheck.motions.certifier_answers import (
 from plannercheck.motions.certifier_pairs import ChainedPairs
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 # A motion whose clearance falls below this may be refused, m: no robot follows a path that closely.
 DEFAULT_TOLERANCE = 1e-4
@@ -58,7 +55,7 @@ class MotionCertifier:
     def __init__(
         self,
         robot: Robot,
-        bodies: Sequence[Body],
+        bodies: Sequence[GeometryObject],
         pairs: Ints,
         tables: CompiledTables,
         excess: float,
@@ -83,8 +80,8 @@ class MotionCertifier:
                 "motions by resolution=, in m"
             )
         self._robot, self._limits = robot, tables.limits
-        self._live = ChainedPairs(robot, bodies, pairs, tables.within_limits, excess, hints)
-        self._compile_whole: Callable[[], ChainedPairs] = lambda: ChainedPairs(
+        self._pairs_within_limits = ChainedPairs(robot, bodies, pairs, tables.within_limits, excess, hints)
+        self._compile_all_pairs: Callable[[], ChainedPairs] = lambda: ChainedPairs(
             robot, bodies, pairs, tables.all, excess, hints
         )
         self._errors = errors = RoundingBounds(robot)
@@ -93,8 +90,8 @@ class MotionCertifier:
             self._range = np.maximum(self._limits[0], errors.low), np.minimum(self._limits[1], errors.high)
 
     @cached_property
-    def _whole(self) -> ChainedPairs:
-        return self._live if self._limits is None else self._compile_whole()
+    def _all_pairs(self) -> ChainedPairs:
+        return self._pairs_within_limits if self._limits is None else self._compile_all_pairs()
 
     def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int, given: Floats | None = None) -> Bools:
         """Whether each motion (n, nq) to (n, nq) is free.
@@ -115,7 +112,7 @@ class MotionCertifier:
         free = np.empty(len(q0), dtype=bool)
         for rows, whole in ((np.flatnonzero(within), False), (np.flatnonzero(~within), True)):
             if len(rows):
-                part = self._whole if whole else self._live
+                part = self._all_pairs if whole else self._pairs_within_limits
                 for error, chosen in by_error(rows):
                     free[chosen] = self._judged(part, q0, q1, chosen, tolerance, error, threads)
         return free
@@ -156,10 +153,12 @@ class MotionCertifier:
             True means proved free.
         """
         check_tolerance(tolerance)
-        if self._live.touching:
+        if self._pairs_within_limits.touching:
             return False
         kinematics = self._robot.kinematics
-        answer: int = self._live.core.check_one(kinematics, q0, q1, *self._range, tolerance, self._errors.usual)
+        answer: int = self._pairs_within_limits.core.check_one(
+            kinematics, q0, q1, *self._range, tolerance, self._errors.usual
+        )
         return answer == FREE if answer <= REFUSED else self._is_free_anywhere(q0, q1, tolerance)
 
     def _is_free_anywhere(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
@@ -169,20 +168,26 @@ class MotionCertifier:
     def motion_validity(self, tolerance: float) -> Callable[[Any, Any], bool]:
         """`is_free` as a compiled function of two states of an OMPL RealVectorStateSpace of nq numbers."""
         check_tolerance(tolerance)
-        if self._live.touching:
+        if self._pairs_within_limits.touching:
             return lambda s1, s2: False
         kinematics, low, high = self._robot.kinematics, *self._range
         judge: Callable[[Any, Any], bool] = core.motion_validity(
-            self._live.core, kinematics, low, high, tolerance, self._errors.usual, partial(self._elsewhere, tolerance)
+            self._pairs_within_limits.core,
+            kinematics,
+            low,
+            high,
+            tolerance,
+            self._errors.usual,
+            partial(self._elsewhere, tolerance),
         )
         return judge
 
     def _elsewhere(self, tolerance: float, q0: list[float], q1: list[float]) -> bool:
         return self._is_free_anywhere(q0, q1, tolerance)
 
-    def passage(
+    def motion_result(
         self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False, given: Floats | None = None
-    ) -> Passage:
+    ) -> MotionResult:
         """How far one motion (nq,) to (nq,) is free, from its start on.
 
         Args:
@@ -193,13 +198,13 @@ class MotionCertifier:
             given: (nq,) the end before whole turns were taken off.
 
         Returns:
-            The passage.
+            The result.
         """
         check_tolerance(tolerance)
         within = self._within_limits(q0[None], q1[None])[0]
-        part = self._live if within else self._whole
+        part = self._pairs_within_limits if within else self._all_pairs
         if part.touching:
-            return Passage(False, 0.0, 0.0, part.touching[0])
+            return MotionResult(False, 0.0, 0.0, part.touching[0])
         error = self._errors.of_motion(q0, q1, q1 if given is None else given)
         answer, until, near, row = part.core.explain(self._robot.kinematics, q0, q1, tolerance, error, False)[:4]
         found = passage_of(answer, until, near, int(part.rows[row]) if answer == REFUSED else -1, tolerance)
@@ -218,25 +223,25 @@ class MotionCertifier:
         """
         reached, listed = 0.0, list[Proof]()
         for finer in _FINER:
-            answer, end, _, _, *found = self._whole.core.explain(
+            answer, end, _, _, *found = self._all_pairs.core.explain(
                 self._robot.kinematics, q0, q1, finer * tolerance, error, True
             )
             if answer == IMPRECISE:
                 break
-            reached, listed = (1.0 if answer == FREE else end), _proofs(self._whole, found)
+            reached, listed = (1.0 if answer == FREE else end), _proofs(self._all_pairs, found)
             if reached >= until:
                 break
         return min(reached, until), listed
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """(k, nq) of one motion (nq,) to (nq,) at parameters (k,) in [0, 1]."""
-        return np.asarray(self._live.core.states(q0, q1, parameters))
+        return np.asarray(self._pairs_within_limits.core.states(q0, q1, parameters))
 
     def statistics(self) -> dict[str, Any]:
         """Counters of all calls so far."""
-        parts = [self._live]
-        if "_whole" in vars(self) and self._whole is not self._live:
-            parts.append(self._whole)
+        parts = [self._pairs_within_limits]
+        if "_all_pairs" in vars(self) and self._all_pairs is not self._pairs_within_limits:
+            parts.append(self._all_pairs)
         return sum_counters(part.core.statistics() for part in parts)
 
 

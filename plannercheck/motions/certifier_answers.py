@@ -1,7 +1,7 @@
 """Answers of the core's motion certifiers, in space and in the plane.
 
-In: the core's codes and arrays. Out: verdicts, a `Passage` (how far a motion is free), and a `Proof` for each proved
-pair and interval; or an error if rounding takes too large a part of the tolerance.
+In: the core's codes and arrays. Out: verdicts, a `MotionResult` (how far a motion is free), and a `Proof` for each
+proved pair and interval; or an error if rounding takes too large a part of the tolerance.
 """
 
 from __future__ import annotations
@@ -12,11 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.errors import PlannercheckError
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 # MotionAnswer in cpp/motions/motion_report.hpp.
 FREE, REFUSED, IMPRECISE = 0, 1, 2
@@ -33,7 +30,7 @@ class Proof(NamedTuple):
         flipped: Whether the direction points from the pair's first body to its second, else the other way.
         direction: (3,) unit vector up to rounding.
         gap: Along it both bodies are at least this far apart at both ends, m.
-        bulge: How far their points leave their chords at most, both bodies together, m; less than the gap.
+        chord_deviation: How far their points leave their chords at most, both bodies together, m; less than the gap.
     """
 
     pair: int
@@ -43,10 +40,10 @@ class Proof(NamedTuple):
     flipped: bool
     direction: Floats
     gap: float
-    bulge: float
+    chord_deviation: float
 
 
-class Passage(NamedTuple):
+class MotionResult(NamedTuple):
     """How far a motion is free.
 
     Attributes:
@@ -84,19 +81,19 @@ def verdicts(answers: Ints, tolerance: float, rows: NDArray[np.int64] | None = N
     return np.asarray(answers == FREE)
 
 
-def passage_of(answer: int, until: float, near: float, pair: int, tolerance: float) -> Passage:
-    """The passage of one motion without proofs, or an error; only a refused one has the core's numbers."""
+def passage_of(answer: int, until: float, near: float, pair: int, tolerance: float) -> MotionResult:
+    """The result of one motion without proofs, or an error; only a refused one has the core's numbers."""
     if answer == IMPRECISE:
         raise _imprecise(0, tolerance)
-    return Passage(True, 1.0, -1.0, -1) if answer == FREE else Passage(False, until, near, pair)
+    return MotionResult(True, 1.0, -1.0, -1) if answer == FREE else MotionResult(False, until, near, pair)
 
 
 def proofs_of(frames: Sequence[int], pairs: Ints, intervals: Floats, directions: Floats, gaps: Floats) -> list[Proof]:
     """Proofs of the certifier's pairs from the core's arrays; `frames` are the pairs' links, -1 for the world."""
     listed = zip(pairs.tolist(), intervals.tolist(), directions, gaps.tolist(), strict=True)
     return [
-        Proof(pair, start, end, frames[pair], False, direction, gap, bulge)
-        for pair, (start, end), direction, (gap, bulge) in listed
+        Proof(pair, start, end, frames[pair], False, direction, gap, chord_deviation)
+        for pair, (start, end), direction, (gap, chord_deviation) in listed
     ]
 
 

@@ -13,18 +13,16 @@ from numpy.typing import NDArray
 from plannercheck.bodies.certificates import Separation
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Body
-from plannercheck.checking.compiled_pairs import CompiledPairs, mounted
+from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.checking.compiled_pairs import CompiledPairs, body_placements
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.core import core
 from plannercheck.motions.joint_chains import motion_chains
 from plannercheck.robots.robot import Robot
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-
 # Two bodies that never move relative to each other and are further apart than this, m, are apart at every
 # configuration: it is far above the rounding of kinematics.
-_LASTING_GAP = 1e-9
+_PERMANENT_GAP = 1e-9
 
 
 class ChainedPairs:
@@ -39,7 +37,13 @@ class ChainedPairs:
     """
 
     def __init__(
-        self, robot: Robot, bodies: Sequence[Body], pairs: Ints, part: CompiledPairs, excess: float, hints: bool
+        self,
+        robot: Robot,
+        bodies: Sequence[GeometryObject],
+        pairs: Ints,
+        part: CompiledPairs,
+        excess: float,
+        hints: bool,
     ) -> None:
         """Prepares the chains of joints.
 
@@ -52,15 +56,15 @@ class ChainedPairs:
             hints: Whether planes of earlier motions are tried.
         """
         assert robot.joint_table is not None
-        mounts, placements = mounted(robot, bodies, robot.kinematics)
+        mounts, placements = body_placements(robot, bodies, robot.kinematics)
         links: list[int] = mounts.tolist()
         table = _ordered(pairs[part.rows], links)
         moving = np.array([links[a] >= 0 for a, _ in table.tolist()], dtype=bool)
         polytopes = part.polytopes
         self.rows = part.rows[moving]
         self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
-        resting = np.flatnonzero(~moving).tolist()
-        self.touching = [int(part.rows[k]) for k in resting if not _lastingly_apart(table[k], polytopes, placements)]
+        static = np.flatnonzero(~moving).tolist()
+        self.touching = [int(part.rows[k]) for k in static if not _permanently_apart(table[k], polytopes, placements)]
         chains = motion_chains(
             robot.model,
             robot.configuration_map,
@@ -101,7 +105,7 @@ def _ordered(pairs: NDArray[np.int32], links: Sequence[int]) -> NDArray[np.int32
     return table
 
 
-def _lastingly_apart(pair: NDArray[np.int32], polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
+def _permanently_apart(pair: NDArray[np.int32], polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
     a, b = pair.tolist()
     certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
-    return isinstance(certificate, Separation) and certificate.gap > _LASTING_GAP
+    return isinstance(certificate, Separation) and certificate.gap > _PERMANENT_GAP

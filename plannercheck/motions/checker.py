@@ -9,10 +9,11 @@ from functools import cached_property, partial
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.state_checker import StateChecker
 from plannercheck.checking.verdicts import MotionVerdict
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import Configuration, contiguous
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
@@ -24,9 +25,6 @@ from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.rounding_bounds import NEAR_TURNS
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.proofs.proof import Proof
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 
 @set_module("plannercheck")
@@ -132,9 +130,9 @@ class Checker(StateChecker):
         given = np.ascontiguousarray(self._single(q1))
         (start,), (end,) = self._motion_ends(self._single(q0), given)
         certifier = self.motion_certifier
-        passage = certifier.passage(start, end, tolerance, proofs, given[0])
+        result = certifier.motion_result(start, end, tolerance, proofs, given[0])
         prover = partial(self._proof, start, end, self.robot.check_configurations(given)[0], tolerance)
-        return explained_motion(self, passage, lambda t: certifier.states(start, end, t), tolerance, prover)
+        return explained_motion(self, result, lambda t: certifier.states(start, end, t), tolerance, prover)
 
     def certify_motions(
         self, q0: ArrayLike, q1: ArrayLike, tolerance: float = DEFAULT_TOLERANCE, threads: int = 1

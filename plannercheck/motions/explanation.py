@@ -10,14 +10,13 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import MotionProof, MotionVerdict, PairVerdict
-from plannercheck.motions.certifier_answers import Passage, Proof
+from plannercheck.common.array_types import Floats
+from plannercheck.motions.certifier_answers import MotionResult, Proof
 from plannercheck.proofs.proof import Proof as WholeProof
 
-Floats = NDArray[np.float64]
 States: TypeAlias = Callable[[Floats], Floats]
 
 # Where a motion is no longer proved free, this many states are checked over the rest of it, and this many close by, at
@@ -32,7 +31,7 @@ _MOST_HALVINGS = 60
 
 def explained_motion(
     checker: AnyChecker,
-    passage: Passage,
+    result: MotionResult,
     states: States,
     tolerance: float,
     prover: Callable[[], WholeProof | None] | None = None,
@@ -41,7 +40,7 @@ def explained_motion(
 
     Args:
         checker: The checker, in space or in the plane.
-        passage: The certifier's answer.
+        result: The certifier's answer.
         states: A function from parameters (k,) to states (k, nq) of the motion.
         tolerance: m.
         prover: Returns the proof of the motion, if it is free.
@@ -49,19 +48,19 @@ def explained_motion(
     Returns:
         The verdict.
     """
-    named = tuple(_named(checker, proof) for proof in passage.proofs)
-    if passage.free:
+    named = tuple(_named(checker, proof) for proof in result.proofs)
+    if result.free:
         return MotionVerdict(True, tolerance, 1.0, None, None, None, named, prover)
-    collides_at = _first_collision(checker, states, passage)
-    pair = _stopping_pair(checker, states, passage, collides_at)
-    return MotionVerdict(False, tolerance, passage.free_until, collides_at, passage.near, pair, named)
+    collides_at = _first_collision(checker, states, result)
+    pair = _stopping_pair(checker, states, result, collides_at)
+    return MotionVerdict(False, tolerance, result.free_until, collides_at, result.near, pair, named)
 
 
-def _first_collision(checker: AnyChecker, states: States, passage: Passage) -> float | None:
+def _first_collision(checker: AnyChecker, states: States, result: MotionResult) -> float | None:
     """The first parameter that is found to collide."""
-    begin = passage.free_until
+    begin = result.free_until
     close = begin + np.geomspace(_LEAST_STEP, 1.0, _CLOSE)
-    parameters = np.unique(np.concatenate([[begin, passage.near, 1.0], np.linspace(begin, 1.0, _SPREAD), close]))
+    parameters = np.unique(np.concatenate([[begin, result.near, 1.0], np.linspace(begin, 1.0, _SPREAD), close]))
     parameters = parameters[(parameters >= begin) & (parameters <= 1)]
     colliding = np.flatnonzero(~checker.check_states(states(parameters)))
     if not len(colliding):
@@ -79,11 +78,11 @@ def _first_collision(checker: AnyChecker, states: States, passage: Passage) -> f
     return high
 
 
-def _stopping_pair(checker: AnyChecker, states: States, passage: Passage, collides_at: float | None) -> PairVerdict:
-    state = states(np.array([passage.near if collides_at is None else collides_at]))[0]
+def _stopping_pair(checker: AnyChecker, states: States, result: MotionResult, collides_at: float | None) -> PairVerdict:
+    state = states(np.array([result.near if collides_at is None else collides_at]))[0]
     if collides_at is not None:
         return checker.explain(state).collisions[0]
-    return checker.explain_pair(passage.pair, state)
+    return checker.explain_pair(result.pair, state)
 
 
 def _named(checker: AnyChecker, proof: Proof) -> MotionProof:
@@ -91,4 +90,4 @@ def _named(checker: AnyChecker, proof: Proof) -> MotionProof:
     a, b = (int(k) for k in checker.pairs[proof.pair])
     frame = None if proof.frame < 0 else checker.robot.link_names[proof.frame]
     normal = -proof.direction if proof.flipped else proof.direction
-    return MotionProof(first, second, a, b, proof.start, proof.end, frame, normal, proof.gap, proof.bulge)
+    return MotionProof(first, second, a, b, proof.start, proof.end, frame, normal, proof.gap, proof.chord_deviation)

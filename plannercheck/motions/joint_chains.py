@@ -31,13 +31,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body, hull_and_swell
+from plannercheck.bodies.shapes import GeometryObject, inflated_hull
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.motions.joint_drives import Spread, defect, drives, spread
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.kinematics import JointTable, joint_placements
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 # The kernel's kind of a prismatic joint (JointKind in cpp/robots/kinematics.hpp); kinds that take several numbers come
 # after it.
@@ -51,7 +49,7 @@ _STRETCH = 1 + 2e-6
 _NEIGHBOURS = 3
 
 
-class Entry(NamedTuple):
+class ChainJoint(NamedTuple):
     """A joint of a chain.
 
     Attributes:
@@ -100,7 +98,7 @@ class MotionChains:
     """
 
     pairs: tuple[ChainedPair, ...]
-    chains: tuple[tuple[Entry, ...], ...]
+    chains: tuple[tuple[ChainJoint, ...], ...]
     drives: Ints
     factors: Floats
     parts: Ints
@@ -131,7 +129,7 @@ def motion_chains(
     configurations: ConfigurationMap,
     table: JointTable,
     frames: Sequence[int],
-    bodies: Sequence[Body],
+    bodies: Sequence[GeometryObject],
     links: Sequence[int],
     pairs: NDArray[np.int64],
     excess: float,
@@ -211,7 +209,7 @@ class _Tree:
         self.link_on = {joint: link for link, joint in reversed(list(enumerate(self.link_joints)))}
         self.link_on[-1] = -1
 
-    def way(self, start: int, end: int) -> tuple[list[int], list[int]]:
+    def joint_path(self, start: int, end: int) -> tuple[list[int], list[int]]:
         """The moving joints between links on two joints, and for each of them the joint that the link before it is on.
 
         The second list has one more: the joint of the link after the last. -1 is the world.
@@ -220,10 +218,10 @@ class _Tree:
         while up and down and up[-1] == down[-1]:
             up.pop()
             down.pop()
-        rising = [(joint, self.parents[joint]) for joint in up if self.moves[joint]]
-        falling = [(joint, joint) for joint in reversed(down) if self.moves[joint]]
-        joints = [joint for joint, _ in rising + falling]
-        return joints, [start] + [after for _, after in rising + falling]
+        up_path = [(joint, self.parents[joint]) for joint in up if self.moves[joint]]
+        down_path = [(joint, joint) for joint in reversed(down) if self.moves[joint]]
+        joints = [joint for joint, _ in up_path + down_path]
+        return joints, [start] + [after for _, after in up_path + down_path]
 
     def carries(self, joint: int, last: int) -> bool:
         """Whether joint `last` hangs on a joint, or is that joint."""
@@ -258,31 +256,33 @@ def _axis(table: JointTable, joint: int, pose: pin.SE3) -> _Axis:
 class _Builder:
     """Chains of pairs; shared parts are computed once."""
 
-    def __init__(self, tree: _Tree, bodies: Sequence[Body], links: Sequence[int], excess: float) -> None:
+    def __init__(self, tree: _Tree, bodies: Sequence[GeometryObject], links: Sequence[int], excess: float) -> None:
         self._tree, self._bodies, self._links, self._excess = tree, bodies, links, excess
-        self._arms: dict[tuple[int, tuple[int, ...]], tuple[Entry, ...]] = {}
-        self._index: dict[tuple[Entry, ...], int] = {}
+        self._arms: dict[tuple[int, tuple[int, ...]], tuple[ChainJoint, ...]] = {}
+        self._index: dict[tuple[ChainJoint, ...], int] = {}
         self._points: dict[int, tuple[Floats, float]] = {}
-        self.chains: list[tuple[Entry, ...]] = []
+        self.chains: list[tuple[ChainJoint, ...]] = []
 
     def pair(self, first: int, second: int) -> ChainedPair:
         """The frame and chains of a pair."""
         tree, links = self._tree, self._links
         start = tree.link_joints[links[first]]
         end = tree.link_joints[links[second]] if links[second] >= 0 else -1
-        joints, stations = tree.way(start, end)
-        rising = next((k for k, joint in enumerate(joints) if not tree.carries(joint, start)), len(joints))
-        mine = self._entries(first, joints, rising)
+        joints, path_links = tree.joint_path(start, end)
+        up_count = next((k for k, joint in enumerate(joints) if not tree.carries(joint, start)), len(joints))
+        mine = self._chain_joints(first, joints, up_count)
         if links[second] < 0:
             return ChainedPair(first, second, -1, (self._chain(mine), -1))
-        theirs = self._entries(second, joints[::-1], len(joints) - rising)
-        bulges = [_bulge(mine[:k]) + _bulge(theirs[: len(joints) - k]) for k in range(len(stations))]
-        usable = [k for k, joint in enumerate(stations) if joint in tree.link_on]
-        best = min(usable, key=lambda k: bulges[k])
-        frame = tree.link_on[stations[best]]
+        theirs = self._chain_joints(second, joints[::-1], len(joints) - up_count)
+        chord_deviations = [
+            _chord_deviation(mine[:k]) + _chord_deviation(theirs[: len(joints) - k]) for k in range(len(path_links))
+        ]
+        usable = [k for k, joint in enumerate(path_links) if joint in tree.link_on]
+        best = min(usable, key=lambda k: chord_deviations[k])
+        frame = tree.link_on[path_links[best]]
         return ChainedPair(first, second, frame, (self._chain(mine[:best]), self._chain(theirs[: len(joints) - best])))
 
-    def _chain(self, entries: tuple[Entry, ...]) -> int:
+    def _chain(self, entries: tuple[ChainJoint, ...]) -> int:
         """The index of a chain, given by its entries from the body outwards."""
         if not entries:
             return -1
@@ -291,16 +291,16 @@ class _Builder:
             self.chains.append(entries[::-1])
         return self._index[entries]
 
-    def _entries(self, body: int, joints: Sequence[int], rising: int) -> tuple[Entry, ...]:
+    def _chain_joints(self, body: int, joints: Sequence[int], up_count: int) -> tuple[ChainJoint, ...]:
         key = (body, tuple(joints))
         if key not in self._arms:
-            self._arms[key] = self._compute(body, joints, rising)
+            self._arms[key] = self._compute(body, joints, up_count)
         return self._arms[key]
 
-    def _compute(self, body: int, joints: Sequence[int], rising: int) -> tuple[Entry, ...]:
-        """Entries from the body outwards; it hangs on the first `rising` joints, the others are crossed from below."""
+    def _compute(self, body: int, joints: Sequence[int], up_count: int) -> tuple[ChainJoint, ...]:
+        """Joints from the body outwards; it hangs on the first `up_count`, the others are crossed from below."""
         tree = self._tree
-        points, swell = self._vertices(body)
+        points, inflation_radius = self._vertices(body)
         slides: tuple[int, ...] = ()
         known: tuple[Floats, Floats] | None = None  # points c of the last axis, and D(c)
         entries = []
@@ -310,16 +310,16 @@ class _Builder:
                 feet = self._feet(axis, [tree.axes[j] for j in joints[max(k - _NEIGHBOURS, 0) : k + _NEIGHBOURS + 1]])
                 feet = np.vstack([feet, axis.foot(points.mean(axis=0))])
                 if known is None:
-                    arm = float(axis.distance(points).max()) + swell
-                    reach = np.linalg.norm(points[:, None] - feet, axis=2).max(axis=0) + swell
+                    arm = float(axis.distance(points).max()) + inflation_radius
+                    reach = np.linalg.norm(points[:, None] - feet, axis=2).max(axis=0) + inflation_radius
                 else:
                     arm = float((known[1] + axis.distance(known[0])).min())
                     reach = (known[1][:, None] + np.linalg.norm(known[0][:, None] - feet, axis=2)).min(axis=0)
                 known = feet, reach
-                from_child = k >= rising and tree.slides[joint]
-                entries.append(Entry(joint, arm * _STRETCH, (*slides, joint) if from_child else slides))
+                from_child = k >= up_count and tree.slides[joint]
+                entries.append(ChainJoint(joint, arm * _STRETCH, (*slides, joint) if from_child else slides))
             else:
-                entries.append(Entry(joint, 0.0, ()))
+                entries.append(ChainJoint(joint, 0.0, ()))
             if tree.slides[joint]:
                 slides = (*slides, joint)
         return tuple(entries)
@@ -329,17 +329,17 @@ class _Builder:
         return np.array([axis.foot(other.origin) for other in others])
 
     def _vertices(self, body: int) -> tuple[Floats, float]:
-        """Vertices in the world at rest (n, 3), and the swell, m."""
+        """Vertices in the world at rest (n, 3), and the inflation radius, m."""
         if body not in self._points:
             item = self._bodies[body]
-            vertices, _, swell = hull_and_swell(item.shape, self._excess)
+            vertices, _, inflation_radius = inflated_hull(item.shape, self._excess)
             pose = np.asarray(item.pose)
             if self._links[body] >= 0:
                 pose = self._tree.link_poses[self._links[body]] @ pose
-            self._points[body] = vertices @ pose[:3, :3].T + pose[:3, 3], float(swell)
+            self._points[body] = vertices @ pose[:3, :3].T + pose[:3, 3], float(inflation_radius)
         return self._points[body]
 
 
-def _bulge(entries: Sequence[Entry]) -> float:
+def _chord_deviation(entries: Sequence[ChainJoint]) -> float:
     """The bound of cpp/motions/motion_bounds.hpp where all joints turn by 1 rad; entries from the body outwards."""
     return sum(entry.arm * (1 + 2 * (len(entries) - 1 - k)) for k, entry in enumerate(entries))

@@ -10,13 +10,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.unit_lengths import DEFECT_PARTS
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 # The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp).
 _LAST_TURN, _LAST_UNIT_TURN, _SLIDE = 3, 7, 8

@@ -11,10 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.angles import nearest_turns
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 
 def checked_ends(robot: AnyRobot, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:

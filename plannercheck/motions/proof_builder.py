@@ -12,14 +12,15 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies.certificates import Separation
 from plannercheck.checking.verdicts import PairVerdict
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier import MotionCertifier
-from plannercheck.motions.certifier_answers import Passage
+from plannercheck.motions.certifier_answers import MotionResult
 from plannercheck.motions.certifier_answers import Proof as Plane
 from plannercheck.motions.proof_model import PosedPairs, space_model
 from plannercheck.proofs.data import WORLD, Entry, Hashes, Model, Motion
@@ -29,7 +30,6 @@ from plannercheck.scenes.scene import Scene
 if TYPE_CHECKING:
     from plannercheck.proofs.entries import EntryChecker
 
-Floats = NDArray[np.float64]
 
 # An interval is halved at most this often in search of a plane or balls that hold on it.
 _DEEPEST = 14
@@ -84,24 +84,24 @@ class Builder:
             asked_end: (nq,) the end as it was asked for.
             tolerance: m.
         """
-        passage = self._passage(start, end, asked_end, tolerance)
-        if passage is None:
+        result = self._motion_result(start, end, asked_end, tolerance)
+        if result is None:
             return None
         margin = self._margin(start, end, asked_end)
         motion = Motion(*(tuple(q.tolist()) for q in (start, end, asked_end)))
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
-        resting = _resting_directions(self._checker, passage.proofs, start)
-        entries = _entries(empty, passage.proofs, resting)
+        resting = _resting_directions(self._checker, result.proofs, start)
+        entries = _entries(empty, result.proofs, resting)
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
 
-    def _passage(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Passage | None:
+    def _motion_result(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> MotionResult | None:
         """The certifier's proofs of all pairs; None if the motion is not free or a pair has no proof."""
         try:
-            passage = self._checker.motion_certifier.passage(start, end, tolerance, True, asked_end)
+            result = self._checker.motion_certifier.motion_result(start, end, tolerance, True, asked_end)
         except PlannercheckError:  # rounding is too large a part of the tolerance
             return None
-        return passage if passage.free and passage.proved_until == 1.0 else None
+        return result if result.free and result.proved_until == 1.0 else None
 
     def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
         ends = np.stack([start, end, asked_end])

@@ -12,8 +12,8 @@ the URDF.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.proof_model import space_model
 from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
@@ -22,8 +22,6 @@ from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
-
-Floats = NDArray[np.float64]
 
 # By the URDF's type, the kinds that a joint may have in a proof.
 _KINDS = {

@@ -9,17 +9,14 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Joint, Link, Model, PosedBody
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 # Kinds of joints in a proof, by the kernel's kind (JointKind in cpp/robots/kinematics.hpp).
 _KINDS = ("turn",) * 4 + ("circle",) * 4 + ("slide", "planar", "ball", "free")
@@ -35,7 +32,7 @@ class PosedPairs(Protocol):
     """The attributes of a checker from which its model is made; see `Checker`."""
 
     robot: Robot
-    bodies: tuple[Body, ...]
+    bodies: tuple[GeometryObject, ...]
     pairs: Ints
     paddings: Floats
     motion_sampler: MotionSampler
@@ -93,8 +90,8 @@ def _body(checker: PosedPairs, k: int) -> PosedBody:
         link,
         _rows(body.pose[:3]),
         polytope.vertices,
-        polytope.swell,
-        min(float(checker.paddings[k]), polytope.swell),
+        polytope.inflation_radius,
+        min(float(checker.paddings[k]), polytope.inflation_radius),
         tuple(centre.tolist()),
         reach,
     )

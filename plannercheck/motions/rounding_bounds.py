@@ -14,9 +14,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.robots.robot import Robot
 
-Floats = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
 
 # Beyond the limits by this much, rad and m, the bound of kinematic rounding is computed once for all.

@@ -14,14 +14,13 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import DEFAULT_EXCESS, hull_and_swell
+from plannercheck.bodies.shapes import DEFAULT_EXCESS, inflated_hull
 from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.motion_ends import short_way
 from plannercheck.robots.configurations import NO_LIMIT
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
 
 # Between two states no link point moves further than this, in m: far below the 3 to 11 cm that planners use by default.
 DEFAULT_RESOLUTION = 1e-3
@@ -168,26 +167,26 @@ def lever_arms(robot: Robot, positions: Floats, excess: float = DEFAULT_EXCESS) 
         of the lengths between the joints, with sliding joints at these positions.
     """
     model = robot.model
-    reach = np.zeros(model.njoints)  # of the bodies that a joint carries, from the joint's frame
+    lever = np.zeros(model.njoints)  # of the bodies that a joint carries, from the joint's frame
     for body in robot.bodies:
         if body.link is None:
             continue
         frame = model.frames[model.getBodyId(body.link)]
-        hull, _, swell = hull_and_swell(body.shape, excess)
+        hull, _, inflation_radius = inflated_hull(body.shape, excess)
         points = hull @ body.pose[:3, :3].T + body.pose[:3, 3]
         on_joint = points @ frame.placement.rotation.T + frame.placement.translation
-        furthest = float(np.linalg.norm(on_joint, axis=1).max()) + swell
-        reach[frame.parentJoint] = max(reach[frame.parentJoint], furthest)
+        furthest = float(np.linalg.norm(on_joint, axis=1).max()) + inflation_radius
+        lever[frame.parentJoint] = max(lever[frame.parentJoint], furthest)
     for joint in range(model.njoints - 1, 0, -1):
         parent = model.parents[joint]
         carried = (
-            reach[joint]
+            lever[joint]
             + float(positions[_sliding_part(model, joint)].sum())
             + float(np.linalg.norm(model.jointPlacements[joint].translation))
         )
-        reach[parent] = max(reach[parent], carried)
+        lever[parent] = max(lever[parent], carried)
     return np.concatenate(
-        [np.zeros(0), *(_joint_levers(model, joint, reach[joint]) for joint in range(1, model.njoints))]
+        [np.zeros(0), *(_joint_levers(model, joint, lever[joint]) for joint in range(1, model.njoints))]
     )
 
 
@@ -224,11 +223,11 @@ def _limits(model: pin.Model) -> Floats:
     return np.asarray(np.where(limits < NO_LIMIT, limits, 0.0).max(axis=0))
 
 
-def _joint_levers(model: pin.Model, joint: int, reach: float) -> Floats:
+def _joint_levers(model: pin.Model, joint: int, lever: float) -> Floats:
     """(nv of the joint,) the levers, metres per unit of velocity."""
     name, count = model.joints[joint].shortname(), model.nvs[joint]
     if name == "JointModelFreeFlyer":
-        return np.array([1.0, 1.0, 1.0, reach, reach, reach])
+        return np.array([1.0, 1.0, 1.0, lever, lever, lever])
     if name == "JointModelPlanar":
-        return np.array([1.0, 1.0, reach])
-    return np.full(count, 1.0 if _slides(model, joint) else reach)
+        return np.array([1.0, 1.0, lever])
+    return np.full(count, 1.0 if _slides(model, joint) else lever)

@@ -10,8 +10,9 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
@@ -19,9 +20,6 @@ from plannercheck.ndim import halfspaces
 from plannercheck.ndim.poses import LARGEST
 from plannercheck.ndim.qhull import FlatError, Hull, convex_hull, halfspace_vertices
 from plannercheck.ndim.tree import Tree, default_sizes
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 # Bytes for the trees of one body.
 DEFAULT_MEMORY = 256 << 20

@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.public_names import set_module
 from plannercheck.ndim.exact import ExactCertificate, ExactSeparation, ExactSharedPoint, combined
@@ -21,7 +22,6 @@ from plannercheck.ndim.integers import dot
 from plannercheck.ndim.posed import Exact, ExactRows, ExactVertices
 from plannercheck.ndim.poses import Affine
 
-Floats = NDArray[np.float64]
 Objects = NDArray[np.object_]
 Vector: TypeAlias = tuple[Fraction, ...]
 Weights: TypeAlias = dict[int, Fraction]

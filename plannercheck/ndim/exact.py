@@ -17,16 +17,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from plannercheck.ndim.integers import Mix, Row, dot, solve
 from plannercheck.ndim.posed import Exact, ExactRows, ExactVertices, in_common_unit
 
-Floats = NDArray[np.float64]
-
 # All vertices of bodies with at most this many are active: one large game is cheaper than many small ones.
-_FEW = 40
+_FEW_VERTICES = 40
 
 
 @dataclass(frozen=True)
@@ -97,7 +92,7 @@ def decide(p: Exact, r: Exact, guess: Guess | None = None) -> tuple[ExactCertifi
 
 
 def _all_if_few(body: Exact) -> tuple[int, ...]:
-    return tuple(range(len(body))) if isinstance(body, ExactVertices) and len(body) <= _FEW else (0,)
+    return tuple(range(len(body))) if isinstance(body, ExactVertices) and len(body) <= _FEW_VERTICES else (0,)
 
 
 def swapped(certificate: ExactCertificate) -> ExactCertificate:

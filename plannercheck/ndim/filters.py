@@ -11,12 +11,10 @@ way, with room for computing the bound itself in doubles.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.ndim.poses import Affine, rounded_inverse
 from plannercheck.ndim.rounding import UNDERFLOW, UNIT
-
-Floats = NDArray[np.float64]
 
 
 class Posed:

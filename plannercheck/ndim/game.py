@@ -13,11 +13,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.ndim.rounding import FLAT
-
-Floats = NDArray[np.float64]
 
 _MOST_ROUNDS = 100
 _MOST_PIVOTS = 200

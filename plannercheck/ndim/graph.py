@@ -10,14 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Ints64
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.pair import Method, intersects
-
-Ints = NDArray[np.int64]
 
 
 @set_module("plannercheck.ndim")
@@ -32,7 +30,7 @@ class OverlapGraph:
         skipped: Pairs whose boxes are apart.
     """
 
-    edges: Ints
+    edges: Ints64
     neighbours: tuple[tuple[int, ...], ...] = field(repr=False)
     tested: int
     skipped: int

@@ -13,14 +13,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.game import play
 from plannercheck.ndim.halfspaces import lengths, optimisation
 from plannercheck.ndim.poses import Affine, rounded_inverse
-
-Floats = NDArray[np.float64]
 
 # Actives of a linear program: weights and prices above this part of the largest.
 _ACTIVE = 1e-9

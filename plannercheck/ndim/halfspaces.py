@@ -15,8 +15,8 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.exact import ExactSeparation, Guess, decide
@@ -24,8 +24,6 @@ from plannercheck.ndim.integers import Farkas, matrix_of, solve
 from plannercheck.ndim.posed import ExactRows
 from plannercheck.ndim.poses import LARGEST, identity
 from plannercheck.ndim.rounding import UNDERFLOW, UNIT
-
-Floats = NDArray[np.float64]
 
 # Of the reach: a smaller Chebyshev radius does not give qhull or a polar anything to work with.
 _INSIDE = 1e-9

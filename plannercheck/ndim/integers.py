@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from plannercheck.common.array_types import Floats
+
 Row = list[int]
 Matrix = list[Row]
 

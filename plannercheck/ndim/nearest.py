@@ -18,9 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.ndim.filters import Posed, encloses_origin, gap_error
-
-Floats = NDArray[np.float64]
 
 # The distance falls every round; near contact rounding makes it stall, and integers are left to decide.
 _MOST_ROUNDS = 200

@@ -14,8 +14,8 @@ from dataclasses import replace
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
 from plannercheck.ndim.bodies import Polytope
@@ -29,7 +29,6 @@ from plannercheck.ndim.poses import Pose, affine_of, rounded_inverse, solved
 from plannercheck.ndim.proofs import proves_apart, proves_shared
 from plannercheck.ndim.walk import Side, Walked, walk
 
-Floats = NDArray[np.float64]
 Method: TypeAlias = Literal["auto", "tree", "oracle", "exact"]
 
 METHODS: tuple[Method, ...] = ("auto", "tree", "oracle", "exact")

@@ -21,11 +21,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.qhull import convex_hull, halfspace_vertices
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 Side: TypeAlias = Literal["zero", "infinity"]
 
 # Simplices that qhull cuts off a facet of the polar with no volume, up to rounding of unit normals.
@@ -44,7 +43,7 @@ class Halfspaces:
     normals: Floats
     side: Side
 
-    def excess(self, points: ArrayLike) -> Floats:
+    def violation(self, points: ArrayLike) -> Floats:
         """How far points are beyond the worst hyperplane, in its own scale: 0 or less inside.
 
         Args:
@@ -59,7 +58,7 @@ class Halfspaces:
 
     def holds(self, points: ArrayLike, slack: float = 0.0) -> NDArray[np.bool_]:
         """Whether points are inside, up to a slack."""
-        return np.asarray(self.excess(points) <= slack)
+        return np.asarray(self.violation(points) <= slack)
 
 
 def polar_of_point(point: ArrayLike) -> Floats:

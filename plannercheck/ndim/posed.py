@@ -14,12 +14,10 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.ndim.integers import Matrix, Row, dot, integers_of, inverse, matrix_of, times_transposed
 from plannercheck.ndim.poses import Affine
-
-Floats = NDArray[np.float64]
 
 # Entries of a direction are cut to this many bits before they become doubles: more than a double holds.
 _DIRECTION_BITS = 64

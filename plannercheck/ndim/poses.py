@@ -11,13 +11,13 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only, read_only_copy
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ndim.integers import inverse, matrix_of
 
-Floats = NDArray[np.float64]
 Pose: TypeAlias = ArrayLike | tuple[ArrayLike, ArrayLike] | None
 
 # Larger numbers could overflow in products of three.

@@ -6,15 +6,14 @@ In: a hint and the two posed bodies, the second given by halfspaces. Out: True i
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.ndim.bodies import Polytope
 from plannercheck.ndim.filters import inverse_of, proves_inside
 from plannercheck.ndim.guides import Hint
 from plannercheck.ndim.poses import Affine, solved
 from plannercheck.ndim.rounding import UNDERFLOW, UNIT
 
-Floats = NDArray[np.float64]
 PosedPolytope = tuple[Polytope, Affine]
 
 

@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 
 class FlatError(PlannercheckError):

@@ -32,13 +32,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import OwnsArrays, read_only_copy
 from plannercheck.ndim.qhull import FlatError, Hull, convex_hull
 from plannercheck.ndim.rounding import FLAT
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Mask = NDArray[np.bool_]
 
 # Vertices of a net by dimension: constant, and large enough that a star holds at most half of the faces of a random
 # polytope and of its polar. A set with no more vertices than LEAF_SIZES is a leaf: a scan of that many is cheaper than
@@ -257,7 +254,7 @@ class _Builder:
                 return self._cones(step, simplices, np.asarray(rows.any(axis=1)))
         return self._add(faces, step.depth, len(faces) <= _CONE_SHRINKS * len(step.faces))
 
-    def _cones(self, step: _Step, simplices: Ints, beyond: Mask) -> Cones:
+    def _cones(self, step: _Step, simplices: Ints, beyond: Bools) -> Cones:
         masks, which = np.unique(beyond, axis=0, return_inverse=True)
         numbers = []
         for mask in masks:
@@ -294,12 +291,12 @@ class _Step:
         """The net's facets at one of its vertices."""
         return np.flatnonzero((self.hull.simplices == corner).any(axis=1))
 
-    def beyond(self, facets: NDArray[np.intp]) -> Mask:
+    def beyond(self, facets: NDArray[np.intp]) -> Bools:
         """Which of the node's vertices are beyond which of some facets (facets, vertices)."""
         heights = self.hull.normals[facets] @ self.vertices.T
         return np.asarray(heights > self.hull.offsets[facets, None] + self.slack)
 
-    def faces_beyond(self, beyond: Mask) -> Ints:
+    def faces_beyond(self, beyond: Bools) -> Ints:
         """The faces with a vertex among those."""
         return self.faces[beyond[self.local].any(axis=1)]
 

@@ -22,13 +22,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.ndim.game import play
 from plannercheck.ndim.poses import solved
 from plannercheck.ndim.tree import Tree
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -17,18 +17,17 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from ompl import base, geometric
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.planning import LONGEST_MOTION, OMPL_SILENCE, made_planner, planner_names, seed_ompl, shortened
 from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.simple_setup import SimpleSetup
-from plannercheck.ompl.start_and_goal import checked_end, judged
-
-Floats = NDArray[np.float64]
+from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 
 # Half the width of central differences, rad or m: the cube root of a double's rounding, where both errors are least.
 _DIFFERENCE = 6e-6
@@ -92,7 +91,7 @@ def plan_constrained(
         if not equation.isSatisfied(q):
             off = f"{equation.distance(q):.3g} is over the tolerance {tolerance:g}"
             raise PlannercheckError(f"{name} does not satisfy the constraint: {off}")
-    reasons = [judged(checker, q).reason(name) for name, q in zip(("start", "goal"), ends, strict=True)]
+    reasons = [check_end_state(checker, q).reason(name) for name, q in zip(("start", "goal"), ends, strict=True)]
     if any(reasons):
         return _plan(checker, space, planner, "; ".join(filter(None, reasons)))
     with OMPL_SILENCE():

@@ -19,13 +19,11 @@ from numpy.typing import NDArray
 from ompl import base
 
 from plannercheck.common.angles import nearest_turn, nearest_turns, wrapped
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.projections import register_projection
 from plannercheck.robots.configurations import PLAIN, ConfigurationMap, is_continuous
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-
 
 # Cached results of questions to Pinocchio, which would take a tenth of a short plan's time.
 _COLUMNS: WeakKeyDictionary[Robot, tuple[NDArray[np.bool_], Floats, Floats, list[int]]] = WeakKeyDictionary()

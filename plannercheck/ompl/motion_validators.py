@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from ompl import base
 
 from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.array_types import Floats
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.sampling import coarse_to_fine
@@ -20,8 +20,6 @@ from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.motion_certifier import STRAIGHT
-
-Floats = NDArray[np.float64]
 
 # Either kind of space: it reads and writes states, and computes their differences.
 Space: TypeAlias = JointSpace | PlanarSpace
@@ -131,9 +129,9 @@ class ProvedMotions(_CountingValidator):
 
     def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
         q0, q1 = (np.array(q) for q in self._ends(s1, s2))
-        passage = self._certifier.passage(q0, q1, self._tolerance)
-        state = self._certifier.states(q0, q1, np.array([passage.free_until]))[0]
-        return passage.free, passage.free_until, state
+        result = self._certifier.motion_result(q0, q1, self._tolerance)
+        state = self._certifier.states(q0, q1, np.array([result.free_until]))[0]
+        return result.free, result.free_until, state
 
 
 class ProvedPlanarMotions(_CountingValidator):
@@ -152,7 +150,7 @@ class ProvedPlanarMotions(_CountingValidator):
         if curves is None:
             return q0, end, STRAIGHT
         end[2] = q1[2]  # the very double: rounding may choose between two curves of equal length
-        return q0, end, curves.pieces(q0, end, self._sampler.reach)
+        return q0, end, curves.pieces(q0, end, self._sampler.extent)
 
     def _is_free(self, s1: Any, s2: Any) -> bool:
         q0, q1, pieces = self._motion(s1, s2)
@@ -160,9 +158,9 @@ class ProvedPlanarMotions(_CountingValidator):
 
     def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
         q0, q1, pieces = self._motion(s1, s2)
-        passage = self._certifier.passage(q0, q1, self._tolerance, pieces=pieces)
-        state = self._certifier.states(q0, q1, np.array([passage.free_until]), pieces)[0]
-        return passage.free, passage.free_until, state
+        result = self._certifier.motion_result(q0, q1, self._tolerance, pieces=pieces)
+        state = self._certifier.states(q0, q1, np.array([result.free_until]), pieces)[0]
+        return result.free, result.free_until, state
 
 
 class SampledMotions(_CountingValidator):

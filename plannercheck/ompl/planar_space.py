@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from ompl import base
 
 from plannercheck.common.angles import nearest_turns, wrapped
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.joint_space import bounded_space
 from plannercheck.ompl.projections import register_projection
@@ -22,8 +22,6 @@ from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.spare_states import SpareStates
-
-Floats = NDArray[np.float64]
 
 
 class PlanarSpace:

@@ -16,10 +16,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from ompl import base, geometric, util
 
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.silence import Silence
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
@@ -30,12 +31,10 @@ from plannercheck.ompl.motion_validators import Space, motion_validator
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.simple_setup import SimpleSetup
-from plannercheck.ompl.start_and_goal import checked_end, judged
+from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 from plannercheck.ompl.state_validators import ExactStates
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.curves import Curve
-
-Floats = NDArray[np.float64]
 
 # A found path is shortened for about this long at most, s: most of the gain comes in the first half second.
 SIMPLIFICATION_TIME = 1.0
@@ -190,7 +189,7 @@ def plan(
     if not (np.isfinite(longest_motion) and longest_motion >= 0):
         raise PlannercheckError(f"longest_motion must be a length in rad or 0, not {longest_motion!r}")
     ends = {name: checked_end(checker, q, name) for name, q in (("start", start), ("goal", goal))}
-    reasons = [judged(checker, q).reason(name) for name, q in ends.items()]
+    reasons = [check_end_state(checker, q).reason(name) for name, q in ends.items()]
     if any(reasons):
         return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
     space = space_of(checker, curve, turning_radius, tuple(ends.values()))

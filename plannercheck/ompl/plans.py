@@ -13,15 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.escaping import csv_cell
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +50,7 @@ class Plan(OwnsArrays):
         """Writes the plan as .json, or the path alone as .npy or .csv; the suffix chooses the format."""
         path = Path(path)
         check_suffix(path)
-        written_aside(path, lambda aside: _WRITERS[path.suffix](self, aside))
+        write_atomically(path, lambda aside: _WRITERS[path.suffix](self, aside))
 
     @classmethod
     def load(cls, path: str | Path) -> Plan:

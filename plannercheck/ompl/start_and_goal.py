@@ -8,13 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.input_hints import degrees_hint
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class EndState:
         return "; ".join(parts + ([f"{name} collides: {collisions}"] if self.pairs else []))
 
 
-def judged(checker: AnyChecker, q: Floats) -> EndState:
+def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
     """Judges a configuration (nq,)."""
     robot = checker.robot
     beyond = [

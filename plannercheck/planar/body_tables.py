@@ -10,13 +10,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plannercheck.planar.links import Body
+from plannercheck.common.array_types import Floats, Ints
+from plannercheck.planar.links import GeometryObject
 from plannercheck.planar.robot import Robot
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 # Room for rounding in circles and boxes, as a part of the coordinates' size; the rounding is below 1e-14 of it.
 _ROOM = 1e-12
@@ -25,7 +22,7 @@ _ROOM = 1e-12
 _LEAST_ROOM = 1e-150
 
 
-def core_arguments(robot: Robot, bodies: Sequence[Body], pairs: Ints) -> tuple[Any, ...]:
+def core_arguments(robot: Robot, bodies: Sequence[GeometryObject], pairs: Ints) -> tuple[Any, ...]:
     """What the core's PlanarChecker and PlanarCertifier take, up to the pairs (bind_planar_checker.cpp)."""
     return (
         *robot.core_links(),
@@ -63,7 +60,7 @@ def _circle(vertices: Floats) -> tuple[float, float, float]:
     return float(x), float(y), radius + _ROOM * (radius + abs(float(x)) + abs(float(y))) + _LEAST_ROOM
 
 
-def _box(body: Body) -> tuple[float, float, float, float]:
+def _box(body: GeometryObject) -> tuple[float, float, float, float]:
     """A box in the world around a posed polygon, with room for rounding."""
     posed = body.vertices @ body.pose[:2, :2].T + body.pose[:2, 2]
     room = (

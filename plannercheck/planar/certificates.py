@@ -17,15 +17,14 @@ from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies import certificates as space
 from plannercheck.bodies.integers import IntegerHull, Integers, cross, dot, in_common_unit, minus, negated
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.public_names import set_module
 from plannercheck.planar.polygons import checked_polygon, checked_poses, intersects
-
-Floats = NDArray[np.float64]
 
 
 @set_module("plannercheck.planar")

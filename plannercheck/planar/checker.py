@@ -11,10 +11,11 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.checker_base import ExplainingChecker
 from plannercheck.checking.verdicts import MotionVerdict
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -28,7 +29,7 @@ from plannercheck.planar.body_tables import core_arguments, pair_table
 from plannercheck.planar.certificates import Certificate, certify
 from plannercheck.planar.curve_motions import CurveMotions
 from plannercheck.planar.curves import Curve, check_curve
-from plannercheck.planar.links import Body
+from plannercheck.planar.links import GeometryObject
 from plannercheck.planar.motion_certifier import MotionCertifier
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.polygons import METHODS, Method
@@ -36,10 +37,6 @@ from plannercheck.planar.proof_builder import PlanarBuilder
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.scene import Scene
 from plannercheck.proofs.proof import Proof
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 # L is the number of links, and A = 1 + the sum of all angles' sizes. An angle is a sum that errs by at most L A u; its
 # sine and cosine err by 4u more; both errors are multiplied by the reach. The at most L + 1 sums of a position add 3u
@@ -62,7 +59,7 @@ class Checker(ExplainingChecker):
 
     robot: Robot
     scene: Scene
-    bodies: tuple[Body, ...]
+    bodies: tuple[GeometryObject, ...]
 
     def __init__(
         self,
@@ -91,7 +88,7 @@ class Checker(ExplainingChecker):
             raise unknown_name("method", method, METHODS)
         self.scene = scene.copy() if scene is not None else Scene("empty")
         self._recipe = robot, self.scene, self_collision, method, bounds
-        self.robot = robot if self.scene.bounds is None else robot.within(*self.scene.bounds)
+        self.robot = robot if self.scene.bounds is None else robot.with_bounds(*self.scene.bounds)
         self.bodies = (*robot.bodies, *self.scene.bodies)
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
         self.pairs = read_only(pair_table(robot, len(self.bodies), self_collision))
@@ -233,9 +230,9 @@ class Checker(ExplainingChecker):
         check_curve(self.robot, curve, turning_radius)
         (start,), (end,), (given,) = self._motion_ends(self._single(q0), self._single(q1), curve)
         pieces, certifier = self._motions.pieces(start, end, curve, turning_radius), self.motion_certifier
-        passage = certifier.passage(start, end, tolerance, proofs, pieces, given)
+        result = certifier.motion_result(start, end, tolerance, proofs, pieces, given)
         prover = partial(self._proof, (start, end, given), tolerance, curve, turning_radius)
-        return explained_motion(self, passage, lambda t: certifier.states(start, end, t, pieces), tolerance, prover)
+        return explained_motion(self, result, lambda t: certifier.states(start, end, t, pieces), tolerance, prover)
 
     def certify_motions(
         self,
@@ -326,7 +323,7 @@ class Checker(ExplainingChecker):
         """A bound on how far any point is from where exact kinematics of the same numbers puts it, m."""
         robot, free = self.robot, 2 if self.robot.is_free else 0
         anchors = np.abs([link.anchor for link in robot.links])
-        size = self.motion_sampler.reach + float(np.abs(q[:free]).sum() + anchors[:, :2].sum())
+        size = self.motion_sampler.extent + float(np.abs(q[:free]).sum() + anchors[:, :2].sum())
         angles = 1 + float(np.abs(q[free:]).sum() + anchors[:, 2].sum())
         return _KINEMATIC_ROUNDING * len(robot.links) * size * angles
 

@@ -11,10 +11,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from plannercheck.common.array_types import Floats, Ints64
 
 # A turn in doubles: differences, products and their difference err by at most 4u (1 + u) of the sum of the products'
 # absolute values; 8 leaves room.
@@ -40,7 +38,7 @@ def convexity_fault(vertices: Floats) -> str | None:
     return None
 
 
-def turns_of(vertices: Floats) -> Ints:
+def turns_of(vertices: Floats) -> Ints64:
     """(n,) the exact turn at each vertex: 1 left, -1 right, 0 straight on or back."""
     before, after = np.roll(vertices, 1, axis=0), np.roll(vertices, -1, axis=0)
     (ax, ay), (bx, by) = (vertices - before).T, (after - vertices).T

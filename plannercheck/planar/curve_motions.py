@@ -7,13 +7,11 @@ the motion needs. OMPL's space for a kind of curve and a turning radius is made 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.planar.curves import Curve, Curves
 from plannercheck.planar.motion_certifier import STRAIGHT
 from plannercheck.planar.motion_sampling import MotionSampler
-
-Floats = NDArray[np.float64]
 
 
 class CurveMotions:
@@ -28,7 +26,7 @@ class CurveMotions:
         """The pieces (k, 11) of a motion (nq,) to (nq,); none of a straight one."""
         if curve == "straight":
             return STRAIGHT
-        return self._curves_of(curve, turning_radius).pieces(start, end, self._sampler.reach)
+        return self._curves_of(curve, turning_radius).pieces(start, end, self._sampler.extent)
 
     def steps(
         self, start: Floats, end: Floats, curve: Curve, turning_radius: float | None, resolution: float | None

@@ -21,15 +21,14 @@ from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.common.angles import nearest_turn
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.spare_states import SpareStates
 
-Floats = NDArray[np.float64]
 Curve: TypeAlias = Literal["straight", "dubins", "reeds_shepp"]
 CURVES: tuple[Curve, ...] = ("straight", "dubins", "reeds_shepp")
 

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.public_names import set_module
 
-Floats = NDArray[np.float64]
 Joint: TypeAlias = Literal["free", "revolute", "fixed"]
 
 
@@ -40,7 +39,7 @@ class Link:
 
 
 @dataclass(frozen=True, eq=False)
-class Body(OwnsArrays):
+class GeometryObject(OwnsArrays):
     """A convex polygon on a link, or in the world.
 
     Attributes:

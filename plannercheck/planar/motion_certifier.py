@@ -9,13 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.core import core
-from plannercheck.motions.certifier_answers import FREE, Passage, check_tolerance, passage_of, proofs_of, verdicts
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from plannercheck.motions.certifier_answers import FREE, MotionResult, check_tolerance, passage_of, proofs_of, verdicts
 
 # PlanarPiece in cpp/planar/motion_bounds_2d.hpp: parameters from and to, origin, way, heading, turn, arm, slip.
 PIECE_NUMBERS = 11
@@ -72,7 +70,7 @@ class MotionCertifier:
         answer = self._core.check_pieces(start, end, end if given is None else given, pieces, tolerance)
         return bool(verdicts(np.array([answer]), tolerance)[0])
 
-    def passage(
+    def motion_result(
         self,
         q0: Floats,
         q1: Floats,
@@ -80,7 +78,7 @@ class MotionCertifier:
         proofs: bool = False,
         pieces: Floats = STRAIGHT,
         given: Floats | None = None,
-    ) -> Passage:
+    ) -> MotionResult:
         """How far one motion is free, from its start on.
 
         Args:
@@ -92,7 +90,7 @@ class MotionCertifier:
             given: As for `check`.
 
         Returns:
-            The passage.
+            The result.
         """
         check_tolerance(tolerance)
         asked = q0, q1, q1 if given is None else given, pieces, tolerance

@@ -10,13 +10,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.motion_ends import short_way
 from plannercheck.motions.sampling import MOST_STEPS, checked_resolution
 from plannercheck.planar.robot import Robot
-
-Floats = NDArray[np.float64]
 
 # Between two states no point moves further than this, in m: a tenth of the usual step for mobile robots.
 DEFAULT_RESOLUTION = 1e-2
@@ -31,7 +30,7 @@ class MotionSampler:
     def __init__(self, robot: Robot) -> None:
         """Computes the lever arms of the robot's angles, and how far it reaches from its root, m."""
         self._robot, self._angles = robot, np.flatnonzero(robot.angles)
-        self.levers, self.reach = _lever_arms(robot)
+        self.levers, self.extent = _lever_arms(robot)
 
     def steps(self, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.int64]:
         """How many steps each motion (n, nq) to (n, nq) needs: no point moves over `resolution` m in one."""
@@ -64,14 +63,14 @@ class MotionSampler:
 
 def _lever_arms(robot: Robot) -> tuple[Floats, float]:
     """(nq,) lever arms in m per rad, 0 for x and y; and the robot's reach from the root's frame, m."""
-    reach = np.zeros(len(robot.links))  # of the bodies that a link carries, from its own frame
+    extent = np.zeros(len(robot.links))  # of the bodies that a link carries, from its own frame
     for body in robot.bodies:
-        reach[body.link] = max(reach[body.link], float(np.hypot(*body.vertices.T).max()))
+        extent[body.link] = max(extent[body.link], float(np.hypot(*body.vertices.T).max()))
     for k in range(len(robot.links) - 1, 0, -1):
         parent = robot.parent_index(k)
-        reach[parent] = max(reach[parent], reach[k] + float(np.hypot(*robot.links[k].anchor[:2])))
+        extent[parent] = max(extent[parent], extent[k] + float(np.hypot(*robot.links[k].anchor[:2])))
     levers = np.zeros(robot.nq)
     for k, link in enumerate(robot.links):
         if link.joint != "fixed":
-            levers[robot.column(k) + (2 if link.joint == "free" else 0)] = reach[k]
-    return read_only(levers), float(reach[0])
+            levers[robot.column(k) + (2 if link.joint == "free" else 0)] = extent[k]
+    return read_only(levers), float(extent[0])

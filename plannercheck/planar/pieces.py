@@ -7,15 +7,14 @@ as it is. The pieces of a concave one are triangles of its own vertices, so noth
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only_copy
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.planar.convexity import convexity_fault
 from plannercheck.planar.polygons import checked_polygon
-
-Floats = NDArray[np.float64]
 
 
 @set_module("plannercheck.planar")

@@ -17,18 +17,15 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import contiguous, read_only, read_only_copy
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
 from plannercheck.planar.convexity import convexity_fault
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int32]
 
 Method: TypeAlias = Literal["filtered", "double_double", "exact"]
 METHODS: tuple[Method, ...] = ("filtered", "double_double", "exact")
@@ -241,7 +238,7 @@ def _polygons(given: Several, name: str, scan: bool) -> tuple[Any, int]:
     else:
         array = np.asarray(given, dtype=np.float64)
         several = list(array) if array.ndim == 3 else [array]
-    with within(name):
+    with error_context(name):
         arrays = [checked_polygon(polygon, f"polygon {k}", scan=scan) for k, polygon in enumerate(several)]
     return core.PolygonList(arrays), len(arrays)
 

@@ -14,20 +14,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier_answers import Proof as Line
 from plannercheck.planar.curves import Curve
-from plannercheck.planar.links import Body
+from plannercheck.planar.links import GeometryObject
 from plannercheck.planar.motion_certifier import MotionCertifier
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.scene import Scene
 from plannercheck.proofs.data import Entry
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
 from plannercheck.proofs.proof import Proof
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Ints = NDArray[np.int64]
 
 # The error of computed states and poses of two bodies, as a multiple of L (links), A = 1 + all angles, and the size of
 # what is posed: twice what `planar_well_formed.py` requires, and an eighth of what the certifier leaves
@@ -36,7 +33,7 @@ _ROUNDING = 2.0**-46
 
 # Circles are used where their gap is at least this part of both radii, and this many times the distance by which the
 # centres leave their chords.
-_CLEAR, _BULGES = 0.02, 4.0
+_CLEAR, _CHORD_DEVIATIONS = 0.02, 4.0
 
 # A circle's radius is rounded up by this part of it, and of its centre's coordinates.
 _ROOM = 1e-12
@@ -50,7 +47,7 @@ class CertifiedPolygons(Protocol):
 
     robot: Robot
     scene: Scene
-    bodies: tuple[Body, ...]
+    bodies: tuple[GeometryObject, ...]
     pairs: NDArray[np.int32]
 
     @property
@@ -101,16 +98,16 @@ class PlanarBuilder:
             turning_radius: Of curves, m.
         """
         certifier = self._checker.motion_certifier
-        passage = certifier.passage(start, end, tolerance, True, pieces, asked_end)
-        if not passage.free or passage.proved_until < 1:
+        result = certifier.motion_result(start, end, tolerance, True, pieces, asked_end)
+        if not result.free or result.proved_until < 1:
             return None
         q0, q1, asked = (tuple(q.tolist()) for q in (start, end, asked_end))
         motion = PlanarMotion(q0, q1, asked, curve, float(turning_radius or 0.0), _pieces(pieces))
-        parameters = np.unique([t for line in passage.proofs for t in (line.start, line.end)])
+        parameters = np.unique([t for line in result.proofs for t in (line.start, line.end)])
         states = certifier.states(start, end, parameters, pieces)
         margin = self._margin(motion)
-        is_clear = self._clear(passage.proofs, parameters, states, margin, pieces)
-        entries = tuple(_joined(passage.proofs, is_clear.tolist()))
+        is_clear = self._clear(result.proofs, parameters, states, margin, pieces)
+        entries = tuple(_joined(result.proofs, is_clear.tolist()))
         names = self._checker.robot.name, self._checker.scene.name
         return Proof("plane", *names, self._hashes, self._model, motion, margin, entries)
 
@@ -135,12 +132,14 @@ class PlanarBuilder:
         a, b = self._checker.pairs[[line.pair for line in lines]].T.astype(np.int64)
         frames = np.array([line.frame for line in lines], dtype=np.int64)
         seen = [self._seen(centres, links, rows, a, b, frames) for rows in at.T]
-        bulges = np.array([line.bulge for line in lines])
+        chord_deviations = np.array([line.chord_deviation for line in lines])
         radii = self._radii[a] + self._radii[b]
         slip = float(pieces[:, 10].max(initial=0.0))
-        return np.asarray(_to_origin(*seen) > radii * (1 + _CLEAR) + _BULGES * bulges + 4 * (margin + slip))
+        return np.asarray(
+            _to_origin(*seen) > radii * (1 + _CLEAR) + _CHORD_DEVIATIONS * chord_deviations + 4 * (margin + slip)
+        )
 
-    def _seen(self, centres: Floats, links: Floats, rows: Ints, a: Ints, b: Ints, frames: Ints) -> Floats:
+    def _seen(self, centres: Floats, links: Floats, rows: Ints64, a: Ints64, b: Ints64, frames: Ints64) -> Floats:
         """(n, 2) from b's centre to a's, seen from a frame."""
         way = centres[rows, a] - centres[rows, b]
         turns = links[rows, np.maximum(frames, 0), :2, :2]

@@ -19,17 +19,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous, read_only, shown_array
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
-from plannercheck.planar.links import Body, Link
+from plannercheck.planar.links import GeometryObject, Link
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.robot_files import planar_file, read_robot
 from plannercheck.robots.robot_table import robot_html
-
-Floats = NDArray[np.float64]
 
 # How many numbers each kind of joint takes, and the core's code for it.
 _WIDTHS: dict[str, int] = {"fixed": 0, "revolute": 1, "free": 3}
@@ -89,7 +88,7 @@ class Robot:
     def load(cls, name_or_path: str | Path) -> Robot:
         """Loads a planar robot: a name from robots/ such as "forklift", or a YAML file."""
         path = planar_file(name_or_path, "robots")
-        with within(f"robot file {str(path)!r}"):
+        with error_context(f"robot file {str(path)!r}"):
             links, name, disabled_pairs = read_robot(path)
             return cls(links, name=name, disabled_pairs=disabled_pairs)
 
@@ -130,6 +129,10 @@ class Robot:
         return int(self._columns[link])
 
     def within(self, lower: ArrayLike, upper: ArrayLike) -> Robot:
+        """`with_bounds` by its former name, for one release."""
+        return self.with_bounds(lower, upper)
+
+    def with_bounds(self, lower: ArrayLike, upper: ArrayLike) -> Robot:
         """The same robot with limits of x and y, m; a fixed root stays as it is."""
         if not self.is_free:
             return self
@@ -233,7 +236,7 @@ def _rebuilt(
 ) -> Robot:
     """A robot from a pickle."""
     robot = Robot(links, name=name, disabled_pairs=disabled_pairs)
-    return robot if bounds is None else robot.within(*bounds)
+    return robot if bounds is None else robot.with_bounds(*bounds)
 
 
 def _checked_links(given: ArrayLike | Sequence[ArrayLike] | Sequence[Link]) -> tuple[Link, ...]:
@@ -285,10 +288,10 @@ def _outlines(link: Link) -> tuple[Floats, ...]:
     )
 
 
-def _bodies(link: Link, index: int) -> list[Body]:
+def _bodies(link: Link, index: int) -> list[GeometryObject]:
     pieces: Sequence[Floats] = link.footprint  # type: ignore[assignment]  # split by now
     names = [link.name] if len(pieces) == 1 else [f"{link.name}/{k}" for k in range(len(pieces))]
-    return [Body(name, index, piece, read_only(np.eye(3))) for name, piece in zip(names, pieces, strict=True)]
+    return [GeometryObject(name, index, piece, read_only(np.eye(3))) for name, piece in zip(names, pieces, strict=True)]
 
 
 def _column_names(link: Link) -> tuple[str, ...]:

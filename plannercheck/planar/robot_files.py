@@ -26,6 +26,7 @@ from typing import Any
 from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
+    error_context,
     mapping,
     numbers,
     parse_yaml,
@@ -33,7 +34,6 @@ from plannercheck.common.checked_yaml import (
     required,
     sequence,
     text,
-    within,
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.package_data import is_planar_file, shipped_folder
@@ -98,10 +98,10 @@ def outline(value: Any, key: str) -> list[list[float]]:
 
 
 def _link(node: Node, index: int) -> Link:
-    with within(f"link {index}"):
+    with error_context(f"link {index}"):
         check_keys(node, _LINK_KEYS)
         name = text(required(node, "name"), "name")
-    with within(f"link {name!r}"):
+    with error_context(f"link {name!r}"):
         if ("footprint" in node) == ("footprints" in node):
             raise PlannercheckError("needs a footprint, or footprints")
         given = [node["footprint"]] if "footprint" in node else sequence(node["footprints"], "'footprints'")

@@ -28,30 +28,29 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays, read_only, read_only_copy
 from plannercheck.common.checked_yaml import (
     Node,
     check_keys,
+    error_context,
     mapping,
     number,
     numbers,
     required,
     sequence,
     text,
-    within,
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
-from plannercheck.planar.links import Body
+from plannercheck.planar.links import GeometryObject
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.polygons import checked_poses
 from plannercheck.planar.robot_files import outline, planar_document, planar_file
 from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.scene_files import read_states, states_node
-
-Floats = NDArray[np.float64]
 
 _SHAPES = ("box", "polygon", "polygons")
 _KEYS = ("kind", "name", "bounds", "objects", "states")
@@ -70,7 +69,7 @@ class Obstacle(OwnsArrays):
 
     outlines: tuple[Floats, ...]
     pose: Floats
-    bodies: tuple[Body, ...]
+    bodies: tuple[GeometryObject, ...]
 
 
 @set_module("plannercheck.planar")
@@ -119,7 +118,7 @@ class Scene(DeclaredStates):
         matrix = read_only_copy(checked_poses(pose, f"pose of object {name!r}")[0])
         pieces = [piece for outline in outlines for piece in convex_pieces(outline, f"object {name!r}")]
         names = [name] if len(pieces) == 1 else [f"{name}/{k}" for k in range(len(pieces))]
-        bodies = tuple(Body(n, -1, piece, matrix) for n, piece in zip(names, pieces, strict=True))
+        bodies = tuple(GeometryObject(n, -1, piece, matrix) for n, piece in zip(names, pieces, strict=True))
         arrays = tuple(read_only_copy(outline) for outline in outlines)
         self._obstacles[name] = Obstacle(arrays, matrix, bodies)
 
@@ -151,7 +150,7 @@ class Scene(DeclaredStates):
         return tuple(self._obstacles)
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> tuple[GeometryObject, ...]:
         """All convex pieces of all obstacles."""
         return tuple(body for obstacle in self._obstacles.values() for body in obstacle.bodies)
 
@@ -181,7 +180,7 @@ def _checked_bounds(bounds: ArrayLike) -> Floats:
 def _read(name_or_path: str | Path) -> Scene:
     """Reads a planar scene, named after its file if it has no name of its own."""
     path = planar_file(name_or_path, "configs")
-    with within(f"scene file {str(path)!r}"):
+    with error_context(f"scene file {str(path)!r}"):
         content = planar_document(path, _KEYS)
         bounds = content.get("bounds")
         scene = Scene(
@@ -190,15 +189,15 @@ def _read(name_or_path: str | Path) -> Scene:
         for k, item in enumerate(sequence(content.get("objects"), "'objects'")):
             _add_object(scene, mapping(item, f"object {k}"), k)
         for robot, item in mapping(content.get("states"), "'states'").items():
-            with within(f"states of {robot!r}"):
+            with error_context(f"states of {robot!r}"):
                 read_states(scene, robot, mapping(item, "they"), path.parent)
     return scene
 
 
 def _add_object(scene: Scene, node: Node, index: int) -> None:
-    with within(f"object {index}"):
+    with error_context(f"object {index}"):
         name = text(required(node, "name"), "name")
-    with within(f"object {name!r}"):
+    with error_context(f"object {name!r}"):
         check_keys(node, _OBJECT_KEYS)
         given = [key for key in _SHAPES if key in node]
         if len(given) != 1:

@@ -9,7 +9,7 @@ parameter t goes from 0 to 1, every joint of `model.joints` moves by itself from
 - "planar" (x, y, cosine, sine) and "free" (x, y, z, quaternion): along the one screw that leads from start to end, the
   turn being the short way;
 
-and at every t the convex hulls of `vertices` of the two bodies of every pair of `model.pairs`, each swollen by its
+and at every t the convex hulls of `vertices` of the two bodies of every pair of `model.pairs`, each inflated by its
 `radius`, are more than `margin` apart. Links are where exact kinematics of the given numbers puts them: placements as
 the affine maps that they are, axes as they are, the true sine and cosine. The paddings are parts of the radii. The
 margin covers the error of computed poses and states, so that the claim holds for `check_states` as well. The maker of a
@@ -24,12 +24,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from plannercheck.common.array_types import Floats
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
-
-Floats = NDArray[np.float64]
 
 FORMAT, VERSION = "plannercheck motion proof", 1
 

@@ -28,15 +28,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb, arb_mat
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.proofs.chains import Chains, off_rigid
 from plannercheck.proofs.data import WORLD, Entry, Model, Motion, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.jets import affine, times, total
 from plannercheck.proofs.well_formed import unreached
-
-Floats = NDArray[np.float64]
 
 # An interval is halved this often before its entry counts as false.
 DEEPEST = 7

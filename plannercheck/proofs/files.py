@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.common.atomic_files import written_aside
-from plannercheck.common.checked_yaml import BROKEN_FILE, read_bytes, within
+from plannercheck.common.atomic_files import write_atomically
+from plannercheck.common.checked_yaml import BROKEN_FILE, error_context, read_bytes
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.proofs.data import FORMAT, VERSION, Entry, Hashes, Model, Motion, ProofData
@@ -42,12 +42,12 @@ def save_proofs(proofs: Sequence[ProofData], path: str | Path) -> None:
         PlannercheckError: If the proofs are of several models, or the file can't be written.
     """
     path = Path(path)
-    with within(f"proof file {str(path)!r}"):
+    with error_context(f"proof file {str(path)!r}"):
         _check_suffix(path)
     content = document(proofs)
     if path.suffix == ".json":
         text = json.dumps(content, default=lambda array: array.tolist(), separators=(",", ":"))
-        written_aside(path, lambda aside: aside.write_text(text + "\n", encoding="utf-8"))
+        write_atomically(path, lambda aside: aside.write_text(text + "\n", encoding="utf-8"))
         return
     arrays: dict[str, NDArray[np.float64]] = {}
 
@@ -61,7 +61,7 @@ def save_proofs(proofs: Sequence[ProofData], path: str | Path) -> None:
         with aside.open("wb") as file:  # given a name, numpy would add its suffix
             np.savez_compressed(file, document=np.array(text), **arrays)  # type: ignore[arg-type]
 
-    written_aside(path, write)
+    write_atomically(path, write)
 
 
 def read_proofs(path: str | Path) -> tuple[ProofData, ...]:
@@ -77,7 +77,7 @@ def read_proofs(path: str | Path) -> tuple[ProofData, ...]:
         PlannercheckError: If the file is no proof, is cut off, or of another version.
     """
     path = Path(path)
-    with within(f"proof file {str(path)!r}"):
+    with error_context(f"proof file {str(path)!r}"):
         _check_suffix(path)
         return from_document(_from_json(path) if path.suffix == ".json" else _from_npz(path))
 

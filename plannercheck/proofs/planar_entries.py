@@ -21,13 +21,11 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.proofs.data import Entry, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.planar_proof import PlanarBody, PlanarModel
-
-Floats = NDArray[np.float64]
 
 # A part is halved this often before its entry counts as not confirmed.
 _DEEPEST = 14

@@ -26,10 +26,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
+from plannercheck.common.array_types import Floats
 
 
 @dataclass(frozen=True)

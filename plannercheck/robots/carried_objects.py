@@ -13,11 +13,11 @@ import warnings
 from collections.abc import Sequence
 
 from plannercheck.bodies.objects import SceneObject
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.errors import PlannercheckError, unknown_name
 
 
-def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[Body]) -> None:
+def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: Sequence[GeometryObject]) -> None:
     """Raises for unknown links and for names that are taken; warns of touch links that do not exist.
 
     Args:
@@ -42,7 +42,7 @@ def check_objects(objects: Sequence[SceneObject], links: Sequence[str], bodies: 
             )
 
 
-def carried_pairs(objects: Sequence[SceneObject], bodies: Sequence[Body]) -> list[tuple[int, int]]:
+def carried_pairs(objects: Sequence[SceneObject], bodies: Sequence[GeometryObject]) -> list[tuple[int, int]]:
     """Index pairs that carried bodies add to a robot's self pairs.
 
     Args:

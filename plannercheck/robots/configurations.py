@@ -16,13 +16,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import OwnsArrays, contiguous, shown_array
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.unit_lengths import UnitLengths, unit_lengths
 from plannercheck.robots.urdf import Mimic
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 PLAIN, COSINE, SINE = 0, 1, 2
 

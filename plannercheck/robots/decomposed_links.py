@@ -13,7 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.convex_decomposition import Decomposition, Pieces, hull_volume, pieces_of
-from plannercheck.bodies.shapes import Body, Hull
+from plannercheck.bodies.shapes import GeometryObject, Hull
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
 from plannercheck.common.errors import unknown_name
 
@@ -24,8 +24,8 @@ LEAST_EXCESS = 0.05
 
 
 def decomposed(
-    bodies: tuple[Body, ...], pairs: Pairs, geometry: pin.GeometryModel, options: Decomposition
-) -> tuple[tuple[Body, ...], Pairs, Mapping[str, Pieces]]:
+    bodies: tuple[GeometryObject, ...], pairs: Pairs, geometry: pin.GeometryModel, options: Decomposition
+) -> tuple[tuple[GeometryObject, ...], Pairs, Mapping[str, Pieces]]:
     """Replaces bodies by their pieces.
 
     Args:
@@ -42,7 +42,7 @@ def decomposed(
         if link not in known:
             raise unknown_name("link to decompose", link, sorted(known))
     found: dict[str, Pieces] = {}
-    parts: list[list[Body]] = []
+    parts: list[list[GeometryObject]] = []
     for body, each in zip(bodies, geometry.geometryObjects, strict=True):
         mesh = _chosen_mesh(body, each, options)
         pieces = None if mesh is None else pieces_of(mesh, options, f"body {body.name!r}")
@@ -54,7 +54,7 @@ def decomposed(
     return tuple(b for each in parts for b in each), np.array(new, dtype=np.int64).reshape(-1, 2), found
 
 
-def _chosen_mesh(body: Body, geometry: pin.GeometryObject, options: Decomposition) -> TriangleMesh | None:
+def _chosen_mesh(body: GeometryObject, geometry: pin.GeometryObject, options: Decomposition) -> TriangleMesh | None:
     """A body's mesh, if it is to be decomposed."""
     if not isinstance(body.shape, Hull) or (options.links is not None and body.link not in options.links):
         return None
@@ -64,5 +64,7 @@ def _chosen_mesh(body: Body, geometry: pin.GeometryObject, options: Decompositio
     return mesh if mesh.volume is None or hull_volume(mesh.points) > (1 + LEAST_EXCESS) * mesh.volume else None
 
 
-def _bodies(body: Body, pieces: Pieces) -> list[Body]:
-    return [Body(f"{body.name}/piece {k}", body.link, body.pose, Hull(p)) for k, p in enumerate(pieces.points)]
+def _bodies(body: GeometryObject, pieces: Pieces) -> list[GeometryObject]:
+    return [
+        GeometryObject(f"{body.name}/piece {k}", body.link, body.pose, Hull(p)) for k, p in enumerate(pieces.points)
+    ]

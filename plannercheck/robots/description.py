@@ -32,6 +32,7 @@ from typing import Any
 from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.common.checked_yaml import (
     check_keys,
+    error_context,
     mapping,
     number,
     parse_yaml,
@@ -39,7 +40,6 @@ from plannercheck.common.checked_yaml import (
     required,
     sequence,
     text,
-    within,
 )
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.file_kinds import kind_of
@@ -148,7 +148,7 @@ def description_of(name_or_path: str | Path | RobotDescription) -> RobotDescript
     path = find_description(name_or_path)
     if path.suffix in URDF_SUFFIXES:
         return RobotDescription(name="", urdf=path, package_dirs=(example_robot_data(),))
-    with within(f"robot file {path}"):
+    with error_context(f"robot file {path}"):
         return read_description(path)
 
 
@@ -186,7 +186,7 @@ def read_description(path: Path) -> RobotDescription:
 def _decomposition(value: Any) -> Decomposition | None:
     if value is None or value is False:
         return None
-    with within("convex_decomposition"):
+    with error_context("convex_decomposition"):
         options = {} if value is True else mapping(value, "it")
         check_keys(options, ("links", "threshold", "most_pieces", "slack", "seed"))
         links = [text(link, "links") for link in sequence(options.get("links"), "links")] or None
@@ -216,7 +216,7 @@ def _group(value: Any) -> tuple[str | None, tuple[str, ...] | None]:
     """The group's name, and its joints unless the SRDF gives them."""
     if value is None or isinstance(value, str):
         return value, None
-    with within("group"):
+    with error_context("group"):
         group = mapping(value, "an SRDF group's name or {name: ..., joints: [...]}: it")
         check_keys(group, ("name", "joints"))
         joints = sequence(required(group, "joints"), "joints")
@@ -226,7 +226,7 @@ def _group(value: Any) -> tuple[str | None, tuple[str, ...] | None]:
 def _disabled_pairs(value: Any) -> tuple[DisabledPair, ...]:
     disabled: list[DisabledPair] = []
     for index, item in enumerate(sequence(value, "disabled_pairs")):
-        with within(f"disabled_pairs, item {index + 1}"):
+        with error_context(f"disabled_pairs, item {index + 1}"):
             block = mapping(item, "it")
             check_keys(block, ("reason", "pairs"))
             reason = text(required(block, "reason"), "reason")

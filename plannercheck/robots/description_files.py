@@ -49,7 +49,7 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
         content["convex_decomposition"] = {
             key: list(value) if isinstance(value, tuple) else value for key, value in options.items()
         }
-    text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+    text: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=False, width=110, allow_unicode=True)
     return text + pairs
 
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.common.array_types import Floats
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.kinematic_error import KinematicRounding
 from plannercheck.robots.kinematics import (
@@ -27,8 +27,6 @@ from plannercheck.robots.kinematics import (
     joint_table,
     pinocchio_poses,
 )
-
-Floats = NDArray[np.float64]
 
 
 class ForwardKinematics:
@@ -57,7 +55,7 @@ class ForwardKinematics:
         """The same by Pinocchio itself."""
         return pinocchio_poses(self._model, self._map, self._frames, rows)
 
-    def rounding(self, bodies: Sequence[Body], links: Mapping[str, int]) -> KinematicRounding | None:
+    def rounding(self, bodies: Sequence[GeometryObject], links: Mapping[str, int]) -> KinematicRounding | None:
         """The bound on how far rounding moves a point of these bodies.
 
         Args:

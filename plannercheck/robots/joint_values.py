@@ -11,14 +11,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import contiguous
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.configurations import ConfigurationMap, planning_group
 from plannercheck.robots.urdf import Mimic
-
-Floats = NDArray[np.float64]
 
 
 def own_joints(model: pin.Model, mimics: Mapping[str, Mimic]) -> tuple[str, ...]:

@@ -51,11 +51,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body, Capsule, Cone, Cylinder, Shape, Sphere
+from plannercheck.bodies.shapes import Capsule, Cone, Cylinder, GeometryObject, Shape, Sphere
+from plannercheck.common.array_types import Floats
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.unit_lengths import UNIT_TOLERANCE
-
-Floats = NDArray[np.float64]
 
 # Unit roundoff of doubles.
 _U = 2.0**-53
@@ -148,7 +147,7 @@ class Value(NamedTuple):
 class KinematicRounding:
     """The bound for one robot; its joint table and bodies are read once."""
 
-    def __init__(self, table: JointTable, bodies: Sequence[Body], links: Sequence[int]) -> None:
+    def __init__(self, table: JointTable, bodies: Sequence[GeometryObject], links: Sequence[int]) -> None:
         """Reads the placements.
 
         Args:
@@ -208,7 +207,7 @@ def radius_of(shape: Shape) -> float:
     return float(np.linalg.norm(shape.vertices_and_faces()[0], axis=1).max())
 
 
-def largest_distance(bodies: Sequence[Body], poses: Floats, others: Floats) -> float:
+def largest_distance(bodies: Sequence[GeometryObject], poses: Floats, others: Floats) -> float:
     """How far the points of bodies move at most between two poses.
 
     Args:

@@ -12,14 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.robots.configurations import COSINE, ConfigurationMap
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
 
 # The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp), by Pinocchio's name without "JointModel".
 _TURNS = {"RX": 0, "RY": 1, "RZ": 2, "RevoluteUnaligned": 3}
@@ -178,8 +175,8 @@ def disagreement(kinematics: Any, model: pin.Model, configurations: Configuratio
     q = configurations.random(_CHECKED_CONFIGURATIONS, seed=0)
     theirs = pinocchio_poses(model, configurations, frames, q)
     ours = kinematics.link_poses(q, np.ones(len(frames), dtype=np.uint8))
-    reach = max(1.0, float(np.abs(theirs[..., 3]).max(initial=0.0)))
-    scale = np.array([1.0, 1.0, 1.0, reach])
+    extent = max(1.0, float(np.abs(theirs[..., 3]).max(initial=0.0)))
+    scale = np.array([1.0, 1.0, 1.0, extent])
     return float((np.abs(ours - theirs) / scale).max(initial=0.0))
 
 

@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
 from plannercheck.bodies.objects import SceneObject
-from plannercheck.bodies.shapes import Body
-from plannercheck.common.checked_yaml import within
+from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.robots.decomposed_links import decomposed
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.mjcf import ROOT_TAG, excluded_pairs, of_meeting_masks
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.robots.reference_configuration import given_values
 from plannercheck.robots.self_pairs import self_pairs
-from plannercheck.robots.srdf import DisabledPair, group_state, warn_of_unheeded
+from plannercheck.robots.srdf import DisabledPair, group_state, warn_about_ignored_elements
 from plannercheck.robots.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
 
@@ -54,7 +54,7 @@ class RobotParts:
     name: str
     model: pin.Model
     tree: LinkTree
-    bodies: tuple[Body, ...]
+    bodies: tuple[GeometryObject, ...]
     pairs: NDArray[np.int64]
     disabled_pairs: tuple[DisabledPair, ...]
     mimics: Mapping[str, Mimic]
@@ -105,12 +105,12 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     geometry = read_geometry(model, urdf, description.package_dirs)
     warn_of_odd_numbers(urdf)
     tree = link_tree(model)
-    with within(f"{'MJCF' if urdf.kind == ROOT_TAG else 'URDF'} {urdf.path}"):
+    with error_context(f"{'MJCF' if urdf.kind == ROOT_TAG else 'URDF'} {urdf.path}"):
         bodies = bodies_of(model, geometry)
     mimics = usable_mimics(model, urdf)
     srdf = description.semantics
     if srdf is not None:
-        warn_of_unheeded(srdf, tree)
+        warn_about_ignored_elements(srdf, tree)
     if isinstance(reference, str):
         reference = group_state(None if srdf is None else srdf.root, reference, model.names)
     joints = _group(description, model, tree, mimics)

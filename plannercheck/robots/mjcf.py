@@ -18,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.srdf import DisabledPair
 
@@ -35,7 +35,7 @@ def mjcf_model(path: Path, root: Element, floating: bool) -> pin.Model:
     """Pinocchio's model of an MJCF file; errors name the file."""
     if floating:
         raise PlannercheckError(f"MJCF {path}: give the root body a <freejoint/> for a root that floats")
-    with within(f"MJCF {path}"):
+    with error_context(f"MJCF {path}"):
         _check_elements(root)
         place = _root_placement(root)
         model = _read(path)

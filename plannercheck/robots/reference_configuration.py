@@ -13,13 +13,11 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import followed, is_continuous, joint_by_name, joint_limits, joint_width
 from plannercheck.robots.urdf import Mimic
-
-Floats = NDArray[np.float64]
 
 # The rounding of limits written with six digits, rad or m.
 _LIMIT_SLACK = 1e-6

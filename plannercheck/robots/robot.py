@@ -16,15 +16,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.objects import SceneObject
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import unknown_name
 from plannercheck.common.public_names import set_module
-from plannercheck.robots.anchored_objects import placed
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed, planning_group, whole_robot
 from plannercheck.robots.description import RobotDescription, description_of
@@ -33,12 +33,11 @@ from plannercheck.robots.joint_values import JointValues
 from plannercheck.robots.kinematic_error import KinematicRounding
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.loading import Reference, RobotParts, robot_parts, urdf_description
+from plannercheck.robots.objects_in_frames import placed
 from plannercheck.robots.planning_groups import explicit_group
 from plannercheck.robots.reference_configuration import all_values, checked_values, reference_of
 from plannercheck.robots.robot_table import robot_html
 from plannercheck.robots.urdf import LinkTree, Mimic
-
-Floats = NDArray[np.float64]
 
 _SAMPLES = 32  # configurations of `sampled_link_poses`: four of the blocks of eight that are judged at a time
 
@@ -92,7 +91,7 @@ class Robot:
         if decomposition is not None:
             description = replace(description, decomposition=decomposition)
         source = description.source
-        with contextlib.nullcontext() if source is None else within(f"robot file {source}"):
+        with contextlib.nullcontext() if source is None else error_context(f"robot file {source}"):
             return cls.from_description(description)
 
     @classmethod

@@ -8,11 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.html_tables import html_table
-
-Floats = NDArray[np.float64]
 
 
 def robot_html(title: str, joints: Sequence[str], starts: Sequence[int], lower: Floats, upper: Floats) -> str:

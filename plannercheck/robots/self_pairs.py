@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.errors import unknown_name
 from plannercheck.robots.srdf import DisabledPair, Srdf, disabled_collisions, disabled_link_names
 from plannercheck.robots.urdf import LinkTree
@@ -22,7 +22,7 @@ from plannercheck.robots.urdf import LinkTree
 
 def self_pairs(
     geometry: pin.GeometryModel,
-    bodies: tuple[Body, ...],
+    bodies: tuple[GeometryObject, ...],
     srdf: Srdf | None,
     tree: LinkTree,
     disabled: Iterable[DisabledPair],
@@ -57,7 +57,7 @@ def self_pairs(
 def _of_links(
     first: NDArray[np.int64],
     second: NDArray[np.int64],
-    bodies: tuple[Body, ...],
+    bodies: tuple[GeometryObject, ...],
     links: Iterable[frozenset[str | None]],
 ) -> NDArray[np.bool_]:
     """(k,) which pairs of bodies are of one of these pairs of links."""

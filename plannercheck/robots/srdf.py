@@ -161,9 +161,9 @@ def _chain(base: str, tip: str, tree: LinkTree) -> list[str]:
     shared = next((link for link in up_from_base if link in up_from_tip), None)
     if shared is None:
         raise PlannercheckError(f"SRDF chain from {base!r} to {tip!r}: no path of joints between them")
-    rising = up_from_base[: up_from_base.index(shared)]
-    falling = up_from_tip[: up_from_tip.index(shared)]
-    return [tree.joints[link] for link in rising + falling[::-1]]
+    up_path = up_from_base[: up_from_base.index(shared)]
+    down_path = up_from_tip[: up_from_tip.index(shared)]
+    return [tree.joints[link] for link in up_path + down_path[::-1]]
 
 
 def _ancestry(link: str, tree: LinkTree) -> list[str]:
@@ -186,7 +186,7 @@ def disabled_collisions(root: Element) -> list[DisabledPair]:
     return [DisabledPair(p.get("link1", ""), p.get("link2", ""), p.get("reason", "")) for p in pairs]
 
 
-def warn_of_unheeded(srdf: Srdf, tree: LinkTree) -> None:
+def warn_about_ignored_elements(srdf: Srdf, tree: LinkTree) -> None:
     """Warns of links that the URDF does not have, as MoveIt does, and of elements that Pinocchio does not read."""
     named = (link for pair in disabled_collisions(srdf.root) for link in (pair.link_a, pair.link_b))
     unknown = sorted(set(named).difference(tree.names))

@@ -26,12 +26,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
-
-Floats = NDArray[np.float64]
 
 # How far the length of a quaternion or of a (cosine, sine) may be from 1; values rounded to single precision pass.
 UNIT_TOLERANCE = 2e-7

@@ -1,8 +1,8 @@
 """Reads a URDF through Pinocchio: the model, its collision bodies, the tree of links, and mimic joints.
 
-In: a URDF (`urdf_file`) and folders of packages. Out: a Pinocchio model, one `Body` for each collision geometry in
-Pinocchio's order, the tree of links, and the mimic joints. Pinocchio's model is the reference. Our errors repeat what
-Pinocchio and urdfdom say about a file that they can't read.
+In: a URDF (`urdf_file`) and folders of packages. Out: a Pinocchio model, one `GeometryObject` for each collision
+geometry in Pinocchio's order, the tree of links, and the mimic joints. Pinocchio's model is the reference. Our errors
+repeat what Pinocchio and urdfdom say about a file that they can't read.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.meshes import check_mesh, mesh_hint
-from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere
-from plannercheck.common.checked_yaml import within
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Shape, Sphere
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file
 from plannercheck.common.package_files import folders_above, package_file, where_sought
@@ -178,7 +178,7 @@ def _meshes_elsewhere(file: UrdfFile, package_dirs: Sequence[Path], above: Seque
             if path is not None:
                 found[name] = path
             for each in known or ([] if path is None else [path]):
-                with within(f"URDF {file.path}: link {link.get('name', '')!r}: collision mesh {str(each)!r}"):
+                with error_context(f"URDF {file.path}: link {link.get('name', '')!r}: collision mesh {str(each)!r}"):
                     check_mesh(each)
     return found
 
@@ -207,7 +207,7 @@ def _warn_if_empty(geometry: pin.GeometryModel, file: UrdfFile) -> None:
         )
 
 
-def bodies_of(model: pin.Model, geometry: pin.GeometryModel) -> tuple[Body, ...]:
+def bodies_of(model: pin.Model, geometry: pin.GeometryModel) -> tuple[GeometryObject, ...]:
     """One body for each collision geometry, in Pinocchio's order, posed on its link."""
     return tuple(_body_of(model, each) for each in geometry.geometryObjects)
 
@@ -238,11 +238,11 @@ def mimic_joints(urdf: Path | UrdfFile) -> dict[str, Mimic]:
     return mimics
 
 
-def _body_of(model: pin.Model, geometry: pin.GeometryObject) -> Body:
+def _body_of(model: pin.Model, geometry: pin.GeometryObject) -> GeometryObject:
     frame = model.frames[geometry.parentFrame]
     pose = frame.placement.actInv(geometry.placement).homogeneous
-    with within(f"link {frame.name!r}"):
-        return Body(geometry.name, frame.name, pose, _shape_of(geometry))
+    with error_context(f"link {frame.name!r}"):
+        return GeometryObject(geometry.name, frame.name, pose, _shape_of(geometry))
 
 
 def _shape_of(geometry: pin.GeometryObject) -> Shape:

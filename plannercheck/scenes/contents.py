@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
-from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Sphere
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.scenes.declared_states import DeclaredStates
 
@@ -214,14 +214,14 @@ class SceneContents(DeclaredStates):
         return tuple(self._attached.values())
 
     @property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> tuple[GeometryObject, ...]:
         """All parts of all obstacles, with `link` None and their pose in the world.
 
         Raises:
             PlannercheckError: If an object is posed in a link's frame, which only a robot can place.
         """
         for item in self._objects.values():
-            if item.anchor is not None:
+            if item.pose_frame is not None:
                 raise unplaced(item)
         return tuple(body for item in self._objects.values() for body in item.bodies)
 

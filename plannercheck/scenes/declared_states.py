@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -27,8 +26,8 @@ class RobotStates:
         samples: An npy file of configurations (n, nq), or None.
     """
 
-    start: Array | None = None
-    goal: Array | None = None
+    start: Floats | None = None
+    goal: Floats | None = None
     samples: Path | None = None
 
 
@@ -66,15 +65,15 @@ class DeclaredStates:
             )
         self.states[robot] = states
 
-    def start(self, robot: str) -> Array:
+    def start(self, robot: str) -> Floats:
         """The start configuration (nq,) that the scene declares for a robot."""
         return self._declared(robot, "start", self._states_of(robot, "start").start)
 
-    def goal(self, robot: str) -> Array:
+    def goal(self, robot: str) -> Floats:
         """The goal configuration (nq,) that the scene declares for a robot."""
         return self._declared(robot, "goal", self._states_of(robot, "goal").goal)
 
-    def samples(self, robot: str) -> Array:
+    def samples(self, robot: str) -> Floats:
         """The sample configurations (n, nq) that the scene declares for a robot."""
         states = self._states_of(robot, "samples")
         if states.samples is None:
@@ -91,7 +90,7 @@ class DeclaredStates:
             raise self._undeclared(robot, what)
         return self.states[robot]
 
-    def _declared(self, robot: str, what: str, value: Array | None) -> Array:
+    def _declared(self, robot: str, what: str, value: Floats | None) -> Floats:
         if value is None:
             raise self._undeclared(robot, what)
         return value
@@ -103,7 +102,7 @@ class DeclaredStates:
         )
 
 
-def _configuration(values: ArrayLike, what: str) -> Array:
+def _configuration(values: ArrayLike, what: str) -> Floats:
     """A read-only configuration (nq,), all values finite."""
     try:
         array = np.array(values, dtype=np.float64)
@@ -117,7 +116,7 @@ def _configuration(values: ArrayLike, what: str) -> Array:
     return array
 
 
-def _load_samples(path: Path) -> Array:
+def _load_samples(path: Path) -> Floats:
     """A set of configurations (n, nq) from an npy file."""
     try:
         samples = np.load(path, allow_pickle=False)

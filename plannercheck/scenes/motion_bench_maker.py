@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.arrays import OwnsArrays
-from plannercheck.common.checked_yaml import BROKEN_FILE, parse_yaml, read_bytes, within
+from plannercheck.common.checked_yaml import BROKEN_FILE, error_context, parse_yaml, read_bytes
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.input_limits import INPUT_LIMITS
@@ -82,14 +82,14 @@ class ProblemSet:
     def problem(self, number: str) -> Problem:
         """Reads one problem, given its number in the files' names, e.g. "0001"."""
         scene_file, request_file = self.members[number]
-        with within(f"{self.name}, {scene_file}"):
+        with error_context(f"{self.name}, {scene_file}"):
             scene, folder = Scene(), self._folder / Path(scene_file).parent
             read_planning_scene(scene, parse_yaml(self._read(scene_file)), folder)
-        with within(f"{self.name}, {request_file}"):
+        with error_context(f"{self.name}, {request_file}"):
             request = motion_request(parse_yaml(self._read(request_file)), self._ik, scene.frames)
             name = f"{self.name}/{number}"
             scene.name = scene.name or name
-            with within("start_state"):
+            with error_context("start_state"):
                 attach_from_state(scene, request.state, self._folder / Path(request_file).parent)
             return _problem(name, scene, request)
 
@@ -118,7 +118,7 @@ def load_problems(path: str | Path, ik: InverseKinematics | None = None) -> Prob
 def _archive(path: Path) -> dict[str, bytes]:
     """The YAML files of a tar archive by name."""
     try:
-        with within(f"problem set {str(path)!r}"), tarfile.open(path) as archive:
+        with error_context(f"problem set {str(path)!r}"), tarfile.open(path) as archive:
             return _members(archive)
     except PlannercheckError:
         raise

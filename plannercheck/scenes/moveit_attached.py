@@ -13,8 +13,8 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from plannercheck.bodies.objects import Anchor, SceneObject, StatedJoints, scene_object
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, required, sequence, text, within
+from plannercheck.bodies.objects import PoseFrame, SceneObject, StatedJoints, scene_object
+from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_frames import find_frame
@@ -46,7 +46,7 @@ def read_attached(state: Node, joints: StatedJoints, find_file: FindFile) -> lis
     """Reads what a robot state with these joints attaches."""
     found: list[AttachedMessage] = []
     for k, item in enumerate(sequence(state.get("attached_collision_objects"), "'attached_collision_objects'")):
-        with within(f"attached object {k}"):
+        with error_context(f"attached object {k}"):
             node = mapping(item, "it")
             check_keys(node, _KEYS)
             link = text(required(node, "link_name"), "link_name")
@@ -78,20 +78,20 @@ def attach_from_world(scene: SceneContents, messages: list[AttachedMessage]) -> 
         if name not in scene.object_names:
             raise unknown_name("object to attach, without shapes of its own,", name, scene.object_names)
         item = scene.object(name)
-        with within(f"attached object {name!r}"):
-            anchor = item.anchor or Anchor("", message.state)
-            if anchor.state != message.state:
+        with error_context(f"attached object {name!r}"):
+            pose_frame = item.pose_frame or PoseFrame("", message.state)
+            if pose_frame.state != message.state:
                 raise PlannercheckError("is placed at another robot state: give one robot_state to both")
         scene.remove(name)
         carried = item.attached(message.link, item.pose, message.touch_links)
-        scene.put(dataclasses.replace(carried, anchor=anchor, frame=item.frame))
+        scene.put(dataclasses.replace(carried, pose_frame=pose_frame, frame=item.frame))
 
 
 def _posed(scene: SceneContents, message: AttachedMessage) -> SceneObject:
-    """The object on its link, or with an anchor."""
+    """The object on its link, or with a pose frame."""
     read = message.object
     item = dataclasses.replace(scene_object(read.name, read.parts, read.pose), subframes=read.subframes)
-    with within(f"attached object {read.name!r}"):
+    with error_context(f"attached object {read.name!r}"):
         if not read.frame:
             raise PlannercheckError(
                 f"its header names no frame: give header.frame_id, {message.link!r} if its pose is on that link"
@@ -100,7 +100,7 @@ def _posed(scene: SceneContents, message: AttachedMessage) -> SceneObject:
             return item.attached(message.link, read.pose, message.touch_links)
         frame = find_frame(scene, read.frame, message.state)
     held = frame.holds(item)
-    on_own_link = frame.anchor is not None and frame.anchor.frame == message.link
-    anchor = None if on_own_link else frame.anchor or Anchor("", message.state)
+    on_own_link = frame.pose_frame is not None and frame.pose_frame.frame == message.link
+    pose_frame = None if on_own_link else frame.pose_frame or PoseFrame("", message.state)
     carried = held.attached(message.link, held.pose, message.touch_links)
-    return dataclasses.replace(carried, anchor=anchor, frame=frame.name)
+    return dataclasses.replace(carried, pose_frame=pose_frame, frame=frame.name)

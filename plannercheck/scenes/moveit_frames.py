@@ -1,7 +1,7 @@
 """Frames of a MoveIt planning scene, and the poses of objects in them.
 
 In: `fixed_frame_transforms` of a parsed planning scene, and the scene as built so far. Out: `SceneFrames`, and objects
-posed in the world, or with an anchor where the pose depends on the robot.
+posed in the world, or with a pose frame where the pose depends on the robot.
 
 The rules are those of MoveIt's sources. `Transforms::copyTransforms` and `setTransform` (moveit_core, transforms.cpp)
 put the frame's name into header.frame_id and the planning frame into child_frame_id; the transform takes points of that
@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.objects import Anchor, SceneFrames, SceneObject, StatedJoints
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, required, sequence, within
+from plannercheck.bodies.objects import PoseFrame, SceneFrames, SceneObject, StatedJoints
+from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, required, sequence
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_messages import frame_name, header_frame, transform
@@ -37,7 +37,7 @@ def scene_frames(document: Node) -> SceneFrames:
     planning = ""
     fixed: dict[str, Matrix] = {}
     for k, item in enumerate(sequence(document.get("fixed_frame_transforms"), "'fixed_frame_transforms'")):
-        with within(f"fixed_frame_transforms {k}"):
+        with error_context(f"fixed_frame_transforms {k}"):
             node = mapping(item, "it")
             check_keys(node, ("header", "child_frame_id", "transform"))
             name = header_frame(node) or _DEFAULT
@@ -62,18 +62,18 @@ class Frame:
     """A frame and its pose.
 
     Attributes:
-        anchor: The link that it is fixed to, and the robot state; None for the world.
+        pose_frame: The link that it is fixed to, and the robot state; None for the world.
         pose: (4, 4) in the world or on that link, m.
         name: Its name in the file if it is a fixed frame or an object's; else empty.
     """
 
-    anchor: Anchor | None
+    pose_frame: PoseFrame | None
     pose: Matrix
     name: str = ""
 
     def holds(self, item: SceneObject) -> SceneObject:
-        """The object whose pose is given in this frame, posed in the world or with an anchor."""
-        return dataclasses.replace(item.moved(self.pose @ item.pose), anchor=self.anchor, frame=self.name)
+        """The object whose pose is given in this frame, posed in the world or with a pose frame."""
+        return dataclasses.replace(item.moved(self.pose @ item.pose), pose_frame=self.pose_frame, frame=self.name)
 
 
 def find_frame(scene: SceneContents, name: str, state: StatedJoints, later: Collection[str] = ()) -> Frame:
@@ -109,7 +109,7 @@ def find_frame(scene: SceneContents, name: str, state: StatedJoints, later: Coll
         return Frame(None, frames.fixed[name], name)
     if any(name == other or name.startswith(f"{other}/") for other in later):
         raise PlannercheckError(f"frame {name!r} is of an object that comes later: put that object before this one")
-    return Frame(Anchor(name, state, _known(scene)), np.eye(4))
+    return Frame(PoseFrame(name, state, _known(scene)), np.eye(4))
 
 
 def _planning_names(frames: SceneFrames) -> set[str]:
@@ -121,13 +121,13 @@ def _planning_names(frames: SceneFrames) -> set[str]:
 
 def _frame_of(item: SceneObject, subframe: Matrix, state: StatedJoints, name: str) -> Frame:
     """An object's frame, or a subframe of it, at the object's own state, else at the given one."""
-    if item.anchor is None:
-        return Frame(None if item.link is None else Anchor(item.link, state), item.pose @ subframe, name)
-    if item.anchor.state != state:
+    if item.pose_frame is None:
+        return Frame(None if item.link is None else PoseFrame(item.link, state), item.pose @ subframe, name)
+    if item.pose_frame.state != state:
         raise PlannercheckError(
             f"frame {name!r} is of an object that is placed at another robot state: give one robot_state to both"
         )
-    return Frame(item.anchor, item.pose @ subframe, name)
+    return Frame(item.pose_frame, item.pose @ subframe, name)
 
 
 def _known(scene: SceneContents) -> tuple[str, ...]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.objects import SceneFrames
 from plannercheck.common.arrays import OwnsArrays
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, number, required, sequence, text, within
+from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, number, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.transforms import pose_of, rotation_of_quaternion
 from plannercheck.scenes.moveit_messages import header_frame, pose, vector
@@ -84,7 +84,7 @@ class GoalReader:
 
     def read(self, node: Node, index: int) -> list[Values]:
         """The joint values of one goal; several if the inverse kinematics finds several."""
-        with within(f"goal_constraints {index}"):
+        with error_context(f"goal_constraints {index}"):
             if sequence(node.get("visibility_constraints"), "'visibility_constraints'"):
                 raise PlannercheckError("visibility_constraints are not supported, goals are joint_constraints")
             given = [key for key in _POSES if sequence(node.get(key), repr(key))]
@@ -107,12 +107,12 @@ class GoalReader:
         if sequence(node.get("joint_constraints"), "'joint_constraints'"):
             raise PlannercheckError("a goal is either joint_constraints or a link's pose, not both")
         position, orientation = (_only_one(node, key) for key in _POSES)
-        with within("position_constraints"):
+        with error_context("position_constraints"):
             check_keys(position, _POSITION_KEYS)
             link, frame = text(required(position, "link_name"), "link_name"), header_frame(position)
             offset = vector(position.get("target_point_offset") or [0.0] * 3, "target_point_offset", "xyz")
             middle = _middle(mapping(required(position, "constraint_region"), "'constraint_region'"))
-        with within("orientation_constraints"):
+        with error_context("orientation_constraints"):
             check_keys(orientation, _ORIENTATION_KEYS)
             other = text(required(orientation, "link_name"), "link_name"), header_frame(orientation)
             rotation = _rotation(orientation)
@@ -153,7 +153,7 @@ def _only_one(node: Node, key: str) -> Node:
 
 def _middle(region: Node) -> Matrix:
     """The middle (3,) of a constraint's region, i.e. of its only primitive."""
-    with within("constraint_region"):
+    with error_context("constraint_region"):
         check_keys(region, _REGION_KEYS)
         shapes = [len(sequence(region.get(key), repr(key))) for key in ("primitives", "primitive_poses", "meshes")]
         if shapes != [1, 1, 0]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
+from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.transforms import pose_of, rotation_of_quaternion
 
@@ -71,5 +71,5 @@ def subframe_poses(node: Node) -> dict[str, Matrix]:
     poses = [mapping(item, "a pose") for item in sequence(node.get("subframe_poses"), "'subframe_poses'")]
     if len(names) != len(poses):
         raise PlannercheckError(f"{len(names)} subframe_names, but {len(poses)} subframe_poses: each needs one")
-    with within("subframe_poses"):
+    with error_context("subframe_poses"):
         return {name: pose(item) for name, item in zip(names, poses, strict=True)}

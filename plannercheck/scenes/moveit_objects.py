@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.meshes import hull_of_triangles, load_mesh
 from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
+from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.scenes.moveit_messages import header_frame, is_all_zeros, pose, subframe_poses, vector
 from plannercheck.scenes.scene_paths import FindFile
@@ -76,7 +76,7 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
     missing or the identity takes the pose of its shape.
     """
     name = text(required(node, "id"), "id")
-    with within(f"collision object {name!r}"):
+    with error_context(f"collision object {name!r}"):
         check_keys(node, _OBJECT_KEYS)
         for key in ("planes", "plane_poses"):
             if sequence(node.get(key), f"'{key}'"):
@@ -96,7 +96,7 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
 
 def _object_pose(node: Node) -> Matrix:
     """An object's own pose; all zeros means an unset pose, hence the identity, as with Eigen in MoveIt."""
-    with within("pose"):
+    with error_context("pose"):
         return np.eye(4) if node and is_all_zeros(node) else pose(node)
 
 
@@ -106,13 +106,13 @@ def _posed(node: Node, shapes: str, poses: str) -> list[tuple[Node, Matrix]]:
     given = [mapping(item, f"an entry of {poses!r}") for item in sequence(node.get(poses), repr(poses))]
     if given and len(given) != len(items):
         raise PlannercheckError(f"{len(items)} {shapes}, but {len(given)} {poses}: one pose for each is needed")
-    with within(poses):
+    with error_context(poses):
         matrices = [pose(item) for item in given] or [np.eye(4)] * len(items)
     return list(zip(items, matrices, strict=True))
 
 
 def _primitive(node: Node) -> Shape:
-    with within("primitives"):
+    with error_context("primitives"):
         check_keys(node, ("type", "dimensions", "polygon"))
         kind = _primitive_kind(required(node, "type"))
         _, count, make = _PRIMITIVES[kind]
@@ -129,7 +129,7 @@ def _primitive_kind(value: Any) -> str:
 
 def _mesh(node: Node, find_file: FindFile) -> Hull:
     """The hull of a mesh, given in the file itself or as another file with a scale along each axis."""
-    with within("meshes"):
+    with error_context("meshes"):
         check_keys(node, ("vertices", "triangles", "resource", "dimensions"))
         if "resource" in node:
             scale = numbers(node["dimensions"], "dimensions", 3) if node.get("dimensions") else 1.0

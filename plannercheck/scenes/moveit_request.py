@@ -11,7 +11,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from plannercheck.bodies.objects import SceneFrames
-from plannercheck.common.checked_yaml import Node, mapping, parse_yaml, read_bytes, required, sequence, text, within
+from plannercheck.common.checked_yaml import (
+    Node,
+    error_context,
+    mapping,
+    parse_yaml,
+    read_bytes,
+    required,
+    sequence,
+    text,
+)
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_goals import GoalReader, InverseKinematics
 from plannercheck.scenes.moveit_messages import single_document
@@ -46,7 +55,7 @@ def read_request(path: str | Path, ik: InverseKinematics | None = None) -> Motio
     Raises:
         PlannercheckError: If the file is no request, or a goal has no joint values.
     """
-    with within(f"request file {str(path)!r}"):
+    with error_context(f"request file {str(path)!r}"):
         return motion_request(parse_yaml(single_document(read_bytes(Path(path)))), ik)
 
 
@@ -67,7 +76,7 @@ def motion_request(
     goals = sequence(required(document, "goal_constraints"), "'goal_constraints'")
     if not goals:
         raise PlannercheckError("'goal_constraints' is empty: one goal with joint_constraints is needed")
-    with within("start_state"):
+    with error_context("start_state"):
         joints = joint_values(mapping(required(start, "joint_state"), "'joint_state'"))
     group = text(document.get("group_name") or "", "group_name")
     reader = GoalReader(group, joints, ik, frames)

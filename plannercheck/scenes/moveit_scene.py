@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from plannercheck.bodies.objects import StatedJoints, scene_object
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, number, required, sequence, text, within
+from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, number, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.moveit_attached import attach_from_world, attach_with_shapes, read_attached
@@ -64,7 +64,7 @@ def read_planning_scene(scene: SceneContents, document: Node, folder: Path, pack
     scene.name = text(document.get("name") or "", "name")
     scene.frames = scene_frames(document)
     state = mapping(document.get("robot_state"), "'robot_state'")
-    with within("robot_state"):
+    with error_context("robot_state"):
         check_robot_state(state, "scene", scene.frames)
     scene.link_padding = _link_padding(document)
     _warn_of_scale(document)
@@ -75,18 +75,18 @@ def read_planning_scene(scene: SceneContents, document: Node, folder: Path, pack
     find_file = file_finder(folder, package_dirs)
     obstacles = []
     for k, item in enumerate(sequence(world.get("collision_objects"), "'collision_objects'")):
-        with within(f"collision object {k}"):
+        with error_context(f"collision object {k}"):
             node = mapping(item, "it")
             required(node, "id")
         obstacles.append(read_object(node, find_file))
     _add_objects(scene, state, obstacles, find_file)
-    with within("allowed_collision_matrix"):
+    with error_context("allowed_collision_matrix"):
         scene.allowed = allowed_collisions(mapping(document.get("allowed_collision_matrix"), "it"))
 
 
 def _add_objects(scene: SceneContents, state: Node, obstacles: Sequence[ObjectMessage], find_file: FindFile) -> None:
     """Adds attached objects and obstacles in MoveIt's order, since each may be posed in an earlier one's frame."""
-    with within("robot_state"):
+    with error_context("robot_state"):
         joints = stated_joints(state)
         attached = read_attached(state, joints, find_file)
         attach_with_shapes(scene, attached)
@@ -95,12 +95,12 @@ def _add_objects(scene: SceneContents, state: Node, obstacles: Sequence[ObjectMe
     for k, read in enumerate(obstacles):
         if read.name not in replaced:
             _add_obstacle(scene, read, joints, names[k + 1 :])
-    with within("robot_state"):
+    with error_context("robot_state"):
         attach_from_world(scene, attached)
 
 
 def _add_obstacle(scene: SceneContents, read: ObjectMessage, joints: StatedJoints, later: Sequence[str]) -> None:
-    with within(f"collision object {read.name!r}"):
+    with error_context(f"collision object {read.name!r}"):
         if not read.parts:
             raise PlannercheckError("has neither primitives nor meshes")
         frame = find_frame(scene, read.frame, joints, later)

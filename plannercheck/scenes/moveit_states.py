@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from plannercheck.bodies.objects import SceneFrames, StatedJoints
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, sequence, text, within
+from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, sequence, text
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_messages import header_frame, transform
 
@@ -62,7 +62,7 @@ def stated_joints(state: Node) -> StatedJoints:
 
 def joint_values(node: Node) -> dict[str, float]:
     """Values by joint name of a `sensor_msgs/JointState`, rad or m; none if it is empty."""
-    with within("joint_state"):
+    with error_context("joint_state"):
         check_keys(node, _JOINT_KEYS)
         names = [text(n, "name") for n in sequence(node.get("name"), "'name'")]
         values = numbers(node.get("position") or [], "position", len(names))

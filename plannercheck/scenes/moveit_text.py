@@ -41,7 +41,7 @@ from plannercheck.bodies.meshes import hull_of_triangles
 from plannercheck.bodies.objects import Part, SceneObject, scene_object, unplaced
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion
 from plannercheck.scenes.contents import SceneContents
@@ -94,7 +94,7 @@ def read_scene_text(scene: SceneContents, content: bytes) -> None:
             name = words.rest_of_line()
             if not name or name in scene.object_names:
                 raise PlannercheckError(f"object {name!r} exists already" if name else "an object needs a name")
-        with within(f"object {name!r}"):
+        with error_context(f"object {name!r}"):
             scene.put(_object(words, name, has_poses))
 
 
@@ -209,7 +209,7 @@ class _Words:
 
     def at_this_line(self) -> AbstractContextManager[None]:
         """A context that puts the number of the line before errors."""
-        return within(f"line {self._row + 1}")
+        return error_context(f"line {self._row + 1}")
 
     def error(self, message: str) -> PlannercheckError:
         """The error for the last word."""
@@ -227,14 +227,14 @@ def scene_text(scene: SceneContents) -> str:
     """
     lines = [_single_line(scene.name, "the scene's name")]
     for item in scene.objects:
-        with within(f"object {item.name!r}"):
+        with error_context(f"object {item.name!r}"):
             lines += _object_lines(item)
     _warn_of_the_rest(scene)
     return "\n".join([*lines, _END, ""])
 
 
 def _object_lines(item: SceneObject) -> list[str]:
-    if item.anchor is not None:
+    if item.pose_frame is not None:
         raise unplaced(item)
     lines = [f"{_OBJECT} {_single_line(item.name, 'its name')}", *_pose_lines(item.pose), str(len(item.parts))]
     for part in item.parts:

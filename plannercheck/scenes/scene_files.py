@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, SceneObject, unplaced
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import (
     BROKEN_FILE,
     Node,
     check_keys,
+    error_context,
     mapping,
     number,
     numbers,
@@ -30,7 +31,6 @@ from plannercheck.common.checked_yaml import (
     required,
     sequence,
     text,
-    within,
 )
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file, is_folder
@@ -70,7 +70,7 @@ def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = 
     """
     if not is_file(path):
         raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
-    with within(f"scene file {str(path)!r}"):
+    with error_context(f"scene file {str(path)!r}"):
         content = read_bytes(path)
         if path.suffix.lower() == moveit_text.SUFFIX:
             moveit_text.read_scene_text(scene, content)
@@ -100,23 +100,23 @@ def _read(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequ
         _attach_object(scene, mapping(item, f"attached object {k}"), k, find_file)
     _read_allowed(scene, document)
     for robot, item in mapping(document.get("states"), "'states'").items():
-        with within(f"states of {robot!r}"):
+        with error_context(f"states of {robot!r}"):
             read_states(scene, robot, mapping(item, "they"), folder)
 
 
 def _add_object(scene: SceneContents, node: Node, index: int, find_file: FindFile) -> None:
-    with within(f"object {index}"):
+    with error_context(f"object {index}"):
         name = text(required(node, "name"), "name")
-    with within(f"object {name!r}"):
+    with error_context(f"object {name!r}"):
         check_keys(node, ("name", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
         parts, pose = _parts(node, find_file), _pose(node)
     scene.add(name, parts, pose)
 
 
 def _attach_object(scene: SceneContents, node: Node, index: int, find_file: FindFile) -> None:
-    with within(f"attached object {index}"):
+    with error_context(f"attached object {index}"):
         name = text(required(node, "name"), "name")
-    with within(f"attached object {name!r}"):
+    with error_context(f"attached object {name!r}"):
         check_keys(node, ("name", "link", "touch_links", "parts", *_SHAPE_KEYS, *_POSE_KEYS))
         link = text(required(node, "link"), "link")
         touched = [text(item, "touch_links") for item in sequence(node.get("touch_links"), "'touch_links'")]
@@ -131,7 +131,7 @@ def _parts(node: Node, find_file: FindFile) -> list[Part]:
     _one_of(node, ("parts", *_SHAPE_KEYS))
     parts = []
     for k, item in enumerate(sequence(node["parts"], "'parts'")):
-        with within(f"part {k}"):
+        with error_context(f"part {k}"):
             part = mapping(item, "it")
             check_keys(part, (*_SHAPE_KEYS, *_POSE_KEYS))
             parts.append(_part(part, find_file, _pose(part)))
@@ -141,7 +141,7 @@ def _parts(node: Node, find_file: FindFile) -> list[Part]:
 def _part(node: Node, find_file: FindFile, pose: NDArray[np.float64] | None) -> Part:
     """The shape that a mapping describes, posed in an object's frame."""
     kind = _one_of(node, _SHAPE_KEYS)
-    with within(kind):
+    with error_context(kind):
         values = mapping(node[kind], "it")
         shape, source = _shape(kind, values, find_file)
     return Part(shape, pose, source)
@@ -241,11 +241,11 @@ def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> 
 
 def write_scene(scene: SceneContents, path: Path) -> None:
     """Writes a scene, as MoveIt's text if the path ends in `.scene`, else in our own format."""
-    with within(f"scene file {str(path)!r}"):
+    with error_context(f"scene file {str(path)!r}"):
         is_text = path.suffix.lower() == moveit_text.SUFFIX
         text = moveit_text.scene_text(scene) if is_text else _yaml_text(scene, path.resolve().parent)
     try:
-        written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+        write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     except PlannercheckError as error:
         raise PlannercheckError(f"scene {error}") from None
 
@@ -262,7 +262,7 @@ def _yaml_text(scene: SceneContents, folder: Path) -> str:
 
 
 def _object_node(item: SceneObject, folder: Path) -> Node:
-    if item.anchor is not None:
+    if item.pose_frame is not None:
         raise unplaced(item)
     if len(item.parts) == 1 and item.parts[0].pose is None:
         return {"name": item.name, **_shape_node(item.parts[0], folder), **_pose_node(item.pose)}

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import hull_and_swell
+from plannercheck.bodies.shapes import inflated_hull
 from plannercheck.scenes.contents import SceneContents
 
 # A scene that spans this much, and in which no object is thinner than that, is in millimetres: a wide floor is thin. m.
@@ -21,8 +21,8 @@ def scale_hint(scene: SceneContents) -> str:
     extents: dict[str, list[NDArray[np.float64]]] = {}
     for item in scene.objects:
         for part in item.parts:
-            points, _, swell = hull_and_swell(part.shape)
-            extents.setdefault(item.name, []).append(np.ptp(points, axis=0) + 2 * swell)
+            points, _, inflation_radius = inflated_hull(part.shape)
+            extents.setdefault(item.name, []).append(np.ptp(points, axis=0) + 2 * inflation_radius)
     if not extents:
         return ""
     largest = {name: float(np.max(sizes)) for name, sizes in extents.items()}

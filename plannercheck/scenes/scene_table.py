@@ -21,8 +21,8 @@ def scene_html(scene: SceneContents) -> str:
 
 def _cells(item: SceneObject) -> tuple[str, str, str, str]:
     frame = item.link or "the world"
-    if item.anchor is not None:  # its pose is in another frame until a checker has placed it
-        frame = item.anchor.frame or "the world"
+    if item.pose_frame is not None:  # its pose is in another frame until a checker has placed it
+        frame = item.pose_frame.frame or "the world"
     position = ", ".join(f"{value:.4g}" for value in item.pose[:3, 3])
     return item.name, ", ".join(_words(part.shape) for part in item.parts), position, frame
 

@@ -20,11 +20,11 @@ from plannercheck.bodies.certificates import Certificate, Mixture, PosedBody, Sh
 from plannercheck.bodies.integers import IntegerHull, Integers
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Body, hull_and_swell
+from plannercheck.bodies.shapes import GeometryObject, inflated_hull
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 
-Floats = NDArray[np.float64]
 Box = tuple[Integers, Integers]
 
 # Boxes are in whole numbers of 2^-60 m, rounded outward: far finer than any gap that matters.
@@ -188,14 +188,18 @@ class _Certification:
         return Unproved(row, first, second, colliding)
 
 
-def _given_body(body: Body, polytope: Polytope, excess: float, padding: float) -> PosedBody:
-    """The points that a body was made of, not posed yet; its swell includes its padding."""
-    points, _, swell = hull_and_swell(body.shape, excess)
-    swell += padding
+def _given_body(body: GeometryObject, polytope: Polytope, excess: float, padding: float) -> PosedBody:
+    """The points that a body was made of, not posed yet; its inflation radius includes its padding."""
+    points, _, inflation_radius = inflated_hull(body.shape, excess)
+    inflation_radius += padding
     source = polytope.source
-    if swell != polytope.swell or source.max() >= len(points) or not np.array_equal(points[source], polytope.vertices):
+    if (
+        inflation_radius != polytope.inflation_radius
+        or source.max() >= len(points)
+        or not np.array_equal(points[source], polytope.vertices)
+    ):
         raise PlannercheckError(f"body {body.name!r} is not made of the points of its shape with excess={excess:g}")
-    return PosedBody(points, np.eye(4), swell)
+    return PosedBody(points, np.eye(4), inflation_radius)
 
 
 def _of_source(mixture: Mixture, polytope: Polytope) -> Mixture:
@@ -206,7 +210,7 @@ def _of_source(mixture: Mixture, polytope: Polytope) -> Mixture:
 
 
 def exact_box(body: PosedBody) -> Box:
-    """The box along the world's axes around a posed body, swell included.
+    """The box along the world's axes around a posed body, inflation radius included.
 
     Args:
         body: The body.
@@ -214,9 +218,9 @@ def exact_box(body: PosedBody) -> Box:
     Returns:
         Lowest and highest corner in whole numbers of 2^-60 m, rounded outward.
     """
-    hull = IntegerHull(body.vertices, body.pose, body.swell)
-    lows = [hull.point(hull.lowest(axis))[k] - hull.swell for k, axis in enumerate(_AXES)]
-    highs = [hull.point(hull.lowest(axis))[k] + hull.swell for k, axis in enumerate(_OPPOSITES)]
+    hull = IntegerHull(body.vertices, body.pose, body.inflation_radius)
+    lows = [hull.point(hull.lowest(axis))[k] - hull.inflation_radius for k, axis in enumerate(_AXES)]
+    highs = [hull.point(hull.lowest(axis))[k] + hull.inflation_radius for k, axis in enumerate(_OPPOSITES)]
     low_x, low_y, low_z = (_on_grid(low, hull.unit) for low in lows)
     high_x, high_y, high_z = (-_on_grid(-high, hull.unit) for high in highs)
     return (low_x, low_y, low_z), (high_x, high_y, high_z)

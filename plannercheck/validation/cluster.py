@@ -25,7 +25,7 @@ from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.common.version import __version__
-from plannercheck.validation.engines import judged
+from plannercheck.validation.engines import evaluate
 from plannercheck.validation.formats.chunks import Chunk
 from plannercheck.validation.judging import Findings, Judge
 
@@ -77,16 +77,16 @@ class CheckerOnWorker(distributed.WorkerPlugin):  # type: ignore[misc]  # that l
         """Called when the worker or its plugin goes."""
         self._checker = None
 
-    def judged(self, chunk: Chunk) -> Findings:
+    def evaluate(self, chunk: Chunk) -> Findings:
         """What is found about a chunk."""
         assert self._checker is not None  # a worker works only after its setup
-        return judged(self._judge, self._checker, chunk)
+        return evaluate(self._judge, self._checker, chunk)
 
 
 def judged_on_worker(plugin: str, chunk: Chunk) -> Findings:
     """The task: judges a chunk with the checker of the worker that runs it."""
     held: CheckerOnWorker = distributed.get_worker().plugins[plugin]
-    return held.judged(chunk)
+    return held.evaluate(chunk)
 
 
 class ClusterEngine:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from typing import Protocol
 
 from plannercheck.checking.protocols import AnyChecker
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.validation.formats.chunks import Chunk
 from plannercheck.validation.judging import Findings, Judge
 
@@ -30,10 +30,10 @@ class LocalEngine:
     def findings(self, chunks: Iterable[Chunk]) -> Iterator[tuple[Chunk, Findings]]:
         """What is found about each chunk, in order."""
         for chunk in chunks:
-            yield chunk, judged(self._judge, self._checker, chunk)
+            yield chunk, evaluate(self._judge, self._checker, chunk)
 
 
-def judged(judge: Judge, checker: AnyChecker, chunk: Chunk) -> Findings:
+def evaluate(judge: Judge, checker: AnyChecker, chunk: Chunk) -> Findings:
     """What a judge finds about a chunk; errors say where in the file it is."""
-    with within(f"rows from {chunk.first_row} on"):
+    with error_context(f"rows from {chunk.first_row} on"):
         return judge(checker, chunk.rows)

@@ -5,7 +5,7 @@ disagreement with the verdict of exact arithmetic on the same hulls and poses.
 
 FCL is an independent library, not the truth: it works to a tolerance, and errs near contact and on small or flat
 bodies. So FCL alone decides nothing. Pairs whose world boxes are apart count as free without a query to FCL. Bodies for
-which FCL has no reliable form (flat ones, swollen polygons and polytopes) are compared with exact arithmetic.
+which FCL has no reliable form (flat ones, inflated polygons and polytopes) are compared with exact arithmetic.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.fcl_bodies import FclBodies
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.counters import sum_fields
 
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from plannercheck.bodies.polytope import Polytope
     from plannercheck.motions.checker import Checker
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 # Configurations whose poses and boxes are held in memory at once.
 _BLOCK = 256
@@ -56,7 +55,7 @@ class Disagreement(OwnsArrays):
     exact: bool
     distance: float
     indices: tuple[int, int]
-    poses: tuple[Array, Array]
+    poses: tuple[Floats, Floats]
 
     @property
     def against_us(self) -> bool:
@@ -107,7 +106,7 @@ class AgreementReport:
         return not self.against_us and not self.contradictions
 
 
-def compare_with_fcl(checker: Checker, q: Array, progress: Callable[[int], object] | None = None) -> AgreementReport:
+def compare_with_fcl(checker: Checker, q: Floats, progress: Callable[[int], object] | None = None) -> AgreementReport:
     """Compares every pair verdict of a checker with FCL's.
 
     Args:
@@ -146,16 +145,16 @@ class _Comparison:
         self._checker = checker
         self._fcl = FclBodies(
             [_vertices_and_faces(polytope) for polytope in checker.polytopes],
-            [0.0 if polytope is None else polytope.swell for polytope in checker.polytopes],
+            [0.0 if polytope is None else polytope.inflation_radius for polytope in checker.polytopes],
         )
         self._names = [body.name for body in checker.bodies]
 
-    def block(self, q: Array, first_row: int) -> AgreementReport:
+    def block(self, q: Floats, first_row: int) -> AgreementReport:
         """Compares the verdicts on configurations (n, nq) that start at a row of a larger set."""
         poses, ours = self._checker.body_poses(q), self._checker.colliding_pairs(q)
         valid = self._checker.check_states(q)
         near = self._fcl.boxes_meet(poses, self._checker.pairs)
-        known: Flags = np.all(self._fcl.known[self._checker.pairs], axis=1)
+        known: Bools = np.all(self._fcl.known[self._checker.pairs], axis=1)
         theirs = self._verdicts_of_others(poses, near, known)
         return AgreementReport(
             states=len(q),
@@ -170,7 +169,7 @@ class _Comparison:
             contradictions=tuple((first_row + np.flatnonzero(valid == ours.any(axis=1))).tolist()),
         )
 
-    def _verdicts_of_others(self, poses: Array, near: Flags, known: Flags) -> Flags:
+    def _verdicts_of_others(self, poses: Floats, near: Bools, known: Bools) -> Bools:
         """Verdicts (n, pairs): FCL's on near pairs that it knows, those of exact arithmetic on other near pairs."""
         verdicts = np.zeros_like(near)
         for row in range(len(near)):
@@ -180,13 +179,13 @@ class _Comparison:
                 verdicts[row, pair] = exact.intersects(*self._posed(pair, poses[row]))
         return verdicts
 
-    def _posed(self, pair: int, poses: Array) -> tuple[Array, Array, Array, Array, float, float]:
-        """Vertices, poses and swells of a pair, as exact arithmetic takes them."""
+    def _posed(self, pair: int, poses: Floats) -> tuple[Floats, Floats, Floats, Floats, float, float]:
+        """Vertices, poses and inflation radii of a pair, as exact arithmetic takes them."""
         p, r = self._checker.pairs[pair].tolist()
-        vertices, swells = self._fcl.vertices, self._fcl.swells
-        return vertices[p], vertices[r], poses[p], poses[r], swells[p], swells[r]
+        vertices, inflation_radii = self._fcl.vertices, self._fcl.inflation_radii
+        return vertices[p], vertices[r], poses[p], poses[r], inflation_radii[p], inflation_radii[r]
 
-    def _judged(self, row: int, pair: int, poses: Array, ours: bool, first_row: int) -> Disagreement:
+    def _judged(self, row: int, pair: int, poses: Floats, ours: bool, first_row: int) -> Disagreement:
         p, r = self._checker.pairs[pair].tolist()
         bodies = self._posed(pair, poses)
         certificate = exact.decide(*bodies)
@@ -204,5 +203,5 @@ class _Comparison:
         )
 
 
-def _vertices_and_faces(polytope: Polytope | None) -> tuple[Array, NDArray[np.int32]] | None:
+def _vertices_and_faces(polytope: Polytope | None) -> tuple[Floats, NDArray[np.int32]] | None:
     return None if polytope is None else (polytope.vertices, polytope.faces)

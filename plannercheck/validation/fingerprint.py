@@ -11,7 +11,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from plannercheck.bodies.shapes import hull_and_swell
+from plannercheck.bodies.shapes import inflated_hull
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.version import __version__
 from plannercheck.motions.checker import Checker
@@ -59,5 +59,5 @@ def _add_shapes(digest: hashlib._Hash, checker: Checker | PlanarChecker) -> None
         return
     digest.update(checker.paddings.tobytes())
     for body in checker.bodies:
-        points, _, swell = hull_and_swell(body.shape, checker.excess)
-        digest.update(np.ascontiguousarray(points).tobytes() + np.float64(swell).tobytes())
+        points, _, inflation_radius = inflated_hull(body.shape, checker.excess)
+        digest.update(np.ascontiguousarray(points).tobytes() + np.float64(inflation_radius).tobytes())

@@ -19,13 +19,13 @@ from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import PairCertificate, ValidityReport
+from plannercheck.common.array_types import Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.certificates import Separation as PlanarSeparation
 from plannercheck.planar.certificates import SharedPoint as PlanarSharedPoint
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.validation.validate import validate
 
-Floats = NDArray[np.float64]
 Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 Explained = Literal["none", "invalid", "all"]

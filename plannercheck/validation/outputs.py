@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.checking.protocols import AnyChecker
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.escaping import csv_cell
 from plannercheck.common.optional_imports import extra_module
@@ -107,7 +107,7 @@ def check_output(path: Path) -> None:
 def write_results(path: Path, results: Results) -> None:
     """Writes verdicts; the suffix tells the format."""
     writers: dict[str, Callable[[Path, Results], None]] = {".npz": _npz, ".csv": _csv, ".parquet": _parquet}
-    written_aside(path, lambda aside: writers[path.suffix](aside, results))
+    write_atomically(path, lambda aside: writers[path.suffix](aside, results))
 
 
 def _npz(path: Path, results: Results) -> None:

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.sampling import DEFAULT_RESOLUTION
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.validation.fcl_agreement import AgreementReport, compare_with_fcl, merged
-
-Floats = NDArray[np.float64]
 
 # States between the samples are this many times denser than the samples.
 DENSER = 10

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.certificates import UnprovedVerdictError
+from plannercheck.common.array_types import Floats
 from plannercheck.planar.certificates import SharedPoint
 from plannercheck.planar.checker import Checker
 from plannercheck.validation.certification import CertificationReport, Unproved
-
-Floats = NDArray[np.float64]
 
 
 def certify_verdicts(checker: Checker, q: Floats, first_pair: NDArray[np.int32]) -> CertificationReport:

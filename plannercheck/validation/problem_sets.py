@@ -12,11 +12,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import mean, median
 
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl import plan
 from plannercheck.ompl.plans import Plan
-from plannercheck.ompl.start_and_goal import EndState, checked_end, judged
+from plannercheck.ompl.start_and_goal import EndState, check_end_state, checked_end
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.motion_bench_maker import Problem
 from plannercheck.validation.path_recheck import PathCheck, check_path
@@ -70,7 +70,7 @@ class SetSummary:
 
 def robot_of(problem: Problem, robot: Robot) -> Robot:
     """The robot with a problem's group and held joints."""
-    with within(f"problem {problem.name}"):
+    with error_context(f"problem {problem.name}"):
         return robot.with_group(problem.joint_names, problem.group).holding(problem.held)
 
 
@@ -89,9 +89,9 @@ def solve(
         The result. Of several goals, the first accepted one is used.
     """
     checker = Checker(robot_of(problem, robot), problem.scene)
-    with within(f"problem {problem.name}"):
-        start = judged(checker, checked_end(checker, problem.start, "start"))
-        goals = [judged(checker, checked_end(checker, goal, "goal")) for goal in problem.goals]
+    with error_context(f"problem {problem.name}"):
+        start = check_end_state(checker, checked_end(checker, problem.start, "start"))
+        goals = [check_end_state(checker, checked_end(checker, goal, "goal")) for goal in problem.goals]
     chosen = next((k for k, goal in enumerate(goals) if goal.accepted), 0)
     found = planner(checker, problem, chosen)
     check = check_path(checker, found.path) if verify and found.solved else None

@@ -16,10 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.checking.input_hints import always_hint, limits_hint
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import PairCount, ValidityReport, pair_counts
+from plannercheck.common.array_types import Bools, Ints
 from plannercheck.common.arrays import OwnsArrays
-
-Ints = NDArray[np.int32]
-Bools = NDArray[np.bool_]
 
 # Configurations whose verdicts on all pairs are held at once: (rows, pairs) of a byte each, and poses.
 _ALL_PAIRS_ROWS = 4096

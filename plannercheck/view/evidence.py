@@ -15,11 +15,9 @@ from plannercheck.bodies.certificates import PosedBody, Separation, SharedPoint,
 from plannercheck.bodies.distance import Distance, distance
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.view.model import Plane, Witness
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Planes are drawn as large as the smaller of their two bodies, within these bounds, m.
 _SMALLEST_PLANE, _LARGEST_PLANE = 0.06, 0.4
@@ -100,7 +98,10 @@ class Evidence:
     def _separation(self, k: int, poses: Floats, near: Distance) -> Separation | None:
         """Of the nearest points' direction, which keeps the most room; else the one that the verdict comes with."""
         first, second, pose_p, pose_r = self._posed(k, poses)
-        bodies = PosedBody(first.vertices, pose_p, first.swell), PosedBody(second.vertices, pose_r, second.swell)
+        bodies = (
+            PosedBody(first.vertices, pose_p, first.inflation_radius),
+            PosedBody(second.vertices, pose_r, second.inflation_radius),
+        )
         way = near.point_p - near.point_r
         widest = separation(direction_of(way), bodies) if way.any() else None
         certificate = certify_posed(first, second, pose_p, pose_r) if widest is None else widest
@@ -120,4 +121,4 @@ def _ball(body: Polytope | None) -> tuple[Floats, float]:
     if body is None:
         return np.zeros(3), 0.0
     centre = (body.vertices.min(axis=0) + body.vertices.max(axis=0)) / 2
-    return centre, float(np.linalg.norm(body.vertices - centre, axis=1).max()) + body.swell
+    return centre, float(np.linalg.norm(body.vertices - centre, axis=1).max()) + body.inflation_radius

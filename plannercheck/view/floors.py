@@ -12,11 +12,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.view.model import FLOOR_OPACITY, Mesh
-
-Floats = NDArray[np.float64]
 
 _NAME = re.compile(r"(?:^|[^a-z])(?:floor|ground)(?:[^a-z]|$)", re.IGNORECASE)
 # A plate is flat if its height is less than this part of either edge.

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
-
-Floats = NDArray[np.float64]
 
 # Of an animation: four seconds.
 DEFAULT_FRAMES = 120

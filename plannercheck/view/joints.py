@@ -10,15 +10,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.view.model import Picture
 from plannercheck.view.picture import picture
 from plannercheck.view.surfaces import Surface, Visual
-
-Floats = NDArray[np.float64]
 
 # How far a joint without limits is moved: a whole turn, rad; of a vehicle's x and y, m.
 _TURN, _WAY = np.pi, 10.0

@@ -9,12 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Bools = NDArray[np.bool_]
+from plannercheck.common.array_types import Bools, Floats, Ints
 
 # What a mesh is: the hull of a link, a link's mesh for collisions as it was delivered, or for the eye; an obstacle, or
 # the floor.

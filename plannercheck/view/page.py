@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.escaping import json_in_script
 from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Mesh, Picture
 
@@ -26,7 +26,7 @@ _TITLE, _DATA = "<!--TITLE-->", "/*DATA*/"
 def write_page(picture: Picture, path: str | Path) -> None:
     """Writes a picture as one HTML file; aside first, then renamed."""
     text = page_of(picture)
-    written_aside(Path(path), lambda aside: aside.write_text(text, encoding="utf-8"))
+    write_atomically(Path(path), lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
 def page_of(picture: Picture) -> str:

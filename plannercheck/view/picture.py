@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
@@ -20,9 +21,6 @@ from plannercheck.view.floors import with_floor
 from plannercheck.view.model import OBSTACLE_OPACITY, VEIL_OPACITY, Mesh, Picture, Plane, Witness
 from plannercheck.view.planar_bodies import planar_meshes, planar_witnesses
 from plannercheck.view.surfaces import Surface, Visual, surface_of
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Planes a frame: several for a state that is looked at, one where frames pass by.
 _PLANES_OF_ONE, _PLANES_OF_MANY = 3, 1

@@ -6,17 +6,14 @@ In: a planar checker, configurations. Out: `Mesh`es about z = 0, and the common 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.circumscribed import prism_faces
 from plannercheck.bodies.polytope import fans
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.planar.certificates import SharedPoint
 from plannercheck.planar.checker import Checker
 from plannercheck.view.model import OBSTACLE_OPACITY, Mesh, Witness
 from plannercheck.view.surfaces import Surface
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Height of the robot's prisms as a part of the size of its largest body; obstacles are a little lower.
 _HEIGHT, _LOWER = 0.1, 0.8

@@ -80,9 +80,9 @@ def _counted() -> list[str]:
     names: list[str] = []
 
     def counted(prepare: Callable[..., object]) -> Callable[..., object]:
-        def call(points: object, faces: object, swell: float, name: str) -> object:
+        def call(points: object, faces: object, inflation_radius: float, name: str) -> object:
             names.append(name)
-            return prepare(points, faces, swell, name)
+            return prepare(points, faces, inflation_radius, name)
 
         return call
 

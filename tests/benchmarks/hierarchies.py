@@ -91,7 +91,7 @@ def show_preparation(sizes: list[int]) -> list[dict[str, object]]:
             pc.Polytope(points)
             whole.append(time.perf_counter() - start)
             start = time.perf_counter()
-            core.Body.from_faces(body.vertices, body.faces, 0.0)
+            core.Polytope.from_faces(body.vertices, body.faces, 0.0)
             given.append(time.perf_counter() - start)
         scale = 1e6 / size
         print(f"{size:8d}   {min(whole) * scale:11.1f}   {min(given) * scale:19.1f}   {body.nbytes / size:14.0f}")

@@ -28,7 +28,7 @@ import pinocchio as pin
 from motion_timing import least_times, print_misses
 
 import plannercheck as pc
-from plannercheck.bodies.shapes import Body
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.package_data import example_robot_data
 from plannercheck.evaluation.bench.other_libraries import coal_shape
 from plannercheck.evaluation.bench.records import write_record
@@ -140,7 +140,7 @@ def aimed_case(family: str, robot: pc.Robot, generator: np.random.Generator) -> 
     )
 
 
-def posed_vertices(robot: pc.Robot, body: Body, link_poses: np.ndarray) -> np.ndarray:
+def posed_vertices(robot: pc.Robot, body: GeometryObject, link_poses: np.ndarray) -> np.ndarray:
     """(n, 3) in the world."""
     pose = link_poses[robot.link_index(str(body.link))] @ body.pose
     return body.shape.vertices_and_faces()[0] @ pose[:3, :3].T + pose[:3, 3]
@@ -209,7 +209,7 @@ def coal_body(checker: pc.Checker, k: int) -> coal.CollisionGeometry:
     """Spheres and capsules as such, all else as the hull that the checker has."""
     body, polytope = checker.bodies[k], checker.polytopes[k]
     assert polytope is not None  # of a pair that was judged
-    if polytope.swell > 0:
+    if polytope.inflation_radius > 0:
         return coal_shape(body, polytope)
     points = coal.StdVec_Vec3s()
     points.extend(list(polytope.vertices))
@@ -275,10 +275,10 @@ def judge(case: Case, counts: Counter[tuple[str, str]]) -> None:
         if accepted:
             counts[family, "missed"] += not densely_free(case, q0, q1, length)
             continue
-        passage = checker.motion_certifier.passage(q0, q1, TOLERANCE)
-        state = checker.motion_certifier.states(q0, q1, np.array([passage.near]))[0]
-        apart = checker.is_valid(state) and distance(passage.pair, state) > TOLERANCE + COAL_ERROR
-        counts[family, "refused with clearance"] += passage.free or apart
+        result = checker.motion_certifier.motion_result(q0, q1, TOLERANCE)
+        state = checker.motion_certifier.states(q0, q1, np.array([result.near]))[0]
+        apart = checker.is_valid(state) and distance(result.pair, state) > TOLERANCE + COAL_ERROR
+        counts[family, "refused with clearance"] += result.free or apart
         collides = not densely_free(case, q0, q1, length)
         counts[family, "collide (dense)"] += collides
         steps = max(1, int(np.ceil(length / (0.01 * extent(checker.robot)))))
@@ -366,7 +366,7 @@ def growth(robot: pc.Robot) -> list[dict[str, object]]:
     poses = pc.Checker(robot).body_poses(robot.reference[None])[0]
     polytopes = pc.Checker(robot).polytopes
     tops = [
-        (polytopes[k].vertices @ poses[k][:3, :3].T + poses[k][:3, 3])[:, 2].max() + polytopes[k].swell
+        (polytopes[k].vertices @ poses[k][:3, :3].T + poses[k][:3, 3])[:, 2].max() + polytopes[k].inflation_radius
         for k, b in enumerate(robot.bodies)
         if b.link is not None and polytopes[k] is not None
     ]

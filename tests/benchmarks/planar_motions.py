@@ -217,12 +217,12 @@ def judge(case: Case, counts: Counter[tuple[str, str]]) -> None:
         if accepted:
             counts[family, "missed"] += not densely_free(case, q0, q1)
             continue
-        passage = checker.motion_certifier.passage(
+        result = checker.motion_certifier.motion_result(
             q0, q1, TOLERANCE, pieces=checker._motions.pieces(q0, q1, *case.how.values())
         )
-        state = case.states(q0, q1, np.array([passage.near]))[0]
-        apart = checker.is_valid(state) and shapelys_distance(checker, passage.pair, state) > TOLERANCE
-        counts[family, "refused with clearance"] += passage.free or apart
+        state = case.states(q0, q1, np.array([result.near]))[0]
+        apart = checker.is_valid(state) and shapelys_distance(checker, result.pair, state) > TOLERANCE
+        counts[family, "refused with clearance"] += result.free or apart
         collides = not densely_free(case, q0, q1)
         counts[family, "collide (dense)"] += collides
         if collides:

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 import plannercheck as pc
-from plannercheck.bodies.shapes import hull_and_swell
-from plannercheck.checking.unreachable_pairs import reach
+from plannercheck.bodies.shapes import inflated_hull
+from plannercheck.checking.unreachable_pairs import unreachable_pairs
 from plannercheck.cli.inspect import times_without
 from plannercheck.common.package_data import example_robot_data
 from plannercheck.evaluation.bench.records import write_record
@@ -47,10 +47,10 @@ def many_boxes(span: float) -> pc.Scene:
 
 def proof_time(checker: pc.Checker) -> float:
     """Least CPU seconds that the proof takes."""
-    spent, hulls = [], [hull_and_swell(body.shape) for body in checker.bodies]
+    spent, hulls = [], [inflated_hull(body.shape) for body in checker.bodies]
     for _ in range(REPETITIONS):
         start = time.process_time()
-        reach(checker.robot, checker.bodies, checker.pairs, hulls)
+        unreachable_pairs(checker.robot, checker.bodies, checker.pairs, hulls)
         spent.append(time.process_time() - start)
     return min(spent)
 
@@ -61,9 +61,9 @@ def show(robot: pc.Robot, scene: pc.Scene, states: int) -> list[dict[str, object
     start = time.process_time()
     checker = pc.Checker(robot, scene)
     built = time.process_time() - start
-    gone, resting = checker.unreachable, checker.resting
+    gone, static = checker.unreachable, checker.static
     print(f"\n{checker!r}, built in {built:.2f} s of CPU, {proof_time(checker):.2f} s of it for the proof of reach")
-    print(f"  {gone.sum()} dropped ({gone.mean():.0%}), of which {(gone & resting).sum()} of {resting.sum()} at rest")
+    print(f"  {gone.sum()} dropped ({gone.mean():.0%}), of which {(gone & static).sum()} of {static.sum()} at rest")
     q = robot.random_configurations(states, 0)
     spent = times_without(functools.partial(pc.Checker, robot, scene), q, ROUNDS)
     for name, seconds in spent.items():

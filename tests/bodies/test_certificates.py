@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.certificates import ExactPlane, ExactPoint, Mixture, PosedBody, Separation, SharedPoint
 from plannercheck.bodies.intersection import METHODS
-
-Floats = NDArray[np.float64]
+from plannercheck.common.array_types import Floats
 
 CUBE = np.array(list(product((-1.0, 1.0), repeat=3)))
 SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
@@ -81,7 +79,7 @@ def proved(p: pc.Polytope, r: pc.Polytope, pose_p: Floats, pose_r: Floats) -> Se
     ],
 )
 def test_plain_cases(p: tuple[Floats, float], r: tuple[Floats, float], pose: Floats, shared: bool) -> None:
-    first, second = (pc.Polytope(points, swell=swell) for points, swell in (p, r))
+    first, second = (pc.Polytope(points, inflation_radius=inflation_radius) for points, inflation_radius in (p, r))
     assert isinstance(proved(first, second, at(0, 0, 0), pose), SharedPoint) == shared
     assert isinstance(proved(second, first, pose, at(0, 0, 0)), SharedPoint) == shared
 
@@ -91,12 +89,12 @@ def test_random_small_bodies_of_all_dimensions() -> None:
     rng = np.random.default_rng(7)
     verdicts = []
     for _ in range(300):
-        scale, swells = 10.0 ** rng.integers(-6, 7), rng.choice([0, 0.5, 1e-9, rng.uniform()], 2)
-        bodies = [(random_points(rng) * scale, float(swell * scale)) for swell in swells]
+        scale, inflation_radii = 10.0 ** rng.integers(-6, 7), rng.choice([0, 0.5, 1e-9, rng.uniform()], 2)
+        bodies = [(random_points(rng) * scale, float(inflation_radius * scale)) for inflation_radius in inflation_radii]
         poses = [at(*rng.uniform(-1, 1, 3) * scale, turn=random_turn(rng)) for _ in range(2)]
         arguments = bodies[0][0], bodies[1][0], *poses, bodies[0][1], bodies[1][1]
         truth = exact.intersects(*arguments)
-        p, r = (pc.Polytope(points, swell=swell) for points, swell in bodies)
+        p, r = (pc.Polytope(points, inflation_radius=inflation_radius) for points, inflation_radius in bodies)
         assert [pc.intersects(p, r, *poses, method=method) for method in METHODS] == [truth] * len(METHODS)
         certificate = proved(p, r, *poses)
         verdicts.append(isinstance(certificate, SharedPoint))
@@ -134,8 +132,8 @@ def test_far_from_the_origin_a_gap_below_rounding_is_proved() -> None:
         proved(p, p, pose, pose + at(shift, 0, 0) - np.eye(4))
 
 
-def test_gap_and_offset_are_those_of_the_swollen_bodies_along_the_normal() -> None:
-    ball, capsule = pc.Polytope(POINT, swell=0.5), pc.Polytope(SEGMENT, swell=0.25)
+def test_gap_and_offset_are_those_of_the_inflated_bodies_along_the_normal() -> None:
+    ball, capsule = pc.Polytope(POINT, inflation_radius=0.5), pc.Polytope(SEGMENT, inflation_radius=0.25)
     certificate = proved(ball, capsule, at(5, 4, 0), at(0, 0, 0))
     assert isinstance(certificate, Separation)
     low, high = np.array([5, 4, 0]) @ certificate.normal - 0.5, (SEGMENT @ certificate.normal).max() + 0.25
@@ -189,7 +187,7 @@ def mutated_separations(c: Separation) -> Iterator[Separation]:
     moved = np.array(first.vertices)
     moved[0] -= away * c.normal @ first.pose[:3, :3]
     yield replace(c, bodies=(replace(first, vertices=moved), second))
-    yield replace(c, bodies=(first, replace(second, swell=second.swell + 3)))
+    yield replace(c, bodies=(first, replace(second, inflation_radius=second.inflation_radius + 3)))
 
 
 def mutated_points(c: SharedPoint) -> Iterator[SharedPoint]:
@@ -221,22 +219,22 @@ def mutated_points(c: SharedPoint) -> Iterator[SharedPoint]:
             yield replace(c, first=mixture, place=replace(place, first=turned))
 
 
-@pytest.mark.parametrize("swell", [0.0, 0.25])
-def test_mutated_separations_are_rejected(swell: float) -> None:
+@pytest.mark.parametrize("inflation_radius", [0.0, 0.25])
+def test_mutated_separations_are_rejected(inflation_radius: float) -> None:
     rng = np.random.default_rng(9)
     for _ in range(10):
-        p = pc.Polytope(rng.normal(size=(12, 3)), swell=swell)
+        p = pc.Polytope(rng.normal(size=(12, 3)), inflation_radius=inflation_radius)
         c = proved(p, p, at(6, 5, 1, turn=random_turn(rng)), at(0, 0, 0, turn=random_turn(rng)))
         assert isinstance(c, Separation)
         for k, mutant in enumerate(mutated_separations(c)):
             assert not mutant.verify(), k
 
 
-@pytest.mark.parametrize("swell", [0.0, 1e-9])
-def test_mutated_shared_points_are_rejected(swell: float) -> None:
+@pytest.mark.parametrize("inflation_radius", [0.0, 1e-9])
+def test_mutated_shared_points_are_rejected(inflation_radius: float) -> None:
     rng = np.random.default_rng(10)
     for _ in range(10):
-        p = pc.Polytope(rng.normal(size=(12, 3)), swell=swell)
+        p = pc.Polytope(rng.normal(size=(12, 3)), inflation_radius=inflation_radius)
         c = proved(p, p, at(0.7, 0.2, 0.1, turn=random_turn(rng)), at(0, 0, 0, turn=random_turn(rng)))
         assert isinstance(c, SharedPoint)
         for k, mutant in enumerate(mutated_points(c)):

@@ -41,7 +41,7 @@ def surface_points(mesh, n, seed):
 
 def inside(point, points):
     """Whether a point is within 1e-12 of a hull, by the exact pair test with a tiny ball."""
-    return pc.intersects(pc.Polytope(points), pc.Polytope(point[None], swell=1e-12))
+    return pc.intersects(pc.Polytope(points), pc.Polytope(point[None], inflation_radius=1e-12))
 
 
 def holds(pieces, mesh, n=400):

@@ -17,13 +17,13 @@ CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 FAMILIES = [("box", 8), ("round", 30), ("cloud", 120), ("needle", 40), ("flat", 60), ("round", 1000)]
 
 
-def assert_as_promised(found, first, second, poses, swells=(0.0, 0.0)):
+def assert_as_promised(found, first, second, poses, inflation_radii=(0.0, 0.0)):
     """Against exact arithmetic: value, bounds, points."""
-    truth = exact.distance(first.vertices, second.vertices, *poses, *swells)
-    size = max(body.core.radius + body.swell for body in (first, second))
+    truth = exact.distance(first.vertices, second.vertices, *poses, *inflation_radii)
+    size = max(body.core.radius + body.inflation_radius for body in (first, second))
     room = 1e-9 * max(truth, 1e-3 * size)
     assert abs(found.distance - truth) <= room
-    assert (found.distance == 0) == exact.intersects(first.vertices, second.vertices, *poses, *swells)
+    assert (found.distance == 0) == exact.intersects(first.vertices, second.vertices, *poses, *inflation_radii)
     assert found.lower_bound <= truth * (1 + 1e-15)
     if truth > 0:
         assert found.lower_bound >= truth - room
@@ -54,12 +54,15 @@ def test_small_gaps(gap):
 
 def test_points_segments_polygons_and_balls():
     rng = np.random.default_rng(6)
-    bodies = [pc.Polytope(rng.normal(size=(n, 3)), swell=s) for n, s in ((1, 0), (1, 0.3), (2, 0.2), (3, 0), (4, 0.1))]
+    bodies = [
+        pc.Polytope(rng.normal(size=(n, 3)), inflation_radius=s)
+        for n, s in ((1, 0), (1, 0.3), (2, 0.2), (3, 0), (4, 0.1))
+    ]
     for first, second in itertools.product(bodies, repeat=2):
         for gap in (0.0, 0.5, 3.0, 50.0):
             poses = pose_at(rng, gap), np.eye(4)
             found = pc.distance(first, second, *poses)
-            assert_as_promised(found, first, second, poses, (first.swell, second.swell))
+            assert_as_promised(found, first, second, poses, (first.inflation_radius, second.inflation_radius))
 
 
 def test_touching_is_no_distance():
@@ -88,7 +91,7 @@ def test_depth_separates():
             continue
         pose[:3, 3] += (found.point_r - found.point_p) * (1 + 1e-9)
         assert not pc.intersects(first, second, pose)
-    ball = pc.Polytope([[0.0, 0, 0]], swell=1.0)
+    ball = pc.Polytope([[0.0, 0, 0]], inflation_radius=1.0)
     pose = np.eye(4)
     pose[0, 3] = 1.5
     assert pc.distance(ball, ball, pose).lower_bound == pytest.approx(-0.5, abs=1e-14)
@@ -124,9 +127,9 @@ def test_batches_are_single_calls():
     np.testing.assert_array_equal(np.where(overlap, 0.0, distances), singly)
 
 
-def test_depths_of_swollen_bodies_have_both_swells():
-    """Cubes that overlap by 1/4: to part them takes that and both swells, and by no less do they come apart."""
-    first, second = pc.Polytope(CUBE, swell=0.125), pc.Polytope(CUBE, swell=0.0625)
+def test_depths_of_inflated_bodies_have_both_inflation_radii():
+    """Cubes that overlap by 1/4: to part them takes that and both radii, and by no less do they come apart."""
+    first, second = pc.Polytope(CUBE, inflation_radius=0.125), pc.Polytope(CUBE, inflation_radius=0.0625)
     pose = np.eye(4)
     pose[0, 3] = 0.75
     found = pc.distance(first, second, pose)

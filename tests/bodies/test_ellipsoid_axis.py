@@ -60,7 +60,7 @@ def test_rods_side_by_side_are_apart_across(scale, size):
 
 @pytest.mark.parametrize(("first", "second"), list(itertools.combinations_with_replacement(BODIES, 2)))
 def test_verdicts_do_not_depend_on_it(first, second):
-    bodies = pc.Polytope(BODIES[first]), pc.Polytope(BODIES[second], swell=0.01)
+    bodies = pc.Polytope(BODIES[first]), pc.Polytope(BODIES[second], inflation_radius=0.01)
     solids = [Solid("", b.vertices, b.faces.astype(np.int64)) for b in bodies]
     rng = np.random.default_rng(3)
     if "polygon" in (first, second):

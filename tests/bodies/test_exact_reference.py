@@ -174,13 +174,15 @@ def test_distance_is_right_to_the_last_digits() -> None:
     assert exact.distance(UNIT_BOX * 1e-200, apart * 1e-200) == pytest.approx(math.sqrt(5) * 1e-200, rel=1e-15)
 
 
-def swollen_verdict(p: Points, r: Points, swell_p: float, swell_r: float, pose_r: Points | None = None) -> bool:
-    """The oracle's verdict on swollen bodies, its certificate checked, the same with both bodies swapped."""
-    certificate = exact.decide(p, r, None, pose_r, swell_p, swell_r)
-    assert exact.holds(certificate, p, r, None, pose_r, swell_p, swell_r)
+def inflated_verdict(
+    p: Points, r: Points, inflation_p: float, inflation_r: float, pose_r: Points | None = None
+) -> bool:
+    """The oracle's verdict on inflated bodies, its certificate checked, the same with both bodies swapped."""
+    certificate = exact.decide(p, r, None, pose_r, inflation_p, inflation_r)
+    assert exact.holds(certificate, p, r, None, pose_r, inflation_p, inflation_r)
     collides = isinstance(certificate, exact.ExactSharedPoint)
-    assert exact.intersects(r, p, pose_r, None, swell_r, swell_p) == collides
-    assert (exact.distance(p, r, None, pose_r, swell_p, swell_r) == 0) == collides
+    assert exact.intersects(r, p, pose_r, None, inflation_r, inflation_p) == collides
+    assert (exact.distance(p, r, None, pose_r, inflation_p, inflation_r) == 0) == collides
     return collides
 
 
@@ -189,32 +191,32 @@ def test_balls_touch_where_the_radii_add_up_to_the_distance() -> None:
     centre = np.zeros((1, 3))
     for offset, distance in (((2, 3, 6), 7), ((1, 4, 8), 9), ((0.75, 1, 0), 1.25)):
         ball = shifted(centre, *offset)
-        assert swollen_verdict(centre, ball, distance - 0.5, 0.5)
-        assert not swollen_verdict(centre, ball, np.nextafter(distance - 0.5, 0), 0.5)
-        assert swollen_verdict(centre, ball, distance, 0)
-        assert not swollen_verdict(centre, ball, distance, -0.0, np.diag([1 + 2**-50] * 3 + [1]))
+        assert inflated_verdict(centre, ball, distance - 0.5, 0.5)
+        assert not inflated_verdict(centre, ball, np.nextafter(distance - 0.5, 0), 0.5)
+        assert inflated_verdict(centre, ball, distance, 0)
+        assert not inflated_verdict(centre, ball, distance, -0.0, np.diag([1 + 2**-50] * 3 + [1]))
 
 
-def test_a_swell_counts_to_the_last_bit_whatever_its_unit() -> None:
+def test_a_inflation_radius_counts_to_the_last_bit_whatever_its_unit() -> None:
     centre = np.zeros((1, 3))
     pose = np.eye(4)
     pose[0, 3] = 1.0
-    assert swollen_verdict(centre, centre, 1.0, 0, pose)
-    assert not swollen_verdict(centre, shifted(centre, 5e-324, 0, 0), 1.0, 0, pose)
-    assert swollen_verdict(centre, shifted(centre, 5e-324, 0, 0), 1.0, 5e-324, pose)
+    assert inflated_verdict(centre, centre, 1.0, 0, pose)
+    assert not inflated_verdict(centre, shifted(centre, 5e-324, 0, 0), 1.0, 0, pose)
+    assert inflated_verdict(centre, shifted(centre, 5e-324, 0, 0), 1.0, 5e-324, pose)
 
 
 def test_a_ball_and_a_box() -> None:
     centre = np.zeros((1, 3))
     corner = shifted(centre, 1 + 2, 1 + 3, 1 + 6)
-    assert swollen_verdict(UNIT_BOX, corner, 0, 7)
-    assert not swollen_verdict(UNIT_BOX, corner, 0, np.nextafter(7, 0))
+    assert inflated_verdict(UNIT_BOX, corner, 0, 7)
+    assert not inflated_verdict(UNIT_BOX, corner, 0, np.nextafter(7, 0))
     edge, facet = shifted(centre, 0.5, 4, 5), shifted(centre, 0.25, 0.75, -1.5)
-    assert swollen_verdict(UNIT_BOX, edge, 0, 5)
-    assert not swollen_verdict(UNIT_BOX, edge, 0, np.nextafter(5, 0))
-    assert swollen_verdict(UNIT_BOX, facet, 0.25, 1.25)
-    assert not swollen_verdict(UNIT_BOX, facet, 0.25, np.nextafter(1.25, 0))
-    assert swollen_verdict(UNIT_BOX, np.full((1, 3), 0.5), 0, 0.1)
+    assert inflated_verdict(UNIT_BOX, edge, 0, 5)
+    assert not inflated_verdict(UNIT_BOX, edge, 0, np.nextafter(5, 0))
+    assert inflated_verdict(UNIT_BOX, facet, 0.25, 1.25)
+    assert not inflated_verdict(UNIT_BOX, facet, 0.25, np.nextafter(1.25, 0))
+    assert inflated_verdict(UNIT_BOX, np.full((1, 3), 0.5), 0, 0.1)
 
 
 def test_capsules() -> None:
@@ -226,9 +228,11 @@ def test_capsules() -> None:
         (shifted(along_x, 4, 0, 0), 2.0),
         (shifted(along_y, 3, 5, 6), math.sqrt(4 + 16 + 36)),
     ):
-        assert swollen_verdict(along_x, other, distance * 0.75, distance * 0.2500001)
-        assert not swollen_verdict(along_x, other, distance * 0.75, distance * 0.2499999)
-        assert exact.distance(along_x, other, swell_p=0.25, swell_r=0.5) == pytest.approx(distance - 0.75, rel=1e-15)
+        assert inflated_verdict(along_x, other, distance * 0.75, distance * 0.2500001)
+        assert not inflated_verdict(along_x, other, distance * 0.75, distance * 0.2499999)
+        assert exact.distance(along_x, other, inflation_p=0.25, inflation_r=0.5) == pytest.approx(
+            distance - 0.75, rel=1e-15
+        )
 
 
 def test_random_balls_capsules_and_plates_against_their_closed_forms() -> None:
@@ -238,33 +242,33 @@ def test_random_balls_capsules_and_plates_against_their_closed_forms() -> None:
         ends, ball, (first, second) = rng.normal(size=(2, 3)), rng.normal(size=3), rng.uniform(0, 1, 2)
         along = np.clip((ball - ends[0]) @ (ends[1] - ends[0]) / ((ends[1] - ends[0]) @ (ends[1] - ends[0])), 0, 1)
         distance = np.linalg.norm(ends[0] + along * (ends[1] - ends[0]) - ball)
-        verdicts.append(swollen_verdict(ends, ball[None], first, second))
+        verdicts.append(inflated_verdict(ends, ball[None], first, second))
         assert verdicts[-1] == (distance <= first + second)
         beyond = ball - np.clip(ball, [0, 0, 0], [1, 1, 0])
         plate = UNIT_BOX[UNIT_BOX[:, 2] == 0]
-        assert swollen_verdict(plate, ball[None], first, second) == (np.linalg.norm(beyond) <= first + second)
+        assert inflated_verdict(plate, ball[None], first, second) == (np.linalg.norm(beyond) <= first + second)
     assert 40 < sum(verdicts) < 160
 
 
-def test_the_distance_of_swollen_bodies_does_not_cancel() -> None:
+def test_the_distance_of_inflated_bodies_does_not_cancel() -> None:
     centre = np.zeros((1, 3))
-    assert exact.distance(centre, shifted(centre, 7, 0, 0), swell_p=np.nextafter(7, 0)) == 2.0**-50
-    assert exact.distance(centre, shifted(centre, 2, 3, 6), swell_p=3.0, swell_r=3.999999) == 7 - 3 - 3.999999
+    assert exact.distance(centre, shifted(centre, 7, 0, 0), inflation_p=np.nextafter(7, 0)) == 2.0**-50
+    assert exact.distance(centre, shifted(centre, 2, 3, 6), inflation_p=3.0, inflation_r=3.999999) == 7 - 3 - 3.999999
 
 
-@pytest.mark.parametrize("swell", [-1.0, math.nan, math.inf])
-def test_bad_swells_are_named(swell: float) -> None:
-    with pytest.raises(PlannercheckError, match="swell"):
-        exact.decide(UNIT_BOX, UNIT_BOX, swell_r=swell)
+@pytest.mark.parametrize("inflation_radius", [-1.0, math.nan, math.inf])
+def test_bad_inflation_radii_are_named(inflation_radius: float) -> None:
+    with pytest.raises(PlannercheckError, match="inflation radius"):
+        exact.decide(UNIT_BOX, UNIT_BOX, inflation_r=inflation_radius)
 
 
-def test_a_wrong_certificate_of_swollen_bodies_does_not_hold() -> None:
+def test_a_wrong_certificate_of_inflated_bodies_does_not_hold() -> None:
     centre, apart = np.zeros((1, 3)), np.array([[3.0, 4, 0]])
-    assert exact.holds(exact.ExactSeparation((-3, -4, 0)), centre, apart, swell_p=4.9)
-    assert not exact.holds(exact.ExactSeparation((-3, -4, 0)), centre, apart, swell_p=5)
-    assert not exact.holds(exact.ExactSeparation((-1, 0, 0)), centre, apart, swell_p=4.9)
-    assert exact.holds(exact.ExactSharedPoint((0,), (0,), (3,)), centre, apart, swell_p=4, swell_r=1)
-    assert not exact.holds(exact.ExactSharedPoint((0,), (0,), (3,)), centre, apart, swell_p=4, swell_r=0.9)
+    assert exact.holds(exact.ExactSeparation((-3, -4, 0)), centre, apart, inflation_p=4.9)
+    assert not exact.holds(exact.ExactSeparation((-3, -4, 0)), centre, apart, inflation_p=5)
+    assert not exact.holds(exact.ExactSeparation((-1, 0, 0)), centre, apart, inflation_p=4.9)
+    assert exact.holds(exact.ExactSharedPoint((0,), (0,), (3,)), centre, apart, inflation_p=4, inflation_r=1)
+    assert not exact.holds(exact.ExactSharedPoint((0,), (0,), (3,)), centre, apart, inflation_p=4, inflation_r=0.9)
 
 
 def test_a_wrong_certificate_does_not_hold() -> None:

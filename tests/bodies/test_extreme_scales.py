@@ -19,16 +19,19 @@ UNIT = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1e-159, 5e-161, 5e-162, 3e-162, 2e-162, 1e-170, 1e-308])
-@pytest.mark.parametrize("swell", [0.0, 0.4])
-def test_lengths_whose_squares_underflow(scale, swell):
+@pytest.mark.parametrize("inflation_radius", [0.0, 0.4])
+def test_lengths_whose_squares_underflow(scale, inflation_radius):
     """A review found that balls and axes took sums of products that had become 0 for distances."""
     cube, corner = 0.433 * (UNIT - 0.5) * scale, 0.433 * np.vstack([np.zeros(3), np.eye(3)]) * scale
-    P, R = pc.Polytope(cube), pc.Polytope(np.zeros((1, 3)) if swell > 0 else corner, swell=swell * scale)
+    P, R = (
+        pc.Polytope(cube),
+        pc.Polytope(np.zeros((1, 3)) if inflation_radius > 0 else corner, inflation_radius=inflation_radius * scale),
+    )
     offsets = 0.7 * np.random.default_rng(44).uniform(-1, 1, size=(60, 3))
     offsets[0] = 0.8248, 0.2086, 0.1484
     poses = contacts.identities(60)
     poses[:, :3, 3] = offsets * scale
-    truth = [exact.intersects(P.vertices, R.vertices, pose, np.eye(4), 0.0, R.swell) for pose in poses]
+    truth = [exact.intersects(P.vertices, R.vertices, pose, np.eye(4), 0.0, R.inflation_radius) for pose in poses]
     assert 0 < sum(truth) < 60
     for options in (pair_options(), pair_options(cached_plane=False), pair_options(centre_axis=False)):
         shared, _, _ = core.intersect_batch(P.core, poses, R.core, np.eye(4)[None], options)
@@ -101,7 +104,7 @@ def test_origin_radius_and_radius_are_upper_bounds(exponent):
         body = pc.Polytope(np.ldexp(rng.uniform(-1, 1, (n, 3)), exponent))
         points = [[Fraction(x) for x in v] for v in body.vertices.tolist()]
         centre = [Fraction(x) for x in body.centre.tolist()]
-        assert Fraction(body.core.reach) ** 2 >= max(sum(x * x for x in v) for v in points)
+        assert Fraction(body.core.origin_radius) ** 2 >= max(sum(x * x for x in v) for v in points)
         squares = (sum((x - c) ** 2 for x, c in zip(v, centre, strict=True)) for v in points)
         assert Fraction(body.core.radius) ** 2 >= max(squares)
 
@@ -113,12 +116,15 @@ def test_distances_at_any_scale(exponent):
     apart = 0
     for k in range(25):
         family = ("round", "box", "flat", "plate", "segment")[k % 5]
-        P, R = (pc.Polytope(base_points(family, 12, rng) * scale, swell=s * scale) for s in (0.0, 0.1 * (k % 3 == 0)))
+        P, R = (
+            pc.Polytope(base_points(family, 12, rng) * scale, inflation_radius=s * scale)
+            for s in (0.0, 0.1 * (k % 3 == 0))
+        )
         pose = contacts.identities(1)[0]
         turn = contacts.turns_onto(contacts.random_directions(1, rng), contacts.random_directions(1, rng), rng)
         pose[:3, :3] = turn[0]
         pose[:3, 3] = contacts.random_directions(1, rng)[0] * (0.3, 0.8, 1.01, 2, 1e3)[k // 5] * scale
-        truth = exact.distance(P.vertices, R.vertices, pose, None, P.swell, R.swell)
+        truth = exact.distance(P.vertices, R.vertices, pose, None, P.inflation_radius, R.inflation_radius)
         found = pc.distance(P, R, pose)
         assert (found.distance == 0) == (truth == 0)
         assert np.isfinite(found.lower_bound)
@@ -147,15 +153,15 @@ def test_planar_bodies_that_touch_at_any_scale(exponent):
 
 
 def test_what_is_beyond_the_range_is_refused():
-    """Coordinates and swells beyond 1e50 m, poses beyond 1e-6 off rigid, reflections; what is just within is taken."""
-    pc.Polytope(UNIT * 1e50, swell=1e50)
-    for vertices, swell, words in (
+    """Coordinates and radii beyond 1e50 m, poses beyond 1e-6 off rigid, reflections; what is just within is taken."""
+    pc.Polytope(UNIT * 1e50, inflation_radius=1e50)
+    for vertices, inflation_radius, words in (
         (UNIT * 1.01e50, 0.0, "coordinates"),
-        (UNIT, 1.01e50, "swell"),
-        (UNIT, -1e-300, "swell"),
+        (UNIT, 1.01e50, "inflation radius"),
+        (UNIT, -1e-300, "inflation radius"),
     ):
         with pytest.raises(pc.PlannercheckError, match=words):
-            pc.Polytope(vertices, swell=swell)
+            pc.Polytope(vertices, inflation_radius=inflation_radius)
     cube, pose = pc.Polytope(UNIT), np.eye(4)
     for stretch, taken in ((0.499e-6, True), (0.501e-6, False), (-0.499e-6, True), (-0.501e-6, False)):
         pose[0, 0] = 1 + stretch
@@ -180,12 +186,17 @@ def test_bodies_at_the_ends_of_the_range_of_doubles(method):
         (np.nextafter(largest, 0), 0, 0),
         (1e-170, 0, 0),
     ]
-    for size_p, size_r, swell in itertools.product((1e-310, 1e-162, 1.0, 1e49), (1e-310, 1.0), (0.0, 1e-200, 1e50)):
-        P, R = pc.Polytope((UNIT - 0.5) * size_p, swell=swell), pc.Polytope((UNIT - 0.5)[:4] * size_r)
+    for size_p, size_r, inflation_radius in itertools.product(
+        (1e-310, 1e-162, 1.0, 1e49), (1e-310, 1.0), (0.0, 1e-200, 1e50)
+    ):
+        P, R = (
+            pc.Polytope((UNIT - 0.5) * size_p, inflation_radius=inflation_radius),
+            pc.Polytope((UNIT - 0.5)[:4] * size_r),
+        )
         for at_p, at_r in itertools.combinations_with_replacement(places, 2):
             poses = contacts.identities(2)
             poses[:, :3, 3] = at_p, at_r
-            truth = exact.intersects(P.vertices, R.vertices, *poses, P.swell, R.swell)
+            truth = exact.intersects(P.vertices, R.vertices, *poses, P.inflation_radius, R.inflation_radius)
             assert pc.intersects(P, R, *poses, method=method) == truth
 
 
@@ -207,7 +218,7 @@ def test_denormal_and_normal_numbers_add_up(method):
 def test_tiny_balls_that_overlap_are_never_apart(radius):
     """Squares of their distances are a few of the least doubles."""
     rng = np.random.default_rng(3)
-    ball = pc.Polytope([[0.0, 0.0, 0.0]], swell=radius)
+    ball = pc.Polytope([[0.0, 0.0, 0.0]], inflation_radius=radius)
     for away in rng.normal(size=(200, 3)):
         pose = np.eye(4)
         pose[:3, 3] = 1.998 * radius * away / np.linalg.norm(away)

@@ -66,18 +66,21 @@ POINT, SEGMENT = np.zeros((1, 3)), np.array([[-1.0, 0.5, 0], [0.5, 0.25, 1]])
 NO_FACES = np.zeros((0, 3), dtype=np.int64)
 
 
-def test_swollen_points_and_segments_are_spheres_and_capsules() -> None:
+def test_inflated_points_and_segments_are_spheres_and_capsules() -> None:
     rng = np.random.default_rng(6)
-    hulls, swells = [(POINT + 0.5, NO_FACES), (SEGMENT, NO_FACES), (SOLID.vertices, SOLID.faces)], [0.5, 0.25, 0.0]
-    bodies = FclBodies(hulls, swells)
+    hulls, inflation_radii = (
+        [(POINT + 0.5, NO_FACES), (SEGMENT, NO_FACES), (SOLID.vertices, SOLID.faces)],
+        [0.5, 0.25, 0.0],
+    )
+    bodies = FclBodies(hulls, inflation_radii)
     assert bodies.known.all()
     pairs = np.array([[0, 1], [1, 2], [0, 2], [1, 1], [0, 0]])
     verdicts = []
     for pose_p, pose_r in zip(*contacts.random_poses(SOLID, SOLID, 100, rng), strict=True):
         for p, r in pairs.tolist():
-            truth = exact.intersects(hulls[p][0], hulls[r][0], pose_p, pose_r, swells[p], swells[r])
+            truth = exact.intersects(hulls[p][0], hulls[r][0], pose_p, pose_r, inflation_radii[p], inflation_radii[r])
             poses = np.stack([pose_p, pose_r])
-            two = FclBodies([hulls[p], hulls[r]], [swells[p], swells[r]])
+            two = FclBodies([hulls[p], hulls[r]], [inflation_radii[p], inflation_radii[r]])
             assert two.collide_all(poses, np.array([[0, 1]])) == [truth]
             assert two.boxes_meet(poses[None], np.array([[0, 1]])).all() or not truth
             verdicts.append(truth)

@@ -76,7 +76,7 @@ def contacts(p, r, rng, distance, off_rigid, depths):
         point_p = p.support(-np.einsum("kji,kj->ki", turn_p, directions))
     poses_r[:, :3, 3] = distance * random_directions(k, rng)
     touch = poses_r[:, :3, 3] + turned(poses_r, point_r) - turned(poses_p, point_p)
-    poses_p[:, :3, 3] = touch + (p.swell + r.swell - depths)[:, None] * directions
+    poses_p[:, :3, 3] = touch + (p.inflation_radius + r.inflation_radius - depths)[:, None] * directions
     return poses_p, poses_r
 
 
@@ -206,16 +206,16 @@ def test_bounding_balls_hold_every_vertex(family, size):
             agree(checker, np.stack([pose, pose], axis=1), [True] * 9)
 
 
-@pytest.mark.parametrize("swell", [0.0, 0.25])
-def test_balls_of_stretched_bodies_hold_them(swell):
+@pytest.mark.parametrize("inflation_radius", [0.0, 0.25])
+def test_balls_of_stretched_bodies_hold_them(inflation_radius):
     """Two octahedra, corner on corner, along an axis by which poses are stretched: balls grow as their poses do."""
-    bodies = pc.Polytope(OCTAHEDRON, swell=swell), pc.Polytope(OCTAHEDRON)
+    bodies = pc.Polytope(OCTAHEDRON, inflation_radius=inflation_radius), pc.Polytope(OCTAHEDRON)
     stretch = 1 + OFF_RIGID * 0.49
     pose_p, pose_r = identities(2)
     pose_p[0, 0] = pose_r[0, 0] = stretch
     for gap in (0.0, 1e-9, -1e-9, 4e-7, 1e-5):
-        pose_p[0, 3] = 2 * stretch + swell + gap
-        colliding = exact.intersects(OCTAHEDRON, OCTAHEDRON, pose_p, pose_r, swell, 0.0)
+        pose_p[0, 3] = 2 * stretch + inflation_radius + gap
+        colliding = exact.intersects(OCTAHEDRON, OCTAHEDRON, pose_p, pose_r, inflation_radius, 0.0)
         assert colliding == (gap <= 0) or gap == 0
         for options in (pair_options(), pair_options(turned_axis=False), pair_options("walk")):
             arguments = bodies[0].core, pose_p[None], bodies[1].core, pose_r[None], options
@@ -274,7 +274,7 @@ def test_boxes_of_balls_stretched_as_far_as_links_and_bodies_may_be(radius):
     """A point in a ball, 1e-9 to 6e-8 below its surface: found by a search for what floats round to the worse side.
 
     The frame of the point is stretched by 1.8e-6 towards the ball, that of the ball shrunk by as much: along the first
-    one's axis the distance seems longer and the ball, whose swell no pose stretches, does not.
+    one's axis the distance seems longer and the ball, whose inflation radius no pose stretches, does not.
     """
     rng = np.random.default_rng(21)
     states = 40_000
@@ -288,7 +288,7 @@ def test_boxes_of_balls_stretched_as_far_as_links_and_bodies_may_be(radius):
     apart = turns[:, :, 0] * radius * (1 - rng.uniform(1e-9, 6e-8, (states, 1)))
     for share in (0.0, 0.5):  # of the way that the point has from the origin
         both[:, 0, :3, 3], both[:, 1, :3, 3] = -share * apart, (1 - share) * apart
-        bodies = [pc.Polytope(np.zeros((1, 3))), pc.Polytope(np.zeros((1, 3)), swell=radius)]
+        bodies = [pc.Polytope(np.zeros((1, 3))), pc.Polytope(np.zeros((1, 3)), inflation_radius=radius)]
         for order in ([0, 1], [1, 0]):
             checker = checker_of([bodies[k] for k in order], [0, 1], [[0, 1]], placements[order])
             assert (checker.first_of_poses(np.ascontiguousarray(both[:, order]), 1) == 0).all()

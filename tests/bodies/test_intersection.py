@@ -143,16 +143,19 @@ def test_neighbouring_poses_use_the_cached_plane_and_agree():
 
 
 @pytest.mark.parametrize(("first", "second"), [("point", "point"), ("round", "point"), ("box", "needle")])
-def test_bodies_within_their_swells(first, second):
-    """Centres and nearest vertices join swollen bodies without a game; the same verdicts without that."""
+def test_bodies_within_their_inflation_radii(first, second):
+    """Centres and nearest vertices join inflated bodies without a game; the same verdicts without that."""
     p, r = (np.zeros((1, 3)) if name == "point" else family(name, 40, 31) for name in (first, second))
-    P, R = pc.Polytope(p, swell=0.3), pc.Polytope(r, swell=0.2)
+    P, R = pc.Polytope(p, inflation_radius=0.3), pc.Polytope(r, inflation_radius=0.2)
     rng = np.random.default_rng(32)
     poses = contacts.identities(200)
     poses[:, :3, 3] = contacts.unit(rng.normal(size=(200, 3))) * rng.uniform(0, 2, size=(200, 1))
     poses[:4, :3, 3] = [[0.5, 0, 0], [np.nextafter(0.5, 1), 0, 0], [0, 0, 0], [0, np.nextafter(0.5, 0), 0]]
     fixed = np.eye(4)[None]
-    truth = [exact.intersects(P.vertices, R.vertices, pose, fixed[0], P.swell, R.swell) for pose in poses]
+    truth = [
+        exact.intersects(P.vertices, R.vertices, pose, fixed[0], P.inflation_radius, R.inflation_radius)
+        for pose in poses
+    ]
     for centre_axis in (True, False):
         options = pair_options(centre_axis=centre_axis)
         shared, stages, _ = core.intersect_batch(P.core, poses, R.core, fixed, options)

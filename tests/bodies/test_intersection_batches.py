@@ -16,7 +16,7 @@ from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses, r
 GAPS = (1e-1, 1e-4, 1e-9, 1e-15, 0.0, -1e-12, -1e-2)
 EACH = 12
 
-# Hulls of which every two together are large enough: scanned, walked by wedges at hubs, flat, a box, swollen.
+# Hulls of which every two together are large enough: scanned, walked by wedges at hubs, flat, a box, inflated.
 BODIES = {
     "round": pc.Polytope(family("round", 3500, 1)),
     "ellipsoid": pc.Polytope(family("round", 4000, 2) * [1.0, 0.7, 0.5]),
@@ -24,7 +24,7 @@ BODIES = {
     "fan": pc.Polytope(family("fan", 3500, 4)),
     "lattice": pc.Polytope(family("lattice", 4500, 5)),
     "box": pc.Polytope(family("box", 8, 6)),
-    "swollen": pc.Polytope(family("round", 3000, 7), swell=0.05),
+    "swollen": pc.Polytope(family("round", 3000, 7), inflation_radius=0.05),
     "round by hierarchies": pc.Polytope(family("round", 3000, 8)).without_cells(),
     "ellipsoid by hierarchies": pc.Polytope(family("round", 3500, 9) * [1.0, 0.7, 0.5]).without_cells(),
     "cone by hierarchies": pc.Polytope(family("cone", 4500, 3)).without_cells(),
@@ -143,7 +143,10 @@ def test_planes_that_poses_nearby_have_left_separate(first, second, step):
     assert "cached plane" in {pair["stage"] for pair in found}
     for pair, pose_p, pose_r in zip(found, poses_p, poses_r, strict=True):
         if pair["stage"] == "cached plane":
-            bodies = PosedBody(P.vertices, pose_p, P.swell), PosedBody(R.vertices, pose_r, R.swell)
+            bodies = (
+                PosedBody(P.vertices, pose_p, P.inflation_radius),
+                PosedBody(R.vertices, pose_r, R.inflation_radius),
+            )
             assert separation(direction_of(pair["normal"]), bodies) is not None
 
 

@@ -20,12 +20,12 @@ from plannercheck.evaluation.stress.body_families import family
 
 
 def test_the_point_of_spheres_is_in_both():
-    P, R = pc.Polytope(np.zeros((1, 3)), swell=0.3), pc.Polytope(np.zeros((1, 3)), swell=0.2)
+    P, R = pc.Polytope(np.zeros((1, 3)), inflation_radius=0.3), pc.Polytope(np.zeros((1, 3)), inflation_radius=0.2)
     for x in (0.0, 0.1, 0.4999):
         found = core.certify_pair(P.core, moved(x, 0, 0), R.core, np.eye(4), pair_options(), False)
         assert found["stage"] == "centre axis"
-        assert np.linalg.norm(found["point"] - [x, 0, 0]) <= P.swell
-        assert np.linalg.norm(found["point"]) <= R.swell
+        assert np.linalg.norm(found["point"] - [x, 0, 0]) <= P.inflation_radius
+        assert np.linalg.norm(found["point"]) <= R.inflation_radius
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-3, 3e5])
@@ -37,28 +37,34 @@ def test_the_point_of_spheres_is_in_both():
         ({"nearest_points": False, "double_double": False}, "exact"),
     ],
 )
-def test_the_point_of_two_swollen_bodies_is_in_both(options, stage, scale):
-    """Their hulls are apart by nearly both swells, which differ: it divides that way as the swells do."""
+def test_the_point_of_two_inflated_bodies_is_in_both(options, stage, scale):
+    """Their hulls are apart by nearly both radii, which differ: it divides that way as the radii do."""
     rng = np.random.default_rng(36)
     names = [("point", "box"), ("needle", "round"), ("segment", "segment"), ("flat", "point")]
-    for (first, second), swells in itertools.product(names, ((0.3, 0.02), (0.01, 0.4), (0.2, 0.2), (0.25, 0.0))):
+    for (first, second), inflation_radii in itertools.product(
+        names, ((0.3, 0.02), (0.01, 0.4), (0.2, 0.2), (0.25, 0.0))
+    ):
         points = [
             families.THIN_FAMILIES[name](20, rng) if name in families.THIN_FAMILIES else family(name, 20, 37)
             for name in (first, second)
         ]
-        bodies = [pc.Polytope(p * scale, swell=s * scale) for p, s in zip(points, swells, strict=True)]
+        bodies = [
+            pc.Polytope(p * scale, inflation_radius=s * scale) for p, s in zip(points, inflation_radii, strict=True)
+        ]
         pose_p, pose_r = contacts.identities(2)
         pose_p[:3, :3], pose_r[:3, :3] = contacts.frames(contacts.random_directions(2, rng))
         pose_p[:3, 3] = 9 * scale * contacts.random_directions(1, rng)[0]
         apart = pc.distance(*bodies, pose_p, pose_r)
-        pose_p[:3, 3] += (1 + 0.01 * sum(swells) * scale / apart.distance) * (apart.point_r - apart.point_p)
+        pose_p[:3, 3] += (1 + 0.01 * sum(inflation_radii) * scale / apart.distance) * (apart.point_r - apart.point_p)
         for a, b in ((0, 1), (1, 0)):
             poses = [pose_p, pose_r] if a == 0 else [pose_r, pose_p]
             arguments = bodies[a].core, poses[0], bodies[b].core, poses[1]
             found = core.certify_pair(*arguments, pair_options(centre_axis=False, **options), False)
             assert (found["shared"], found["stage"]) == (True, stage)
             for body, pose in zip((bodies[a], bodies[b]), poses, strict=True):
-                beyond = exact.distance(found["point"][None], body.vertices, None, pose, swell_r=body.swell)
+                beyond = exact.distance(
+                    found["point"][None], body.vertices, None, pose, inflation_r=body.inflation_radius
+                )
                 assert beyond <= 1e-13 * scale
 
 

@@ -52,9 +52,9 @@ def test_methods_use_their_own_means():
 
 
 ROUNDED_AND_FLAT = [
-    (pc.Polytope([[0.0, 0, 0]], swell=0.5), pc.Polytope([[0.0, 0, -1], [0, 0, 1]], swell=0.25)),
+    (pc.Polytope([[0.0, 0, 0]], inflation_radius=0.5), pc.Polytope([[0.0, 0, -1], [0, 0, 1]], inflation_radius=0.25)),
     (pc.Polytope([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), pc.Polytope([[0.0, 0, 0], [0, 0, 1], [0, 1, 1]])),
-    (pc.Polytope(family("round", 60, 3), swell=0.1), pc.Polytope(family("flat", 60, 4))),
+    (pc.Polytope(family("round", 60, 3), inflation_radius=0.1), pc.Polytope(family("flat", 60, 4))),
 ]
 
 
@@ -75,7 +75,12 @@ def test_nearest_points_change_no_verdict(P, R):
     assert not (stages[False] == NEAREST_POINTS).any()
     assert (stages[False] == EXACT).any()
     assert (verdicts[True] == verdicts[False]).all()
-    truth = [exact.intersects(P.vertices, R.vertices, p, still[0], swell_p=P.swell, swell_r=R.swell) for p in poses]
+    truth = [
+        exact.intersects(
+            P.vertices, R.vertices, p, still[0], inflation_p=P.inflation_radius, inflation_r=R.inflation_radius
+        )
+        for p in poses
+    ]
     assert verdicts[True].astype(bool).tolist() == truth
     assert 0 < sum(truth) < len(truth)
 
@@ -87,7 +92,8 @@ BEHIND = list(itertools.product((True, False), repeat=3))
 def assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r):
     """All switches against the oracle, in both orders; returns the stages by (double_double, warm_start)."""
     truth = [
-        exact.intersects(P.vertices, R.vertices, p, r, P.swell, R.swell) for p, r in zip(poses_p, poses_r, strict=True)
+        exact.intersects(P.vertices, R.vertices, p, r, P.inflation_radius, R.inflation_radius)
+        for p, r in zip(poses_p, poses_r, strict=True)
     ]
     stages = {}
     for nearest, fine, warm in BEHIND:
@@ -102,7 +108,7 @@ def assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r):
 
 
 @pytest.mark.parametrize(
-    ("first", "second", "n", "swell"),
+    ("first", "second", "n", "inflation_radius"),
     [
         ("box", "round", 80, 0.0),
         ("cone", "needle", 200, 0.0),
@@ -110,12 +116,12 @@ def assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r):
         ("round", "box", 40, 0.25),
     ],
 )
-def test_stages_behind_the_filter_change_no_verdict(first, second, n, swell):
+def test_stages_behind_the_filter_change_no_verdict(first, second, n, inflation_radius):
     (p, P), (r, R) = solid_of(first, n, 21), solid_of(second, n, 22)
     gaps = np.repeat([1e-13, 1e-15, 1e-17, 0.0, -1e-17, -1e-15, -1e-13], 4)
-    poses_p, poses_r = contacts.contact_poses(p, r, gaps + swell, np.random.default_rng(n))
-    if swell:
-        P = pc.Polytope(P.vertices, swell=swell)
+    poses_p, poses_r = contacts.contact_poses(p, r, gaps + inflation_radius, np.random.default_rng(n))
+    if inflation_radius:
+        P = pc.Polytope(P.vertices, inflation_radius=inflation_radius)
     stages = assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r)
     assert (stages[True, True] == DOUBLE_DOUBLE).any()
     assert (stages[False, True] == EXACT).any()
@@ -147,7 +153,10 @@ def test_gaps_far_below_a_double_between_touching_boxes(power, unit):
 
 @pytest.mark.parametrize("power", [-60, -85, -500])
 def test_balls_and_capsules_whose_gaps_are_far_below_a_double(power):
-    ball, capsule = pc.Polytope([[0.0, 0, 0]], swell=3.0), pc.Polytope([[0.0, -1, 0], [0, 1, 0]], swell=2.0)
+    ball, capsule = (
+        pc.Polytope([[0.0, 0, 0]], inflation_radius=3.0),
+        pc.Polytope([[0.0, -1, 0], [0, 1, 0]], inflation_radius=2.0),
+    )
     for sign in (1, 0, -1):
         capsule_poses = moved(-5.0)[None]
         stages = assert_stages_behind_the_filter_agree(ball, capsule, moved(sign * 2.0**power)[None], capsule_poses)

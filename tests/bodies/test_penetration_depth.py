@@ -72,8 +72,8 @@ def test_edges_of_cubes():
     assert found.depth > 0
 
 
-def test_swells_add():
-    cube = pc.Polytope(CUBE, swell=0.1)
+def test_inflation_radii_add():
+    cube = pc.Polytope(CUBE, inflation_radius=0.1)
     pose = np.eye(4)
     pose[0, 3] = 0.7
     assert pc.depth(cube, cube, pose).depth == pytest.approx(0.5, abs=1e-13)
@@ -81,7 +81,7 @@ def test_swells_add():
     found = pc.depth(cube, cube, pose)
     assert found.depth == pytest.approx(0.05, abs=1e-13)
     assert found.lower_bound == pytest.approx(0.05, abs=1e-13)
-    ball = pc.Polytope([[0.0, 0, 0]], swell=1.0)
+    ball = pc.Polytope([[0.0, 0, 0]], inflation_radius=1.0)
     assert pc.depth(ball, ball, pose).depth == pytest.approx(0.85, abs=1e-13)
     pose[0, 3] = 1.21
     assert pc.depth(cube, cube, pose).depth == 0
@@ -148,19 +148,22 @@ def test_both_bounds_are_proved():
     rng = np.random.default_rng(17)
     for k in range(60):
         (name, n), (other, m) = (FAMILIES[i] for i in rng.integers(0, len(FAMILIES), 2))
-        swell = 0.0 if k % 3 else float(rng.uniform(0, 0.2))
-        first, second = pc.Polytope(family(name, n, k), swell=swell), pc.Polytope(family(other, m, k + 1))
+        inflation_radius = 0.0 if k % 3 else float(rng.uniform(0, 0.2))
+        first, second = (
+            pc.Polytope(family(name, n, k), inflation_radius=inflation_radius),
+            pc.Polytope(family(other, m, k + 1)),
+        )
         poses = pose_at(rng, float(rng.uniform(0, 0.6))), pose_at(rng, 0.0)
         found = pc.depth(first, second, *poses)
         if found.depth == 0:
             continue
         assert found.lower_bound <= found.depth
         posed = _exact_depth_bounds(first, second, *poses)
-        assert found.depth >= _width(posed, found.direction) + swell
+        assert found.depth >= _width(posed, found.direction) + inflation_radius
         tried = by_all_directions_of(first, second, poses)
         least = min(_width(posed, d) for d in tried)
         if least > 0:  # the hulls overlap, and some direction of these is the way out
-            assert found.lower_bound <= least + swell
+            assert found.lower_bound <= least + inflation_radius
 
 
 def by_all_directions_of(first, second, poses):
@@ -171,7 +174,7 @@ def by_all_directions_of(first, second, poses):
 
 @pytest.mark.parametrize("gap", [1e-3, 0.05, 0.19])
 def test_the_depth_of_inflated_bodies_whose_hulls_are_apart(gap):
-    cube = pc.Polytope(CUBE, swell=0.1)
+    cube = pc.Polytope(CUBE, inflation_radius=0.1)
     pose = np.eye(4)
     pose[0, 3] = 1 + gap
     found = pc.depth(cube, cube, pose)

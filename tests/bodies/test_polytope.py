@@ -418,9 +418,9 @@ def test_damaged_bytes_are_refused_or_harmless():
     data = pc.Polytope(family("cone", 300, seed=1)).core.serialise()
     for end in (0, 7, 8, 100, len(data) // 2, len(data) - 1):
         with pytest.raises(core.HullError):
-            core.Body.parse(data[:end])
+            core.Polytope.parse(data[:end])
     with pytest.raises(core.HullError, match="go on"):
-        core.Body.parse(data + b"\0")
+        core.Polytope.parse(data + b"\0")
     rng = np.random.default_rng(1)
     directions = rng.normal(size=(20, 3))
     for _ in range(300):
@@ -428,7 +428,7 @@ def test_damaged_bytes_are_refused_or_harmless():
         place = int(rng.integers(0, len(data) // 4)) * 4
         damaged[place : place + 4] = int(rng.integers(-(2**31), 2**31)).to_bytes(4, "little", signed=True)
         try:
-            body = core.Body.parse(bytes(damaged))
+            body = core.Polytope.parse(bytes(damaged))
         except core.HullError:
             continue
         for of_polar in (False, True):

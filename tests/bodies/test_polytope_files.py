@@ -162,7 +162,7 @@ LEVELS = {
 
 def refuses(data):
     with pytest.raises(core.HullError, match="the data are damaged"):
-        core.Body.parse(data)
+        core.Polytope.parse(data)
 
 
 @pytest.mark.parametrize("case", CELLS)
@@ -171,14 +171,14 @@ def test_cells_that_lead_astray_are_refused(case):
     refuses(altered(pc.Polytope(family("round", 150, seed=1)).core.serialise(), f"inner.{name}", dtype, change))
 
 
-@pytest.mark.parametrize("part", ["inner", "crown", "polar"])
+@pytest.mark.parametrize("part", ["inner", "top_levels", "polar"])
 @pytest.mark.parametrize("case", BLOCKS)
 def test_blocks_that_lead_astray_are_refused(case, part):
     dtype, change = BLOCKS[case]
     refuses(altered(pc.Polytope(family("cone", 1000, seed=1)).core.serialise(), f"{part}.blocks", dtype, change))
 
 
-@pytest.mark.parametrize("part", ["inner", "crown", "polar"])
+@pytest.mark.parametrize("part", ["inner", "top_levels", "polar"])
 @pytest.mark.parametrize("case", LEVELS)
 def test_levels_that_lead_nowhere_are_refused(case, part):
     name, change = LEVELS[case]
@@ -207,7 +207,7 @@ for k in range(2000):
     damaged = bytearray(data)
     damaged[rng.integers(first, end)] ^= 1 << int(rng.integers(8)) if k % 4 < 2 else int(rng.integers(1, 256))
     try:
-        body = core.Body.parse(bytes(damaged))
+        body = core.Polytope.parse(bytes(damaged))
     except core.HullError:
         continue
     accepted += 1

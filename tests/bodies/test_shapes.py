@@ -12,7 +12,17 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.bodies.polytope import prepared
-from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere, checked_pose, hull_and_swell
+from plannercheck.bodies.shapes import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    GeometryObject,
+    Hull,
+    Sphere,
+    checked_pose,
+    inflated_hull,
+)
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.view.surfaces import surface_of
 
@@ -156,9 +166,9 @@ def test_a_capsule_too_long_for_its_faces_leaves_the_hull_to_others():
     ids=str,
 )
 def test_a_size_of_zero_makes_plates_segments_and_points(shape, dimension, corners):
-    vertices, faces, swell = hull_and_swell(shape)
+    vertices, faces, inflation_radius = inflated_hull(shape)
     assert faces is None
-    assert swell == 0
+    assert inflation_radius == 0
     polytope = prepared(vertices)
     assert polytope.dimension == dimension
     assert len(polytope.vertices) == corners
@@ -168,14 +178,14 @@ def test_a_size_of_zero_makes_plates_segments_and_points(shape, dimension, corne
 
 
 def test_a_capsule_of_length_zero_is_a_ball():
-    vertices, _, swell = hull_and_swell(Capsule(0.5, 0))
+    vertices, _, inflation_radius = inflated_hull(Capsule(0.5, 0))
     assert vertices.tolist() == [[0, 0, 0]]
-    assert swell == 0.5
+    assert inflation_radius == 0.5
     assert np.array_equal(Capsule(0.5, 0).vertices_and_faces()[0], Sphere(0.5).vertices_and_faces()[0])
 
 
 def test_a_plate_touches_exactly():
-    plate, pose = prepared(hull_and_swell(Box((0.5, 0.5, 0.0)))[0]), np.eye(4)
+    plate, pose = prepared(inflated_hull(Box((0.5, 0.5, 0.0)))[0]), np.eye(4)
     assert pc.intersects(plate, plate, None, pose)
     pose[2, 3] = 2.0**-40
     assert not pc.intersects(plate, plate, None, pose)
@@ -241,7 +251,7 @@ def set_entry(index, value):
 )
 def test_bad_poses_name_the_body(pose, message):
     with pytest.raises(PlannercheckError, match=f"body 'shelf'.*{message}"):
-        Body("shelf", None, pose, Sphere(1))
+        GeometryObject("shelf", None, pose, Sphere(1))
 
 
 def test_poses_keep_their_doubles():
@@ -254,7 +264,7 @@ def test_poses_keep_their_doubles():
 
 
 def test_bodies_are_frozen():
-    body = Body("a", None, np.eye(4), Box((1, 1, 1)))
+    body = GeometryObject("a", None, np.eye(4), Box((1, 1, 1)))
     with pytest.raises(dataclasses.FrozenInstanceError):
         body.name = "b"
     assert Counter([body])[body] == 1

@@ -52,9 +52,9 @@ def preparations(monkeypatch):
     names = []
 
     def counted(prepare):
-        def call(points, faces=None, swell=0.0, name="polytope"):
+        def call(points, faces=None, inflation_radius=0.0, name="polytope"):
             names.append(name)
-            return prepare(points, faces, swell, name)
+            return prepare(points, faces, inflation_radius, name)
 
         return call
 
@@ -67,7 +67,7 @@ def assert_same(found, truth, q):
     """Everything that a checker says is what another one says."""
     np.testing.assert_array_equal(found.pairs, truth.pairs)
     np.testing.assert_array_equal(found.unreachable, truth.unreachable)
-    np.testing.assert_array_equal(found.resting, truth.resting)
+    np.testing.assert_array_equal(found.static, truth.static)
     np.testing.assert_array_equal(found.paddings, truth.paddings)
     np.testing.assert_array_equal(found.check_states(q), truth.check_states(q))
     np.testing.assert_array_equal(found.colliding_pairs(q[:100]), truth.colliding_pairs(q[:100]))

@@ -98,7 +98,7 @@ def test_padding_at_the_distance_itself():
     """A distance that equals the padding counts as a collision: exactly, to the last bit."""
     cube = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
     for padding in (0.25, 0.1, 1e-3):
-        halves = [pc.Polytope(cube, swell=padding / 2) for _ in range(2)]
+        halves = [pc.Polytope(cube, inflation_radius=padding / 2) for _ in range(2)]
         gap = 1.0 + 0.25
         touching = pc.intersects(*halves, posed(gap))
         assert touching == (padding >= 0.25)
@@ -117,7 +117,7 @@ ROUND = {"ball": Sphere(0.25), "capsule": Capsule(0.25, 0.5), "box": Box((0.5, 0
 
 @pytest.mark.parametrize("own", ["ball", "capsule"])
 @pytest.mark.parametrize("other", list(ROUND))
-def test_padding_adds_to_what_a_ball_or_capsule_swells(tmp_path, own, other):
+def test_padding_adds_to_the_radius_of_a_ball_or_capsule(tmp_path, own, other):
     """All numbers are dyadic: the bodies keep the padding exactly, from either side, also where it is the smaller."""
     path = tmp_path / "lollipop.urdf"
     path.write_text(LOLLIPOP.format(shape='<box size="0.25 0.25 0.25"/>', pose='<origin xyz="0 0 9"/>'))

@@ -48,7 +48,7 @@ def is_inside(point, radius, polytope):
 @pytest.mark.parametrize("scale", [1e-140, 1e-3, 1, 1e6])
 def test_inner_shapes_are_inside(name, n, scale):
     points = solid_of(name, n, 5)[1].vertices
-    polytope = pc.Polytope((points + 3) * scale, swell=0.5 * scale)
+    polytope = pc.Polytope((points + 3) * scale, inflation_radius=0.5 * scale)
     balls, boxes = polytope.core.inner_shapes()
     assert 1 <= len(balls) <= 4
     assert len(boxes) == 1
@@ -93,7 +93,7 @@ def test_inner_shapes_as_thin_as_rounding(points):
     ],
 )
 def test_inner_shapes_without_volume(points, balls, boxes):
-    polytope = pc.Polytope(points, swell=0.1)
+    polytope = pc.Polytope(points, inflation_radius=0.1)
     found = polytope.core.inner_shapes()
     assert [len(part) for part in found] == [balls, boxes]
     assert not found[0][:, 3].any()
@@ -105,7 +105,7 @@ def test_balls_of_a_segment_lie_evenly_on_it():
     rng = np.random.default_rng(13)
     for scale in (1e-3, 1.0, 1e6):
         ends = scale * rng.normal(size=(2, 3))
-        balls = pc.Polytope(ends, swell=0.1 * scale).core.inner_shapes()[0]
+        balls = pc.Polytope(ends, inflation_radius=0.1 * scale).core.inner_shapes()[0]
         first, second = (exactly(end) for end in ends.tolist())
         along = [b - a for a, b in zip(first, second, strict=True)]
         square, parts = sum(x * x for x in along), []
@@ -130,7 +130,7 @@ def checkers(robot, shape, obstacle, pose, padding):
     """With overlaps and without, of a link of one shape and one obstacle."""
     scene = pc.Scene("one")
     scene.add("obstacle", obstacle, pose)
-    hand = shapes.Body("hand", "hand", robot.bodies[0].pose, shape)
+    hand = shapes.GeometryObject("hand", "hand", robot.bodies[0].pose, shape)
     bodies = [hand, *scene.bodies]
     return [pc.Checker(robot, scene, bodies=bodies, padding=padding, overlaps=on) for on in (True, False)]
 
@@ -198,7 +198,7 @@ def test_balls_far_from_their_links_overlap_only_what_they_do(free_link, far):
     placement[:3, 3] = far * contacts.random_directions(1, rng)[0]
     scene = pc.Scene("one")
     scene.add("box", shapes.Box((1.0, 1.0, 1.0)))
-    bodies = [shapes.Body("hand", "hand", placement, shapes.Sphere(radius)), *scene.bodies]
+    bodies = [shapes.GeometryObject("hand", "hand", placement, shapes.Sphere(radius)), *scene.bodies]
     with_overlaps, without = (pc.Checker(free_link, scene, bodies=bodies, overlaps=on) for on in (True, False))
     links = contacts.identities(len(gaps))
     links[:, :3, :3] = contacts.frames(contacts.random_directions(len(gaps), rng))
@@ -218,7 +218,7 @@ def test_differences_that_overflow_floats(free_link):
     far[0, 3] = -3.3e38
     scene = pc.Scene("huge")
     scene.add("box", shapes.Hull(3.41e38 * (2.0 * np.indices((2, 2, 2)).reshape(3, 8).T - 1)), pose)
-    bodies = [shapes.Body("hand", "hand", far, shapes.Sphere(3e37)), *scene.bodies]
+    bodies = [shapes.GeometryObject("hand", "hand", far, shapes.Sphere(3e37)), *scene.bodies]
     checker = pc.Checker(free_link, scene, bodies=bodies)
     assert checker.check_states(np.tile([0, 0, 0, 0, 0, 0, 1.0], (8, 1))).all()
     assert checker.statistics()["overlaps"] == 0

@@ -42,8 +42,8 @@ def test_every_moving_body_meets_every_obstacle_once(panda, scene):
     expected = {(k, n + j) for k in moving for j in range(2)}
     assert {tuple(row) for row in table.pairs[table.self_count :].tolist()} == expected
     assert len(table.pairs) == table.self_count + len(expected)
-    resting = {(k, n + j) for k in range(n) if k not in moving for j in range(2)}
-    assert {tuple(row) for row in table.resting.tolist()} == resting != set()
+    static = {(k, n + j) for k in range(n) if k not in moving for j in range(2)}
+    assert {tuple(row) for row in table.static.tolist()} == static != set()
 
 
 def test_fixed_links_are_those_that_never_move(panda):
@@ -106,11 +106,11 @@ def test_an_unknown_acm_is_refused(panda, scene):
 
 def test_an_empty_scene_and_no_self_pairs_leave_nothing(panda):
     table = pair_table(panda, pc.Scene(), False, "robot")
-    assert table.pairs.shape == table.resting.shape == (0, 2)
+    assert table.pairs.shape == table.static.shape == (0, 2)
 
 
 def test_tables_are_read_only(panda, scene):
     table = pair_table(panda, scene, True, "robot")
-    for rows in (table.pairs, table.resting):
+    for rows in (table.pairs, table.static):
         with pytest.raises(ValueError, match="read-only"):
             rows[0] = 0

@@ -88,7 +88,7 @@ def test_what_rests_within_rounding_is_not_said_to_be_apart(tmp_path, shape):
         robot = pc.Robot.from_urdf(tmp_path / "held.urdf", group=["turn"]).holding(held)
         checker, full = pc.Checker(robot), pc.Checker(robot, reach=False)
         (k,) = [k for k in range(len(checker.pairs)) if set(checker.pair_names(k)) == {"a", "b"}]
-        assert checker.resting[k]
+        assert checker.static[k]
         assert checker.unreachable[k] == (gap == 1e-3)
         truth = full.check_states(q)
         np.testing.assert_array_equal(checker.check_states(q), truth)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import plannercheck as pc
-from plannercheck.bodies.shapes import hull_and_swell
+from plannercheck.bodies.shapes import inflated_hull
 from plannercheck.checking.reach_bounds import Chains
-from plannercheck.checking.unreachable_pairs import reach
+from plannercheck.checking.unreachable_pairs import unreachable_pairs
 from plannercheck.common.package_data import example_robot_data
 from plannercheck.robots.description import find_description, read_description
 
@@ -100,7 +100,7 @@ def test_motions_are_those_of_the_full_table(robots, name):
 @pytest.mark.parametrize("name", [*ROBOTS, "whole talos"])
 def test_frames_are_those_of_the_bodies(robots, name):
     robot = robots[name]
-    hulls = [hull_and_swell(body.shape) for body in robot.bodies]
+    hulls = [inflated_hull(body.shape) for body in robot.bodies]
     chains = Chains(robot, robot.joint_table, robot.bodies, hulls)
     assert chains.is_proved()
     q = robot.random_configurations(5, 1)
@@ -116,7 +116,7 @@ def test_frames_are_those_of_the_bodies(robots, name):
 def test_ends_hold_their_bodies_and_levers_bound_their_ways(robots, name):
     """Whatever the columns that are not cut: the body stays in the ball, and its levers bound the centre's way."""
     robot = robots[name]
-    hulls = [hull_and_swell(body.shape) for body in robot.bodies]
+    hulls = [inflated_hull(body.shape) for body in robot.bodies]
     chains = Chains(robot, robot.joint_table, robot.bodies, hulls)
     q = robot.random_configurations(40, 2)
     links = robot.link_poses(q)
@@ -127,10 +127,10 @@ def test_ends_hold_their_bodies_and_levers_bound_their_ways(robots, name):
         for cut in [tuple(columns[:count]) for count in range(len(columns) + 1)]:
             end = chains.end(body, chain, cut)
             centre = chains.poses(q, [end.frame])[:, end.frame, :3] @ np.append(end.centre, 1.0)
-            points, _, swell = hulls[body]
+            points, _, inflation_radius = hulls[body]
             placed = links[:, robot.link_index(robot.bodies[body].link)] @ robot.bodies[body].pose
             world = np.einsum("nij,kj->nki", placed[:, :3, :3], points) + placed[:, None, :3, 3]
-            assert np.linalg.norm(world - centre[:, None], axis=2).max() + swell <= end.radius + 1e-12
+            assert np.linalg.norm(world - centre[:, None], axis=2).max() + inflation_radius <= end.radius + 1e-12
             for column in cut:
                 moved = q.copy()
                 moved[:, column] = rng.permutation(q[:, column])
@@ -190,11 +190,11 @@ def test_held_joints_make_resting_pairs(machine):
     robot = machine(group=("turn", "bend"))
     near = pc.Checker(robot, crate(0.15, 0.0, 0.0))
     k = [near.pair_names(k) for k in range(len(near.pairs))].index(("carriage", "crate"))
-    assert near.resting[k]
+    assert near.static[k]
     assert not near.unreachable[k]  # it collides always
     assert not near.check_states(robot.random_configurations(20, 1)).any()
     far = pc.Checker(robot, crate(0.21, 0.0, 0.0))
-    assert far.resting[k]
+    assert far.static[k]
     assert far.unreachable[k]
 
 
@@ -210,7 +210,7 @@ def test_nothing_is_said_where_nothing_is_proved(robots):
     floating = pc.Robot.from_urdf(description.urdf, package_dirs=example_robot_data(), floating=True)
     assert not pc.Checker(floating, pc.Scene.load("kitchen")).unreachable.any()
     assert not pc.Checker(robots["ur5"], pc.Scene.load("kitchen"), kinematics="pinocchio").unreachable.any()
-    assert not reach(robots["ur5"], robots["ur5"].bodies, np.zeros((0, 2), dtype=np.int32), []).is_proved
+    assert not unreachable_pairs(robots["ur5"], robots["ur5"].bodies, np.zeros((0, 2), dtype=np.int32), []).is_proved
 
 
 def test_states_within_the_limits_take_the_live_pairs_alone(robots):

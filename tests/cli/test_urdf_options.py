@@ -52,6 +52,20 @@ def test_joints_make_a_group_and_a_root_floats(rows, tmp_path, capsys):
     assert "--floating: planar robots have no URDF" in capsys.readouterr().err
 
 
+def test_what_acm_writes_of_a_urdf_without_a_group_is_taken(tmp_path):
+    urdf, out = tmp_path / "lift.urdf", tmp_path / "lift.yaml"
+    box = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
+    links = "".join(f'<link name="{name}">{box}</link>' for name in ("a", "b", "c"))
+    joints = "".join(
+        f'<joint name="{a}{b}" type="prismatic"><parent link="{a}"/><child link="{b}"/><axis xyz="0 0 1"/>'
+        '<limit lower="1" upper="2" effort="1" velocity="1"/></joint>'
+        for a, b in ("ab", "bc")
+    )
+    urdf.write_text(f'<robot name="lift">{links}{joints}</robot>')
+    assert main(["acm", "--robot", str(urdf), "--states", "50", "--output", str(out)]) == 0
+    assert main(["inspect", "--robot", str(out), "--states", "20"]) == 0
+
+
 @pytest.mark.parametrize("suffix", ["srdf", "yaml"])
 def test_what_acm_writes_is_taken_as_it_is(suffix, rows, tmp_path, capsys):
     bare = (

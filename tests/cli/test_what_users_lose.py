@@ -18,7 +18,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.cli import main as cli
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.validation.formats.chunks import read_chunks
 
 NAMES = [f"panda_joint{k}" for k in range(1, 8)]
@@ -160,9 +160,9 @@ def test_sigterm_says_how_to_go_on_and_leaves_nothing_hidden(tmp_path: Path, con
 
 def test_a_killed_process_leaves_no_hidden_file(tmp_path: Path) -> None:
     code = (
-        "import os, signal, sys, pathlib\nfrom plannercheck.common.atomic_files import written_aside\n"
+        "import os, signal, sys, pathlib\nfrom plannercheck.common.atomic_files import write_atomically\n"
         "def write(path):\n    path.write_bytes(bytes(10**6)); os.kill(os.getpid(), signal.SIGKILL)\n"
-        "written_aside(pathlib.Path(sys.argv[1]), write)"
+        "write_atomically(pathlib.Path(sys.argv[1]), write)"
     )
     assert subprocess.run([sys.executable, "-c", code, tmp_path / "o.npz"], check=False).returncode == -signal.SIGKILL
     assert list(tmp_path.iterdir()) == []
@@ -177,8 +177,8 @@ def test_a_file_written_aside_has_the_rights_of_any_new_file(
     before = os.umask(0o027)
     try:
         monkeypatch.setattr(os, "umask", lambda mask: pytest.fail("the mask of the whole process was changed"))
-        written_aside(tmp_path / "a.txt", lambda path: path.write_text("one"))
-        written_aside(tmp_path / "a.txt", lambda path: path.write_text("two"))
+        write_atomically(tmp_path / "a.txt", lambda path: path.write_text("one"))
+        write_atomically(tmp_path / "a.txt", lambda path: path.write_text("two"))
     finally:
         monkeypatch.undo()
         os.umask(before)

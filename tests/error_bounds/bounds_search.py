@@ -153,7 +153,7 @@ def quick_two_sum(a: float, b: float) -> tuple[float, float]:
 
 
 def double2(n: Numbers) -> F:
-    """kDouble2Error: the larger of a sum's and a product's."""
+    """kDoubleDoubleError: the larger of a sum's and a product's."""
     (ah, al), (bh, bl) = two_sum(n[0], n[1] * 2.0**-53), two_sum(n[2], n[3] * 2.0**-53)
     a, b = F(ah) + F(al), F(bh) + F(bl)
     high, low = two_sum(ah, bh), two_sum(al, bl)
@@ -164,7 +164,7 @@ def double2(n: Numbers) -> F:
     times = quick_two_sum(product, exact_low + (ah * bl + al * bh))
     off_sum = abs(F(total[0]) + F(total[1]) - (a + b)) / (abs(a) + abs(b))
     off_product = abs(F(times[0]) + F(times[1]) - a * b) / abs(a * b)
-    return max(off_sum, off_product) / value("double_double", "kDouble2Error")
+    return max(off_sum, off_product) / value("double_double", "kDoubleDoubleError")
 
 
 def float_tie(n: Numbers) -> F:
@@ -196,7 +196,7 @@ SEARCHED: dict[str, tuple[Callable[[Numbers], F], int]] = {
     "predicates/kDeterminantError": (determinant, 12),
     "polygon_signs/kSideBound": (side, 18),
     "support/kScanError": (scan, 6),
-    "double_double/kDouble2Error": (double2, 4),
+    "double_double/kDoubleDoubleError": (double2, 4),
     "support_scan/kFloatTie": (float_tie, 6),
     "pair_frame/kPairError": (posed, 20),
     "gjk/kDifference": (corner, 20),

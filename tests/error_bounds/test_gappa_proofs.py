@@ -26,7 +26,7 @@ CHECKED = [
     "predicates",
     "double_double",
     "support",
-    "body",
+    "polytope",
     "vec",
     "centre_axis",
     "distance",
@@ -106,9 +106,9 @@ def test_no_error_found_by_a_search_exceeds_its_bound(name):
     [
         ("predicates/kRoundoff", Fraction(1, 2**53)),
         ("support_exact_direction/kTopDoubt", Fraction(12, 2**53)),
-        ("predicates/kDouble2Bound", Fraction(1, 2**97)),
+        ("predicates/kDoubleDoubleBound", Fraction(1, 2**97)),
         ("support_scan/kFloatTie", Fraction(32, 2**24)),
-        ("gjk/kSwellAlong", 1 + Fraction(4, 2**53)),
+        ("gjk/kInflationAlong", 1 + Fraction(4, 2**53)),
     ],
 )
 def test_values_are_those_of_the_sources(name, expected):

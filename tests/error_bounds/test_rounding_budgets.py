@@ -16,7 +16,7 @@ import pytest
 from gappa_proofs import PROOFS, ROOT, value
 
 import plannercheck as pc
-from plannercheck.bodies.shapes import Body, Box
+from plannercheck.bodies.shapes import Box, GeometryObject
 from plannercheck.motions.joint_drives import spread
 from plannercheck.robots import kinematic_error as kinematic_rounding
 from plannercheck.robots.description import shipped_robots
@@ -188,7 +188,9 @@ class ExactBound:
 
 @pytest.mark.parametrize(("kind", "count"), [(3, 7), (3, 300), (8, 30)])
 def test_the_bound_of_kinematics_holds_all_terms_of_second_order(kind, count):
-    rounding = KinematicRounding(chain(count, kind), [Body("b", "link", np.eye(4), Box((0.2, 0.1, 0.3)))], [0])
+    rounding = KinematicRounding(
+        chain(count, kind), [GeometryObject("b", "link", np.eye(4), Box((0.2, 0.1, 0.3)))], [0]
+    )
     lower, upper = np.full(count, -3.0), np.full(count, 3.0)
     bound, exact = F(rounding.bound(lower, upper)), ExactBound(rounding).bound(lower, upper)
     room = F(kinematic_rounding._REST) - 1

@@ -15,10 +15,8 @@ from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import bounding_volumes as covers
-from plannercheck.evaluation.bench import complexity, pairs
+from plannercheck.evaluation.bench import bounding_volumes, complexity, pairs, truncated_hierarchies
 from plannercheck.evaluation.bench import hausdorff as distances
-from plannercheck.evaluation.bench import truncated_hierarchies as cutoffs
 from plannercheck.evaluation.bench.methods import methods
 from plannercheck.evaluation.bench.sphere_model import SphereModel
 from plannercheck.evaluation.bench.states import measure
@@ -43,7 +41,7 @@ def body(request):
 
 
 def test_inner_levels_are_nested_within_the_body(body):
-    levels = [body, *cutoffs.inner_levels(body)]
+    levels = [body, *truncated_hierarchies.inner_levels(body)]
     assert len(levels) > 1
     assert len(levels[-1].vertices) >= 4
     for outer, inner in itertools.pairwise(levels):
@@ -51,7 +49,7 @@ def test_inner_levels_are_nested_within_the_body(body):
 
 
 def test_outer_levels_contain_the_body(body):
-    for outer in cutoffs.outer_levels(body):
+    for outer in truncated_hierarchies.outer_levels(body):
         assert outer.dimension == 3
         assert all(exact.intersects(vertex[None], outer.vertices) for vertex in body.vertices[::8])
 
@@ -60,21 +58,21 @@ def test_levels_start_as_the_core_has_them():
     body = Polytope(family("round", 1000, 1))
     level = np.asarray(body.core.levels(False))
     assert level.max() > 2
-    for k, inner in enumerate(cutoffs.inner_levels(body)[: level.max()], start=1):
+    for k, inner in enumerate(truncated_hierarchies.inner_levels(body)[: level.max()], start=1):
         assert {tuple(v) for v in inner.vertices} == {tuple(v) for v in body.vertices[level >= k]}
 
 
 def test_covers_contain_the_body(body):
     rng = np.random.default_rng(0)
     points = rng.dirichlet(np.full(len(body.vertices), 0.05), 2000) @ body.vertices  # anywhere in the body
-    for shape, pose in (covers.box_around(body), covers.capsule_around(body)):
+    for shape, pose in (bounding_volumes.box_around(body), bounding_volumes.capsule_around(body)):
         local = (np.vstack([body.vertices, points]) - pose[:3, 3]) @ pose[:3, :3]
         if hasattr(shape, "size"):
             assert (np.abs(local) <= np.array(shape.size) / 2).all()
         else:
             local[:, 2] -= np.clip(local[:, 2], -shape.length / 2, shape.length / 2)
             assert (np.linalg.norm(local, axis=1) <= shape.radius).all()
-    for count, balls in covers.balls_around(body, [1, 7, 30]).items():
+    for count, balls in bounding_volumes.balls_around(body, [1, 7, 30]).items():
         assert len(balls) == count
         off = np.linalg.norm(points[:, None] - balls[:, :3], axis=2) - balls[:, 3]
         assert (off.min(axis=1) <= 0).all()
@@ -83,7 +81,7 @@ def test_covers_contain_the_body(body):
 @pytest.mark.parametrize("name", ["box", "needle", "prism"])  # of a round body, one ball is hard to beat
 def test_more_balls_are_nearer_to_the_body(name):
     body = Polytope(family(name, 60, 1))
-    balls = covers.balls_around(body, [1, 32])
+    balls = bounding_volumes.balls_around(body, [1, 32])
     few, many = (distances.furthest_of_balls(b[:, :3], b[:, 3], body) for b in (balls[1], balls[32]))
     assert many < few / 2
 
@@ -121,7 +119,7 @@ def test_methods_err_only_on_their_side(checker, monkeypatch):
 def test_balls_never_miss_a_collision(scene):
     checker = Checker(Robot.load("panda"), Scene.load(scene))
     own = [(k, p) for k, p in enumerate(checker.polytopes[: len(checker.robot.bodies)]) if p is not None]
-    model = SphereModel(checker, {k: covers.balls_around(p, [6])[6] for k, p in own})
+    model = SphereModel(checker, {k: bounding_volumes.balls_around(p, [6])[6] for k, p in own})
     q = checker.robot.random_configurations(3000, 4)
     found, truth = model.check_states(q), checker.check_states(q)
     assert not (found & ~truth).any()

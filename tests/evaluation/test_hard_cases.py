@@ -20,8 +20,11 @@ CASES = sorted(HARD.glob("*.json"))
 def test_kept_case(path: Path) -> None:
     case = Case.load(path)
     p, r, pose_p, pose_r = case.bodies
-    truth = exact.intersects(*case.bodies, *case.swells)
-    first, second = pc.Polytope(p, swell=case.swells[0]), pc.Polytope(r, swell=case.swells[1])
+    truth = exact.intersects(*case.bodies, *case.inflation_radii)
+    first, second = (
+        pc.Polytope(p, inflation_radius=case.inflation_radii[0]),
+        pc.Polytope(r, inflation_radius=case.inflation_radii[1]),
+    )
     assert (first.fault(), second.fault()) == ("", "")
     for method in METHODS:
         assert pc.intersects(first, second, pose_p, pose_r, method=method) == truth

@@ -34,26 +34,26 @@ def dot(a, b):
 
 def is_apart(question, direction):
     """From the definition."""
-    p, pose_p, r, pose_r, swells = question
+    p, pose_p, r, pose_r, inflation_radii = question
     least = min(dot(direction, x) for x in posed(p, pose_p))
     most = max(dot(direction, x) for x in posed(r, pose_r))
-    swell = sum(map(Fraction, swells))
-    return least > most and (least - most) ** 2 > swell**2 * dot(direction, direction)
+    inflation_radius = sum(map(Fraction, inflation_radii))
+    return least > most and (least - most) ** 2 > inflation_radius**2 * dot(direction, direction)
 
 
 def is_shared(question, first, second, weights):
     """From the definition."""
-    p, pose_p, r, pose_r, swells = question
+    p, pose_p, r, pose_r, inflation_radii = question
     if not weights or min(weights) < 0 or sum(weights) <= 0:
         return False
     on_p, on_r = posed(p[first], pose_p), posed(r[second], pose_r)
     apart = [sum(w * (a[k] - b[k]) for w, a, b in zip(weights, on_p, on_r, strict=True)) for k in range(3)]
-    return dot(apart, apart) <= (sum(map(Fraction, swells)) * sum(weights)) ** 2
+    return dot(apart, apart) <= (sum(map(Fraction, inflation_radii)) * sum(weights)) ** 2
 
 
 def compiled(question):
-    p, pose_p, r, pose_r, swells = question
-    return _oracle.Points(p, swells[0]), pose_p, _oracle.Points(r, swells[1]), pose_r
+    p, pose_p, r, pose_r, inflation_radii = question
+    return _oracle.Points(p, inflation_radii[0]), pose_p, _oracle.Points(r, inflation_radii[1]), pose_r
 
 
 def digits(numbers):
@@ -75,8 +75,8 @@ def questions(count, seed):
         if len(drawn.p.vertices) + len(drawn.r.vertices) > 40:
             continue
         k = int(rng.integers(len(drawn.poses_p)))
-        swells = drawn.p.swell, drawn.r.swell
-        yield drawn.p.vertices, drawn.poses_p[k], drawn.r.vertices, drawn.poses_r[k], swells
+        inflation_radii = drawn.p.inflation_radius, drawn.r.inflation_radius
+        yield drawn.p.vertices, drawn.poses_p[k], drawn.r.vertices, drawn.poses_r[k], inflation_radii
         count -= 1
 
 
@@ -98,8 +98,8 @@ def test_whole_numbers_are_pythons():
 def test_verdicts_are_those_of_integers_and_proved():
     shared = 0
     for question in questions(300, 1):
-        p, pose_p, r, pose_r, swells = question
-        truth = exact.intersects(p, r, pose_p, pose_r, *swells)
+        p, pose_p, r, pose_r, inflation_radii = question
+        truth = exact.intersects(p, r, pose_p, pose_r, *inflation_radii)
         arguments = compiled(question)
         for every in (True, False):
             found = _oracle.decide(arguments[0], pose_p[None], arguments[2], pose_r[None], every)
@@ -137,7 +137,7 @@ def test_separations_hold_or_are_refused():
     assert 300 < sum(verdicts) < len(verdicts) - 300
 
 
-def test_separations_within_the_swell_are_refused():
+def test_separations_within_the_inflation_radius_are_refused():
     """A ball and a corner whose distance is the radius, and one step of a double more."""
     ball, corner, eye = np.zeros((1, 3)), np.array([[3.0, 4.0, 0.0], [3.0, 4.0, 5.0], [9.0, 9.0, 0.0]]), np.eye(4)
     for radius, apart in ((5.0, False), (np.nextafter(5, 0), True), (np.nextafter(5, 9), False)):
@@ -180,9 +180,13 @@ def test_mixtures_hold_or_are_refused():
 
 def test_what_is_no_question_is_refused():
     points, eye = _oracle.Points(np.zeros((1, 3)), 0.0), np.eye(4)
-    for vertices, swell in ((np.zeros((0, 3)), 0.0), (np.full((1, 3), np.nan), 0.0), (np.zeros((1, 3)), -1.0)):
+    for vertices, inflation_radius in (
+        (np.zeros((0, 3)), 0.0),
+        (np.full((1, 3), np.nan), 0.0),
+        (np.zeros((1, 3)), -1.0),
+    ):
         with pytest.raises(ValueError, match=r"finite|at least"):
-            _oracle.Points(vertices, swell)
+            _oracle.Points(vertices, inflation_radius)
     with pytest.raises(ValueError, match="finite"):
         _oracle.separates(points, np.full((4, 4), np.inf), points, eye, digits([1, 0, 0]), True)
     with pytest.raises(ValueError, match="three"):

@@ -57,7 +57,9 @@ def test_the_tables_count_every_pair_and_the_errors_of_peers(tally: stress.Stres
 def test_any_draw_is_decided_right(seed: int, k: int, method: str) -> None:
     drawn = draw(np.random.default_rng(seed))
     p, r = drawn.p.polytope, drawn.r.polytope
-    truth = exact.intersects(p.vertices, r.vertices, drawn.poses_p[k], drawn.poses_r[k], p.swell, r.swell)
+    truth = exact.intersects(
+        p.vertices, r.vertices, drawn.poses_p[k], drawn.poses_r[k], p.inflation_radius, r.inflation_radius
+    )
     assert pc.intersects(p, r, drawn.poses_p[k], drawn.poses_r[k], method=method) == truth  # type: ignore[arg-type]
 
 
@@ -86,17 +88,17 @@ def test_a_failure_is_shrunk_to_what_it_takes() -> None:
     case = Case("two clouds", (p, r, np.eye(4), np.eye(4)), (0.5, 0.0))
 
     def shares(smaller: Case) -> bool:
-        return exact.intersects(*smaller.bodies, *smaller.swells)
+        return exact.intersects(*smaller.bodies, *smaller.inflation_radii)
 
     small = shrunk(case, shares)
     assert shares(small)
-    assert small.swells == case.swells
+    assert small.inflation_radii == case.inflation_radii
     assert len(small.bodies[0]) + len(small.bodies[1]) <= 5
 
 
-def test_a_swollen_case_keeps_its_swells(tmp_path: Path) -> None:
+def test_a_inflated_case_keeps_its_inflation_radii(tmp_path: Path) -> None:
     Case("a name", (np.zeros((1, 3)), np.ones((1, 3)), np.eye(4), np.eye(4)), (0.1, 0.0)).save(tmp_path / "case.json")
-    assert Case.load(tmp_path / "case.json").swells == (0.1, 0.0)
+    assert Case.load(tmp_path / "case.json").inflation_radii == (0.1, 0.0)
 
 
 @pytest.mark.parametrize("peer", [Coal, Fcl])
@@ -109,7 +111,12 @@ def test_peers_agree_at_wide_gaps_of_bodies_about_a_metre(peer: type[Coal] | typ
         outcomes = Supervised(peer()).outcomes(drawn)
         for k in wide:
             truth = exact.intersects(
-                drawn.p.vertices, drawn.r.vertices, drawn.poses_p[k], drawn.poses_r[k], drawn.p.swell, drawn.r.swell
+                drawn.p.vertices,
+                drawn.r.vertices,
+                drawn.poses_p[k],
+                drawn.poses_r[k],
+                drawn.p.inflation_radius,
+                drawn.r.inflation_radius,
             )
             asked += outcomes[k] != stress.UNFIT
             wrong += outcomes[k] not in (stress.UNFIT, truth)

@@ -179,7 +179,9 @@ def test_contacts_on_stretched_links_are_contacts():
         contact = random_contact(first, pose, shapes[1], rng, Closeness((-6.0, -6.0), 0.4, 0.2))
         if contact.touches:
             touching += 1
-            bodies = [pc.Polytope(extent.vertices, swell=extent.swell) for extent in (first, second)]
+            bodies = [
+                pc.Polytope(extent.vertices, inflation_radius=extent.inflation_radius) for extent in (first, second)
+            ]
             found = certify_posed(*bodies, pose, link @ contact.pose_on(link))
             assert isinstance(found, pc.SharedPoint), (k, found)
     assert touching > 100

@@ -90,11 +90,11 @@ def check_proof(checker, q0, q1, proof):
         parts = np.linspace(0, 1, len(inner))[:, None, None]
         chords = (1 - parts) * seen[0] + parts * seen[-1]
         leaves.append(np.linalg.norm(seen - chords, axis=2).max())
-        extents.append((sign * points @ proof.normal).min(axis=1) - checker.polytopes[body].swell)
-    assert sum(leaves) <= proof.bulge + ROUNDING
+        extents.append((sign * points @ proof.normal).min(axis=1) - checker.polytopes[body].inflation_radius)
+    assert sum(leaves) <= proof.chord_deviation + ROUNDING
     gaps = sum(extents)
     assert min(gaps[0], gaps[-1]) >= proof.gap - ROUNDING
-    assert proof.gap > proof.bulge
+    assert proof.gap > proof.chord_deviation
     assert gaps.min() > 0
 
 
@@ -120,7 +120,7 @@ def test_proofs_cover_every_pair_up_to_where_the_motion_is_free(robot):
         key = (proof.first_body, proof.second_body)
         if proof.start <= covered.get(key, 0.0):
             covered[key] = max(covered.get(key, 0.0), proof.end)
-    moving = [tuple(checker.pairs[k].tolist()) for k in checker.motion_certifier._whole.rows]
+    moving = [tuple(checker.pairs[k].tolist()) for k in checker.motion_certifier._all_pairs.rows]
     assert min(covered.get(key, 0.0) for key in moving) >= verdict.free_until
 
 
@@ -230,12 +230,16 @@ def test_pairs_that_never_meet_within_the_limits_change_no_verdict(name):
     assert found.any()
     assert not found.all()
     certifiers = live.motion_certifier, plain.motion_certifier
-    assert len(certifiers[0]._live.rows) < len(certifiers[1]._live.rows) == len(certifiers[0]._whole.rows)
+    assert (
+        len(certifiers[0]._pairs_within_limits.rows)
+        < len(certifiers[1]._pairs_within_limits.rows)
+        == len(certifiers[0]._all_pairs.rows)
+    )
     for a, b, free in zip(q0[:40], q1[:40], found[:40].tolist(), strict=True):
         assert live.check_motion(a, b) == free
-        passages = [certifier.passage(a, b, 1e-4) for certifier in certifiers]
-        assert passages[0].free == passages[1].free == free
-        assert (passages[0].pair, passages[0].near) == (passages[1].pair, passages[1].near)
+        results = [certifier.motion_result(a, b, 1e-4) for certifier in certifiers]
+        assert results[0].free == results[1].free == free
+        assert (results[0].pair, results[0].near) == (results[1].pair, results[1].near)
     assert live.motion_certifier.statistics()["motions"] == 180  # both parts count
 
 

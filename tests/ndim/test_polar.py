@@ -108,8 +108,8 @@ def test_tangents_of_polars_are_boundary_points(d, seed):
         touched = lowest_over(make(points), sense * direction)
         gamma = direction / (direction @ touched)
         hull = polar.convex_hull(points)
-        excess = (hull.normals @ gamma - hull.offsets).max()
-        assert abs(excess) < 1e-7
+        violation = (hull.normals @ gamma - hull.offsets).max()
+        assert abs(violation) < 1e-7
 
 
 @runs

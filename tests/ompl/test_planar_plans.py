@@ -98,7 +98,7 @@ def test_sampled_curves_are_looked_at_all_along():
     for x in np.random.default_rng(3).uniform(1, 9, 12):
         scene = P.Scene("post")
         scene.add_polygon("post", [[x + a, b] for a, b in square])
-        checker = P.Checker(robot.within([-1, -2], [11, 2]), scene)
+        checker = P.Checker(robot.with_bounds([-1, -2], [11, 2]), scene)
         information = pc.ompl.setup(checker, 0.005, curve="dubins", turning_radius=0.5).getSpaceInformation()
         space = space_of(checker, "dubins", 0.5)
         states = [space.state(information, q) for q in ([0.0, 0.0, 0.0], [10.0, 0.0, 0.0])]

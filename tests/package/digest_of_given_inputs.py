@@ -29,7 +29,7 @@ def hashes(path: Path) -> dict[str, str]:
     given = np.load(path)
     bodies, verdicts = [], []
     for k in range(len(given.files) // 4):
-        p, r = (core.Body.from_points(np.ascontiguousarray(given[f"{k}.{name}"]), 0.0) for name in "pr")
+        p, r = (core.Polytope.from_points(np.ascontiguousarray(given[f"{k}.{name}"]), 0.0) for name in "pr")
         bodies += [p.serialise(), r.serialise()]
         for method in METHODS:
             found = core.intersect_batch(p, given[f"{k}.poses_p"], r, given[f"{k}.poses_r"], pair_options(method))

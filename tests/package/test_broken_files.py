@@ -140,7 +140,7 @@ def _run(folder: Path, scene: str, output: str, monkeypatch: pytest.MonkeyPatch)
     """A run of `validate`: its exit code, and its journal as it was at the end."""
     place = folder / output
     journal: list[bytes] = []
-    write = outputs.written_aside
+    write = outputs.write_atomically
 
     def keep(path: Path, *arguments: object) -> None:
         journal.append(Path(f"{place}.progress").read_bytes())
@@ -148,7 +148,7 @@ def _run(folder: Path, scene: str, output: str, monkeypatch: pytest.MonkeyPatch)
 
     with monkeypatch.context() as patch, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        patch.setattr(outputs, "written_aside", keep)
+        patch.setattr(outputs, "write_atomically", keep)
         code = cli.main(
             [
                 "validate",

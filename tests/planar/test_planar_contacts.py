@@ -422,4 +422,4 @@ def test_the_slip_of_a_piece_counts(slip):
         q0, q1 = np.array([-5, -gap, 0.0]), np.array([5, -gap, turn])
         pieces = np.array([[0.0, 1.0, -5, -gap, 10, 0, 0, turn, 0, 0, slip]])
         assert checker.motion_certifier.is_free(q0, q1, 1e-7, pieces) == free
-        assert checker.motion_certifier.passage(q0, q1, 1e-7, pieces=pieces).free == free
+        assert checker.motion_certifier.motion_result(q0, q1, 1e-7, pieces=pieces).free == free

@@ -53,10 +53,10 @@ def check_proof(checker, q0, q1, kind, proof):
         chords = (1 - parts) * seen[0] + parts * seen[-1]
         leaves.append(np.linalg.norm(seen - chords, axis=2).max())
         extents.append((sign * seen @ proof.normal).min(axis=1))
-    assert sum(leaves) <= proof.bulge + ROUNDING
+    assert sum(leaves) <= proof.chord_deviation + ROUNDING
     gaps = sum(extents)
     assert min(gaps[0], gaps[-1]) >= proof.gap - ROUNDING
-    assert proof.gap > proof.bulge
+    assert proof.gap > proof.chord_deviation
     assert gaps.min() > 0
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from planar_contacts import link_frames, some_tree
 from planar_proof_cases import P, changed, free_motions, shipped
 
-from plannercheck.motions.certifier_answers import Passage
+from plannercheck.motions.certifier_answers import MotionResult
 from plannercheck.motions.certifier_answers import Proof as Line
 from plannercheck.planar.curves import Curves
 from plannercheck.proofs import Entry
@@ -25,7 +25,7 @@ def test_a_certifier_with_long_directions_is_found_out(monkeypatch):
     q0, q1 = [0, 0, -0.09], [0, 0, 0.09]
     line = Line(0, 0.0, 1.0, -1, False, np.array([-2.03, 0.0]), 0.056, 0.0486)
     monkeypatch.setattr(
-        type(checker.motion_certifier), "passage", lambda *_: Passage(True, 1.0, -1.0, -1, (line,), 1.0)
+        type(checker.motion_certifier), "motion_result", lambda *_: MotionResult(True, 1.0, -1.0, -1, (line,), 1.0)
     )
     proof = checker._prover.proof(
         *(np.array(q, dtype=float) for q in (q0, q1, q1)), 1e-4, np.zeros((0, 11)), "straight", None

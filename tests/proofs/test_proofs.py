@@ -16,7 +16,7 @@ from proof_cases import (
 )
 
 import plannercheck as pc
-from plannercheck.motions.certifier_answers import Passage
+from plannercheck.motions.certifier_answers import MotionResult
 from plannercheck.motions.certifier_answers import Proof as Plane
 from plannercheck.motions.proof_builder import Builder
 
@@ -152,7 +152,7 @@ def test_an_asked_end_many_turns_away_does_not_count_among_what_is_interpolated(
 def forged(checker, q0, q1, planes, monkeypatch):
     """The proof that the package builds if its certifier says that a motion is free."""
     builder = Builder(checker)
-    monkeypatch.setattr(builder, "_passage", lambda *arguments: Passage(True, 1.0, -1.0, -1, planes))
+    monkeypatch.setattr(builder, "_motion_result", lambda *arguments: MotionResult(True, 1.0, -1.0, -1, planes))
     return builder.proof(*(np.asarray(q, dtype=np.float64) for q in (q0, q1, q1)), 1e-4)
 
 

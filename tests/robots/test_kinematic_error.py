@@ -9,7 +9,7 @@ import pytest
 from multiprecision import CONTEXT, composed, deviation, deviation_of_robot, vertices_of
 
 import plannercheck as pc
-from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Hull, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Sphere
 from plannercheck.common.core import core
 from plannercheck.robots.description import shipped_robots
 from plannercheck.robots.kinematic_error import _SINCOS, KinematicRounding, largest_distance, radius_of
@@ -84,7 +84,7 @@ def chain_errors(kinds, seed, **options):
     table = random_chain(rng, kinds, **options)
     q = random_rows(rng, kinds, 3)
     bodies = [
-        Body(f"b{i}", "link", np.vstack([random_placement(rng), [0, 0, 0, 1]]), Box((0.2, 0.1, 0.3)))
+        GeometryObject(f"b{i}", "link", np.vstack([random_placement(rng), [0, 0, 0, 1]]), Box((0.2, 0.1, 0.3)))
         for i in range(len(kinds))
     ]
     rounding = KinematicRounding(table, bodies, range(len(kinds)))
@@ -129,7 +129,7 @@ def row_of_joints(kinds, axes, placements, multipliers, offsets):
 
 def error_and_bound(table, q, half):
     """(measured, bound) of a cube on the last link, of this half edge in m."""
-    body = Body("cube", "link", np.eye(4), Box((2 * half,) * 3))
+    body = GeometryObject("cube", "link", np.eye(4), Box((2 * half,) * 3))
     measured = deviation(table, core.Kinematics(*table), [body], [0], q)
     rounding = KinematicRounding(table, [body], [0])
     return measured, max(rounding.bound(row, row) for row in q)
@@ -308,7 +308,7 @@ def test_a_radius_holds_all_points_that_a_pose_maps(shape):
 
 
 def test_the_distance_between_poses_leaves_out_bodies_without_a_pose():
-    bodies = [Body(name, None, np.eye(4), Box((2, 2, 2))) for name in "ab"]
+    bodies = [GeometryObject(name, None, np.eye(4), Box((2, 2, 2))) for name in "ab"]
     poses, others = np.stack([np.eye(4)] * 2), np.stack([np.eye(4)] * 2)
     poses[0], others[1, 0, 3] = np.nan, 0.5
     assert largest_distance(bodies, poses, others) == pytest.approx(0.5)

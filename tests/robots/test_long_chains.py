@@ -106,8 +106,8 @@ def test_what_is_screened_out_could_not_have_been_proved(seed, tmp_path, monkeyp
     monkeypatch.setattr(Screen, "may_be_proved", lambda self, pairs, columns: np.ones(len(pairs), dtype=bool))
     whole = pc.Checker(robot)
     assert np.array_equal(screened.unreachable, whole.unreachable)
-    assert np.array_equal(screened.resting, whole.resting)
-    labels = {(a.link, b.link) for a, b in (map(robot.bodies.__getitem__, row) for row in whole.pairs[whole.resting])}
+    assert np.array_equal(screened.static, whole.static)
+    labels = {(a.link, b.link) for a, b in (map(robot.bodies.__getitem__, row) for row in whole.pairs[whole.static])}
     assert all(at_rest(robot, a, b) for a, b in labels)
     assert len(asked) == 1
 

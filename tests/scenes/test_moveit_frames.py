@@ -278,7 +278,7 @@ def test_scenes_without_a_robot_say_what_is_not_placed_yet(panda, tmp_path):
     expected = Checker(panda, scene).scene.object("ball").pose
     for other in (scene.copy(), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
         np.testing.assert_array_equal(Checker(panda, other).scene.object("ball").pose, expected)
-    assert scene.object("ball").anchor is not None  # a checker has a copy
+    assert scene.object("ball").pose_frame is not None  # a checker has a copy
     scene.move("ball", se3(OFFSET))
     np.testing.assert_array_equal(scene.bodies[0].pose, se3(OFFSET))
 

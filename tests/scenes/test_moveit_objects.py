@@ -66,7 +66,7 @@ def test_names_are_looked_up_in_moveits_order():
         state=state_of(attached=[held]),
     )
     np.testing.assert_allclose(scene.object("a").pose, se3(MAP) @ se3(OFFSET) @ se3(SHORT), atol=1e-14)
-    assert scene.object("b").anchor.frame == "panda_hand"
+    assert scene.object("b").pose_frame.frame == "panda_hand"
     (body,) = scene_of(ball("c", "tray", SHORT), transforms=transforms).bodies
     np.testing.assert_allclose(body.pose, se3(TAG) @ se3(SHORT), atol=1e-14)
 

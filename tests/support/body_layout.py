@@ -1,4 +1,4 @@
-"""Where the fields of a serialised body are, as body_serialisation.cpp writes them; for tests that damage them."""
+"""Where the fields of a serialised body are, as polytope_serialisation.cpp writes them; for tests that damage them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,11 @@ TAIL = [("polar_triangles", [12]), ("polar_radius", 8), ("facet_count", 4)]
 
 def fields(data):
     """Bytes of each field, name: (first, end); sizes in a list are those of an array's entries."""
-    parts = [(f"{part}.{name}", size) for part in ("inner", "crown", "polar", "polar_crown") for name, size in LEVELS]
+    parts = [
+        (f"{part}.{name}", size)
+        for part in ("inner", "top_levels", "polar", "polar_top_levels")
+        for name, size in LEVELS
+    ]
     found, place = {}, 0
     for name, size in [*HEAD, *parts, *TAIL]:
         count = 1

@@ -7,7 +7,7 @@ import functools
 import mpmath
 import numpy as np
 
-from plannercheck.bodies.shapes import Cone, Cylinder, hull_and_swell
+from plannercheck.bodies.shapes import Cone, Cylinder, inflated_hull
 from plannercheck.robots.kinematic_error import radius_of
 from plannercheck.robots.kinematics import joint_table
 
@@ -105,7 +105,7 @@ def vertices_of(shape):
     """What a pose maps of a shape; of cylinders and cones what bounds any polytope around them."""
     if isinstance(shape, Cylinder | Cone):
         return radius_of(shape) * np.concatenate([np.eye(3), -np.eye(3)])
-    return hull_and_swell(shape)[0]
+    return inflated_hull(shape)[0]
 
 
 def deviation(table, kernel, bodies, links, q):

@@ -76,7 +76,7 @@ def test_another_excess_is_certified_too() -> None:
 def test_boxes_are_exact_outward_to_the_grid() -> None:
     pose = np.eye(4)
     pose[:3, 3] = [1, 2.0**-70, -3]
-    box = exact_box(PosedBody(np.array([[0, 0, 0], [1, 0, 0.5]]), pose, swell=0.25))
+    box = exact_box(PosedBody(np.array([[0, 0, 0], [1, 0, 0.5]]), pose, inflation_radius=0.25))
     one = 1 << 60
     assert box == ((one * 3 // 4, -one // 4, -one * 13 // 4), (one * 9 // 4, one // 4 + 1, -one * 9 // 4))
 

@@ -29,7 +29,7 @@ class SlidingBodies:
         scale: float = 1.0,
     ) -> None:
         self.bodies = [SimpleNamespace(name=name) for name in ("left", "right", "far")]
-        self.polytopes = [SimpleNamespace(vertices=VERTICES * scale, faces=FACES, swell=0.0)] * 3
+        self.polytopes = [SimpleNamespace(vertices=VERTICES * scale, faces=FACES, inflation_radius=0.0)] * 3
         self.pairs = np.array([[0, 1], [0, 2]])
         self._vertices = VERTICES * scale
         self._lies = lies or {}
@@ -105,7 +105,7 @@ def test_progress_counts_every_state() -> None:
     assert sum(counts) == 400
 
 
-def test_flat_and_swollen_bodies_are_compared_too() -> None:
+def test_flat_and_inflated_bodies_are_compared_too() -> None:
     # A plate and a ball that slide along x, and a capsule above.
     shapes = [
         ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], 0.0),
@@ -113,7 +113,10 @@ def test_flat_and_swollen_bodies_are_compared_too() -> None:
         ([[0, 0.5, 1], [1, 0.5, 1]], 0.75),
     ]
     checker = SlidingBodies()
-    checker.polytopes = [pc.Polytope(np.array(points, dtype=float), swell=swell) for points, swell in shapes]
+    checker.polytopes = [
+        pc.Polytope(np.array(points, dtype=float), inflation_radius=inflation_radius)
+        for points, inflation_radius in shapes
+    ]
     checker.pairs = np.array([[0, 1], [0, 2], [1, 2]])
     q = np.array([[0.0, -0.25], [0.0, -0.25 - 1e-12], [0.0, 2.0]])
 

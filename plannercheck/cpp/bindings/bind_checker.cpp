@@ -27,11 +27,11 @@ using LinkPoses = InputArray<double, -1, -1, 4, 4>;
 
 class BoundChecker : public Pooled<CheckerCore> {
  public:
-  BoundChecker(std::vector<std::shared_ptr<Body>> bodies, InputArray<std::int32_t, -1> links,
+  BoundChecker(std::vector<std::shared_ptr<Polytope>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
                InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
                bool boxes, bool overlaps, bool learning, LinkPoses sampled)
-      : Pooled(mounted(bodies, links, placements), pairs_from(pairs), link_count,
+      : Pooled(geometry_objects(bodies, links, placements), pairs_from(pairs), link_count,
                CheckerOptions{options, bounds, boxes, overlaps, learning}, states_of(sampled, link_count)),
         lower_(lower.data(), lower.data() + lower.shape(0)),
         upper_(upper.data(), upper.data() + upper.shape(0)) {}
@@ -63,9 +63,10 @@ class BoundChecker : public Pooled<CheckerCore> {
  private:
   std::vector<double> lower_, upper_;
 
-  static std::vector<MountedBody> mounted(const std::vector<std::shared_ptr<Body>>& bodies,
-                                          InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements) {
-    std::vector<MountedBody> out;
+  static std::vector<GeometryObject> geometry_objects(const std::vector<std::shared_ptr<Polytope>>& bodies,
+                                                      InputArray<std::int32_t, -1> links,
+                                                      InputArray<double, -1, 4, 4> placements) {
+    std::vector<GeometryObject> out;
     for (std::size_t i = 0; i < bodies.size(); ++i)
       out.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
     return out;
@@ -197,7 +198,7 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
 
 void bind_checker(nb::module_& m) {
   nb::class_<BoundChecker>(m, "Checker")
-      .def(nb::init<std::vector<std::shared_ptr<Body>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
+      .def(nb::init<std::vector<std::shared_ptr<Polytope>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
                     const PairOptions&, bool, bool, bool, bool, LinkPoses>(),
            plain_floats)

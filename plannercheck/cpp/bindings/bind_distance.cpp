@@ -21,7 +21,7 @@ namespace {
 
 using PoseRows = InputArray<double, -1, 4, 4>;
 
-PosedBody posed_at(const Body& body, PoseRows poses, std::size_t i) {
+PosedPolytope posed_at(const Polytope& body, PoseRows poses, std::size_t i) {
   return {&body, pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i))};
 }
 
@@ -31,7 +31,7 @@ void put_row(std::vector<double>& rows, std::size_t i, Vec3 v) {
 
 // (overlap, distance, lower bound, points on a, points on b, directions from b to a) for n pairs of poses of the same
 // two bodies.
-nb::tuple distance_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b) {
+nb::tuple distance_batch(const Polytope& a, PoseRows poses_a, const Polytope& b, PoseRows poses_b) {
   const std::size_t n = std::max(poses_a.shape(0), poses_b.shape(0)), axes = 3;
   std::vector<std::uint8_t> overlap(n);
   std::vector<double> distance(n), lower(n), on_a(axes * n), on_b(axes * n), directions(axes * n);
@@ -57,7 +57,7 @@ struct Clearance {
 
 class ClearanceSearch {
  public:
-  ClearanceSearch(const std::vector<std::shared_ptr<Body>>& bodies, InputArray<std::int32_t, -1, 2> pairs,
+  ClearanceSearch(const std::vector<std::shared_ptr<Polytope>>& bodies, InputArray<std::int32_t, -1, 2> pairs,
                   InputArray<double, -1> paddings)
       : bodies_(bodies), pairs_(pairs), paddings_(paddings), bounds_(pairs.shape(0)), order_(pairs.shape(0)) {}
 
@@ -79,29 +79,29 @@ class ClearanceSearch {
   }
 
  private:
-  const std::vector<std::shared_ptr<Body>>& bodies_;
+  const std::vector<std::shared_ptr<Polytope>>& bodies_;
   InputArray<std::int32_t, -1, 2> pairs_;
-  InputArray<double, -1> paddings_;  // of the bodies: a part of their swell that does not count
+  InputArray<double, -1> paddings_;  // of the bodies: a part of their inflation radius that does not count
   std::vector<double> bounds_;
   std::vector<std::size_t> order_;
   PairCounters counters_;
 
-  PosedBody posed(std::int32_t body, const double* poses) const {
+  PosedPolytope posed(std::int32_t body, const double* poses) const {
     return {bodies_[at(body)].get(), pose_from(poses + 16 * at(body))};
   }
-  PosedBody guest(std::size_t k, const double* poses) const { return posed(pairs_(k, 0), poses); }
-  PosedBody host(std::size_t k, const double* poses) const { return posed(pairs_(k, 1), poses); }
+  PosedPolytope guest(std::size_t k, const double* poses) const { return posed(pairs_(k, 0), poses); }
+  PosedPolytope host(std::size_t k, const double* poses) const { return posed(pairs_(k, 1), poses); }
   double padding(std::size_t k) const { return paddings_(at(pairs_(k, 0))) + paddings_(at(pairs_(k, 1))); }
 
   // Something that is at least the limit if the distance is.
-  double distance_below(const PosedBody& a, const PosedBody& b, double limit) {
+  double distance_below(const PosedPolytope& a, const PosedPolytope& b, double limit) {
     const PairDistance found = pair_distance(a, b, limit, counters_);
     return found.lower > limit ? found.lower : found.upper;
   }
 };
 
 // (least distances (n,), rows of their pairs (n,)) for poses (n, bodies, 4, 4).
-nb::tuple clearances(const std::vector<std::shared_ptr<Body>>& bodies, InputArray<double, -1, -1, 4, 4> poses,
+nb::tuple clearances(const std::vector<std::shared_ptr<Polytope>>& bodies, InputArray<double, -1, -1, 4, 4> poses,
                      InputArray<std::int32_t, -1, 2> pairs, InputArray<double, -1> paddings, int rounds) {
   const std::size_t n = poses.shape(0);
   std::vector<double> distances;

@@ -19,13 +19,13 @@ namespace {
 
 using Payoffs = InputArray<double, -1, -1, -1>;
 
-constexpr auto kMost = static_cast<std::size_t>(GrowingGame::kMost);
+constexpr auto kMost = static_cast<std::size_t>(IncrementalMatrixGame::kMost);
 // Games are written down so many at a time: lines that are read right after they were written in single numbers have to
 // wait, which is not what is to be timed.
 constexpr std::size_t kAtOnce = 16;
 
 struct Game {
-  std::array<GrowingGame::Numbers, kMost> by_row{}, by_column{};
+  std::array<IncrementalMatrixGame::Numbers, kMost> by_row{}, by_column{};
 
   void write(const double* payoffs, std::size_t rows, std::size_t columns) {
     for (std::size_t i = 0; i < rows; ++i) {
@@ -34,8 +34,8 @@ struct Game {
   }
 
   // Gains a row and a column by turns, as in a search, and is solved again each time.
-  GrowingGame play(double bound, std::size_t rows, std::size_t columns) const {
-    GrowingGame game(bound);
+  IncrementalMatrixGame play(double bound, std::size_t rows, std::size_t columns) const {
+    IncrementalMatrixGame game(bound);
     for (std::size_t k = 0; k < std::max(rows, columns); ++k) {
       if (k < rows) {
         game.put_row(game.place_of_row(), by_row[k]);
@@ -65,8 +65,8 @@ nb::tuple solve_games(Payoffs payoffs, double bound) {
         games[k - i].write(payoffs.data() + k * rows * columns, rows, columns);
       }
     }
-    const GrowingGame solved = games[i % kAtOnce].play(bound, rows, columns);
-    const GrowingGame::Numbers r = solved.row_weights(), c = solved.column_weights();
+    const IncrementalMatrixGame solved = games[i % kAtOnce].play(bound, rows, columns);
+    const IncrementalMatrixGame::Numbers r = solved.row_weights(), c = solved.column_weights();
     std::copy(r.begin(), r.end(), of_rows.begin() + static_cast<std::ptrdiff_t>(i * kMost));
     std::copy(c.begin(), c.end(), of_columns.begin() + static_cast<std::ptrdiff_t>(i * kMost));
   }

@@ -157,12 +157,12 @@ void bind_motion(nb::module_& m) {
   nb::class_<BoundCertifier>(m, "MotionCertifier")
       .def(
           "__init__",
-          [](BoundCertifier* self, const std::vector<std::shared_ptr<Body>>& bodies, InputArray<std::int32_t, -1> links,
-             InputArray<double, -1, 4, 4> placements, IndexTable<5> pairs, IndexTable<2> drives,
-             InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry, IndexTable<3> entries,
-             InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides, IndexTable<2> parts, int width,
-             int link_count, double defect, double leverage, int depth, double extent, InputArray<double, -1> travel,
-             int joints, bool hints) {
+          [](BoundCertifier* self, const std::vector<std::shared_ptr<Polytope>>& bodies,
+             InputArray<std::int32_t, -1> links, InputArray<double, -1, 4, 4> placements, IndexTable<5> pairs,
+             IndexTable<2> drives, InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry,
+             IndexTable<3> entries, InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides,
+             IndexTable<2> parts, int width, int link_count, double defect, double leverage, int depth, double extent,
+             InputArray<double, -1> travel, int joints, bool hints) {
             MotionModel model;
             for (std::size_t i = 0; i < bodies.size(); ++i)
               model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});

@@ -8,7 +8,7 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   nanobind::set_leak_warnings(false);
   m.attr("level") = PLANNERCHECK_LEVEL;
   m.attr("lanes") = plannercheck::kLanes;
-  plannercheck::bind_body(m);
+  plannercheck::bind_polytope(m);
   plannercheck::bind_kinematics(m);
   plannercheck::bind_checker(m);
   plannercheck::bind_sphere_model(m);

@@ -1,4 +1,5 @@
-// Each concept binds itself in bind_<concept>.cpp; module.cpp puts them into one module.
+// Each concept binds itself in bind_<concept>.cpp; module.cpp calls them all, but that bind_planar calls
+// bind_planar_checker.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -6,7 +7,7 @@
 namespace plannercheck {
 
 void bind_kinematics(nanobind::module_& m);
-void bind_body(nanobind::module_& m);
+void bind_polytope(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);
 void bind_sphere_model(nanobind::module_& m);
 void bind_planar(nanobind::module_& m);

@@ -13,7 +13,7 @@
 namespace plannercheck {
 
 // (answer, proved free up to, refused at, pair) of one motion, and the proofs: pairs (k,), intervals (k, 2), directions
-// (k, dimensions), gaps and bulges (k, 2). add_numbers(direction, row) appends a direction's numbers.
+// (k, dimensions), gaps and chord deviations (k, 2). add_numbers(direction, row) appends a direction's numbers.
 template <std::size_t dimensions, class Direction, class AddNumbers>
 nanobind::tuple explained_motion(const MotionReport& report, const std::vector<IntervalProof<Direction>>& proofs,
                                  AddNumbers add_numbers) {
@@ -23,7 +23,7 @@ nanobind::tuple explained_motion(const MotionReport& report, const std::vector<I
     pairs.push_back(p.pair);
     intervals.insert(intervals.end(), {p.from, p.to});
     add_numbers(p.direction, directions);
-    gaps.insert(gaps.end(), {p.gap, p.bulge});
+    gaps.insert(gaps.end(), {p.gap, p.chord_deviation});
   }
   const std::size_t n = proofs.size();
   return nanobind::make_tuple(static_cast<int>(report.answer), report.free_until, report.refused, report.pair,

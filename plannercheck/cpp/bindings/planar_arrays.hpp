@@ -21,19 +21,21 @@ inline std::vector<PlanarLink> links_from(InputArray<std::int32_t, -1, 3> links,
   return out;
 }
 
-inline std::vector<PlanarBody> bodies_from(const nanobind::list& polygons, InputArray<std::int32_t, -1> mounts,
-                                           InputArray<double, -1, 3, 3> poses, InputArray<double, -1, 3> circles,
-                                           InputArray<double, -1, 4> boxes) {
-  std::vector<PlanarBody> out;
+inline std::vector<PlanarGeometryObject> bodies_from(const nanobind::list& polygons,
+                                                     InputArray<std::int32_t, -1> mounts,
+                                                     InputArray<double, -1, 3, 3> poses,
+                                                     InputArray<double, -1, 3> circles,
+                                                     InputArray<double, -1, 4> boxes) {
+  std::vector<PlanarGeometryObject> out;
   for (std::size_t i = 0; i < polygons.size(); ++i) {
     const auto vertices = nanobind::cast<InputArray<double, -1, 2>>(polygons[i], false);
-    PlanarBody body{{vertices.data(), vertices.shape(0)},
-                    mounts(i),
-                    {},
-                    circles(i, 0),
-                    circles(i, 1),
-                    circles(i, 2),
-                    {boxes(i, 0), boxes(i, 1), boxes(i, 2), boxes(i, 3)}};
+    PlanarGeometryObject body{{vertices.data(), vertices.shape(0)},
+                              mounts(i),
+                              {},
+                              circles(i, 0),
+                              circles(i, 1),
+                              circles(i, 2),
+                              {boxes(i, 0), boxes(i, 1), boxes(i, 2), boxes(i, 3)}};
     std::copy_n(poses.data() + 9 * i, 6, body.pose.m.begin());
     out.push_back(body);
   }

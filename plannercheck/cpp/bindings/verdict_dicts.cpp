@@ -33,15 +33,15 @@ std::vector<double> weights_of(const ExactAnswer& answer) {
   return weights;
 }
 
-Vec3 vertex_in_world(const PosedBody& posed, std::int32_t v) {
+Vec3 vertex_in_world(const PosedPolytope& posed, std::int32_t v) {
   return posed.pose.apply(posed.body->inner.points[static_cast<std::size_t>(v)]);
 }
 
-void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest, const PosedBody& host,
+void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& guest, const PosedPolytope& host,
                bool guest_is_a) {
   if (!answer.shared) {
     const DyadicVec3 d = Dyadic(guest_is_a ? 1.0 : -1.0) * answer.direction;
-    const Double2Vec3 near = direction_of(d);
+    const DoubleDoubleVec3 near = direction_of(d);
     out["normal"] = row_of({near.x.high, near.y.high, near.z.high});
     out["exact_normal"] = exact_vector(d);
     return;
@@ -57,8 +57,9 @@ void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedBody& guest,
     on_guest = on_guest + weights[i] * vertex_in_world(guest, answer.guest[i]);
     on_host = on_host + weights[i] * vertex_in_world(host, answer.host[i]);
   }
-  const double swell = guest.body->swell + host.body->swell;
-  out["point"] = row_of(on_guest + (swell > 0 ? guest.body->swell / swell : 0) * (on_host - on_guest));
+  const double inflation_radius = guest.body->inflation_radius + host.body->inflation_radius;
+  out["point"] = row_of(on_guest + (inflation_radius > 0 ? guest.body->inflation_radius / inflation_radius : 0) *
+                                       (on_host - on_guest));
   out["exact_weights"] = exact_weights;
   out["vertices_a"] = output_array(guest_is_a ? guests : hosts, {weights.size()});
   out["vertices_b"] = output_array(guest_is_a ? hosts : guests, {weights.size()});
@@ -76,7 +77,7 @@ const char* name_of(Stage stage) {
       return "solver";
     case Stage::kNearest:
       return "nearest points";
-    case Stage::kDouble2:
+    case Stage::kDoubleDouble:
       return "double-double";
     case Stage::kExact:
       return "exact";
@@ -97,7 +98,8 @@ nb::dict counters_dict(const PairCounters& c) {
   return out;
 }
 
-nb::dict verdict_dict(const PairVerdict& verdict, const PosedBody& guest, const PosedBody& host, bool guest_is_a) {
+nb::dict verdict_dict(const PairVerdict& verdict, const PosedPolytope& guest, const PosedPolytope& host,
+                      bool guest_is_a) {
   nb::dict out;
   out["shared"] = verdict.shared;
   out["stage"] = name_of(verdict.stage);
@@ -105,14 +107,14 @@ nb::dict verdict_dict(const PairVerdict& verdict, const PosedBody& guest, const 
     put_exact(out, *verdict.exact, guest, host, guest_is_a);
     return out;
   }
-  const bool near = verdict.stage == Stage::kNearest || verdict.stage == Stage::kDouble2;
+  const bool near = verdict.stage == Stage::kNearest || verdict.stage == Stage::kDoubleDouble;
   if (verdict.shared) {
     out["point"] = row_of(near ? verdict.proximity.point : host.pose.apply(host.body->centre + verdict.certificate.x));
     return out;
   }
   const Vec3 d = near ? verdict.proximity.direction : host.pose.rotate(verdict.certificate.q);
   out["normal"] = row_of(guest_is_a ? d : -d);
-  if (verdict.stage == Stage::kDouble2) {
+  if (verdict.stage == Stage::kDoubleDouble) {
     const DyadicVec3 fine = DyadicVec3(d) + DyadicVec3(verdict.proximity.direction_low);
     out["exact_normal"] = exact_vector(guest_is_a ? fine : -fine);
   }

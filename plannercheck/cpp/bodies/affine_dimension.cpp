@@ -26,8 +26,8 @@ int first_that(const std::vector<Vec3>& points, int guess, Test test) {
 
 }  // namespace
 
-Span affine_span(const std::vector<Vec3>& points) {
-  Span span;
+AffineSpan affine_span(const std::vector<Vec3>& points) {
+  AffineSpan span;
   const auto extend = [&](int index) {
     if (index >= 0) span.index[static_cast<std::size_t>(++span.dimension)] = index;
     return index >= 0;

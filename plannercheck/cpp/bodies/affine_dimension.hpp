@@ -8,11 +8,11 @@
 
 namespace plannercheck {
 
-struct Span {
+struct AffineSpan {
   int dimension = -1;          // −1 for no points, 0 all coincide, 1 on a line, 2 in a plane, 3
   std::array<int, 4> index{};  // dimension + 1 affinely independent points, far apart
 };
 
-Span affine_span(const std::vector<Vec3>& points);
+AffineSpan affine_span(const std::vector<Vec3>& points);
 
 }  // namespace plannercheck

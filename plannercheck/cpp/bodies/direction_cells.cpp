@@ -230,7 +230,8 @@ void lay_out_blocks(const std::vector<Vec3>& points, std::vector<Vec3> towards, 
   for (Vec3& direction : towards) direction = 1 / larger(norm(direction), 1e-9) * direction;
   Vertices order(points.size());
   std::iota(order.begin(), order.end(), 0);
-  const std::vector<IndexRange> parts = spatial_parts(towards, {order.data(), order.data() + order.size()}, kScanLanes);
+  const std::vector<IndexRange> parts =
+      spatial_partition(towards, {order.data(), order.data() + order.size()}, kScanLanes);
   for (const IndexRange part : parts) {
     std::sort(part.first, part.last);
     CellBlock& block = cells.blocks.emplace_back();

@@ -37,8 +37,8 @@ constexpr double kRound = 0.1;  // how far about the form may be off that of a b
 }  // namespace
 
 // Sums over the tetrahedra of the triangles with a point inside; those of a solid ellipsoid are a fifth of its form.
-AlikeEllipsoid alike_ellipsoid(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
-  AlikeEllipsoid out;
+EquivalentEllipsoid equivalent_ellipsoid(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
+  EquivalentEllipsoid out;
   const Vec3 origin = points.empty() ? Vec3{} : points[0];
   double volume = 0;
   Vec3 first;
@@ -68,7 +68,8 @@ AlikeEllipsoid alike_ellipsoid(const std::vector<Vec3>& points, const std::vecto
 
 // The best plane's normal u has c ~ (A/|u|_A + B/|u|_B) u for the centres' difference c. It is solved for with the
 // lengths of c itself; another step gains less than it takes (measured).
-Vec3 direction_between(const AlikeEllipsoid& a, const Pose& pose_a, const AlikeEllipsoid& b, const Pose& pose_b) {
+Vec3 direction_between(const EquivalentEllipsoid& a, const Pose& pose_a, const EquivalentEllipsoid& b,
+                       const Pose& pose_b) {
   const Vec3 c = pose_a.apply(a.middle) - pose_b.apply(b.middle);
   const Form form_a = turned(a.form, pose_a), form_b = turned(b.form, pose_b);
   const double ratio = std::sqrt(value(form_a, c) / value(form_b, c));

@@ -10,7 +10,7 @@
 
 namespace plannercheck {
 
-struct AlikeEllipsoid {
+struct EquivalentEllipsoid {
   Vec3 middle;
   // Symmetric, xx yy zz yz zx xy, m²: the support along u is the root of uᵀ form u.
   std::array<double, 6> form{};
@@ -18,10 +18,11 @@ struct AlikeEllipsoid {
   bool is_round = true;  // about a ball
 };
 
-AlikeEllipsoid alike_ellipsoid(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
+EquivalentEllipsoid equivalent_ellipsoid(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
 
 // About the normal of the plane between two posed ellipsoids that are apart or touch, from the second to the first, of
 // largest entry 1; no numbers where there is none.
-Vec3 direction_between(const AlikeEllipsoid& a, const Pose& pose_a, const AlikeEllipsoid& b, const Pose& pose_b);
+Vec3 direction_between(const EquivalentEllipsoid& a, const Pose& pose_a, const EquivalentEllipsoid& b,
+                       const Pose& pose_b);
 
 }  // namespace plannercheck

@@ -17,7 +17,7 @@ FlatHull pick(const std::vector<Vec3>& points, int dimension, const std::vector<
 }
 
 // The ends of collinear points: the extremes of any coordinate that is not constant.
-std::vector<int> segment_ends(const std::vector<Vec3>& points, const Span& span) {
+std::vector<int> segment_ends(const std::vector<Vec3>& points, const AffineSpan& span) {
   const Vec3 a = points[at(span.index[0])], b = points[at(span.index[1])];
   const int axis = a.x != b.x ? 0 : a.y != b.y ? 1 : 2;
   const auto [low, high] = std::minmax_element(points.begin(), points.end(),
@@ -26,7 +26,7 @@ std::vector<int> segment_ends(const std::vector<Vec3>& points, const Span& span)
 }
 
 // Andrew's monotone chain on the projection along an axis that the plane does not contain, which is one-to-one.
-std::vector<int> polygon_corners(const std::vector<Vec3>& points, const Span& span) {
+std::vector<int> polygon_corners(const std::vector<Vec3>& points, const AffineSpan& span) {
   const Vec3 a = points[at(span.index[0])], b = points[at(span.index[1])], c = points[at(span.index[2])];
   int axis = 0;  // the normal's largest: turns are then clear in doubles
   const Vec3 normal = cross(b - a, c - a);
@@ -58,7 +58,7 @@ std::vector<int> polygon_corners(const std::vector<Vec3>& points, const Span& sp
 
 }  // namespace
 
-FlatHull flat_hull(const std::vector<Vec3>& points, const Span& span) {
+FlatHull flat_hull(const std::vector<Vec3>& points, const AffineSpan& span) {
   if (span.dimension == 0) return pick(points, 0, {0});
   if (span.dimension == 1) return pick(points, 1, segment_ends(points, span));
   return pick(points, 2, polygon_corners(points, span));
@@ -91,8 +91,8 @@ Hierarchy build_flat_hierarchy(const FlatHull& hull) {
   std::int32_t depth = 0;
   const std::vector<Removal> removals = halve(alive, kUnlayered, &depth);
   Hierarchy h{lay_out(hull.vertices, removals, alive, depth), {}};
-  const std::vector<Removal> further = halve(alive, kCrownTop, &depth);
-  h.crown = lay_out_crown(h, further, alive, depth);
+  const std::vector<Removal> further = halve(alive, kHighestTop, &depth);
+  h.top_levels = lay_out_top_levels(h, further, alive, depth);
   return h;
 }
 

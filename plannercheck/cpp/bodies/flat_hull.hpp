@@ -16,7 +16,7 @@ struct FlatHull {
 };
 
 // `span` of the points, of dimension 0, 1 or 2.
-FlatHull flat_hull(const std::vector<Vec3>& points, const Span& span);
+FlatHull flat_hull(const std::vector<Vec3>& points, const AffineSpan& span);
 
 // Levels that drop every other vertex of the polygon: as in space, at most one vertex of the next finer level lies
 // beyond a plane that is tangent to a level, and it is a neighbour of the vertex where it is tangent.

@@ -81,7 +81,7 @@ void lay_out_scans(const std::vector<std::int32_t>& alive, Levels& h) {
   h.cells = direction_cells(h.points, h.largest_coordinate);
 }
 
-void put(const Levels& h, Block& block, std::int32_t first_lane, std::int32_t vertex) {
+void put(const Levels& h, VertexBlock& block, std::int32_t first_lane, std::int32_t vertex) {
   const Vec3 p = h.points[at(vertex)];
   for (std::int32_t lane = first_lane; lane < kBlockLanes; ++lane) {
     block.x[at(lane)] = p.x;
@@ -126,21 +126,21 @@ void lay_out_chains(const std::vector<Removal>& removals, Levels& h) {
   }
 }
 
-void lay_out_top_stands(Levels& h) {
-  h.top_stands.resize(h.top.size() / kBlockLanes);
+void lay_out_top_cursors(Levels& h) {
+  h.top_cursors.resize(h.top.size() / kBlockLanes);
   for (std::size_t i = 0; i < h.top.size(); ++i) {
-    put(h, h.top_stands[i / kBlockLanes], static_cast<std::int32_t>(i % kBlockLanes), h.top[i]);
+    put(h, h.top_cursors[i / kBlockLanes], static_cast<std::int32_t>(i % kBlockLanes), h.top[i]);
   }
 }
 
 }  // namespace
 
 void link_chains(Levels& h) {
-  const auto link = [&](Block& block) {
+  const auto link = [&](VertexBlock& block) {
     for (std::size_t lane = 0; lane < kBlockLanes; ++lane) block.chain[lane] = h.chain_of(block.id(lane));
   };
   std::for_each(h.blocks.begin(), h.blocks.end(), link);
-  std::for_each(h.top_stands.begin(), h.top_stands.end(), link);
+  std::for_each(h.top_cursors.begin(), h.top_cursors.end(), link);
 }
 
 Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
@@ -155,13 +155,13 @@ Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& remo
   lay_out_rings(removals, h);
   lay_out_scans(top, h);
   lay_out_chains(removals, h);
-  lay_out_top_stands(h);
+  lay_out_top_cursors(h);
   link_chains(h);
   return h;
 }
 
-Levels lay_out_crown(const Levels& levels, std::vector<Removal> removals, std::vector<std::int32_t> stay,
-                     std::int32_t depth) {
+Levels lay_out_top_levels(const Levels& levels, std::vector<Removal> removals, std::vector<std::int32_t> stay,
+                          std::int32_t depth) {
   std::vector<Vec3> points;
   std::vector<std::int32_t> position(levels.points.size(), -1);
   for (const std::int32_t v : levels.top) {
@@ -186,15 +186,16 @@ Hierarchy build_hierarchy(const ConvexMesh& mesh) {
   const std::vector<Removal> removals = peel(current, alive, top, &depth);
   Hierarchy h{lay_out(mesh.vertices, removals, alive, depth), {}};
   build_wedges(mesh, current, h);
-  const std::vector<Removal> further = peel(current, alive, at(kCrownTop), &depth);
-  h.crown = lay_out_crown(h, further, alive, depth);
+  const std::vector<Removal> further = peel(current, alive, at(kHighestTop), &depth);
+  h.top_levels = lay_out_top_levels(h, further, alive, depth);
   return h;
 }
 
 std::size_t Levels::bytes() const {
   const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
-  return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_blocks) + size(top_stands) +
-         cells.bytes() + size(chains) + size(blocks) + size(fan_of) + size(fans) + size(wedges) + size(entries);
+  return size(points) + size(level) + size(ring_start) + size(rings) + size(top) + size(top_blocks) +
+         size(top_cursors) + cells.bytes() + size(chains) + size(blocks) + size(fan_of) + size(fans) + size(wedges) +
+         size(entries);
 }
 
 namespace {
@@ -232,7 +233,7 @@ std::string levels_fault(Triangulation& current, const std::vector<std::int32_t>
     if (at(chain.length) != chains[v].size()) return "a chain is incomplete at vertex " + std::to_string(v);
     std::vector<std::int32_t> stored;
     for (std::int32_t i = 0; i < chain.length; ++i) {
-      const Block& block = h.blocks[at(chain.first_block + i / kBlockLanes)];
+      const VertexBlock& block = h.blocks[at(chain.first_block + i / kBlockLanes)];
       const auto lane = at(i % kBlockLanes);
       const std::int32_t child = block.id(lane);
       if (!(h.points[at(child)] == block.point(lane))) return "a chain's coordinates differ";
@@ -256,10 +257,10 @@ std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& h) {
   std::iota(ids.begin(), ids.end(), 0);
   const std::string main = levels_fault(current, ids, h);
   if (!main.empty()) return main;
-  const std::string crown = levels_fault(current, h.top, h.crown);
-  if (!crown.empty()) return "crown: " + crown;
-  for (std::size_t i = 0; i < h.crown.points.size(); ++i) {
-    if (!(h.crown.points[i] == h.points[at(h.top[i])])) return "the crown's coordinates differ";
+  const std::string top_levels = levels_fault(current, h.top, h.top_levels);
+  if (!top_levels.empty()) return "top levels: " + top_levels;
+  for (std::size_t i = 0; i < h.top_levels.points.size(); ++i) {
+    if (!(h.top_levels.points[i] == h.points[at(h.top[i])])) return "the top levels' coordinates differ";
   }
   return wedge_fault(mesh, h);
 }

@@ -23,15 +23,15 @@ namespace plannercheck {
 
 inline constexpr int kUnlayered = 64;     // up to this many all vertices are at the top
 inline constexpr int kTopVertices = 48;   // left at the top of the hierarchies of larger bodies
-inline constexpr int kCrownTop = 8;       // so few a side make the coupled walk's first game as small as its others
+inline constexpr int kHighestTop = 8;     // so few a side make the coupled walk's first game as small as its others
 inline constexpr int kRemovedDegree = 8;  // a planar graph has enough independent vertices of at most this degree
 inline constexpr int kBlockLanes = 4;     // the layout is the same on every instruction set, so that files are too
 inline constexpr int kLongChain = 64;     // entries; longer chains are walked by wedges (16 blocks of scanning)
 
 inline constexpr std::int32_t kNoChain = -1;
 
-// Where a descent stands: a vertex, and what it needs of it to go on.
-struct Stand {
+// A search cursor: the vertex that a descent has come to, and what it needs of it to go on.
+struct SearchCursor {
   Vec3 point;
   std::int32_t vertex = 0;
   // Its first block; kNoChain if there is none; below that, `fan_at` of a walk by wedges.
@@ -44,17 +44,17 @@ struct Stand {
 
 // Four neighbours in a chain, with all that a descent needs of them, so that its next step waits for memory once: two
 // cache lines. Lanes beyond the chain's end repeat the last entry.
-struct alignas(64) Block {
+struct alignas(64) VertexBlock {
   std::array<double, kBlockLanes> x, y, z;
   std::array<std::int32_t, kBlockLanes> vertex;  // of a chain's last block the complements
-  std::array<std::int32_t, kBlockLanes> chain;   // as in Stand
+  std::array<std::int32_t, kBlockLanes> chain;   // as in SearchCursor
 
   bool is_last() const { return vertex[0] < 0; }
   std::int32_t id(std::size_t lane) const { return vertex[lane] < 0 ? ~vertex[lane] : vertex[lane]; }
   Vec3 point(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
-  Stand stand(std::size_t lane) const { return {point(lane), id(lane), chain[lane]}; }
+  SearchCursor cursor(std::size_t lane) const { return {point(lane), id(lane), chain[lane]}; }
 };
-static_assert(sizeof(Block) == 128);
+static_assert(sizeof(VertexBlock) == 128);
 
 struct ChainRange {
   std::int32_t first_block = 0, length = 0;  // length in entries
@@ -86,11 +86,11 @@ struct Levels {
   std::vector<std::int32_t> rings;
   std::vector<std::int32_t> top;  // ids, padded to whole blocks by repetition
   std::vector<ScanBlock> top_blocks;
-  std::vector<Block> top_stands;
+  std::vector<VertexBlock> top_cursors;
   DirectionCells cells;  // of bodies that are scanned although they have levels
   std::vector<ChainRange> chains;
-  std::vector<Block, LargePages<Block>> blocks;  // chains of coarse vertices first: what most queries read is together
-  std::vector<std::int32_t> fan_of;              // per vertex: index into fans, or -1
+  std::vector<VertexBlock, HugePageAllocator<VertexBlock>> blocks;  // of coarse vertices first: most queries read these
+  std::vector<std::int32_t> fan_of;                                 // per vertex: index into fans, or -1
   std::vector<WedgeFan> fans;
   std::vector<WedgeNode> wedges;
   std::vector<std::int32_t> entries;  // indices into wedges
@@ -98,18 +98,18 @@ struct Levels {
 
   // Where a descent that has come to v goes on.
   std::int32_t chain_of(std::int32_t v) const {
-    if (fan_of[at(v)] >= 0) return Stand::fan_at(fan_of[at(v)]);
+    if (fan_of[at(v)] >= 0) return SearchCursor::fan_at(fan_of[at(v)]);
     return chains[at(v)].length > 0 ? chains[at(v)].first_block : kNoChain;
   }
-  Stand stand(std::int32_t v) const { return {points[at(v)], v, chain_of(v)}; }
+  SearchCursor cursor(std::int32_t v) const { return {points[at(v)], v, chain_of(v)}; }
 
   std::size_t bytes() const;
 };
 
 // Extreme vertices are sought from the top on, where a scan is fastest. The coupled walk, which starts with a game of
-// all vertices of a level, starts higher up: the crown is a hierarchy of the top vertices, vertex i of it is top[i].
+// all vertices of a level, starts higher up: `top_levels` is a hierarchy of the top vertices, vertex i of it is top[i].
 struct Hierarchy : Levels {
-  Levels crown;
+  Levels top_levels;
 };
 
 Hierarchy build_hierarchy(const ConvexMesh& mesh);
@@ -126,13 +126,13 @@ Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& remo
 // Leads from each entry of a chain to that vertex's own chain; again when fans have come in.
 void link_chains(Levels& levels);
 
-// The crown from further removals: those of top vertices down to the vertices that stay.
-Levels lay_out_crown(const Levels& levels, std::vector<Removal> removals, std::vector<std::int32_t> stay,
-                     std::int32_t depth);
+// The top levels from further removals: those of top vertices down to the vertices that stay.
+Levels lay_out_top_levels(const Levels& levels, std::vector<Removal> removals, std::vector<std::int32_t> stay,
+                          std::int32_t depth);
 
 // Words for the first broken property of the hierarchy of this mesh, empty if there is none: levels nested, removed
 // vertices independent and of bounded degree, every level convex, chains complete and in order, wedges consistent; the
-// crown likewise.
+// top levels likewise.
 std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& hierarchy);
 
 }  // namespace plannercheck

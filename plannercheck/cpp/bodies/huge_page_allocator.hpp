@@ -13,15 +13,15 @@ namespace plannercheck {
 
 // An allocator; alike for arrays of any size, so that they may move into each other.
 template <class T>
-struct LargePages {
+struct HugePageAllocator {
   using value_type = T;
 
   static constexpr std::size_t kPage = std::size_t{1} << 21;  // bytes: 2 MiB on x86-64 and aarch64
   static constexpr std::size_t kLeast = 2 * kPage;            // bytes: less would waste much of a page
 
-  LargePages() = default;
+  HugePageAllocator() = default;
   template <class U>
-  LargePages(const LargePages<U>&) {}
+  HugePageAllocator(const HugePageAllocator<U>&) {}
 
   T* allocate(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
@@ -35,7 +35,7 @@ struct LargePages {
   void deallocate(T* at, std::size_t count) { ::operator delete(at, alignment(count * sizeof(T))); }
 
   template <class U>
-  bool operator==(const LargePages<U>&) const {
+  bool operator==(const HugePageAllocator<U>&) const {
     return true;
   }
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "bodies/body.hpp"
+#include "bodies/polytope.hpp"
 
 namespace plannercheck {
 namespace {
@@ -28,7 +28,7 @@ constexpr std::array<double, 2> kRoundings{0, 0.95};
 // The half-spaces whose intersection is the body's hull.
 class Facets {
  public:
-  explicit Facets(const Body& body) : body_(body), room_(kFacetError * body.radius) {
+  explicit Facets(const Polytope& body) : body_(body), room_(kFacetError * body.radius) {
     inverses_.reserve(body.polar.points.size());
     for (const Vec3& q : body.polar.points) {
       const double length = norm(q);
@@ -63,14 +63,14 @@ class Facets {
   }
 
  private:
-  const Body& body_;
+  const Polytope& body_;
   double room_;
   bool are_known_ = true;
   std::vector<double> inverses_;
 };
 
 // Spread evenly over the body's box: multiples, modulo 1, of g^-1, g^-2 and g^-3 with g^4 = g + 1.
-Vec3 spread_point(const Body& body, int k) {
+Vec3 spread_point(const Polytope& body, int k) {
   constexpr std::array<double, 3> kStride{0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
   const auto part = [&](std::size_t i) {
     const double x = 0.5 + (k + 1) * kStride[i];
@@ -81,7 +81,7 @@ Vec3 spread_point(const Body& body, int k) {
 }
 
 // None if the body is about as thin as rounding.
-std::vector<InnerBall> tried_balls(const Body& body, const Facets& facets) {
+std::vector<InnerBall> tried_balls(const Polytope& body, const Facets& facets) {
   std::vector<InnerBall> balls;
   const auto try_around = [&](Vec3 point) {
     const double radius = facets.radius_around(point);
@@ -119,7 +119,7 @@ Vec3 along_axis(std::size_t axis, double length) {
 }
 
 // Grows on all six sides by turns, in ever smaller steps.
-InnerBox grown(const Facets& facets, const Body& body, InnerBox box) {
+InnerBox grown(const Facets& facets, const Polytope& body, InnerBox box) {
   const Vec3 edges = body.high - body.low;
   const auto grow = [&](std::size_t side, double step) {
     const std::size_t axis = side / 2;
@@ -147,7 +147,7 @@ double volume(const InnerBox& box) {
   return (d.x + more) * (d.y + more) * (d.z + more);
 }
 
-InnerBox largest_box(const Body& body, const Facets& facets, const std::vector<InnerBall>& balls) {
+InnerBox largest_box(const Polytope& body, const Facets& facets, const std::vector<InnerBall>& balls) {
   const auto is_smaller = [](const InnerBall& a, const InnerBall& b) { return a.radius < b.radius; };
   const InnerBall ball = *std::max_element(balls.begin(), balls.end(), is_smaller);
   InnerBox best{ball.centre, ball.centre, 0};
@@ -159,7 +159,7 @@ InnerBox largest_box(const Body& body, const Facets& facets, const std::vector<I
 }
 
 // Of a point, or evenly on a segment, whose ends the vertices are.
-std::vector<InnerBall> balls_on_segment(const Body& body) {
+std::vector<InnerBall> balls_on_segment(const Polytope& body) {
   std::vector<InnerBall> balls;
   const std::size_t count = body.dimension == 0 ? 1 : kInnerBalls;
   for (std::size_t k = 0; k < count; ++k) {
@@ -170,7 +170,7 @@ std::vector<InnerBall> balls_on_segment(const Body& body) {
 }
 
 // Whether the box around the body is the body: a box, a point, a segment along an axis.
-bool is_its_box(const Body& body) {
+bool is_its_box(const Polytope& body) {
   const Vec3 edges = body.high - body.low;
   const int flat = (edges.x == 0 ? 1 : 0) + (edges.y == 0 ? 1 : 0) + (edges.z == 0 ? 1 : 0);
   return body.is_box != 0 || flat >= 2;
@@ -178,7 +178,7 @@ bool is_its_box(const Body& body) {
 
 }  // namespace
 
-InnerShapes find_inner_shapes(const Body& body) {
+InnerShapes find_inner_shapes(const Polytope& body) {
   InnerShapes shapes;
   if (is_its_box(body)) shapes.box = InnerBox{body.low, body.high, 0};
   if (!body.has_polar()) {

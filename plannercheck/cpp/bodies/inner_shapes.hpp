@@ -1,8 +1,8 @@
 // Balls and a rounded box inside a body: where a ball in one body overlaps the box in another, so do the bodies.
 //
 // In: a body with a polar, or a point or a segment. Out: some balls that cover much of it together, and one rounded
-// box, in the body's frame and without the swell; none if the body is as thin as rounding. All are within its hull
-// whatever the rounding, but that balls of a segment have their centres on it up to rounding.
+// box, in the body's frame and without the inflation radius; none if the body is as thin as rounding. All are within
+// its hull whatever the rounding, but that balls of a segment have their centres on it up to rounding.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace plannercheck {
 
-struct Body;
+struct Polytope;
 
 inline constexpr std::size_t kInnerBalls = 4;  // of a body at most (measured)
 
@@ -33,6 +33,6 @@ struct InnerShapes {
   std::optional<InnerBox> box;
 };
 
-InnerShapes find_inner_shapes(const Body& body);
+InnerShapes find_inner_shapes(const Polytope& body);
 
 }  // namespace plannercheck

@@ -7,7 +7,7 @@
 namespace plannercheck {
 
 template <class Value>
-class ComputedOnce {
+class LazyValue {
  public:
   // `make` has to give the same value whoever asks.
   template <class Make>

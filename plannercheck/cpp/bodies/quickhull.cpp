@@ -86,7 +86,7 @@ class Quickhull {
   }
 
   void start() {
-    const Span span = affine_span(points_);
+    const AffineSpan span = affine_span(points_);
     if (span.dimension < 3) throw HullError("its points have no volume");
     const auto [a, b, c, d] = span.index;
     if (orientation(point(a), point(b), point(c), point(d)) > 0) {

@@ -8,9 +8,9 @@
 namespace plannercheck {
 
 template <class Value>
-class PosedInBlock {
+class BlockCache {
  public:
-  explicit PosedInBlock(std::size_t bodies = 0) : values_(bodies), block_of_(bodies) {}
+  explicit BlockCache(std::size_t bodies = 0) : values_(bodies), block_of_(bodies) {}
 
   // Starts a new block.
   void begin() { ++block_; }

@@ -27,7 +27,7 @@ double radius_around(const std::vector<Vec3>& points, Vec3 centre, Vec3* furthes
 
 // A ball that holds the points and is nearly as small as possible: its centre walks towards the furthest point in ever
 // smaller steps (Badoiu and Clarkson's core sets: after n steps the radius is within about 1/n of the least).
-Ball small_ball(const Body& body) {
+Ball small_ball(const Polytope& body) {
   constexpr int kSteps = 128;
   const std::vector<Vec3>& points = body.inner.points;
   Ball best{0.5 * (body.low + body.high), 0};
@@ -39,17 +39,17 @@ Ball small_ball(const Body& body) {
     const double radius = radius_around(points, centre, &furthest);
     if (radius < best.radius) best = {centre, radius};
   }
-  best.radius = best.radius * (1 + 0x1p-48) + body.swell;
+  best.radius = best.radius * (1 + 0x1p-48) + body.inflation_radius;
   return best;
 }
 
 }  // namespace
 
-BoundingBall bounding_ball(const MountedBody& mounted) {
-  const Ball ball = small_ball(*mounted.body);
-  const Vec3 centre = mounted.placement.apply(ball.centre);
-  const double reach = norm_1(mounted.placement.translation()) + 2 * (mounted.body->reach + ball.radius);
-  return {mounted.link,
+BoundingBall bounding_ball(const GeometryObject& object) {
+  const Ball ball = small_ball(*object.body);
+  const Vec3 centre = object.placement.apply(ball.centre);
+  const double reach = norm_1(object.placement.translation()) + 2 * (object.body->origin_radius + ball.radius);
+  return {object.link,
           {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z)},
           rounded_up(ball.radius * kPosedStretch),
           rounded_up(reach * BoundingBall::kCentreError)};

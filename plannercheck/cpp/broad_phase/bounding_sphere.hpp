@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/geometry_object.hpp"
 #include "math/simd.hpp"
 
 namespace plannercheck {
@@ -33,6 +33,6 @@ inline Floats BoundingBall::radius_at(Floats x, Floats y, Floats z, Floats radiu
   return ((size * kError + room) + radius) * (1 + kError) + 1e-37F;
 }
 
-BoundingBall bounding_ball(const MountedBody& mounted);
+BoundingBall bounding_ball(const GeometryObject& object);
 
 }  // namespace plannercheck

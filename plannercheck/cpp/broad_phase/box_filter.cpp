@@ -16,19 +16,19 @@ constexpr double kShadow = 0x1p-19, kCentre = 0x1p-19;
 constexpr float kLargestRoom = 0x1p106F;
 // Bodies are off rigid by δ <= 3.6e-6 (plannercheck/robots/unit_lengths.py). Take the posed axis u of an edge, |u|² <=
 // 1 + δ. On it, the body's own half edge h projects to h (1 + δ), the other half edges, whose axes v have |u v| <= δ,
-// to δ h each, and the swell grows by at most half δ of itself. The other body's swell, as a part of its half edges,
-// loses as much. In all: below 2 δ of the half edges' sums.
+// to δ h each, and the inflation radius grows by at most half δ of itself. The other body's inflation radius, as a part
+// of its half edges, loses as much. In all: below 2 δ of the half edges' sums.
 constexpr double kSkew = 2e-5;
 
 float up(double value) { return std::nextafterf(static_cast<float>(value), __builtin_inff()); }
 
 }  // namespace
 
-BodyBox body_box(const MountedBody& mounted) {
-  const Body& body = *mounted.body;
-  const Pose& p = mounted.placement;
+BodyBox body_box(const GeometryObject& object) {
+  const Polytope& body = *object.body;
+  const Pose& p = object.placement;
   BodyBox box;
-  box.link = mounted.link;
+  box.link = object.link;
   const Vec3 centre = p.apply(0.5 * (body.low + body.high));
   box.upright = true;
   double edges = 0;
@@ -39,11 +39,11 @@ BodyBox body_box(const MountedBody& mounted) {
       box.axes[j][i] = static_cast<float>(p.m[4 * i + j]);
       box.upright &= p.m[4 * i + j] == (i == j ? 1 : 0);
     }
-    const double half = 0.5 * (body.high[axis] - body.low[axis]) + body.swell;
+    const double half = 0.5 * (body.high[axis] - body.low[axis]) + body.inflation_radius;
     box.half[j] = up(half);
     edges += half;
   }
-  box.room = up((kSkew + kShadow) * edges + kCentre * (norm_1(centre) + body.reach) + 1e-35);
+  box.room = up((kSkew + kShadow) * edges + kCentre * (norm_1(centre) + body.origin_radius) + 1e-35);
   return box;
 }
 

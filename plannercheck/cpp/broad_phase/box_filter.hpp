@@ -10,7 +10,7 @@
 
 #include "broad_phase/block_cache.hpp"
 #include "broad_phase/float_link_poses.hpp"
-#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/geometry_object.hpp"
 #include "broad_phase/state_block.hpp"
 #include "math/simd.hpp"
 
@@ -21,12 +21,12 @@ struct BodyBox {
   std::int32_t link;
   std::array<float, 3> centre;
   std::array<std::array<float, 3>, 3> axes;
-  std::array<float, 3> half;  // half the edges, with the body's swell
+  std::array<float, 3> half;  // half the edges, with the body's inflation radius
   bool upright;               // the axes are exactly those of the frame
-  float room;  // for axes that are off rigid, times the edges, and for the rounding of posing
+  float room;                 // for axes that are off rigid, times the edges, and for the rounding of posing
 };
 
-BodyBox body_box(const MountedBody& mounted);
+BodyBox body_box(const GeometryObject& object);
 
 class BlockBoxes {
  public:
@@ -39,7 +39,7 @@ class BlockBoxes {
     Floats room;
   };
 
-  typedef PosedInBlock<Posed> Workspace;
+  typedef BlockCache<Posed> Workspace;
   Workspace new_workspace() const { return Workspace(boxes_.size()); }
 
   // Bit k: in state k the boxes of bodies a and b are apart. `links`: the poses of all links; only those of moving

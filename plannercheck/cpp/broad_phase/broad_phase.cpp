@@ -17,10 +17,10 @@ constexpr int kFewStates = 3;
 // Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).
 constexpr std::size_t kFewObstacles = 64;
 
-// The box around a body that stands still, with room for the rounding of its posed vertices.
-WorldBox world_box(const MountedBody& mounted) {
-  const Body& body = *mounted.body;
-  const Pose& pose = mounted.placement;
+// The box around a static body, with room for the rounding of its posed vertices.
+WorldBox world_box(const GeometryObject& object) {
+  const Polytope& body = *object.body;
+  const Pose& pose = object.placement;
   const double infinity = std::numeric_limits<double>::infinity();
   WorldBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
   for (const Vec3& v : body.inner.points) {
@@ -28,15 +28,15 @@ WorldBox world_box(const MountedBody& mounted) {
     box.low = {smaller(box.low.x, p.x), smaller(box.low.y, p.y), smaller(box.low.z, p.z)};
     box.high = {larger(box.high.x, p.x), larger(box.high.y, p.y), larger(box.high.z, p.z)};
   }
-  const double room = body.swell + kVertexError * (2 * body.reach + norm_1(pose.translation()));
+  const double room = body.inflation_radius + kVertexError * (2 * body.origin_radius + norm_1(pose.translation()));
   const Vec3 margin{room, room, room};
   return {box.low - margin, box.high + margin};
 }
 
 }  // namespace
 
-BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-                       const std::vector<bool>& lasting, std::size_t links, const SampledPoses& sampled)
+BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
+                       const std::vector<bool>& permanent, std::size_t links, const SampledPoses& sampled)
     : links_(links), pairs_(pairs), obstacles_(0), tree_({}) {
   // The index of a body among the movers or among the obstacles, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
@@ -48,19 +48,19 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
   std::vector<WorldBox> boxes;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (!used[b]) continue;
-    const MountedBody& mounted = bodies[b];
-    if (mounted.link < 0) {
+    const GeometryObject& object = bodies[b];
+    if (object.link < 0) {
       place[b] = static_cast<std::int32_t>(boxes.size());
-      boxes.push_back(world_box(mounted));
+      boxes.push_back(world_box(object));
       continue;
     }
     place[b] = static_cast<std::int32_t>(movers_.size());
-    movers_.push_back(bounding_ball(mounted));
+    movers_.push_back(bounding_ball(object));
   }
   obstacles_ = boxes.size();
   tree_ = ObstacleTree(boxes);
   pair_of_.assign(movers_.size() * obstacles_, -1);
-  std::vector<bool> hunts(movers_.size(), false);
+  std::vector<bool> has_obstacle(movers_.size(), false);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto pair = static_cast<std::int32_t>(k);
     const bool first = bodies[at(pairs[k][0])].link >= 0, second = bodies[at(pairs[k][1])].link >= 0;
@@ -68,22 +68,22 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
     if (first && second) {
       moving_pairs_.push_back({a, b, pair});
     } else if (!first && !second) {
-      if (lasting[k]) lasting_pairs_.push_back(pair);
+      if (permanent[k]) permanent_pairs_.push_back(pair);
     } else {
       const std::int32_t mover = first ? a : b, obstacle = first ? b : a;
       pair_of_[at(mover) * obstacles_ + at(obstacle)] = pair;
-      hunts[at(mover)] = true;
+      has_obstacle[at(mover)] = true;
     }
   }
   for (std::size_t m = 0; m < movers_.size(); ++m) {
-    if (hunts[m]) hunters_.push_back(static_cast<std::int32_t>(m));
+    if (has_obstacle[m]) movers_with_obstacles_.push_back(static_cast<std::int32_t>(m));
   }
-  std::vector<BodyLanes::Partner> with_movers, with_boxes;
+  std::vector<SingleStateFilter::Partner> with_movers, with_boxes;
   for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
   if (obstacles_ <= kFewObstacles) {
     for (const WorldBox& box : boxes) spread_.push_back(spread(box));
-    companies_ = companies(movers_, boxes, pair_of_, sampled);
-    for (const std::int32_t mover : hunters_) {
+    mover_groups_ = mover_groups(movers_, boxes, pair_of_, sampled);
+    for (const std::int32_t mover : movers_with_obstacles_) {
       for (std::size_t o = 0; o < obstacles_; ++o) {
         const std::int32_t pair = pair_with(at(mover), static_cast<std::int32_t>(o));
         if (pair >= 0) with_boxes.push_back({at(mover), o, pair});
@@ -92,9 +92,9 @@ BroadPhase::BroadPhase(const std::vector<MountedBody>& bodies, const std::vector
   } else {
     boxes.clear();
   }
-  body_lanes_ = BodyLanes(movers_, links_, boxes, with_movers, with_boxes);
+  single_state_filter_ = SingleStateFilter(movers_, links_, boxes, with_movers, with_boxes);
   std::vector<BodyBox> body_boxes;
-  for (const MountedBody& mounted : bodies) body_boxes.push_back(body_box(mounted));
+  for (const GeometryObject& object : bodies) body_boxes.push_back(body_box(object));
   boxes_ = BlockBoxes(std::move(body_boxes));
   overlaps_ = BlockOverlaps(bodies, pairs);
 }
@@ -112,7 +112,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
   w.links = RoundedLinks(links_);
   w.balls.resize(movers_.size());
-  w.body_lanes = body_lanes_.new_workspace();
+  w.single_state_filter = single_state_filter_.new_workspace();
   w.boxes = boxes_.new_workspace();
   w.overlaps = overlaps_.new_workspace();
   w.candidates.reserve(pairs_.size());
@@ -131,7 +131,7 @@ void BroadPhase::begin(Workspace& w) {
 
 void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace& w) const {
   begin(w);
-  if (filters.overlaps && !lasting_pairs_.empty()) return take_lasting(count, w);
+  if (filters.overlaps && !permanent_pairs_.empty()) return take_permanent(count, w);
   w.links.begin(links);
   w.candidates.clear();
   if (count < kFewStates) {
@@ -145,7 +145,7 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
   if (w.boxed) test_boxes(w);
   for (std::size_t state = 0; state < w.near.size(); ++state) {
     w.near[state].clear();
-    if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(lasting_pairs_.begin(), lasting_pairs_.end());
+    if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
   }
   for (const Candidate& candidate : w.candidates) {
     for (unsigned left = candidate.states; left != 0; left &= left - 1) {
@@ -155,7 +155,7 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
 }
 
 // A permanent collision decides every state.
-void BroadPhase::take_lasting(int count, Workspace& w) const {
+void BroadPhase::take_permanent(int count, Workspace& w) const {
   w.overlapping = (1U << count) - 1;
   w.skipped = count * (static_cast<long>(pairs_.size()) - 1);
   for (auto& near : w.near) near.clear();
@@ -173,20 +173,20 @@ void BroadPhase::find_for_block(int count, Workspace& w) const {
   pose_balls(w);
   find_among_movers(count, w);
   if (obstacles_ <= kFewObstacles) {
-    for (const Company& company : companies_) find_listed(company, count, w);
+    for (const MoverGroup& group : mover_groups_) find_listed(group, count, w);
   } else {
-    for (const std::int32_t mover : hunters_) find_in_tree(mover, count, w);
+    for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, count, w);
   }
 }
 
 void BroadPhase::find_for_state(const Lanes* links, std::size_t state, Workspace& w) const {
   const unsigned bit = 1U << state;
   const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
-  body_lanes_.pose(links, state, w.body_lanes);
-  body_lanes_.find(w.body_lanes, take);
-  for (std::size_t k = 0; obstacles_ > kFewObstacles && k < hunters_.size(); ++k) {
-    const std::size_t mover = at(hunters_[k]);
-    const BodyLanes::Ball ball = BodyLanes::ball(mover, w.body_lanes);
+  single_state_filter_.pose(links, state, w.single_state_filter);
+  single_state_filter_.find(w.single_state_filter, take);
+  for (std::size_t k = 0; obstacles_ > kFewObstacles && k < movers_with_obstacles_.size(); ++k) {
+    const std::size_t mover = at(movers_with_obstacles_[k]);
+    const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);
     w.found.clear();
     tree_.collect({ball.x, ball.y, ball.z, far_beyond(ball.radius)}, w.found);
     for (const std::int32_t obstacle : w.found) {
@@ -219,12 +219,12 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
   }
 }
 
-// The box around the company's movers in each state. The balls' radii have room for the rounding of one more sum.
-BroadPhase::FloatBox BroadPhase::around(const Company& company, const std::vector<Balls>& balls) const {
+// The box around the group's movers in each state. The balls' radii have room for the rounding of one more sum.
+BroadPhase::FloatBox BroadPhase::around(const MoverGroup& group, const std::vector<Balls>& balls) const {
   const Floats infinity = Floats{} + __builtin_inff();
   FloatBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
   Floats total{};
-  for (std::size_t m = company.first; m < company.last; ++m) {
+  for (std::size_t m = group.first; m < group.last; ++m) {
     const std::array<Floats, 3> centre{balls[m].x, balls[m].y, balls[m].z};
     for (std::size_t i = 0; i < 3; ++i) {
       out.low[i] = smaller(out.low[i], centre[i] - balls[m].radius);
@@ -241,14 +241,14 @@ BroadPhase::FloatBox BroadPhase::around(const Company& company, const std::vecto
   return out;
 }
 
-void BroadPhase::find_listed(const Company& company, int count, Workspace& w) const {
+void BroadPhase::find_listed(const MoverGroup& group, int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
-  const FloatBox own = around(company, w.balls);
-  for (const std::int32_t obstacle : company.obstacles) {
+  const FloatBox own = around(group, w.balls);
+  for (const std::int32_t obstacle : group.obstacles) {
     const FloatBox& box = spread_[at(obstacle)];
     const auto apart = [&](std::size_t i) { return (own.low[i] > box.high[i]) | (own.high[i] < box.low[i]); };
     if ((~float_bits(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
-    for (std::size_t m = company.first; m < company.last; ++m) {
+    for (std::size_t m = group.first; m < group.last; ++m) {
       const std::int32_t pair = pair_with(m, obstacle);
       if (pair < 0) continue;
       const Balls& ball = w.balls[m];
@@ -301,7 +301,7 @@ void BroadPhase::find_overlaps(Workspace& w) const {
     w.skipped += __builtin_popcount(candidate.states & w.overlapping);
     candidate.states &= ~w.overlapping;
   }
-  w.skipped += (static_cast<long>(lasting_pairs_.size()) - 1) * __builtin_popcount(w.overlapping);
+  w.skipped += (static_cast<long>(permanent_pairs_.size()) - 1) * __builtin_popcount(w.overlapping);
 }
 
 }  // namespace plannercheck

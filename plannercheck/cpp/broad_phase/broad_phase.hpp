@@ -14,7 +14,7 @@
 #include "broad_phase/bounding_sphere.hpp"
 #include "broad_phase/box_filter.hpp"
 #include "broad_phase/float_link_poses.hpp"
-#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/geometry_object.hpp"
 #include "broad_phase/mover_groups.hpp"
 #include "broad_phase/obstacle_tree.hpp"
 #include "broad_phase/overlap_filter.hpp"
@@ -26,10 +26,10 @@ namespace plannercheck {
 
 class BroadPhase {
  public:
-  // `lasting`: for each pair, whether both bodies stand still and share a point. Other pairs that stand still are
+  // `permanent`: for each pair, whether both bodies stand still and share a point. Other pairs that stand still are
   // apart.
-  BroadPhase(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-             const std::vector<bool>& lasting, std::size_t links, const SampledPoses& sampled);
+  BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
+             const std::vector<bool>& permanent, std::size_t links, const SampledPoses& sampled);
 
   // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
   struct Balls {
@@ -45,24 +45,24 @@ class BroadPhase {
   struct Workspace {
     RoundedLinks links;
     std::vector<Balls> balls;
-    BodyLanes::Workspace body_lanes;
+    SingleStateFilter::Workspace single_state_filter;
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
     std::vector<Candidate> candidates;
     std::vector<std::int32_t> found, reached;  // obstacles near the ball: in one state, in any state
-    std::vector<unsigned> states;  // per obstacle, those in which it is near; 0 between searches
+    std::vector<unsigned> states;              // per obstacle, those in which it is near; 0 between searches
     std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
-    bool boxed = false;  // whether boxes have been tested
-    long boxes_apart = 0;  // pairs that the boxes separate
+    bool boxed = false;                                        // whether boxes have been tested
+    long boxes_apart = 0;                                      // pairs that the boxes separate
     unsigned overlapping = 0;                                  // states in which some pair surely shares a point
-    long skipped = 0;  // other pairs of these states
+    long skipped = 0;                                          // other pairs of these states
   };
   Workspace new_workspace() const;
 
   // Filters for pairs whose balls meet.
   struct Filters {
     bool overlaps;  // finds states that surely collide, whose other pairs are then skipped
-    bool boxes;  // used only where there are enough states for it to pay
+    bool boxes;     // used only where there are enough states for it to pay
   };
 
   // Fills `near` for the first `count` states.
@@ -85,14 +85,14 @@ class BroadPhase {
   std::vector<std::array<std::int32_t, 2>> pairs_;
   std::vector<BoundingBall> movers_;  // around bodies that hang on links
   std::vector<MovingPair> moving_pairs_;
-  std::vector<std::int32_t> lasting_pairs_;  // these collide in every state
+  std::vector<std::int32_t> permanent_pairs_;  // these collide in every state
   std::size_t obstacles_;
-  std::vector<std::int32_t> pair_of_;  // pair_of_[mover * obstacles_ + obstacle], or −1
-  std::vector<std::int32_t> hunters_;  // movers that have a pair with an obstacle
-  std::vector<Company> companies_;     // where obstacles are few
-  std::vector<FloatBox> spread_;       // of all obstacles, where they are few
+  std::vector<std::int32_t> pair_of_;                // pair_of_[mover * obstacles_ + obstacle], or −1
+  std::vector<std::int32_t> movers_with_obstacles_;  // movers that have a pair with an obstacle
+  std::vector<MoverGroup> mover_groups_;             // where obstacles are few
+  std::vector<FloatBox> spread_;                     // of all obstacles, where they are few
   ObstacleTree tree_;
-  BodyLanes body_lanes_;
+  SingleStateFilter single_state_filter_;
   BlockBoxes boxes_;
   BlockOverlaps overlaps_;
 
@@ -100,14 +100,14 @@ class BroadPhase {
   std::int32_t pair_with(std::size_t mover, std::int32_t obstacle) const {
     return pair_of_[mover * obstacles_ + at(obstacle)];
   }
-  FloatBox around(const Company& company, const std::vector<Balls>& balls) const;
+  FloatBox around(const MoverGroup& group, const std::vector<Balls>& balls) const;
   static void begin(Workspace& workspace);
-  void take_lasting(int count, Workspace& workspace) const;
+  void take_permanent(int count, Workspace& workspace) const;
   void find_for_block(int count, Workspace& workspace) const;
   void find_for_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
   void pose_balls(Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
-  void find_listed(const Company& company, int count, Workspace& workspace) const;
+  void find_listed(const MoverGroup& group, int count, Workspace& workspace) const;
   void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
   void test_boxes(Workspace& workspace) const;
   void find_overlaps(Workspace& workspace) const;

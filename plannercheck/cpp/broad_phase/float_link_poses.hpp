@@ -23,7 +23,7 @@ class RoundedLinks {
  private:
   std::size_t links_;
   const Lanes* poses_ = nullptr;
-  PosedInBlock<FloatPose> rounded_;
+  BlockCache<FloatPose> rounded_;
 };
 
 }  // namespace plannercheck

@@ -10,11 +10,11 @@ namespace plannercheck {
 namespace {
 
 constexpr std::size_t kMostMovers = 8;  // larger ones never paid off with any of the shipped robots
-// Costs in units of one test of a company's box, by instructions: of testing a body against an obstacle, and of making
-// the box around a company.
-constexpr double kBodyCost = 1.5, kCompanyCost = 3;
+// Costs in units of one test of a group's box, by instructions: of testing a body against an obstacle, and of making
+// the box around a group.
+constexpr double kBodyCost = 1.5, kGroupCost = 3;
 
-// The box around all movers of a company, by state.
+// The box around all movers of a group, by state.
 typedef std::vector<WorldBox> Extent;
 
 constexpr double kFarthest = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ bool meet(const WorldBox& a, const WorldBox& b) {
          a.low.z <= b.high.z && b.low.z <= a.high.z;
 }
 
-// The share of blocks in which the company meets a box in some state.
+// The share of blocks in which the group meets a box in some state.
 double met(const Extent& extent, const WorldBox& box) {
   std::size_t blocks = 0, found = 0;
   for (std::size_t first = 0; first < extent.size(); first += kBlockStates, ++blocks) {
@@ -57,13 +57,13 @@ std::vector<std::int32_t> obstacles_of(std::size_t first, std::size_t last, std:
 
 }  // namespace
 
-// The cheapest way to cut the row of movers into companies: for each prefix of the row, the last company of its best
+// The cheapest way to cut the row of movers into groups: for each prefix of the row, the last group of its best
 // cut.
-std::vector<Company> companies(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
-                               const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled) {
+std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
+                                     const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled) {
   const std::size_t n = movers.size(), size = sampled.states == 0 ? 0 : sampled.poses.size() / sampled.states;
   std::vector<double> cost(n + 1, kFarthest);  // of the first i movers
-  std::vector<std::size_t> begin(n + 1, 0);    // of their last company
+  std::vector<std::size_t> begin(n + 1, 0);    // of their last group
   cost[0] = 0;
   for (std::size_t first = 0; first < n; ++first) {
     Extent extent(sampled.states, kNothing);
@@ -72,17 +72,17 @@ std::vector<Company> companies(const std::vector<BoundingBall>& movers, const st
       for (std::size_t s = 0; s < sampled.states; ++s)
         add(ball, &sampled.poses[s * size + 16 * at(ball.link)], extent[s]);
       const auto count = static_cast<double>(last - first);
-      double total = cost[first] + kCompanyCost;
+      double total = cost[first] + kGroupCost;
       for (const std::int32_t o : obstacles_of(first, last, boxes.size(), pair_of)) {
         total += 1 + kBodyCost * count * met(extent, boxes[at(o)]);
       }
       if (total < cost[last]) cost[last] = total, begin[last] = first;
     }
   }
-  std::vector<Company> out;
+  std::vector<MoverGroup> out;
   for (std::size_t last = n; last > 0; last = begin[last]) {
-    Company company{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of)};
-    if (!company.obstacles.empty()) out.push_back(std::move(company));
+    MoverGroup group{begin[last], last, obstacles_of(begin[last], last, boxes.size(), pair_of)};
+    if (!group.obstacles.empty()) out.push_back(std::move(group));
   }
   std::reverse(out.begin(), out.end());
   return out;

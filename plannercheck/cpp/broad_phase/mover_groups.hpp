@@ -1,7 +1,7 @@
 // Which moving bodies are tested together against obstacles: neighbours in a chain, whose common box keeps them apart
 // from most obstacles at once.
 //
-// In: balls around bodies on links, obstacles' boxes, pairs, links' poses in sampled states. Out: the companies that
+// In: balls around bodies on links, obstacles' boxes, pairs, links' poses in sampled states. Out: the groups that
 // need the fewest tests in these states, eight at a time. Any choice gives the same verdicts; only its cost differs.
 #pragma once
 
@@ -15,13 +15,13 @@
 namespace plannercheck {
 
 // Consecutive movers, and the obstacles with which some of them have a pair.
-struct Company {
+struct MoverGroup {
   std::size_t first, last;
   std::vector<std::int32_t> obstacles;
 };
 
 // pair_of[mover * boxes.size() + obstacle]: −1 where there is no pair.
-std::vector<Company> companies(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
-                               const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled);
+std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
+                                     const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled);
 
 }  // namespace plannercheck

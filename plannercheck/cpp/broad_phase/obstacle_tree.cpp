@@ -32,7 +32,7 @@ std::int32_t ObstacleTree::build(const std::vector<WorldBox>& boxes, const std::
                                  IndexRange range) {
   std::ptrdiff_t capacity = 1;
   while (capacity * kFloats < range.size()) capacity *= kFloats;
-  const std::vector<IndexRange> parts = spatial_parts(centres, range, capacity);
+  const std::vector<IndexRange> parts = spatial_partition(centres, range, capacity);
 
   const std::size_t index = nodes_.size();
   nodes_.emplace_back();  // before its children

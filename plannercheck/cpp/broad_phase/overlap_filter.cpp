@@ -12,7 +12,8 @@ namespace {
 // the link: half of kPosingError. The middle of the box errs by at most its room (box_filter.cpp). Twice that room is
 // taken; the other half, at least 2e-5 of the half edges' sum e, covers the following. Let r and ρ be the radii:
 // - posing shrinks them to at least 1 − 0.51 δ of themselves;
-// - let w be the centre less the middle. Its coordinates A w in the box' frame err by (15u + 1.01 δ) |w|, since A is M's
+// - let w be the centre less the middle. Its coordinates A w in the box' frame err by (15u + 1.01 δ) |w|, since A is
+// M's
 //   transpose in floats in place of its inverse, and by 6u |w| more; |w| <= e + 2 (r + ρ) if the test says yes;
 // - the distance from the box, its square, and rounding the box itself err by 10u (e + r + ρ);
 // - posing stretches that distance, which is at most r + ρ, by 0.51 δ of itself.
@@ -27,7 +28,7 @@ float above(double value) { return std::nextafterf(static_cast<float>(value), __
 
 }  // namespace
 
-BlockOverlaps::BlockOverlaps(const std::vector<MountedBody>& bodies,
+BlockOverlaps::BlockOverlaps(const std::vector<GeometryObject>& bodies,
                              const std::vector<std::array<std::int32_t, 2>>& pairs)
     : balls_(bodies.size()), boxes_(bodies.size()) {
   const auto can_meet = [&](std::int32_t balls, std::int32_t box) {
@@ -35,28 +36,29 @@ BlockOverlaps::BlockOverlaps(const std::vector<MountedBody>& bodies,
   };
   for (const auto [a, b] : pairs) {
     for (const std::int32_t body : {a, b}) {
-      const MountedBody& mounted = bodies[at(body)];
-      if (mounted.link >= 0 && balls_[at(body)].link < 0) balls_[at(body)] = balls_of(mounted);
-      if (!boxes_[at(body)].exists) boxes_[at(body)] = box_of(*mounted.body);
+      const GeometryObject& object = bodies[at(body)];
+      if (object.link >= 0 && balls_[at(body)].link < 0) balls_[at(body)] = balls_of(object);
+      if (!boxes_[at(body)].exists) boxes_[at(body)] = box_of(*object.body);
     }
     roles_.push_back(can_meet(b, a) ? Roles{b, a} : can_meet(a, b) ? Roles{a, b} : Roles{});
   }
 }
 
-BlockOverlaps::Balls BlockOverlaps::balls_of(const MountedBody& mounted) {
-  const Body& body = *mounted.body;
+BlockOverlaps::Balls BlockOverlaps::balls_of(const GeometryObject& object) {
+  const Polytope& body = *object.body;
   Balls out;
-  out.link = mounted.link;
+  out.link = object.link;
   for (const InnerBall& ball : body.inner_shapes().balls) {
-    const Vec3 c = mounted.placement.apply(ball.centre);
+    const Vec3 c = object.placement.apply(ball.centre);
     out.ball[out.count++] = {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)},
-                             below((ball.radius + body.swell) * kShrunk)};
+                             below((ball.radius + body.inflation_radius) * kShrunk)};
   }
-  out.room = above((norm_1(mounted.placement.translation()) + 2 * (body.reach + body.swell)) * kPosingError);
+  out.room =
+      above((norm_1(object.placement.translation()) + 2 * (body.origin_radius + body.inflation_radius)) * kPosingError);
   return out;
 }
 
-BlockOverlaps::Box BlockOverlaps::box_of(const Body& body) {
+BlockOverlaps::Box BlockOverlaps::box_of(const Polytope& body) {
   Box out;
   const std::optional<InnerBox>& inner = body.inner_shapes().box;
   if (!inner) return out;
@@ -67,7 +69,7 @@ BlockOverlaps::Box BlockOverlaps::box_of(const Body& body) {
     out.high[j] = static_cast<float>(inner->high[axis] - middle[axis]);
   }
   out.exists = true;
-  out.radius = below(inner->radius + body.swell);
+  out.radius = below(inner->radius + body.inflation_radius);
   return out;
 }
 

@@ -11,7 +11,7 @@
 #include "broad_phase/block_cache.hpp"
 #include "broad_phase/box_filter.hpp"
 #include "broad_phase/float_link_poses.hpp"
-#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/geometry_object.hpp"
 #include "broad_phase/state_block.hpp"
 
 namespace plannercheck {
@@ -19,7 +19,7 @@ namespace plannercheck {
 class BlockOverlaps {
  public:
   BlockOverlaps() = default;
-  BlockOverlaps(const std::vector<MountedBody>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs);
+  BlockOverlaps(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs);
 
   // It is surely inside the body if the radius is positive.
   struct PosedBall {
@@ -27,7 +27,7 @@ class BlockOverlaps {
   };
   typedef std::array<PosedBall, kInnerBalls> PosedBalls;
 
-  typedef PosedInBlock<PosedBalls> Workspace;
+  typedef BlockCache<PosedBalls> Workspace;
   Workspace new_workspace() const { return Workspace(balls_.size()); }
 
   // Bit k: in state k the pair surely shares a point. `links`: the poses of all links; only those of moving bodies are
@@ -65,8 +65,8 @@ class BlockOverlaps {
   std::vector<Box> boxes_;
   std::vector<Roles> roles_;
 
-  static Balls balls_of(const MountedBody& mounted);
-  static Box box_of(const Body& body);
+  static Balls balls_of(const GeometryObject& object);
+  static Box box_of(const Polytope& body);
   static FloatMask meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
   static void pose(const FloatPose& link, const Balls& balls, PosedBalls& out);
 };

@@ -5,8 +5,9 @@
 
 namespace plannercheck {
 
-BodyLanes::BodyLanes(std::vector<BoundingBall> balls, std::size_t links, const std::vector<WorldBox>& boxes,
-                     const std::vector<Partner>& balls_with_balls, const std::vector<Partner>& balls_with_boxes)
+SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls, std::size_t links,
+                                     const std::vector<WorldBox>& boxes, const std::vector<Partner>& balls_with_balls,
+                                     const std::vector<Partner>& balls_with_boxes)
     : balls_(std::move(balls)),
       links_(links),
       sizes_(eights_of(balls_.size())),
@@ -26,8 +27,8 @@ BodyLanes::BodyLanes(std::vector<BoundingBall> balls, std::size_t links, const s
   }
 }
 
-std::vector<BodyLanes::Row> BodyLanes::rows(const std::vector<Partner>& partners, std::size_t balls,
-                                            std::size_t others) {
+std::vector<SingleStateFilter::Row> SingleStateFilter::rows(const std::vector<Partner>& partners, std::size_t balls,
+                                                            std::size_t others) {
   std::vector<std::vector<unsigned>> paired(balls, std::vector<unsigned>(eights_of(others)));
   std::vector<std::vector<std::int32_t>> pairs(balls);
   for (const Partner& partner : partners) {
@@ -48,7 +49,7 @@ std::vector<BodyLanes::Row> BodyLanes::rows(const std::vector<Partner>& partners
 }
 
 // Poses in doubles, as the links are; the balls' room covers it.
-void BodyLanes::pose(const Lanes* links, std::size_t state, Workspace& posed) const {
+void SingleStateFilter::pose(const Lanes* links, std::size_t state, Workspace& posed) const {
   const Lanes* const group = links + pose_index(links_, state / kLanes, 0);
   const std::size_t lane = state % kLanes;
   for (std::size_t b = 0; b < balls_.size(); ++b) {
@@ -68,7 +69,7 @@ void BodyLanes::pose(const Lanes* links, std::size_t state, Workspace& posed) co
   }
 }
 
-BodyLanes::Ball BodyLanes::ball(std::size_t index, const Workspace& posed) {
+SingleStateFilter::Ball SingleStateFilter::ball(std::size_t index, const Workspace& posed) {
   const Posed& eight = posed[index / kFloats];
   const std::size_t lane = index % kFloats;
   return {eight.x[lane], eight.y[lane], eight.z[lane], eight.radius[lane]};

@@ -16,7 +16,7 @@
 
 namespace plannercheck {
 
-class BodyLanes {
+class SingleStateFilter {
  public:
   // A pair of a ball with another one, or with a box.
   struct Partner {
@@ -24,10 +24,10 @@ class BodyLanes {
     std::int32_t pair;
   };
 
-  BodyLanes() = default;
+  SingleStateFilter() = default;
   // `links`: how many the robot has.
-  BodyLanes(std::vector<BoundingBall> balls, std::size_t links, const std::vector<WorldBox>& boxes,
-            const std::vector<Partner>& balls_with_balls, const std::vector<Partner>& balls_with_boxes);
+  SingleStateFilter(std::vector<BoundingBall> balls, std::size_t links, const std::vector<WorldBox>& boxes,
+                    const std::vector<Partner>& balls_with_balls, const std::vector<Partner>& balls_with_boxes);
 
   // Eight posed balls.
   struct Posed {
@@ -57,7 +57,7 @@ class BodyLanes {
   // All partners of one ball.
   struct Row {
     std::size_t ball;
-    std::vector<Eight> eights;  // those with at least one pair
+    std::vector<Eight> eights;        // those with at least one pair
     std::vector<std::int32_t> pairs;  // by partner
   };
 
@@ -83,7 +83,7 @@ class BodyLanes {
 };
 
 template <class Near, class Found>
-void BodyLanes::find_in(const Row& row, Near near, Found found) {
+void SingleStateFilter::find_in(const Row& row, Near near, Found found) {
   for (const Eight& eight : row.eights) {
     for (unsigned left = near(eight.index) & eight.paired; left != 0; left &= left - 1) {
       found(row.pairs[eight.index * kFloats + static_cast<std::size_t>(__builtin_ctz(left))]);
@@ -92,7 +92,7 @@ void BodyLanes::find_in(const Row& row, Near near, Found found) {
 }
 
 template <class Found>
-void BodyLanes::find(const Workspace& posed, Found found) const {
+void SingleStateFilter::find(const Workspace& posed, Found found) const {
   for (const Row& row : ball_rows_) {
     const Ball own = ball(row.ball, posed);
     find_in(

@@ -15,13 +15,13 @@ constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
 // Which pairs share a point although both bodies stand still. Other pairs that stand still are apart, so no state tests
 // either kind again.
-std::vector<bool> lasting_collisions(const std::vector<MountedBody>& bodies,
-                                     const std::vector<std::array<std::int32_t, 2>>& pairs,
-                                     const PairOptions& options) {
+std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies,
+                                       const std::vector<std::array<std::int32_t, 2>>& pairs,
+                                       const PairOptions& options) {
   std::vector<bool> out(pairs.size(), false);
   PairCounters counters;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const MountedBody &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
+    const GeometryObject &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
     if (guest.link >= 0 || host.link >= 0) continue;
     out[k] =
         test_pair({guest.body.get(), guest.placement}, {host.body.get(), host.placement}, options, nullptr, counters)
@@ -49,7 +49,7 @@ struct CheckerCore::Workspace {
   std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
 };
 
-CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
+CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
                          std::int32_t links, CheckerOptions options, const SampledPoses& sampled)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
   for (auto& pair : pairs_) {
@@ -59,8 +59,8 @@ CheckerCore::CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array
       if (link >= 0) needed_[at(link)] = 1;
     }
   }
-  broad_phase_ = std::make_shared<const BroadPhase>(bodies_, pairs_, lasting_collisions(bodies_, pairs_, options_.pair),
-                                                    at(links_), sampled);
+  broad_phase_ = std::make_shared<const BroadPhase>(
+      bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), sampled);
 }
 
 std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
@@ -76,20 +76,20 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
 CheckerCounters CheckerCore::take_counters(Workspace& w) { return std::exchange(w.counters, {}); }
 
 Pose CheckerCore::body_pose(std::size_t body, const double* links) const {
-  const MountedBody& mounted = bodies_[body];
-  if (mounted.link < 0) return mounted.placement;
+  const GeometryObject& object = bodies_[body];
+  if (object.link < 0) return object.placement;
   std::array<double, 12> link;
-  std::copy_n(links + at(mounted.link) * kPoseStride, 12, link.begin());
-  return placed_on(link, mounted.placement);
+  std::copy_n(links + at(object.link) * kPoseStride, 12, link.begin());
+  return placed_on(link, object.placement);
 }
 
 Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w) const {
-  const MountedBody& mounted = bodies_[body];
-  if (mounted.link < 0) return mounted.placement;
-  const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, at(mounted.link))];
+  const GeometryObject& object = bodies_[body];
+  if (object.link < 0) return object.placement;
+  const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, at(object.link))];
   std::array<double, 12> link;
   for (std::size_t i = 0; i < 12; ++i) link[i] = lanes[i][state % kLanes];
-  return placed_on(link, mounted.placement);
+  return placed_on(link, object.placement);
 }
 
 bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {
@@ -154,9 +154,9 @@ void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) c
   }
 }
 
-void CheckerCore::find_near(int count, Sought sought, Workspace& w) const {
+void CheckerCore::find_near(int count, Query query, Workspace& w) const {
   if (options_.bounds) {
-    const bool overlaps = options_.overlaps && sought == Sought::kAnyCollision;
+    const bool overlaps = options_.overlaps && query == Query::kAnyCollision;
     broad_phase_->find(w.links.data(), count, {overlaps, options_.boxes}, w.broad_phase);
   } else {
     broad_phase_->take_all(count, w.broad_phase);
@@ -175,7 +175,7 @@ void CheckerCore::find_near(int count, Sought sought, Workspace& w) const {
 }
 
 template <class Judge>
-void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std::size_t n, Sought sought, Workspace& w,
+void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std::size_t n, Query query, Workspace& w,
                              Judge judge) const {
   const std::size_t width = at(kinematics.width());
   w.columns.resize(kBlockGroups * width);
@@ -185,7 +185,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
     load_rows<kBlockStates>(q + row * width, count, width, w.columns.data());
     pose_links(width, static_cast<int>(count), w);
-    find_near(static_cast<int>(count), sought, w);
+    find_near(static_cast<int>(count), query, w);
     for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
   }
 }
@@ -196,20 +196,20 @@ void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, J
     if (row > 0) poll_interruption();
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
     load_links(links + row * at(links_) * kPoseStride, count, w);
-    find_near(static_cast<int>(count), Sought::kWhichCollide, w);
+    find_near(static_cast<int>(count), Query::kWhichCollide, w);
     for (std::size_t state = 0; state < count; ++state) judge(row + state, state);
   }
 }
 
 void CheckerCore::check_states(const Kinematics& kinematics, const double* q, std::size_t n, std::uint8_t* valid,
                                Workspace& w) const {
-  each_state(kinematics, q, n, Sought::kAnyCollision, w,
+  each_state(kinematics, q, n, Query::kAnyCollision, w,
              [&](std::size_t row, std::size_t state) { valid[row] = is_free(state, w); });
 }
 
 void CheckerCore::first_collisions(const Kinematics& kinematics, const double* q, std::size_t n, std::int32_t* first,
                                    Workspace& w) const {
-  each_state(kinematics, q, n, Sought::kWhichCollide, w,
+  each_state(kinematics, q, n, Query::kWhichCollide, w,
              [&](std::size_t row, std::size_t state) { first[row] = first_collision(state, w); });
 }
 
@@ -233,7 +233,7 @@ bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0,
   w.poser.begin(kinematics, needed_.data());
   return is_free_coarse_to_fine<kBlockStates>(q0, q1, steps, width, w.columns.data(), [&](std::size_t states) {
     pose_links(width, static_cast<int>(states), w);
-    find_near(static_cast<int>(states), Sought::kAnyCollision, w);
+    find_near(static_cast<int>(states), Query::kAnyCollision, w);
     for (std::size_t state = 0; state < states; ++state) {
       if (is_free(state, w)) continue;
       while (++state < states) w.counters.skipped += static_cast<long>(w.broad_phase.near[state].size());

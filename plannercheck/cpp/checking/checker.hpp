@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-#include "broad_phase/mounted_body.hpp"
+#include "broad_phase/geometry_object.hpp"
 #include "broad_phase/sampled_poses.hpp"
 #include "narrow_phase/intersection.hpp"
 #include "robots/kinematics.hpp"
@@ -21,11 +21,11 @@ namespace plannercheck {
 // Every pair of every state is counted once, by what decided it.
 struct CheckerCounters {
   long states = 0, pairs = 0;
-  long bounds = 0;  // balls that do not meet, obstacles' boxes out of range, static pairs that are apart
-  long boxes = 0;  // boxes separated by a face plane
-  long overlaps = 0;                   // balls inside one body that meet a box inside the other
+  long bounds = 0;    // balls that do not meet, obstacles' boxes out of range, static pairs that are apart
+  long boxes = 0;     // boxes separated by a face plane
+  long overlaps = 0;  // balls inside one body that meet a box inside the other
   std::array<long, kStages> stages{};  // of the pair test
-  long skipped = 0;  // the state's verdict was already known
+  long skipped = 0;                    // the state's verdict was already known
   PairCounters pair;
 };
 
@@ -40,14 +40,14 @@ struct CheckerOptions {
 };
 
 // What a state's verdict depends on: whether any pair shares a point, or which ones.
-enum class Sought { kAnyCollision, kWhichCollide };
+enum class Query { kAnyCollision, kWhichCollide };
 
 class BroadPhase;
 
 class CheckerCore {
  public:
   // `sampled`: states that determine which bodies are tested together; they have no effect on verdicts.
-  CheckerCore(std::vector<MountedBody> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
+  CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
               CheckerOptions options, const SampledPoses& sampled);
 
   // The poses, bounds, learnt order and counts of one thread.
@@ -81,7 +81,7 @@ class CheckerCore {
                       Workspace& workspace) const;
 
  private:
-  std::vector<MountedBody> bodies_;
+  std::vector<GeometryObject> bodies_;
   std::vector<std::array<std::int32_t, 2>> pairs_;  // guest, host
   std::int32_t links_;
   std::vector<unsigned char> needed_;  // links that carry a body of some pair
@@ -90,14 +90,14 @@ class CheckerCore {
 
   // Calls judge(row, state of the block) for every row, once the block's links are posed and its near pairs found.
   template <class Judge>
-  void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Sought sought, Workspace& workspace,
+  void each_state(const Kinematics& kinematics, const double* q, std::size_t n, Query query, Workspace& workspace,
                   Judge judge) const;
   template <class Judge>
   void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
 
   void pose_links(std::size_t width, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
-  void find_near(int count, Sought sought, Workspace& workspace) const;
+  void find_near(int count, Query query, Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;

@@ -1,4 +1,4 @@
-// Four or eight numbers, by quads, and what is asked of them as a whole.
+// Four or eight numbers, in Double4s, and what is asked of them as a whole.
 #pragma once
 
 #include <array>
@@ -9,115 +9,117 @@
 
 namespace plannercheck {
 
-template <int kQuads>
-struct Few {
-  std::array<Quad, kQuads> quad;
+template <int kVectors>
+struct Double4Array {
+  std::array<Double4, kVectors> vectors;
 
-  static Few all(double value) {
-    Few out;
-    for (Quad& q : out.quad) q = Quad{} + value;
+  static Double4Array all(double value) {
+    Double4Array out;
+    for (Double4& q : out.vectors) q = Double4{} + value;
     return out;
   }
-  static Few load(const double* from) {
-    Few out;
-    for (int i = 0; i < kQuads; ++i) out[i] = load_quad(from + i * kQuad);
+  static Double4Array load(const double* from) {
+    Double4Array out;
+    for (int i = 0; i < kVectors; ++i) out[i] = load_double4(from + i * kDouble4Lanes);
     return out;
   }
   void store(double* to) const {
-    for (int i = 0; i < kQuads; ++i) store_quad(to + i * kQuad, (*this)[i]);
+    for (int i = 0; i < kVectors; ++i) store_double4(to + i * kDouble4Lanes, (*this)[i]);
   }
-  Quad& operator[](int i) { return quad[static_cast<std::size_t>(i)]; }
-  Quad operator[](int i) const { return quad[static_cast<std::size_t>(i)]; }
+  Double4& operator[](int i) { return vectors[static_cast<std::size_t>(i)]; }
+  Double4 operator[](int i) const { return vectors[static_cast<std::size_t>(i)]; }
 
   template <class Operation>
-  static Few of(Operation operation) {
-    Few out;
-    for (int i = 0; i < kQuads; ++i) out[i] = operation(i);
+  static Double4Array of(Operation operation) {
+    Double4Array out;
+    for (int i = 0; i < kVectors; ++i) out[i] = operation(i);
     return out;
   }
-  friend Few operator+(const Few& a, const Few& b) {
+  friend Double4Array operator+(const Double4Array& a, const Double4Array& b) {
     return of([&](int i) { return a[i] + b[i]; });
   }
-  friend Few operator-(const Few& a, const Few& b) {
+  friend Double4Array operator-(const Double4Array& a, const Double4Array& b) {
     return of([&](int i) { return a[i] - b[i]; });
   }
-  friend Few operator*(double a, const Few& b) {
+  friend Double4Array operator*(double a, const Double4Array& b) {
     return of([&](int i) { return a * b[i]; });
   }
-  friend Few operator-(const Few& a) {
+  friend Double4Array operator-(const Double4Array& a) {
     return of([&](int i) { return -a[i]; });
   }
 };
 
-inline QuadMask load_mask(const long long* from) {
-  QuadMask out;
+inline Double4Mask load_mask(const long long* from) {
+  Double4Mask out;
   std::memcpy(&out, from, sizeof out);
   return out;
 }
 
 // All bits of one of the places.
-template <int kQuads>
-struct Place {
-  std::array<QuadMask, kQuads> mask;
+template <int kVectors>
+struct SingleLaneMask {
+  std::array<Double4Mask, kVectors> mask;
 
-  explicit Place(int k) {
+  explicit SingleLaneMask(int k) {
     // Sixteen numbers of which one is set, read from where it comes to the place.
     static constexpr std::array<long long, 16> kOne{0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0};
-    for (std::size_t i = 0; i < kQuads; ++i) mask[i] = load_mask(kOne.data() + 8 - k + i * kQuad);
+    for (std::size_t i = 0; i < kVectors; ++i) mask[i] = load_mask(kOne.data() + 8 - k + i * kDouble4Lanes);
   }
   // The numbers, with another one at the place.
-  Few<kQuads> with(const Few<kQuads>& e, double value) const {
-    return Few<kQuads>::of([&](int i) { return mask[static_cast<std::size_t>(i)] ? Quad{} + value : e[i]; });
+  Double4Array<kVectors> with(const Double4Array<kVectors>& e, double value) const {
+    return Double4Array<kVectors>::of(
+        [&](int i) { return mask[static_cast<std::size_t>(i)] ? Double4{} + value : e[i]; });
   }
 };
 
-template <int kQuads>
-double most(const Few<kQuads>& e) {
-  Quad four = e[0];
-  if constexpr (kQuads > 1) four = four > e[1] ? four : e[1];
+template <int kVectors>
+double most(const Double4Array<kVectors>& e) {
+  Double4 four = e[0];
+  if constexpr (kVectors > 1) four = four > e[1] ? four : e[1];
   return largest(four);
 }
 
-template <int kQuads>
-double least(const Few<kQuads>& e) {
+template <int kVectors>
+double least(const Double4Array<kVectors>& e) {
   return -most(-e);
 }
 
 // Where the numbers are above a value, as bits.
-template <int kQuads>
-unsigned above(const Few<kQuads>& e, double value) {
+template <int kVectors>
+unsigned above(const Double4Array<kVectors>& e, double value) {
   unsigned out = 0;
-  for (int i = 0; i < kQuads; ++i) out |= quad_bits(e[i] > Quad{} + value) << (i * kQuad);
+  for (int i = 0; i < kVectors; ++i) out |= double4_bits(e[i] > Double4{} + value) << (i * kDouble4Lanes);
   return out;
 }
 
 // Where the numbers equal a value, as bits.
-template <int kQuads>
-unsigned equals(const Few<kQuads>& e, double value) {
+template <int kVectors>
+unsigned equals(const Double4Array<kVectors>& e, double value) {
   unsigned out = 0;
-  for (int i = 0; i < kQuads; ++i) out |= quad_bits(e[i] == Quad{} + value) << (i * kQuad);
+  for (int i = 0; i < kVectors; ++i) out |= double4_bits(e[i] == Double4{} + value) << (i * kDouble4Lanes);
   return out;
 }
 
 // The first place of a value that is there.
-template <int kQuads>
-int place(const Few<kQuads>& e, double value) {
-  return __builtin_ctz(equals(e, value) | 1U << (kQuads * kQuad));
+template <int kVectors>
+int place(const Double4Array<kVectors>& e, double value) {
+  return __builtin_ctz(equals(e, value) | 1U << (kVectors * kDouble4Lanes));
 }
 
-template <int kQuads>
-double sum(const Few<kQuads>& e) {
-  Quad four = e[0];
-  if constexpr (kQuads > 1) four += e[1];
+template <int kVectors>
+double sum(const Double4Array<kVectors>& e) {
+  Double4 four = e[0];
+  if constexpr (kVectors > 1) four += e[1];
   return (four[0] + four[1]) + (four[2] + four[3]);
 }
 
 // The first of the numbers; zeros for the others.
-template <int kQuads>
-Few<kQuads> first_of(const Few<kQuads>& e, int count) {
+template <int kVectors>
+Double4Array<kVectors> first_of(const Double4Array<kVectors>& e, int count) {
   static constexpr std::array<long long, 16> kFirst{-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
-  return Few<kQuads>::of([&](int i) {
-    return reinterpret_cast<Quad>(reinterpret_cast<QuadMask>(e[i]) & load_mask(kFirst.data() + 8 - count + i * kQuad));
+  return Double4Array<kVectors>::of([&](int i) {
+    return reinterpret_cast<Double4>(reinterpret_cast<Double4Mask>(e[i]) &
+                                     load_mask(kFirst.data() + 8 - count + i * kDouble4Lanes));
   });
 }
 

@@ -6,24 +6,24 @@
 namespace plannercheck {
 
 // A product errs by less than this part of it, a sum of a and b by less than this part of |a| + |b|.
-inline constexpr double kDouble2Error = 0x1p-102;
+inline constexpr double kDoubleDoubleError = 0x1p-102;
 
 // An unevaluated sum high + low, |low| <= u |high|.
-struct Double2 {
+struct DoubleDouble {
   double high, low;
 };
 
-inline Double2 quick_two_sum(double a, double b) {
+inline DoubleDouble quick_two_sum(double a, double b) {
   const double sum = a + b;
   return {sum, b - (sum - a)};
 }
 
-inline Double2 two_sum(double a, double b) {
+inline DoubleDouble two_sum(double a, double b) {
   const double sum = a + b, b_part = sum - a;
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
-inline Double2 two_product(double a, double b) {
+inline DoubleDouble two_product(double a, double b) {
   const double product = a * b;
 #if defined(__FMA__) || defined(__aarch64__)
   return {product, __builtin_fma(a, b, -product)};
@@ -35,40 +35,48 @@ inline Double2 two_product(double a, double b) {
 #endif
 }
 
-inline Double2 operator+(Double2 a, Double2 b) {
-  Double2 high = two_sum(a.high, b.high);
-  const Double2 low = two_sum(a.low, b.low);
+inline DoubleDouble operator+(DoubleDouble a, DoubleDouble b) {
+  DoubleDouble high = two_sum(a.high, b.high);
+  const DoubleDouble low = two_sum(a.low, b.low);
   high = quick_two_sum(high.high, high.low + low.high);
   return quick_two_sum(high.high, high.low + low.low);
 }
 
-inline Double2 operator-(Double2 a) { return {-a.high, -a.low}; }
-inline Double2 operator-(Double2 a, Double2 b) { return a + -b; }
+inline DoubleDouble operator-(DoubleDouble a) { return {-a.high, -a.low}; }
+inline DoubleDouble operator-(DoubleDouble a, DoubleDouble b) { return a + -b; }
 
-inline Double2 operator*(Double2 a, Double2 b) {
-  const Double2 product = two_product(a.high, b.high);
+inline DoubleDouble operator*(DoubleDouble a, DoubleDouble b) {
+  const DoubleDouble product = two_product(a.high, b.high);
   return quick_two_sum(product.high, product.low + (a.high * b.low + a.low * b.high));
 }
 
-inline bool positive(Double2 x) { return x.high > 0; }
+inline bool positive(DoubleDouble x) { return x.high > 0; }
 
-struct Double2Vec3 {
-  Double2 x, y, z;
+struct DoubleDoubleVec3 {
+  DoubleDouble x, y, z;
 };
 
-inline Double2Vec3 difference(Vec3 a, Vec3 b) { return {two_sum(a.x, -b.x), two_sum(a.y, -b.y), two_sum(a.z, -b.z)}; }
-inline Double2Vec3 widen(Vec3 a) { return {{a.x, 0}, {a.y, 0}, {a.z, 0}}; }
-inline Vec3 rounded(const Double2Vec3& v) { return {v.x.high, v.y.high, v.z.high}; }
+inline DoubleDoubleVec3 difference(Vec3 a, Vec3 b) {
+  return {two_sum(a.x, -b.x), two_sum(a.y, -b.y), two_sum(a.z, -b.z)};
+}
+inline DoubleDoubleVec3 widen(Vec3 a) { return {{a.x, 0}, {a.y, 0}, {a.z, 0}}; }
+inline Vec3 rounded(const DoubleDoubleVec3& v) { return {v.x.high, v.y.high, v.z.high}; }
 
-inline Double2Vec3 operator+(const Double2Vec3& a, const Double2Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Double2Vec3 operator-(const Double2Vec3& a, const Double2Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Double2Vec3 operator-(const Double2Vec3& a) { return {-a.x, -a.y, -a.z}; }
-inline Double2Vec3 operator*(Double2 s, const Double2Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
+inline DoubleDoubleVec3 operator+(const DoubleDoubleVec3& a, const DoubleDoubleVec3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline DoubleDoubleVec3 operator-(const DoubleDoubleVec3& a, const DoubleDoubleVec3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline DoubleDoubleVec3 operator-(const DoubleDoubleVec3& a) { return {-a.x, -a.y, -a.z}; }
+inline DoubleDoubleVec3 operator*(DoubleDouble s, const DoubleDoubleVec3& a) { return {s * a.x, s * a.y, s * a.z}; }
 
-inline Double2Vec3 cross(const Double2Vec3& a, const Double2Vec3& b) {
+inline DoubleDoubleVec3 cross(const DoubleDoubleVec3& a, const DoubleDoubleVec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-inline Double2 dot(const Double2Vec3& a, const Double2Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline DoubleDouble dot(const DoubleDoubleVec3& a, const DoubleDoubleVec3& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 }  // namespace plannercheck

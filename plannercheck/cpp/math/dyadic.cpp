@@ -175,7 +175,7 @@ DyadicVec3 apply_exactly(const Pose& pose, Vec3 v) {
   return {row(0), row(4), row(8)};
 }
 
-Double2Vec3 direction_of(const DyadicVec3& v) {
+DoubleDoubleVec3 direction_of(const DyadicVec3& v) {
   std::int64_t top = INT64_MIN;
   for (const Dyadic* part : {&v.x, &v.y, &v.z}) {
     if (part->sign() != 0) top = std::max(top, part->log2() + 1);
@@ -187,8 +187,8 @@ Double2Vec3 direction_of(const DyadicVec3& v) {
   const auto scaled = [&](const Dyadic& part) {
     const Dyadic near = part.shifted_by_limbs(-whole);
     const double high = near.to_double(-bits);
-    if (std::fabs(high) < kSmallestWithLow) return Double2{high, 0};
-    return Double2{high, (near - Dyadic(std::ldexp(high, bits))).to_double(-bits)};
+    if (std::fabs(high) < kSmallestWithLow) return DoubleDouble{high, 0};
+    return DoubleDouble{high, (near - Dyadic(std::ldexp(high, bits))).to_double(-bits)};
   };
   return {scaled(v.x), scaled(v.y), scaled(v.z)};
 }

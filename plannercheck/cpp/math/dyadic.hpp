@@ -58,7 +58,7 @@ struct DyadicVec3 {
   DyadicVec3() = default;
   DyadicVec3(Dyadic x_, Dyadic y_, Dyadic z_) : x(std::move(x_)), y(std::move(y_)), z(std::move(z_)) {}
   explicit DyadicVec3(Vec3 v) : x(v.x), y(v.y), z(v.z) {}
-  explicit DyadicVec3(const Double2Vec3& v)
+  explicit DyadicVec3(const DoubleDoubleVec3& v)
       : x(Dyadic(v.x.high) + Dyadic(v.x.low)),
         y(Dyadic(v.y.high) + Dyadic(v.y.low)),
         z(Dyadic(v.z.high) + Dyadic(v.z.low)) {}
@@ -75,6 +75,6 @@ bool is_zero(const DyadicVec3& v);
 DyadicVec3 apply_exactly(const Pose& pose, Vec3 v);
 // The same direction up to a relative error of 2^-105 an entry, the largest entry scaled to between 1/2 and 1; 0 for 0.
 // Entries below 2^-900 of the largest err by up to 2^-1073 instead.
-Double2Vec3 direction_of(const DyadicVec3& v);
+DoubleDoubleVec3 direction_of(const DyadicVec3& v);
 
 }  // namespace plannercheck

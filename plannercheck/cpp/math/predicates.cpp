@@ -19,8 +19,8 @@ constexpr double kDeterminantError = 8 * kRoundoff;
 constexpr double kWedgeError = 16 * kRoundoff;
 // Entries of a cross product: two differences and a product, 3u.
 constexpr double kTurnError = 6 * kRoundoff;
-// The same in Double2, whose differences are exact: at most seven operations.
-constexpr double kDouble2Bound = 32 * kDouble2Error;
+// The same in DoubleDouble, whose differences are exact: at most seven operations.
+constexpr double kDoubleDoubleBound = 32 * kDoubleDoubleError;
 
 Vec3 absolute_cross(Vec3 a, Vec3 b) {
   return {std::fabs(a.y * b.z) + std::fabs(a.z * b.y), std::fabs(a.z * b.x) + std::fabs(a.x * b.z),
@@ -41,8 +41,8 @@ int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
                             (ab.z == 0 && ac.z == 0 && ad.z == 0);
   if (axis_aligned) return 0;
   if (in_range) {
-    const Double2 finer = dot(cross(difference(b, a), difference(c, a)), difference(d, a));
-    if (std::fabs(finer.high) > kDouble2Bound * permanent) return sign_of(finer.high);
+    const DoubleDouble finer = dot(cross(difference(b, a), difference(c, a)), difference(d, a));
+    if (std::fabs(finer.high) > kDoubleDoubleBound * permanent) return sign_of(finer.high);
   }
   const DyadicVec3 origin(a);
   return dot(cross(DyadicVec3(b) - origin, DyadicVec3(c) - origin), DyadicVec3(d) - origin).sign();
@@ -53,8 +53,8 @@ int compare_along_finer(Vec3 u, Vec3 a, Vec3 b) {
   if ((u.x == 0 || e.x == 0) && (u.y == 0 || e.y == 0) && (u.z == 0 || e.z == 0)) return 0;
   const double size = absolute_dot(u, e);
   if (trusted(size, larger(norm_max(u), norm_max(e)))) {
-    const Double2 finer = dot(widen(u), difference(a, b));
-    if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
+    const DoubleDouble finer = dot(widen(u), difference(a, b));
+    if (std::fabs(finer.high) > kDoubleDoubleBound * size) return sign_of(finer.high);
   }
   return dot(DyadicVec3(u), DyadicVec3(a) - DyadicVec3(b)).sign();
 }
@@ -68,8 +68,8 @@ int wedge_side(Vec3 z, Vec3 v, Vec3 a, Vec3 b, Vec3 u) {
   const bool in_range = trusted(size, largest) && largest < 1e40;
   if (in_range && std::fabs(value) > kWedgeError * size) return sign_of(value);
   if (in_range) {
-    const Double2 finer = dot(cross(widen(z), cross(difference(a, v), difference(b, v))), widen(u));
-    if (std::fabs(finer.high) > kDouble2Bound * size) return sign_of(finer.high);
+    const DoubleDouble finer = dot(cross(widen(z), cross(difference(a, v), difference(b, v))), widen(u));
+    if (std::fabs(finer.high) > kDoubleDoubleBound * size) return sign_of(finer.high);
   }
   const DyadicVec3 corner(v);
   return dot(cross(DyadicVec3(z), cross(DyadicVec3(a) - corner, DyadicVec3(b) - corner)), DyadicVec3(u)).sign();

@@ -35,7 +35,7 @@ void cut(const std::vector<Vec3>& points, IndexRange range, std::ptrdiff_t capac
 
 }  // namespace
 
-std::vector<IndexRange> spatial_parts(const std::vector<Vec3>& points, IndexRange range, std::ptrdiff_t capacity) {
+std::vector<IndexRange> spatial_partition(const std::vector<Vec3>& points, IndexRange range, std::ptrdiff_t capacity) {
   std::vector<IndexRange> parts;
   if (range.size() > 0) cut(points, range, capacity, parts);
   return parts;

@@ -17,6 +17,6 @@ struct IndexRange {
 
 // Sorts a range into parts of at most `capacity` points by cutting where they spread most; all parts but the last one
 // are full.
-std::vector<IndexRange> spatial_parts(const std::vector<Vec3>& points, IndexRange range, std::ptrdiff_t capacity);
+std::vector<IndexRange> spatial_partition(const std::vector<Vec3>& points, IndexRange range, std::ptrdiff_t capacity);
 
 }  // namespace plannercheck

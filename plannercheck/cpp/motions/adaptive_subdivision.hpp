@@ -78,7 +78,7 @@ struct SubdivisionWorkspace {
   std::vector<typename Space::Open> open;
   std::vector<Failure> failures;         // a stack: grids inside grids
   std::vector<Plane<Direction>> planes;  // per pair
-  std::uint64_t motion = 0;  // counts the motions begun
+  std::uint64_t motion = 0;              // counts the motions begun
   typename Space::Counters counters;
 };
 

@@ -29,7 +29,7 @@ MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::v
   const auto first = static_cast<std::size_t>(chains.first_entry[chain]);
   const auto past = static_cast<std::size_t>(chains.first_entry[chain + 1]);
   for (std::size_t e = first; e < past; ++e) {
-    const ChainEntry& entry = chains.entries[e];
+    const ChainJoint& entry = chains.entries[e];
     const Rate& rate = rates[static_cast<std::size_t>(entry.joint)];
     double arm = entry.arm;
     for (std::int32_t s = entry.first_slide; s < entry.past_slides; ++s) {

@@ -45,15 +45,15 @@ struct JointDrive {
   double multiplier, offset;  // of turns and slides
 };
 
-struct ChainEntry {
+struct ChainJoint {
   std::int32_t joint;
-  double arm;  // R above without extents, m
+  double arm;                             // R above without extents, m
   std::int32_t first_slide, past_slides;  // the joints whose extents it includes, in MotionChains::slides
 };
 
 struct MotionChains {
   std::vector<JointDrive> joints;
-  std::vector<ChainEntry> entries;
+  std::vector<ChainJoint> entries;
   std::vector<std::int32_t> slides;
   std::vector<std::int32_t> first_entry;  // per chain, and one past the last
 };

@@ -10,9 +10,9 @@ namespace plannercheck {
 namespace {
 
 // How far a body's points, centre and sphere lie from the frame that its placement refers to, m.
-double size_of(const MountedBody& mounted) {
-  const double far = norm_1(mounted.placement.translation()) + mounted.body->reach * kStretch;
-  return far + mounted.body->reach + 2 * sphere_radius(*mounted.body);
+double size_of(const GeometryObject& object) {
+  const double far = norm_1(object.placement.translation()) + object.body->origin_radius * kStretch;
+  return far + object.body->origin_radius + 2 * sphere_radius(*object.body);
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ MotionCertifier::MotionCertifier(MotionModel model, bool hints) : model_(std::mo
     if (used[b]) (model_.bodies[b].link >= 0 ? movers_ : still_).push_back(static_cast<std::int32_t>(b));
   }
   for (const std::int32_t mover : movers_) mounted_size_ = larger(mounted_size_, size_of(model_.bodies[at(mover)]));
-  for (const MountedBody& body : model_.bodies) defects_.push_back(rigidity_defect(body.placement) + 16 * 0x1p-53);
+  for (const GeometryObject& body : model_.bodies) defects_.push_back(rigidity_defect(body.placement) + 16 * 0x1p-53);
   bound_still();
 }
 
@@ -38,17 +38,17 @@ void MotionCertifier::bound_still() {
   still_bounds_.assign(6 * still_row_, std::numeric_limits<double>::infinity());
   std::vector<std::int32_t> position(model_.bodies.size(), -1);
   for (std::size_t s = 0; s < still_.size(); ++s) {
-    const MountedBody& mounted = model_.bodies[at(still_[s])];
+    const GeometryObject& object = model_.bodies[at(still_[s])];
     position[at(still_[s])] = static_cast<std::int32_t>(s);
-    still_size_ = larger(still_size_, size_of(mounted));
+    still_size_ = larger(still_size_, size_of(object));
     for (std::size_t k = 0; k < 3; ++k) {
       double &low = still_bounds_[k * still_row_ + s], &high = still_bounds_[(k + 3) * still_row_ + s];
       high = -low;
-      for (const Vec3& v : mounted.body->inner.points) {
-        const Vec3 p = mounted.placement.apply(v);
+      for (const Vec3& v : object.body->inner.points) {
+        const Vec3 p = object.placement.apply(v);
         low = smaller(low, p[static_cast<int>(k)]), high = larger(high, p[static_cast<int>(k)]);
       }
-      low -= mounted.body->swell, high += mounted.body->swell;
+      low -= object.body->inflation_radius, high += object.body->inflation_radius;
     }
   }
   pair_of_.assign(movers_.size() * still_row_, -1);
@@ -62,7 +62,7 @@ void MotionCertifier::bound_still() {
   }
 }
 
-// The pairs of a mover with bodies that stand still and whose boxes meet the given box.
+// The pairs of a mover with static bodies and whose boxes meet the given box.
 void MotionCertifier::find_near(std::size_t mover, Vec3 low, Vec3 high, std::vector<std::int32_t>& found) const {
   const std::int32_t* pairs = &pair_of_[mover * still_row_];
   for (std::size_t first = 0; first < still_row_; first += kStep) {

@@ -198,8 +198,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
 
   MotionProof proof(const PairState& s, double from, double to, double least) const {
-    const double gap = least - filters_.swells(s.pair) - filters_.slack();
-    return {s.index, from, to, s.plane.direction, gap, filters_.bulge(s.pair)};
+    const double gap = least - filters_.inflation_radii(s.pair) - filters_.slack();
+    return {s.index, from, to, s.plane.direction, gap, filters_.chord_deviation(s.pair)};
   }
 
   // A pair that is clear at both ends may still be settled.
@@ -216,7 +216,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // tolerance.
   bool is_short(const PairState& s) {
     const double way = filters_.speed(s.pair) * w_.grid.step();
-    return way + filters_.bulge(s.pair) + 4 * filters_.slack() <= tolerance_;
+    return way + filters_.chord_deviation(s.pair) + 4 * filters_.slack() <= tolerance_;
   }
 
   bool proves_clear(PairState& s, std::size_t state) {
@@ -241,15 +241,15 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return share_a_point(s, filters_.posed(s.pair, state));
   }
 
-  PosedBody posed_a(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.a), pose.a}; }
-  PosedBody posed_b(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.b), pose.b}; }
+  PosedPolytope posed_a(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.a), pose.a}; }
+  PosedPolytope posed_b(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.b), pose.b}; }
 
   bool share_a_point(const PairState& s, const PosedPair& pose) {
     return test_pair(posed_a(s, pose), posed_b(s, pose), {}, nullptr, w_.counters.pair).shared;
   }
 
   bool is_apart(PairState& s, std::size_t state, double limit) {
-    return sweep_at(s, state, limit + filters_.swells(s.pair));
+    return sweep_at(s, state, limit + filters_.inflation_radii(s.pair));
   }
 
   void choose(const std::vector<std::int32_t>& pairs) {

@@ -38,7 +38,7 @@ LaneVector turned(const MotionGrid& grid, std::int32_t frame, std::size_t first,
 }
 
 // The least product of a direction with the points of a posed body's box.
-Lanes least_of_box(const Body& body, const std::array<Lanes, 12>& m, const LaneVector& d) {
+Lanes least_of_box(const Polytope& body, const std::array<Lanes, 12>& m, const LaneVector& d) {
   const Vec3 middle = 0.5 * (body.low + body.high), half = 0.5 * (body.high - body.low);
   Lanes sum = (d[0] * m[3] + d[1] * m[7]) + d[2] * m[11];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -63,7 +63,7 @@ std::array<Lanes, 12> load_pose(const double* rows, std::size_t first) {
 }  // namespace
 
 std::array<Vec3, 2> MotionFilters::box_around_path(std::int32_t index, std::int32_t chain) const {
-  const double grown = sphere_radius(body(index)) + bulge(curvature(chain)) + slack_;
+  const double grown = sphere_radius(body(index)) + chord_deviation(curvature(chain)) + slack_;
   std::array<std::array<double, 3>, 2> box;
   for (std::size_t k = 0; k < 3; ++k) {
     const double* row = grid_.centre(index) + k * kGridRow;
@@ -74,11 +74,11 @@ std::array<Vec3, 2> MotionFilters::box_around_path(std::int32_t index, std::int3
 }
 
 unsigned MotionFilters::near(const CertifiedPair& pair) const {
-  const double apart = sphere_radius(body(pair.a)) + bulge(pair) + slack_;
+  const double apart = sphere_radius(body(pair.a)) + chord_deviation(pair) + slack_;
   if (stands_still(pair.b)) {
     // The error of using the transpose of a placement off rigid as its inverse.
     const double turned = 2 * defects_[at(pair.b)] * size_;
-    return chord_meets_box(pair, apart + body(pair.b).swell * kStretch + turned);
+    return chord_meets_box(pair, apart + body(pair.b).inflation_radius * kStretch + turned);
   }
   const double sum = apart + sphere_radius(body(pair.b));
   return spheres_come_near(pair, sum) ? chord_meets_sphere(pair, sum) : 0;
@@ -86,7 +86,7 @@ unsigned MotionFilters::near(const CertifiedPair& pair) const {
 
 // The intervals on which the sphere around a, its centre on the chord, meets b's box; in b's frame.
 unsigned MotionFilters::chord_meets_box(const CertifiedPair& pair, double apart) const {
-  const Body& b = body(pair.b);
+  const Polytope& b = body(pair.b);
   const auto& m = model_.bodies[at(pair.b)].placement.m;
   const double* c = grid_.centre(pair.a);
   std::array<Row, 3> seen;
@@ -118,8 +118,8 @@ bool MotionFilters::spheres_come_near(const CertifiedPair& pair, double sum) con
     const LaneVector d = difference(grid_.centre(pair.a), grid_.centre(pair.b), i);
     least = smaller(least, (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
   }
-  const double reach = sum + speed(pair) * grid_.step() / 2;
-  return bits(least <= broadcast(reach * reach)) != 0;
+  const double max_distance = sum + speed(pair) * grid_.step() / 2;
+  return bits(least <= broadcast(max_distance * max_distance)) != 0;
 }
 
 // Let c be the difference of the centres in the middle of a chord and d that of its ends. The distance along the chord
@@ -172,7 +172,7 @@ PosedPair MotionFilters::posed(const CertifiedPair& pair, std::size_t state) {
 
 Vec3 MotionFilters::between(const CertifiedPair& pair, std::size_t state) {
   const PosedPair p = posed(pair, state);
-  const Body &a = body(pair.a), &b = body(pair.b);
+  const Polytope &a = body(pair.a), &b = body(pair.b);
   const Vec3 c = p.b.rotate_back(p.a.apply(a.centre) - p.b.translation());
   const auto beyond = [](double x, double low, double high) { return x < low ? x - low : x > high ? x - high : 0; };
   Vec3 d{beyond(c.x, b.low.x, b.high.x), beyond(c.y, b.low.y, b.high.y), beyond(c.z, b.low.z, b.high.z)};

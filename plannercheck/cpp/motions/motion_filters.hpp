@@ -19,7 +19,7 @@ namespace plannercheck {
 inline constexpr double kStretch = 1 + 2e-6;
 
 // The radius of the sphere around a body's centre.
-inline double sphere_radius(const Body& body) { return (body.radius + body.swell) * kStretch; }
+inline double sphere_radius(const Polytope& body) { return (body.radius + body.inflation_radius) * kStretch; }
 
 // An open pair with a direction taken from its bounds, in the pair's frame, from b to a.
 struct DirectedPair : OpenPair {
@@ -28,7 +28,7 @@ struct DirectedPair : OpenPair {
 
 class MotionFilters {
  public:
-  // `defects`: how far the placements of bodies that stand still are off rigid.
+  // `defects`: how far the placements of static bodies are off rigid.
   MotionFilters(const MotionModel& model, const std::vector<double>& defects, MotionGrid& grid,
                 const std::vector<MotionBound>& bounds)
       : model_(model), defects_(defects), grid_(grid), bounds_(bounds) {}
@@ -38,23 +38,27 @@ class MotionFilters {
   double slack() const { return slack_; }
 
   const CertifiedPair& pair(std::int32_t index) const { return model_.pairs[static_cast<std::size_t>(index)]; }
-  const Body& body(std::int32_t index) const { return *model_.bodies[static_cast<std::size_t>(index)].body; }
+  const Polytope& body(std::int32_t index) const { return *model_.bodies[static_cast<std::size_t>(index)].body; }
   bool stands_still(std::int32_t index) const { return model_.bodies[static_cast<std::size_t>(index)].link < 0; }
 
   double curvature(std::int32_t chain) const { return chain < 0 ? 0 : bound(chain).curvature; }
   double speed(const CertifiedPair& pair) const { return speed(pair.chain_a) + speed(pair.chain_b); }
   // ε: how far points may leave their chords within an interval.
-  double bulge(double curvature) const { return curvature * grid_.step() * grid_.step() / 8; }
-  double bulge(const CertifiedPair& pair) const { return bulge(curvature(pair.chain_a) + curvature(pair.chain_b)); }
-  double swells(const CertifiedPair& pair) const { return (body(pair.a).swell + body(pair.b).swell) * kStretch; }
+  double chord_deviation(double curvature) const { return curvature * grid_.step() * grid_.step() / 8; }
+  double chord_deviation(const CertifiedPair& pair) const {
+    return chord_deviation(curvature(pair.chain_a) + curvature(pair.chain_b));
+  }
+  double inflation_radii(const CertifiedPair& pair) const {
+    return (body(pair.a).inflation_radius + body(pair.b).inflation_radius) * kStretch;
+  }
   // An interval is settled if the hulls are further apart than this along one direction at both ends.
-  double apart(const CertifiedPair& pair) const { return bulge(pair) + swells(pair) + slack_; }
+  double apart(const CertifiedPair& pair) const { return chord_deviation(pair) + inflation_radii(pair) + slack_; }
 
   unsigned all_intervals() const { return (1U << grid_.intervals()) - 1; }
 
   // Low and high corner of the box around the whole path of a body, given its chain from the world.
   std::array<Vec3, 2> box_around_path(std::int32_t body, std::int32_t chain) const;
-  // What bounding spheres leave open: on chords, against each other or against the box of a body that stands still.
+  // What bounding spheres leave open: on chords, against each other or against the box of a static body.
   unsigned near(const CertifiedPair& pair) const;
   // Settles the intervals whose boxes are apart along a direction of the frame, by `beyond` more than needed; records
   // the state at which the gap along it is least.

@@ -6,7 +6,7 @@
 
 namespace plannercheck {
 
-MotionGrid::MotionGrid(const std::vector<MountedBody>& bodies, std::size_t width, std::size_t links)
+MotionGrid::MotionGrid(const std::vector<GeometryObject>& bodies, std::size_t width, std::size_t links)
     : bodies_(&bodies),
       columns_(width * kGridRow),
       links_(links * 12 * kGridRow),
@@ -16,7 +16,7 @@ MotionGrid::MotionGrid(const std::vector<MountedBody>& bodies, std::size_t width
       needed_(links),
       q_(width),
       link_lanes_(links * 12) {
-  for (const MountedBody& body : bodies) centre_on_link_.push_back(body.placement.apply(body.body->centre));
+  for (const GeometryObject& body : bodies) centre_on_link_.push_back(body.placement.apply(body.body->centre));
 }
 
 void MotionGrid::choose(const std::vector<std::int32_t>& bodies, const std::vector<std::int32_t>& frames) {
@@ -68,11 +68,11 @@ const double* MotionGrid::poses(std::int32_t body) {
   double* out = &poses_[at(body) * 12 * kGridRow];
   if (posed_[at(body)] == grid_) return out;
   posed_[at(body)] = grid_;
-  const MountedBody& mounted = (*bodies_)[at(body)];
-  const auto& p = mounted.placement.m;
+  const GeometryObject& object = (*bodies_)[at(body)];
+  const auto& p = object.placement.m;
   for (std::size_t first = 0; first <= intervals_; first += kStep) {
     for (std::size_t row = 0; row < 12; row += 4) {
-      const double* from = link(mounted.link) + row * kGridRow + first;
+      const double* from = link(object.link) + row * kGridRow + first;
       const Lanes a = load_lanes(from), b = load_lanes(from + kGridRow), c = load_lanes(from + 2 * kGridRow);
       for (std::size_t col = 0; col < 4; ++col) {
         const Lanes sum = (a * p[col] + b * p[col + 4]) + c * p[col + 8];
@@ -84,8 +84,8 @@ const double* MotionGrid::poses(std::int32_t body) {
 }
 
 Pose MotionGrid::pose(std::int32_t body, std::size_t state) {
-  const MountedBody& mounted = (*bodies_)[at(body)];
-  if (mounted.link < 0) return mounted.placement;
+  const GeometryObject& object = (*bodies_)[at(body)];
+  if (object.link < 0) return object.placement;
   const double* rows = poses(body);
   Pose out;
   for (std::size_t k = 0; k < 12; ++k) out.m[k] = rows[k * kGridRow + state];

@@ -23,7 +23,7 @@ inline constexpr std::size_t kGridRow = 40;
 
 class MotionGrid {
  public:
-  MotionGrid(const std::vector<MountedBody>& bodies, std::size_t width, std::size_t links);
+  MotionGrid(const std::vector<GeometryObject>& bodies, std::size_t width, std::size_t links);
 
   // Chooses what the next grids pose: bodies that move, and links that serve as frames.
   void choose(const std::vector<std::int32_t>& bodies, const std::vector<std::int32_t>& frames);
@@ -36,7 +36,7 @@ class MotionGrid {
   // The length of the longest interval, rounded up, since parameters are rounded.
   double step() const { return (t_[intervals_] - t_[0]) / static_cast<double>(intervals_) * (1 + 1e-9) + 0x1p-50; }
 
-  // Rows x, y, z of a body's centre; bodies that stand still have none.
+  // Rows x, y, z of a body's centre; static bodies have none.
   const double* centre(std::int32_t body) const { return &centres_[static_cast<std::size_t>(body) * 3 * kGridRow]; }
   // Twelve rows of a body's pose, computed on first use.
   const double* poses(std::int32_t body);
@@ -47,7 +47,7 @@ class MotionGrid {
   FrameTurn turn(std::int32_t frame, std::size_t state) const;
 
  private:
-  const std::vector<MountedBody>* bodies_;
+  const std::vector<GeometryObject>* bodies_;
   std::size_t intervals_ = 1;
   std::array<double, kGridRow> t_{};
   std::vector<double> columns_, links_, poses_, centres_;

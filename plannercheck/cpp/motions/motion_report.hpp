@@ -20,13 +20,13 @@ struct MotionReport {
 };
 
 // What proves a pair apart on an interval: at both ends the bodies are `gap` apart along `direction` (in the pair's
-// frame, from b to a), while their points leave their chords by at most `bulge`, which is less than the gap.
+// frame, from b to a), while their points leave their chords by at most `chord_deviation`, which is less than the gap.
 template <class Direction>
 struct IntervalProof {
   std::int32_t pair;
   double from, to;
   Direction direction;
-  double gap, bulge;
+  double gap, chord_deviation;
 };
 
 // The result of a descent on the swept bodies, at all poses given.
@@ -34,13 +34,13 @@ template <class Direction>
 struct SweptAnswer {
   bool apart = false;   // proved: more than the limit apart along `direction`
   Direction direction;  // in the pair's frame, from b to a, of length 1 up to rounding
-  double gap = 0;  // along `direction`: a lower bound up to rounding, which the limit has to cover
+  double gap = 0;       // along `direction`: a lower bound up to rounding, which the limit has to cover
 };
 
 struct GridCounters {
   long motions = 0, grids = 0, states = 0;
   long pairs = 0, intervals = 0;  // on grids; intervals that bounding spheres or circles leave open
-  long planes = 0, swept = 0;  // evaluated gaps along planes (lines in the plane), and descents
+  long planes = 0, swept = 0;     // evaluated gaps along planes (lines in the plane), and descents
 };
 
 inline GridCounters& operator+=(GridCounters& sum, const GridCounters& more) {

@@ -15,7 +15,8 @@ struct Difference {
   double along;
 };
 
-Difference difference_at(const Body& a, const Body& b, const PosedPair& pose, Vec3 direction, PairCounters& counters) {
+Difference difference_at(const Polytope& a, const Polytope& b, const PosedPair& pose, Vec3 direction,
+                         PairCounters& counters) {
   ++counters.guest_queries, ++counters.host_queries;
   const Vec3 d = pose.frame.to_world(direction);
   const auto p = static_cast<std::size_t>(extreme(a.inner, -pose.a.rotate_back(d), counters.queries));
@@ -91,11 +92,11 @@ Vec3 nearest(NearSimplex& s) {
 
 }  // namespace
 
-double gap_along(const Body& a, const Body& b, const PosedPair& pose, Vec3 direction, PairCounters& counters) {
+double gap_along(const Polytope& a, const Polytope& b, const PosedPair& pose, Vec3 direction, PairCounters& counters) {
   return difference_at(a, b, pose, direction, counters).along;
 }
 
-SweptAnswer<Vec3> swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit,
+SweptAnswer<Vec3> swept_distance(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
                                  Vec3 hint, PairCounters& counters) {
   SweptAnswer<Vec3> answer;
   NearSimplex simplex;

@@ -34,11 +34,12 @@ struct PosedPair {
   FrameTurn frame;
 };
 
-// The descent on the vertices of the bodies (without their swells) at `count` poses, 1 or 2, from an initial direction.
-SweptAnswer<Vec3> swept_distance(const Body& a, const Body& b, const PosedPair* poses, int count, double limit,
+// The descent on the vertices of the bodies (without their inflation radii) at `count` poses, 1 or 2, from an initial
+// direction.
+SweptAnswer<Vec3> swept_distance(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
                                  Vec3 hint, PairCounters& counters);
 
 // The gap of the vertices, at one pose, along a direction of the frame.
-double gap_along(const Body& a, const Body& b, const PosedPair& pose, Vec3 direction, PairCounters& counters);
+double gap_along(const Polytope& a, const Polytope& b, const PosedPair& pose, Vec3 direction, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -5,7 +5,7 @@ namespace plannercheck {
 Certificate CentreAxis::decide(Vec3 of_guest, Vec3 of_host, bool scaled) const {
   const Vec3 p = guest_.pose.apply(of_guest), r = host_.pose.apply(of_host);
   if (dot(axis_, p - r) > room()) return separated(scaled);
-  return is_within_swell(p - r) ? shared(r, p - r) : Certificate{};
+  return is_within_inflation_radius(p - r) ? shared(r, p - r) : Certificate{};
 }
 
 Certificate CentreAxis::decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const {
@@ -37,12 +37,12 @@ Certificate CentreAxis::separated(bool scaled) const {
 }
 
 // `between` leads from a point of the host's hull to one of the guest's; the shared point divides it in proportion to
-// the swells.
+// the inflation radii.
 Certificate CentreAxis::shared(Vec3 on_host, Vec3 between) const {
   Certificate out;
   out.answer = Answer::kShared;
   out.stage = Stage::kCentreAxis;
-  out.x = host_.pose.rotate_back(on_host + (host_.body->swell / swell_) * between - host_centre_);
+  out.x = host_.pose.rotate_back(on_host + (host_.body->inflation_radius / inflation_radius_) * between - host_centre_);
   return out;
 }
 

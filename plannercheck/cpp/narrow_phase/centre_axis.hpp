@@ -1,6 +1,6 @@
 // The axis between the centres of two posed bodies. It separates most bodies that are far apart, and shows that round
-// ones are within each other's swell. Long and flat bodies are separated more often by another axis, to which it may be
-// turned.
+// ones are within each other's inflation radius. Long and flat bodies are separated more often by another axis, to
+// which it may be turned.
 #pragma once
 
 #include <limits>
@@ -11,17 +11,17 @@ namespace plannercheck {
 
 class CentreAxis {
  public:
-  CentreAxis(const PosedBody& guest, const PosedBody& host)
+  CentreAxis(const PosedPolytope& guest, const PosedPolytope& host)
       : guest_(guest),
         host_(host),
         host_centre_(host.pose.apply(host.body->centre)),
         between_centres_(guest.pose.apply(guest.body->centre) - host_centre_),
         axis_(between_centres_),
-        rounding_(kRounding * (guest.body->reach + host.body->reach + norm_1(guest.pose.translation()) +
+        rounding_(kRounding * (guest.body->origin_radius + host.body->origin_radius + norm_1(guest.pose.translation()) +
                                norm_1(host.pose.translation())) +
                   kTrustedLength),
         radii_(guest.body->radius + host.body->radius),
-        swell_(guest.body->swell + host.body->swell) {}
+        inflation_radius_(guest.body->inflation_radius + host.body->inflation_radius) {}
 
   // From the host to the guest, in the world.
   Vec3 direction() const { return axis_; }
@@ -30,13 +30,13 @@ class CentreAxis {
   // the axis, and small ones are tested faster than turned.
   void turn() {
     if (guest_.body->inner.points.size() + host_.body->inner.points.size() <= kFewVertices) return;
-    const AlikeEllipsoid &guest = guest_.body->alike, &host = host_.body->alike;
+    const EquivalentEllipsoid &guest = guest_.body->ellipsoid, &host = host_.body->ellipsoid;
     if ((guest.is_round && host.is_round) || !guest.exists || !host.exists) return;
     const Vec3 u = direction_between(guest, guest_.pose, host, host_.pose);
     if (norm_1(u) > 0 && norm_1(u) < 4) axis_ = u;  // a guess, scaled to a largest entry of 1; may be NaN
   }
 
-  bool has_swell() const { return swell_ > 0; }
+  bool has_inflation_radius() const { return inflation_radius_ > 0; }
 
   // Approximately the guest's extreme vertex towards the host.
   std::int32_t nearly_lowest(PairCounters& counters) const {
@@ -46,7 +46,7 @@ class CentreAxis {
 
   // Whether the balls around the centres are apart.
   bool separates_balls() const {
-    const double room = (radii_ + swell_) * (1 + kSlack) + rounding_;
+    const double room = (radii_ + inflation_radius_) * (1 + kSlack) + rounding_;
     return dot(between_centres_, between_centres_) > room * room;
   }
 
@@ -60,8 +60,8 @@ class CentreAxis {
   // plane will be cached.
   Certificate separated(bool scaled) const;
 
-  // Whether the centres are within the swell of each other, and the point between them.
-  bool centres_share() const { return is_within_swell(between_centres_); }
+  // Whether the centres are within the inflation radius of each other, and the point between them.
+  bool centres_share() const { return is_within_inflation_radius(between_centres_); }
   Certificate shared_by_centres() const { return shared(host_centre_, between_centres_); }
 
   // The directions of the vertices that face the other body, each in its own body's frame.
@@ -77,24 +77,25 @@ class CentreAxis {
   bool separates(Vec3 direction, double defect, PairCounters& counters) const;
 
   // Decides by the centres and by the extreme vertices along the axis: a plane perpendicular to it separates the
-  // bodies, or they are within the swell. `lowest` becomes the guest's extreme vertex towards the host.
+  // bodies, or they are within the inflation radius. `lowest` becomes the guest's extreme vertex towards the host.
   Certificate decide(bool scaled, std::int32_t* lowest, PairCounters& counters) const;
 
  private:
   static constexpr std::size_t kFewVertices = 32;  // of both (measured)
 
-  // Bodies are off rigid by at most 3.6e-6, so radii and swells grow by half of that. The normal that is handed on, M_R
-  // M_Rᵀ times the axis, is off by 3.6e-6 of its length, which moves products with differences of points in proportion.
+  // Bodies are off rigid by at most 3.6e-6, so radii and inflation radii grow by half of that. The normal that is
+  // handed on, M_R M_Rᵀ times the axis, is off by 3.6e-6 of its length, which moves products with differences of points
+  // in proportion.
   static constexpr double kSlack = 1e-5;
   // Posing a centre or vertex errs by 7u of |coordinates| + |translation|. Turning a direction into a body's frame and
   // scanning along it errs by 20u of the reach. A difference and its product with the axis err by 6u: below 40u in all.
-  // Lengths of balls, planes and swells are trusted only above kTrustedLength, so that length is part of the rounding
-  // allowed for.
+  // Lengths of balls, planes and inflation radii are trusted only above kTrustedLength, so that length is part of the
+  // rounding allowed for.
   static constexpr double kRounding = 64 * 0x1p-53;
 
-  const PosedBody &guest_, &host_;
+  const PosedPolytope &guest_, &host_;
   Vec3 host_centre_, between_centres_, axis_;
-  double rounding_, radii_, swell_;
+  double rounding_, radii_, inflation_radius_;
 
   // The rounding allowed along the axis, or along a direction that turns by at most `slack` on its way through the
   // host's frame, times its length. A direction too short for its length to be trusted separates nothing.
@@ -102,11 +103,11 @@ class CentreAxis {
   double room(Vec3 direction, double slack) const {
     const double length = norm(direction);
     if (!(length > kTrustedLength)) return std::numeric_limits<double>::infinity();
-    return length * (swell_ * (1 + slack) + slack * (norm(between_centres_) + radii_) + rounding_);
+    return length * (inflation_radius_ * (1 + slack) + slack * (norm(between_centres_) + radii_) + rounding_);
   }
 
-  bool is_within_swell(Vec3 between) const {
-    const double most = swell_ * (1 - kSlack) - rounding_;
+  bool is_within_inflation_radius(Vec3 between) const {
+    const double most = inflation_radius_ * (1 - kSlack) - rounding_;
     return most > kTrustedLength && dot(between, between) < most * most;
   }
   Certificate shared(Vec3 on_host, Vec3 between) const;

@@ -21,7 +21,7 @@ struct Star {
 // games.
 constexpr double kPassage = 0.9;
 
-static_assert(kCrownTop <= kMaxActives && 1 + kRemovedDegree + 1 <= kMaxActives, "every star fits a game");
+static_assert(kHighestTop <= kMaxActives && 1 + kRemovedDegree + 1 <= kMaxActives, "every star fits a game");
 
 class CoupledWalk {
  public:
@@ -29,15 +29,15 @@ class CoupledWalk {
       : frame_(frame), p_(frame.guest().inner), q_(frame.host().polar), counters_(counters) {}
 
   Certificate run() {
-    take_crown_top(p_, guest_star_, [&](std::int32_t v) { return frame_.guest_vertex(v); });
-    take_crown_top(q_, host_star_, [&](std::int32_t k) { return frame_.polar_point(k); });
+    take_highest_top(p_, guest_star_, [&](std::int32_t v) { return frame_.guest_vertex(v); });
+    take_highest_top(q_, host_star_, [&](std::int32_t k) { return frame_.polar_point(k); });
     bool separated = play();
     if (separated) {
       plane_ = played_plane_;
-      guest_tip_ = extreme_at_crown_top(p_, frame_.guest_direction(plane_));
+      guest_tip_ = extreme_at_highest_top(p_, frame_.guest_direction(plane_));
     } else {
       point_ = played_point_;
-      host_tip_ = extreme_at_crown_top(q_, point_);
+      host_tip_ = extreme_at_highest_top(q_, point_);
     }
     while (step_ == Step::kOn) separated = separated ? walk_primal() : walk_polar();
     return certificate(separated);
@@ -51,7 +51,7 @@ class CoupledWalk {
   const Hierarchy& q_;
   PairCounters& counters_;
   Step step_ = Step::kOn;
-  long mixtures_ = 0;  // games so far: bounds how often the points of the invariants are mixed again
+  long mixtures_ = 0;            // games so far: bounds how often the points of the invariants are mixed again
   Star guest_star_, host_star_;  // P*, Q*
   std::int32_t guest_tip_ = -1, host_tip_ = -1;  // v and k, where the plane and the point are tangent
   Vec3 plane_, point_;                           // q and x of the invariant that holds
@@ -80,7 +80,7 @@ class CoupledWalk {
     }
     point_ = played_point_;  // Case 2.2
     if (q_star_ < 0) {
-      host_tip_ = extreme_at_crown_top(q_, point_);
+      host_tip_ = extreme_at_highest_top(q_, point_);
     } else {
       point_ = towards(x_gamma_, played_point_, host_star_, +1);
       host_tip_ = q_star_;
@@ -109,7 +109,7 @@ class CoupledWalk {
     }
     plane_ = played_plane_;  // Case 2.2
     if (p_star_ < 0) {
-      guest_tip_ = extreme_at_crown_top(p_, frame_.guest_direction(plane_));
+      guest_tip_ = extreme_at_highest_top(p_, frame_.guest_direction(plane_));
     } else {
       plane_ = towards(q_phi_, played_plane_, guest_star_, -1);
       guest_tip_ = p_star_;
@@ -118,46 +118,46 @@ class CoupledWalk {
     return true;
   }
 
-  // The index of a vertex among the top vertices, which is its id in the crown; -1 below the top.
-  static std::int32_t place_in_crown(const Hierarchy& h, std::int32_t v) {
+  // The index of a vertex among the top vertices, which is its id in the top levels; -1 below the top.
+  static std::int32_t place_in_top_levels(const Hierarchy& h, std::int32_t v) {
     if (h.level[static_cast<std::size_t>(v)] < h.depth) return -1;
     return static_cast<std::int32_t>(std::lower_bound(h.top.begin(), h.top.end(), v) - h.top.begin());
   }
 
-  static std::int32_t from_crown(const Hierarchy& h, std::int32_t place) {
+  static std::int32_t from_top_levels(const Hierarchy& h, std::int32_t place) {
     return place < 0 ? -1 : h.top[static_cast<std::size_t>(place)];
   }
 
-  std::int32_t extreme_at_crown_top(const Hierarchy& h, Vec3 u) {
-    return from_crown(h, extreme_at_top(h.crown, u, counters_.queries));
+  std::int32_t extreme_at_highest_top(const Hierarchy& h, Vec3 u) {
+    return from_top_levels(h, extreme_at_top(h.top_levels, u, counters_.queries));
   }
 
-  // As next_beyond, through the crown's levels and those below.
+  // As next_beyond, through the top levels and those below.
   std::int32_t finer_beyond(const Hierarchy& h, std::int32_t v, Vec3 u) {
-    const std::int32_t place = place_in_crown(h, v);
-    const std::int32_t found = place < 0 ? -1 : next_beyond(h.crown, place, u, counters_.queries);
-    return found < 0 ? next_beyond(h, v, u, counters_.queries) : from_crown(h, found);
+    const std::int32_t place = place_in_top_levels(h, v);
+    const std::int32_t found = place < 0 ? -1 : next_beyond(h.top_levels, place, u, counters_.queries);
+    return found < 0 ? next_beyond(h, v, u, counters_.queries) : from_top_levels(h, found);
   }
 
   template <class Point>
-  static void take_crown_top(const Hierarchy& h, Star& star, Point point) {
+  static void take_highest_top(const Hierarchy& h, Star& star, Point point) {
     std::int32_t last = -1;
-    for (const std::int32_t place : h.crown.top) {
-      if (place != last) star.add(point(from_crown(h, place)));  // the padding repeats the last one
+    for (const std::int32_t place : h.top_levels.top) {
+      if (place != last) star.add(point(from_top_levels(h, place)));  // the padding repeats the last one
       last = place;
     }
   }
 
   template <class Point>
   static void take_star(const Hierarchy& h, std::int32_t v, Star& star, Point point) {
-    const std::int32_t place = place_in_crown(h, v);
-    const Levels& levels = place < 0 ? h : h.crown;
+    const std::int32_t place = place_in_top_levels(h, v);
+    const Levels& levels = place < 0 ? h : h.top_levels;
     const auto k = static_cast<std::size_t>(place < 0 ? v : place);
     star.count = 0;
     star.add(point(v));
     for (std::int32_t i = levels.ring_start[k]; i < levels.ring_start[k + 1]; ++i) {
       const std::int32_t n = levels.rings[static_cast<std::size_t>(i)];
-      star.add(point(place < 0 ? n : from_crown(h, n)));
+      star.add(point(place < 0 ? n : from_top_levels(h, n)));
     }
   }
 
@@ -203,12 +203,13 @@ class CoupledWalk {
   }
 
   // The extreme vertex along u, where the walk has come to the bottom at `tip` and no vertex of its chain is beyond. If
-  // none of its ring is beyond either, it is the tip; rounding may break that. Tips at the crown's top have no ring:
+  // none of its ring is beyond either, it is the tip; rounding may break that. Tips at the highest level have no ring:
   // they were found there for this u.
   std::int32_t closing(const Hierarchy& h, std::int32_t tip, Vec3 u) {
-    const std::int32_t place = place_in_crown(h, tip);
-    const std::int32_t further = place < 0 ? beyond_in_ring(h, tip, u, counters_.queries)
-                                           : from_crown(h, beyond_in_ring(h.crown, place, u, counters_.queries));
+    const std::int32_t place = place_in_top_levels(h, tip);
+    const std::int32_t further = place < 0
+                                     ? beyond_in_ring(h, tip, u, counters_.queries)
+                                     : from_top_levels(h, beyond_in_ring(h.top_levels, place, u, counters_.queries));
     return further < 0 ? tip : extreme_from(h, further, u, counters_.queries);
   }
 

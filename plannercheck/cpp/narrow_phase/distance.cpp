@@ -12,16 +12,18 @@ constexpr double kRelative = 2.5e-10, kLeastPart = 1e-3;
 // centre and of distances, relative to their operands. A norm whose squares underflow errs by less than kTrustedLength.
 constexpr double kDistanceStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
 
-double total_swell(const PosedBody& a, const PosedBody& b) { return a.body->swell + b.body->swell; }
+double total_inflation_radius(const PosedPolytope& a, const PosedPolytope& b) {
+  return a.body->inflation_radius + b.body->inflation_radius;
+}
 
-Vec3 posed_centre(const PosedBody& posed) { return posed.pose.apply(posed.body->centre); }
+Vec3 posed_centre(const PosedPolytope& posed) { return posed.pose.apply(posed.body->centre); }
 
-double extent(const Body& body) { return body.radius + body.swell; }
+double extent(const Polytope& body) { return body.radius + body.inflation_radius; }
 
 // Directions along which the guest may leave the host; keeps the best one found.
 class WayOut {
  public:
-  WayOut(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
+  WayOut(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters)
       : guest_(guest), host_(host), counters_(counters) {}
 
   // The hulls' penetration is at most `depth`: moving the guest that far along `direction` separates them.
@@ -36,7 +38,7 @@ class WayOut {
   }
 
  private:
-  const PosedBody &guest_, &host_;
+  const PosedPolytope &guest_, &host_;
   PairCounters& counters_;
 
   void try_axes(const Pose& pose) {
@@ -54,17 +56,21 @@ class WayOut {
   }
 };
 
-PairDistance hulls_overlap(const PosedBody& guest, const PosedBody& host, double swell, PairCounters& counters) {
+PairDistance hulls_overlap(const PosedPolytope& guest, const PosedPolytope& host, double inflation_radius,
+                           PairCounters& counters) {
   WayOut way(guest, host, counters);
   way.run();
-  const double depth = larger(way.depth, 0) + swell;
-  const Vec3 point = way.deepest - guest.body->swell * way.direction;
+  const double depth = larger(way.depth, 0) + inflation_radius;
+  const Vec3 point = way.deepest - guest.body->inflation_radius * way.direction;
   return {true, -depth, -depth, point, point + depth * way.direction, way.direction};
 }
 
-PairDistance between_hulls(const PosedBody& guest, const PosedBody& host, const HullDistance& found, bool overlap) {
-  const double swell = total_swell(guest, host);
-  PairDistance out{overlap, found.lower - swell, found.upper - swell, found.on_guest, found.on_host, found.direction};
+PairDistance between_hulls(const PosedPolytope& guest, const PosedPolytope& host, const HullDistance& found,
+                           bool overlap) {
+  const double inflation_radius = total_inflation_radius(guest, host);
+  PairDistance out{
+      overlap,        found.lower - inflation_radius, found.upper - inflation_radius, found.on_guest, found.on_host,
+      found.direction};
   if (overlap) {
     out.lower = out.upper = smaller(out.lower, 0);
   } else {
@@ -74,46 +80,48 @@ PairDistance between_hulls(const PosedBody& guest, const PosedBody& host, const 
   }
   const Vec3 apart = found.on_guest - found.on_host;
   const Vec3 d = norm_max(apart) > 0 ? unit(apart) : found.direction;
-  out.on_guest = out.on_guest - guest.body->swell * d;
-  out.on_host = out.on_host + host.body->swell * d;
+  out.on_guest = out.on_guest - guest.body->inflation_radius * d;
+  out.on_host = out.on_host + host.body->inflation_radius * d;
   return out;
 }
 
-DistanceGoal goal_for(const PosedBody& guest, const PosedBody& host, double limit) {
-  const double swell = total_swell(guest, host);
+DistanceGoal goal_for(const PosedPolytope& guest, const PosedPolytope& host, double limit) {
+  const double inflation_radius = total_inflation_radius(guest, host);
   const double size = larger(extent(*guest.body), extent(*host.body));
-  return {kRelative, swell, kLeastPart * size, limit + swell};
+  return {kRelative, inflation_radius, kLeastPart * size, limit + inflation_radius};
 }
 
 }  // namespace
 
-double ball_gap(const PosedBody& guest, const PosedBody& host) {
+double ball_gap(const PosedPolytope& guest, const PosedPolytope& host) {
   const Vec3 a = posed_centre(guest), b = posed_centre(host);
-  const double radii = (guest.body->radius + host.body->radius) * kDistanceStretch + total_swell(guest, host);
-  const double reach = guest.body->reach + host.body->reach + norm_1(a) + norm_1(b) + radii;
+  const double radii =
+      (guest.body->radius + host.body->radius) * kDistanceStretch + total_inflation_radius(guest, host);
+  const double reach = guest.body->origin_radius + host.body->origin_radius + norm_1(a) + norm_1(b) + radii;
   return norm(a - b) - radii - (kBallRounding * reach + kTrustedLength);
 }
 
-double distance_bound(const PosedBody& guest, const PosedBody& host, int rounds, PairCounters& counters) {
+double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters) {
   DistanceGoal goal = goal_for(guest, host, std::numeric_limits<double>::infinity());
   goal.rounds = rounds;
   const HullDistance found = hull_distance(guest, host, posed_centre(guest) - posed_centre(host), goal, counters);
   const double balls = ball_gap(guest, host);
-  return found.lower > 0 ? larger(balls, found.lower - goal.swell * (1 + 0x1p-50)) : balls;
+  return found.lower > 0 ? larger(balls, found.lower - goal.inflation_radius * (1 + 0x1p-50)) : balls;
 }
 
-PairDistance pair_distance(const PosedBody& guest, const PosedBody& host, double limit, PairCounters& counters) {
+PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+                           PairCounters& counters) {
   const DistanceGoal goal = goal_for(guest, host, limit);
   const Vec3 hint = posed_centre(guest) - posed_centre(host);
   HullDistance found = hull_distance(guest, host, hint, goal, counters);
   bool overlap = false;
-  if (!(found.lower > goal.swell * (1 + 0x1p-48))) {
+  if (!(found.lower > goal.inflation_radius * (1 + 0x1p-48))) {
     const bool guest_hosts = choose_host(*guest.body, *host.body) == 0;
     overlap = test_pair(guest_hosts ? host : guest, guest_hosts ? guest : host, {}, nullptr, counters).shared;
   }
   const bool in_doubt = !goal.met(found) && !(overlap && found.start.count == 4);
-  if (in_doubt) found = hull_distance_double2(guest, host, found, goal, counters);
-  if (overlap && !(found.lower > 0)) return hulls_overlap(guest, host, goal.swell, counters);
+  if (in_doubt) found = hull_distance_double_double(guest, host, found, goal, counters);
+  if (overlap && !(found.lower > 0)) return hulls_overlap(guest, host, goal.inflation_radius, counters);
   return between_hulls(guest, host, found, overlap);
 }
 

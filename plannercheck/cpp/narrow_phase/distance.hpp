@@ -1,6 +1,6 @@
 // The distance of two posed bodies, between proved bounds, with the points where they are nearest.
 //
-// In: two posed bodies. Out: the distance of the swollen bodies or, where the exact verdict says that they share a
+// In: two posed bodies. Out: the distance of the inflated bodies or, where the exact verdict says that they share a
 // point, an upper bound of their penetration depth. Idea: gjk's descent on the hierarchies goes on past the first
 // separating plane until the gap along its direction and the length of the nearest difference meet; where doubles
 // cannot tell, double-double goes on from the same vertices.
@@ -17,17 +17,17 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 struct PairDistance {
   bool overlap = false;         // the exact verdict; touching counts
   double lower = 0, upper = 0;  // m; if they overlap both are −(the depth found)
-  Vec3 on_guest, on_host;  // in the world, on the surfaces; if they overlap, the deepest point and where it leaves
+  Vec3 on_guest, on_host;       // in the world, on the surfaces; if they overlap, the deepest point and where it leaves
   Vec3 direction;               // in the world, from host to guest: along which the guest leaves
 };
 
 // `limit`: the search ends once the lower bound exceeds it.
-PairDistance pair_distance(const PosedBody& guest, const PosedBody& host, double limit, PairCounters& counters);
+PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters);
 
 // A lower bound after a few steps; for bodies that overlap, that of the balls around them.
-double distance_bound(const PosedBody& guest, const PosedBody& host, int rounds, PairCounters& counters);
+double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters);
 
 // The gap of the balls around two bodies, negative if they meet: a lower bound of the signed distance.
-double ball_gap(const PosedBody& guest, const PosedBody& host);
+double ball_gap(const PosedPolytope& guest, const PosedPolytope& host);
 
 }  // namespace plannercheck

@@ -17,7 +17,7 @@
 namespace plannercheck {
 
 // Active sets that keep only the support cycle near contact (measured: 5 to 12 %).
-inline constexpr int kActives = GrowingGame::kMost;
+inline constexpr int kActives = IncrementalMatrixGame::kMost;
 // GJK needs fewer at 100,000 vertices; the exact stage decides the rest.
 inline constexpr int kOracleRounds = 48;
 
@@ -25,7 +25,7 @@ inline constexpr int kOracleRounds = 48;
 struct Actives {
   int count = 0;
   std::array<std::int32_t, kActives> id;
-  GrowingGame::Numbers x{}, y{}, z{};
+  IncrementalMatrixGame::Numbers x{}, y{}, z{};
 
   bool holds(std::int32_t vertex) const {
     return std::find(id.begin(), id.begin() + count, vertex) != id.begin() + count;
@@ -39,19 +39,19 @@ struct Actives {
 
   Vec3 point(std::size_t i) const { return {x[i], y[i], z[i]}; }
 
-  Vec3 mixed(const GrowingGame::Numbers& weights) const {
-    const auto sum = [&](const GrowingGame::Numbers& n) {
-      Quad four{};
-      for (std::size_t i = 0; i < kActives; i += kQuad) four += load_quad(&weights[i]) * load_quad(&n[i]);
+  Vec3 mixed(const IncrementalMatrixGame::Numbers& weights) const {
+    const auto sum = [&](const IncrementalMatrixGame::Numbers& n) {
+      Double4 four{};
+      for (std::size_t i = 0; i < kActives; i += kDouble4Lanes) four += load_double4(&weights[i]) * load_double4(&n[i]);
       return (four[0] + four[1]) + (four[2] + four[3]);
     };
     return {sum(x), sum(y), sum(z)};
   }
 
-  GrowingGame::Numbers products(Vec3 p) const {
-    GrowingGame::Numbers out;
-    for (std::size_t i = 0; i < kActives; i += kQuad) {
-      store_quad(&out[i], load_quad(&x[i]) * p.x + load_quad(&y[i]) * p.y + load_quad(&z[i]) * p.z);
+  IncrementalMatrixGame::Numbers products(Vec3 p) const {
+    IncrementalMatrixGame::Numbers out;
+    for (std::size_t i = 0; i < kActives; i += kDouble4Lanes) {
+      store_double4(&out[i], load_double4(&x[i]) * p.x + load_double4(&y[i]) * p.y + load_double4(&z[i]) * p.z);
     }
     return out;
   }
@@ -117,9 +117,9 @@ class DoubleOracle {
   const PairFrame& frame_;
   Asked& asked_;
   PairCounters& counters_;
-  Actives rows_, columns_;           // vertices of the guest, points of the host's polar
-  std::optional<GrowingGame> game_;  // most searches end before they need it
-  bool afresh_ = false;  // solved from the beginning since the last vertex or facet was added
+  Actives rows_, columns_;                     // vertices of the guest, points of the host's polar
+  std::optional<IncrementalMatrixGame> game_;  // most searches end before they need it
+  bool afresh_ = false;                        // solved from the beginning since the last vertex or facet was added
   Certificate certificate_;
 
   // An upper bound of |q·x| over the host's polar and the guest, with room for rounding.

@@ -129,32 +129,32 @@ class Candidates {
   }
 };
 
-Corner corner_at(const PosedBody& guest, const PosedBody& host, std::int32_t p, std::int32_t r) {
+Corner corner_at(const PosedPolytope& guest, const PosedPolytope& host, std::int32_t p, std::int32_t r) {
   return {p, r,
           apply_exactly(guest.pose, guest.body->inner.points[at(p)]) -
               apply_exactly(host.pose, host.body->inner.points[at(r)])};
 }
 
 // The corner of conv(P) − conv(R) that is furthest against the direction.
-Corner furthest_against(const PosedBody& guest, const PosedBody& host, const DyadicVec3& direction) {
+Corner furthest_against(const PosedPolytope& guest, const PosedPolytope& host, const DyadicVec3& direction) {
   const FineDirection in_guest(-rotate_back_exactly(guest.pose, direction));
   const FineDirection in_host(rotate_back_exactly(host.pose, direction));
   return corner_at(guest, host, extreme(guest.body->inner, in_guest), extreme(host.body->inner, in_host));
 }
 
-// Whether the distance of the nearest point so far is at most the swell.
-bool within(const Nearest& nearest, const Dyadic& square_of_swell) {
+// Whether the distance of the nearest point so far is at most the inflation radius.
+bool within(const Nearest& nearest, const Dyadic& square_of_inflation_radius) {
   if (is_zero(nearest.direction)) return true;
-  if (square_of_swell.sign() == 0) return false;
+  if (square_of_inflation_radius.sign() == 0) return false;
   const Dyadic height = dot(nearest.direction, nearest.corners[0].point);
-  return (height * height - square_of_swell * dot(nearest.direction, nearest.direction)).sign() <= 0;
+  return (height * height - square_of_inflation_radius * dot(nearest.direction, nearest.direction)).sign() <= 0;
 }
 
-// Whether the whole difference lies further along the direction than the swell. `height`: its least height.
-bool beyond(const Dyadic& height, const DyadicVec3& direction, const Dyadic& square_of_swell) {
+// Whether the whole difference lies further along the direction than the inflation radius. `height`: its least height.
+bool beyond(const Dyadic& height, const DyadicVec3& direction, const Dyadic& square_of_inflation_radius) {
   if (height.sign() <= 0) return false;
-  if (square_of_swell.sign() == 0) return true;
-  return (height * height - square_of_swell * dot(direction, direction)).sign() > 0;
+  if (square_of_inflation_radius.sign() == 0) return true;
+  return (height * height - square_of_inflation_radius * dot(direction, direction)).sign() > 0;
 }
 
 ExactAnswer shared_answer(Nearest& nearest) {
@@ -169,7 +169,7 @@ ExactAnswer shared_answer(Nearest& nearest) {
   return answer;
 }
 
-Nearest beginning(const PosedBody& guest, const PosedBody& host, const Proximity& start) {
+Nearest beginning(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start) {
   std::vector<Corner> corners;
   for (std::size_t i = 0; i < static_cast<std::size_t>(start.count); ++i)
     corners.push_back(corner_at(guest, host, start.guest[i], start.host[i]));
@@ -184,8 +184,9 @@ Nearest beginning(const PosedBody& guest, const PosedBody& host, const Proximity
 
 // Termination: unless the loop answers, the new corner is lower along the direction than the nearest point. The next
 // nearest point is mixed from it and others, and is nearer. At the true nearest point one of the two tests answers.
-ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, const Proximity& start) {
-  const Dyadic swell = Dyadic(guest.body->swell) + Dyadic(host.body->swell), square = swell * swell;
+ExactAnswer decide_exactly(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start) {
+  const Dyadic inflation_radius = Dyadic(guest.body->inflation_radius) + Dyadic(host.body->inflation_radius),
+               square = inflation_radius * inflation_radius;
   Nearest nearest = beginning(guest, host, start);
   for (;;) {
     if (!nearest.corners.empty() && within(nearest, square)) return shared_answer(nearest);

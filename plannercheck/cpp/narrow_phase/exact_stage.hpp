@@ -1,9 +1,9 @@
 // The decision in exact arithmetic, for pairs that the filters leave open.
 //
 // Wolfe's algorithm for the point of conv(P) − conv(R) nearest to the origin, on dyadic numbers: vertices, poses and
-// swells are the exact values of their doubles. Every step is exact, so the distance falls strictly, no set of vertices
-// comes back, and the algorithm ends. It needs no interior point: it decides flat bodies, segments and points, too. It
-// begins where a filter gave up; bodies that touch in the vertices found there are decided from these alone.
+// inflation radii are the exact values of their doubles. Every step is exact, so the distance falls strictly, no set of
+// vertices comes back, and the algorithm ends. It needs no interior point: it decides flat bodies, segments and points,
+// too. It begins where a filter gave up; bodies that touch in the vertices found there are decided from these alone.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@ namespace plannercheck {
 struct ExactAnswer {
   bool shared = false;
   // If separated: a direction from host to guest. The least direction·(p − r) over the hulls exceeds |direction| times
-  // the sum of the swells.
+  // the sum of the inflation radii.
   DyadicVec3 direction;
   // If shared: the distance of the points Σ weight (guest vertex) and Σ weight (host vertex) in the world is at most
-  // the sum of the swells; weights > 0, not normalised.
+  // the sum of the inflation radii; weights > 0, not normalised.
   int count = 0;
   std::array<std::int32_t, 4> guest, host;
   std::array<Dyadic, 4> weight;
@@ -28,6 +28,6 @@ struct ExactAnswer {
 
 // `start`: an undecided answer of a filter, or just a world direction. Any will do; the nearer its vertices are, or the
 // better its direction separates, the sooner the answer comes.
-ExactAnswer decide_exactly(const PosedBody& guest, const PosedBody& host, const Proximity& start);
+ExactAnswer decide_exactly(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start);
 
 }  // namespace plannercheck

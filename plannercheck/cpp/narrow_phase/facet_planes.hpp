@@ -10,7 +10,9 @@ namespace plannercheck {
 
 inline constexpr std::size_t kFewCorners = 8;  // so at most 12 facets: with more, support queries are cheaper
 
-inline bool has_few_corners(const Body& body) { return body.inner.points.size() <= kFewCorners && body.has_polar(); }
+inline bool has_few_corners(const Polytope& body) {
+  return body.inner.points.size() <= kFewCorners && body.has_polar();
+}
 
 // For two bodies of few corners: tries the host's facets, then the guest's; undecided if none separates.
 Certificate facet_plane(const PairFrame& frame, const CentreAxis& axis, PairCounters& counters);

@@ -17,7 +17,7 @@ constexpr int kGjkRounds = 64;
 // found and the one lowest along d itself: 10.4u |d| r. A scan in doubles compares two rounded products, 3u |d| r each
 // by Cauchy-Schwarz (kScanError, by |d|_1, would be 7u). The difference errs as above, evaluating d·w by 3u |d| |w|:
 // 26.6u in all. The length of d is 1 up to 4.5u, and heights are at most the sum of the sizes, so distances need that
-// much more: 31.1u. Swells lose 3u to rounding, of the 4u that kSwellAlong gives them.
+// much more: 31.1u. Inflation radii lose 3u to rounding, of the 4u that kInflationAlong gives them.
 //
 // kVolume: determinants of three corners, as multiples of the product of their |.|_1: cross product, product and two
 // sums, 5u.
@@ -26,7 +26,7 @@ constexpr int kGjkRounds = 64;
 // body and three of the height, by 2^-1075 each, times entries of the direction.
 constexpr double kDifference = 12 * 0x1p-53, kSupport = 32 * 0x1p-53;
 constexpr double kVolume = 16 * 0x1p-53;
-constexpr double kSwellAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
+constexpr double kInflationAlong = 1 + 4 * 0x1p-53, kNormAbove = 1 + 8 * 0x1p-53;
 
 struct Corner {
   Vec3 difference, guest;  // guest vertex − host vertex relative to both translations; the guest vertex in the world
@@ -149,10 +149,10 @@ bool surely_inside(const Simplex& s, double error) {
 
 class NearestPoints {
  public:
-  NearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
+  NearestPoints(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters)
       : guest_(guest), host_(host), counters_(counters), shift_(guest.pose.translation() - host.pose.translation()) {
-    swell_ = guest.body->swell + host.body->swell;
-    const double size = guest.body->reach + host.body->reach + norm_1(shift_);
+    inflation_radius_ = guest.body->inflation_radius + host.body->inflation_radius;
+    const double size = guest.body->origin_radius + host.body->origin_radius + norm_1(shift_);
     difference_error_ = kDifference * size + kDenormalError;
     support_error_ = kSupport * size + kDenormalError;
   }
@@ -176,10 +176,10 @@ class NearestPoints {
   }
 
  private:
-  const PosedBody &guest_, &host_;
+  const PosedPolytope &guest_, &host_;
   PairCounters& counters_;
   Vec3 shift_;
-  double swell_;
+  double inflation_radius_;
   double difference_error_, support_error_;  // of a difference as a vector; of a height along a direction of length 1
 
   static Proximity with_corners(Proximity out, const Simplex& simplex) {
@@ -232,7 +232,7 @@ class NearestPoints {
       out.direction = direction;
       const Corner corner = furthest_against(direction);
       const double height = dot(direction, corner.difference);
-      if (height > swell_ * kSwellAlong + support_error_) {
+      if (height > inflation_radius_ * kInflationAlong + support_error_) {
         out.answer = Answer::kSeparated;
         return out;
       }
@@ -265,10 +265,11 @@ class NearestPoints {
   // Mixing four corners errs by 4u more of their size, and the sum of their weights by 4u. Twice kDifference covers
   // both.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
-    const bool within = swell_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ < swell_;
+    const bool within =
+        inflation_radius_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ < inflation_radius_;
     if (!within && !(simplex.count == 4 && surely_inside(simplex, difference_error_))) return false;
     out.answer = Answer::kShared;
-    const double part = swell_ > 0 ? guest_.body->swell / swell_ : 0;
+    const double part = inflation_radius_ > 0 ? guest_.body->inflation_radius / inflation_radius_ : 0;
     out.point = simplex.on_guest() - part * v;
     return true;
   }
@@ -276,16 +277,16 @@ class NearestPoints {
 
 }  // namespace
 
-Proximity nearest_points(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters) {
+Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters) {
   return NearestPoints(guest, host, counters).run(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0});
 }
 
-HullDistance hull_distance(const PosedBody& guest, const PosedBody& host, Vec3 hint, const DistanceGoal& goal,
+HullDistance hull_distance(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const DistanceGoal& goal,
                            PairCounters& counters) {
   return NearestPoints(guest, host, counters).distance(norm_1(hint) > 0 ? hint : Vec3{1, 0, 0}, goal);
 }
 
-LowestDifference lowest_difference(const PosedBody& guest, const PosedBody& host, Vec3 direction,
+LowestDifference lowest_difference(const PosedPolytope& guest, const PosedPolytope& host, Vec3 direction,
                                    PairCounters& counters) {
   return NearestPoints(guest, host, counters).lowest(direction);
 }

@@ -1,5 +1,5 @@
 // The point of conv(P) − conv(R) nearest to the origin, in doubles, with certificates of its own (Gilbert, Johnson and
-// Keerthi 1988, on the hierarchies' extreme vertices). It needs no interior point, so it serves flat and swollen
+// Keerthi 1988, on the hierarchies' extreme vertices). It needs no interior point, so it serves flat and inflated
 // bodies. It is also the second filter after the game, since its bounds involve neither facets nor the inverse of a
 // pose.
 #pragma once
@@ -13,47 +13,47 @@ namespace plannercheck {
 
 struct Proximity {
   Answer answer = Answer::kUndecided;
-  Vec3 direction;  // in the world, from host to guest: normal of a separating plane, or the best found
+  Vec3 direction;      // in the world, from host to guest: normal of a separating plane, or the best found
   Vec3 direction_low;  // its low part in double-double; 0 if found in doubles
-  Vec3 point;  // in the world: a shared point, if there is one
+  Vec3 point;          // in the world: a shared point, if there is one
   // Pairs of vertices whose differences mix the nearest point found, or a shared point.
   int count = 0;
   std::array<std::int32_t, 4> guest, host;
 };
 
-// The distance of two hulls without their swells, in m, between proved bounds.
+// The distance of two hulls without their inflation radii, in m, between proved bounds.
 struct HullDistance {
   double lower = 0, upper = std::numeric_limits<double>::infinity();
-  Vec3 direction;  // in the world, from host to guest, of length 1 up to rounding: proves the lower bound
+  Vec3 direction;          // in the world, from host to guest, of length 1 up to rounding: proves the lower bound
   Vec3 on_guest, on_host;  // points in the world that are `upper` apart, up to rounding
   Proximity start;         // the vertices behind them, for the next stage
 };
 
-// When a distance is known well enough: its bounds are within `relative` of max(lower − swell, least), or the lower one
-// exceeds the limit.
+// When a distance is known well enough: its bounds are within `relative` of max(lower − inflation radius, least), or
+// the lower one exceeds the limit.
 struct DistanceGoal {
-  double relative, swell, least;
+  double relative, inflation_radius, least;
   double limit = std::numeric_limits<double>::infinity();
   int rounds = 64;
 
   bool met(const HullDistance& found) const {
-    return found.lower > limit || found.upper - found.lower <= relative * larger(found.lower - swell, least);
+    return found.lower > limit || found.upper - found.lower <= relative * larger(found.lower - inflation_radius, least);
   }
 };
 
 // The bounds that doubles can prove.
-HullDistance hull_distance(const PosedBody& guest, const PosedBody& host, Vec3 hint, const DistanceGoal& goal,
+HullDistance hull_distance(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const DistanceGoal& goal,
                            PairCounters& counters);
 
 // The lowest difference of vertices along a direction of the world, from host to guest, of length 1 up to rounding.
 struct LowestDifference {
-  double height;  // along the direction, less the rounding allowed
+  double height;      // along the direction, less the rounding allowed
   Vec3 guest_vertex;  // in the world
 };
-LowestDifference lowest_difference(const PosedBody& guest, const PosedBody& host, Vec3 direction,
+LowestDifference lowest_difference(const PosedPolytope& guest, const PosedPolytope& host, Vec3 direction,
                                    PairCounters& counters);
 
 // `hint`: a world direction to begin with.
-Proximity nearest_points(const PosedBody& guest, const PosedBody& host, Vec3 hint, PairCounters& counters);
+Proximity nearest_points(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -9,11 +9,11 @@
 namespace plannercheck {
 namespace {
 
-constexpr int kDistanceRounds = 256;  // of distances, which have no next stage
-constexpr int kDouble2Rounds = 32;  // the start is close to the answer; the exact stage decides the rest
+constexpr int kDistanceRounds = 256;     // of distances, which have no next stage
+constexpr int kDoubleDoubleRounds = 32;  // the start is close to the answer; the exact stage decides the rest
 
-// e = kDouble2Error; all lengths are in the unit of the pair, see below. tests/error_bounds/gjk_double_double checks
-// these.
+// e = kDoubleDoubleError; all lengths are in the unit of the pair, see below. tests/error_bounds/gjk_double_double
+// checks these.
 //
 // (a) A difference. Per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
 //     1 + 2e-6 long): 3.5e as a vector. t_P − t_R is exact; two more sums: below 5.5e times the size.
@@ -25,21 +25,22 @@ constexpr int kDouble2Rounds = 32;  // the start is close to the answer; the exa
 // (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations on the products of their
 //     1-norms.
 // Each constant leaves room for rounding the bound itself.
-constexpr double kDifference = 16 * kDouble2Error, kSupport = 64 * kDouble2Error, kMixing = 64 * kDouble2Error,
-                 kDeterminant = 32 * kDouble2Error;
-constexpr double kSquares = 32 * kDouble2Error;  // of squares, their products and the difference of these: ten operations
+constexpr double kDifference = 16 * kDoubleDoubleError, kSupport = 64 * kDoubleDoubleError,
+                 kMixing = 64 * kDoubleDoubleError, kDeterminant = 32 * kDoubleDoubleError;
+// Of squares, their products and the difference of these: ten operations.
+constexpr double kSquares = 32 * kDoubleDoubleError;
 // Of heights and lengths when rounded to doubles, with norms, quotients and sums of weights in doubles: below 8u.
 constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
 
-// The unit is a power of two near the pair's size. Vertices, translations and swells are scaled to it first, so that
-// nothing of relevance underflows: what is lost lies below 2^-1022 units. 2^kMostScaled is the largest factor used, as
-// a larger power may be no double. Where all lengths are denormal, the size is therefore a small number of units, but
-// above 2^-75, whose sixth power is still far above underflow.
+// The unit is a power of two near the pair's size. Vertices, translations and inflation radii are scaled to it first,
+// so that nothing of relevance underflows: what is lost lies below 2^-1022 units. 2^kMostScaled is the largest factor
+// used, as a larger power may be no double. Where all lengths are denormal, the size is therefore a small number of
+// units, but above 2^-75, whose sixth power is still far above underflow.
 constexpr int kMostScaled = 1000;
 constexpr double kLargestFineSize = 0x1p1000;
 
-Double2Vec3 scaled(const Double2Vec3& v, double power_of_two) {
-  const auto by = [power_of_two](Double2 x) { return Double2{x.high * power_of_two, x.low * power_of_two}; };
+DoubleDoubleVec3 scaled(const DoubleDoubleVec3& v, double power_of_two) {
+  const auto by = [power_of_two](DoubleDouble x) { return DoubleDouble{x.high * power_of_two, x.low * power_of_two}; };
   return {by(v.x), by(v.y), by(v.z)};
 }
 
@@ -47,7 +48,7 @@ double power_of_two_below(double x) { return std::ldexp(1.0, std::ilogb(x)); }
 
 // Scales by a power of two to a largest entry of 1/2 to 1, or less where that power is no double; false for a zero or
 // non-finite vector.
-bool scale_to_one(Double2Vec3& v) {
+bool scale_to_one(DoubleDoubleVec3& v) {
   const double largest = norm_max(rounded(v));
   if (!(largest > 0) || !std::isfinite(largest)) return false;
   v = scaled(v, std::ldexp(1.0, std::min(-1 - std::ilogb(largest), kMostScaled)));
@@ -56,24 +57,24 @@ bool scale_to_one(Double2Vec3& v) {
 
 class FineNearestPoints {
  public:
-  FineNearestPoints(const PosedBody& guest, const PosedBody& host, PairCounters& counters)
+  FineNearestPoints(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters)
       : guest_(guest), host_(host), counters_(counters) {
     const Vec3 a = guest.pose.translation(), b = host.pose.translation();
-    const double swell = guest.body->swell + host.body->swell;
-    const double size = (guest.body->reach + host.body->reach) + (norm_1(a - b) + swell);
+    const double inflation_radius = guest.body->inflation_radius + host.body->inflation_radius;
+    const double size = (guest.body->origin_radius + host.body->origin_radius) + (norm_1(a - b) + inflation_radius);
     in_range_ = size > 0 && size < kLargestFineSize;
     if (!in_range_) return;
     to_units_ = std::ldexp(1.0, std::min(-std::ilogb(size), kMostScaled));
     size_ = size * to_units_;
     shift_ = difference(to_units_ * a, to_units_ * b);
-    swell_ = two_sum(guest.body->swell * to_units_, host.body->swell * to_units_);
+    inflation_radius_ = two_sum(guest.body->inflation_radius * to_units_, host.body->inflation_radius * to_units_);
   }
 
   Proximity run(const Proximity& start) {
     Proximity out = start;
     out.answer = Answer::kUndecided;
     if (!in_range_) return out;
-    Double2Vec3 towards = widen(norm_1(start.direction) > 0 ? start.direction : Vec3{1, 0, 0});
+    DoubleDoubleVec3 towards = widen(norm_1(start.direction) > 0 ? start.direction : Vec3{1, 0, 0});
     double square = std::numeric_limits<double>::infinity();
     load(start);
     if (simplex_.count > 0 && (!keep_nearest(0, towards, square) || is_shared())) return answer(out, towards);
@@ -83,7 +84,7 @@ class FineNearestPoints {
 
   HullDistance distance(HullDistance found, const DistanceGoal& goal) {
     if (!in_range_) return found;
-    Double2Vec3 towards = widen(norm_1(found.start.direction) > 0 ? found.start.direction : Vec3{1, 0, 0});
+    DoubleDoubleVec3 towards = widen(norm_1(found.start.direction) > 0 ? found.start.direction : Vec3{1, 0, 0});
     double square = std::numeric_limits<double>::infinity();
     load(found.start);
     if (simplex_.count > 0 && keep_nearest(0, towards, square)) measure(found);
@@ -101,17 +102,17 @@ class FineNearestPoints {
   }
 
  private:
-  const PosedBody &guest_, &host_;
+  const PosedPolytope &guest_, &host_;
   PairCounters& counters_;
-  Double2Vec3 shift_;
-  Double2 swell_{};
+  DoubleDoubleVec3 shift_;
+  DoubleDouble inflation_radius_{};
   double to_units_ = 1, size_ = 1;
   bool in_range_ = false;
   FineSimplex simplex_;
   Answer answer_ = Answer::kUndecided;
 
   // By (b), and rounding to doubles.
-  void raise_lower_bound(HullDistance& found, const Double2Vec3& towards, const FineCorner& corner) const {
+  void raise_lower_bound(HullDistance& found, const DoubleDoubleVec3& towards, const FineCorner& corner) const {
     const Vec3 d = rounded(towards);
     const double height = dot(towards, corner.difference).high / norm(d);
     const double lower =
@@ -121,12 +122,12 @@ class FineNearestPoints {
 
   // The upper bound from the weights: by (c), and rounding to doubles.
   void measure(HullDistance& found) const {
-    Double2Vec3 mixture{};
+    DoubleDoubleVec3 mixture{};
     double whole = 0;
     Vec3 on_guest, on_host;
     const double largest = largest_weight();
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
-      const Double2 w{simplex_.weight[i].high / largest, simplex_.weight[i].low / largest};
+      const DoubleDouble w{simplex_.weight[i].high / largest, simplex_.weight[i].low / largest};
       const FineCorner& corner = simplex_.corner[i];
       mixture = mixture + w * corner.difference;
       whole += w.high;
@@ -141,8 +142,8 @@ class FineNearestPoints {
   }
 
   // Asks for corners until one proves the bodies apart, the corners prove that they meet, or there is no progress.
-  void search(Double2Vec3& towards, double& square) {
-    for (int round = 0; round < kDouble2Rounds && simplex_.count < 4; ++round) {
+  void search(DoubleDoubleVec3& towards, double& square) {
+    for (int round = 0; round < kDoubleDoubleRounds && simplex_.count < 4; ++round) {
       ++counters_.rounds;
       if (!scale_to_one(towards)) return;
       const FineCorner corner = furthest_against(towards);
@@ -170,7 +171,7 @@ class FineNearestPoints {
   }
 
   // Reduces the simplex to the nearest face; false if that is no nearer than before.
-  bool keep_nearest(unsigned needed, Double2Vec3& towards, double& square) {
+  bool keep_nearest(unsigned needed, DoubleDoubleVec3& towards, double& square) {
     const FineFace face = nearest_face(simplex_, needed);
     if (!(face.square < square)) return false;
     square = face.square;
@@ -189,7 +190,7 @@ class FineNearestPoints {
   }
 
   // M v of a body's vertex, in units.
-  Double2Vec3 turn(const PosedBody& posed, std::int32_t vertex) const {
+  DoubleDoubleVec3 turn(const PosedPolytope& posed, std::int32_t vertex) const {
     const Vec3 v = to_units_ * posed.body->inner.points[static_cast<std::size_t>(vertex)];
     const auto& m = posed.pose.m;
     const auto row = [&](std::size_t i) {
@@ -199,49 +200,50 @@ class FineNearestPoints {
   }
 
   // Mᵀ d
-  static Double2Vec3 turn_back(const Pose& pose, const Double2Vec3& d) {
+  static DoubleDoubleVec3 turn_back(const Pose& pose, const DoubleDoubleVec3& d) {
     const auto& m = pose.m;
     const auto column = [&](std::size_t j) {
-      return (Double2{m[j], 0} * d.x + Double2{m[j + 4], 0} * d.y) + Double2{m[j + 8], 0} * d.z;
+      return (DoubleDouble{m[j], 0} * d.x + DoubleDouble{m[j + 4], 0} * d.y) + DoubleDouble{m[j + 8], 0} * d.z;
     };
     return {column(0), column(1), column(2)};
   }
 
-  FineCorner furthest_against(const Double2Vec3& d) {
+  FineCorner furthest_against(const DoubleDoubleVec3& d) {
     ++counters_.guest_queries, ++counters_.host_queries;
     return corner_at(extreme(guest_.body->inner, FineDirection(-turn_back(guest_.pose, d))),
                      extreme(host_.body->inner, FineDirection(turn_back(host_.pose, d))));
   }
 
-  // Whether the height surely exceeds |d| times the swell, both being known up to (b).
-  bool separates(const Double2Vec3& d, Double2 height) const {
-    const Double2 above = height - Double2{kSupport * size_ * norm_1(rounded(d)), 0};
+  // Whether the height surely exceeds |d| times the inflation radius, both being known up to (b).
+  bool separates(const DoubleDoubleVec3& d, DoubleDouble height) const {
+    const DoubleDouble above = height - DoubleDouble{kSupport * size_ * norm_1(rounded(d)), 0};
     if (!positive(above)) return false;
-    if (!positive(swell_)) return true;
-    const Double2 square = above * above, least = swell_ * swell_ * dot(d, d);
+    if (!positive(inflation_radius_)) return true;
+    const DoubleDouble square = above * above, least = inflation_radius_ * inflation_radius_ * dot(d, d);
     return (square - least).high > kSquares * square.high;
   }
 
   bool is_shared() {
-    const bool shared = positive(swell_) ? within_swell() : simplex_.count == 4 && surely_inside();
+    const bool shared =
+        positive(inflation_radius_) ? within_inflation_radius() : simplex_.count == 4 && surely_inside();
     if (shared) answer_ = Answer::kShared;
     return shared;
   }
 
-  // Whether the mixture that the weights give surely lies within the swell of the origin; this is proved for any
-  // positive weights.
-  bool within_swell() const {
-    Double2Vec3 mixture{};
-    Double2 whole{};
+  // Whether the mixture that the weights give surely lies within the inflation radius of the origin; this is proved for
+  // any positive weights.
+  bool within_inflation_radius() const {
+    DoubleDoubleVec3 mixture{};
+    DoubleDouble whole{};
     const double largest = power_of_two_below(largest_weight());
     for (std::size_t i = 0; i < static_cast<std::size_t>(simplex_.count); ++i) {
-      const Double2 w{simplex_.weight[i].high / largest, simplex_.weight[i].low / largest};
+      const DoubleDouble w{simplex_.weight[i].high / largest, simplex_.weight[i].low / largest};
       mixture = mixture + w * simplex_.corner[i].difference;
       whole = whole + w;
     }
-    const Double2 reach = (swell_ - Double2{kMixing * size_, 0}) * whole;
+    const DoubleDouble reach = (inflation_radius_ - DoubleDouble{kMixing * size_, 0}) * whole;
     if (!positive(reach)) return false;
-    const Double2 square = reach * reach;
+    const DoubleDouble square = reach * reach;
     return (square - dot(mixture, mixture)).high > kSquares * square.high;
   }
 
@@ -257,13 +259,13 @@ class FineNearestPoints {
     double largest = 0;
     for (const FineCorner& corner : simplex_.corner) largest = larger(largest, norm_1(rounded(corner.difference)));
     const double bound = (3 * kDifference * size_ + kDeterminant * largest) * largest * largest * (1 + 1e-6);
-    for (const Double2& w : simplex_.weight) {
+    for (const DoubleDouble& w : simplex_.weight) {
       if (!(w.high > bound)) return false;
     }
     return true;
   }
 
-  Proximity answer(Proximity out, const Double2Vec3& towards) const {
+  Proximity answer(Proximity out, const DoubleDoubleVec3& towards) const {
     out.answer = answer_;
     out.direction = rounded(towards);
     out.direction_low = {towards.x.low, towards.y.low, towards.z.low};
@@ -276,7 +278,7 @@ class FineNearestPoints {
     return out;
   }
 
-  // The point between the guest's mixture and the host's, in proportion to the swells; rounded.
+  // The point between the guest's mixture and the host's, in proportion to the inflation radii; rounded.
   Vec3 shared_point() const {
     Vec3 on_guest, apart;
     double whole = 0;
@@ -288,20 +290,21 @@ class FineNearestPoints {
       apart = apart + (w / to_units_) * rounded(simplex_.corner[i].difference);
       whole += w;
     }
-    const double part = positive(swell_) ? guest_.body->swell * to_units_ / swell_.high : 0;
+    const double part =
+        positive(inflation_radius_) ? guest_.body->inflation_radius * to_units_ / inflation_radius_.high : 0;
     return (1 / whole) * (on_guest - part * apart);
   }
 };
 
 }  // namespace
 
-Proximity nearest_points_double2(const PosedBody& guest, const PosedBody& host, const Proximity& start,
-                                 PairCounters& counters) {
+Proximity nearest_points_double_double(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start,
+                                       PairCounters& counters) {
   return FineNearestPoints(guest, host, counters).run(start);
 }
 
-HullDistance hull_distance_double2(const PosedBody& guest, const PosedBody& host, const HullDistance& found,
-                                   const DistanceGoal& goal, PairCounters& counters) {
+HullDistance hull_distance_double_double(const PosedPolytope& guest, const PosedPolytope& host,
+                                         const HullDistance& found, const DistanceGoal& goal, PairCounters& counters) {
   return FineNearestPoints(guest, host, counters).distance(found, goal);
 }
 

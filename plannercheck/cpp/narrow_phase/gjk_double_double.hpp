@@ -6,11 +6,11 @@
 namespace plannercheck {
 
 // `start`: an undecided answer of `nearest_points`, or just a world direction.
-Proximity nearest_points_double2(const PosedBody& guest, const PosedBody& host, const Proximity& start,
-                                 PairCounters& counters);
+Proximity nearest_points_double_double(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start,
+                                       PairCounters& counters);
 
 // Narrows the bounds of a distance that doubles leave too far apart.
-HullDistance hull_distance_double2(const PosedBody& guest, const PosedBody& host, const HullDistance& found,
-                                   const DistanceGoal& goal, PairCounters& counters);
+HullDistance hull_distance_double_double(const PosedPolytope& guest, const PosedPolytope& host,
+                                         const HullDistance& found, const DistanceGoal& goal, PairCounters& counters);
 
 }  // namespace plannercheck

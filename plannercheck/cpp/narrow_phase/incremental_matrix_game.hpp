@@ -12,8 +12,8 @@
 //
 // A step is bound by latency and unpredictable branches, not by arithmetic. So the tableau is kept twice, by line and
 // by column, and both are read as they are written, four numbers at a time (a wide load right after narrower stores has
-// to wait for these). A variable's seat is an address, so that no branch asks whether it is basic. Games of up to four
-// rows and columns use the first four numbers of every line.
+// to wait for these). A variable's basis position is an address, so that no branch asks whether it is basic. Games of
+// up to four rows and columns use the first four numbers of every line.
 #pragma once
 
 #include <array>
@@ -23,13 +23,13 @@
 
 namespace plannercheck {
 
-class GrowingGame {
+class IncrementalMatrixGame {
  public:
   static constexpr int kMost = 8;  // rows and columns
   typedef std::array<double, kMost> Numbers;
 
   // `bound` > 0: an upper bound of the payoffs' absolute values.
-  explicit GrowingGame(double bound);
+  explicit IncrementalMatrixGame(double bound);
 
   // The place of the next row or column: a free one or, when kMost are taken, that of one without weight.
   int place_of_row() const { return rows_ < kMost ? rows_ : weightless_row(); }
@@ -52,48 +52,48 @@ class GrowingGame {
  private:
   typedef Numbers Line;
 
-  // A variable is a row's weight z_i (i) or the slack of column j (kMost + j). Its seat is its line of the tableau
-  // while it is basic, kMost + its column of the tableau while it is free.
+  // A variable is a row's weight z_i (i) or the slack of column j (kMost + j). Its basis position is its line of the
+  // tableau while it is basic, kMost + its column of the tableau while it is free.
   int rows_ = 0, columns_ = 0;
   bool wide_ = false;  // more than four rows or columns
   double unit_, total_at_one_, total_ = 0;
-  std::array<int, 2 * kMost> seat_, sitting_;  // by variable, by seat
-  // By seat; zeros where a basic variable has no gain or a free one no level.
+  std::array<int, 2 * kMost> position_, variable_at_;  // by variable, by position
+  // By basis position; zeros where a basic variable has no gain or a free one no level.
   alignas(64) std::array<double, 2 * kMost> level_, gain_;
   // Lines of the tableau, negated; unit vectors; columns of the tableau.
   std::array<Line, 3 * kMost> numbers_;
   std::array<Line, kMost> payoff_;  // a_ij, by row
 
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-  int seat_of_row(int i) const { return seat_[index(i)]; }
-  int seat_of_column(int j) const { return seat_[index(kMost + j)]; }
-  static bool is_basic(int seat) { return seat < kMost; }
+  int position_of_row(int i) const { return position_[index(i)]; }
+  int position_of_column(int j) const { return position_[index(kMost + j)]; }
+  static bool is_basic(int position) { return position < kMost; }
   double* unit_line(int k) { return numbers_[index(kMost + k)].data(); }
   double* tableau_line(int line) { return numbers_[index(line)].data(); }
   double* tableau_column(int column) { return numbers_[index(2 * kMost + column)].data(); }
   // The line of a variable in terms of the free ones; the column of a slack in the whole tableau, unit vectors
   // included.
-  const double* line_of(int seat) const { return numbers_[index(seat)].data(); }
-  const double* column_of(int seat) const { return numbers_[index(kMost + seat)].data(); }
+  const double* line_of(int position) const { return numbers_[index(position)].data(); }
+  const double* column_of(int position) const { return numbers_[index(kMost + position)].data(); }
 
   int weightless_row() const;
   int weightless_column() const;
-  void sit(int variable, int seat);
+  void set_position(int variable, int position);
   void widen();
-  template <int kQuads>
+  template <int kVectors>
   void clear();
-  template <int kQuads>
+  template <int kVectors>
   void fill_column(int column, const Line& a);
-  template <int kQuads>
+  template <int kVectors>
   void fill_line(int line, const Line& a);
   void begin();
-  template <int kQuads>
+  template <int kVectors>
   void solve_in();
-  template <int kQuads>
+  template <int kVectors>
   bool improve();
-  template <int kQuads>
+  template <int kVectors>
   bool restore();
-  template <int kQuads>
+  template <int kVectors>
   void pivot(int line, int column, double inverse);
   Numbers weights_of(int first, const std::array<double, 2 * kMost>& by_seat, double sign) const;
 };

@@ -9,7 +9,7 @@
 namespace plannercheck {
 namespace {
 
-PairVerdict exact_verdict(const PosedBody& guest, const PosedBody& host, const Proximity& start) {
+PairVerdict exact_verdict(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start) {
   PairVerdict verdict;
   verdict.exact = decide_exactly(guest, host, start);
   verdict.shared = verdict.exact->shared;
@@ -32,7 +32,7 @@ Proximity along(Vec3 direction) {
 }
 
 // The stages that need no polar: nearest points in doubles, then in double-double, then exact arithmetic.
-PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hint, const PairOptions& options,
+PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const PairOptions& options,
                           PairCounters& counters) {
 #ifdef PLANNERCHECK_NO_FALLBACK
   static_cast<void>(guest), static_cast<void>(host), static_cast<void>(options), static_cast<void>(counters);
@@ -45,8 +45,8 @@ PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hi
   }
   if (!options.warm_start) found = along(found.direction);
   if (options.double_double) {
-    found = nearest_points_double2(guest, host, found, counters);
-    if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kDouble2);
+    found = nearest_points_double_double(guest, host, found, counters);
+    if (found.answer != Answer::kUndecided) return near_verdict(found, Stage::kDoubleDouble);
   }
   return exact_verdict(guest, host, options.warm_start ? found : along(found.direction));
 #endif
@@ -56,7 +56,7 @@ PairVerdict without_polar(const PosedBody& guest, const PosedBody& host, Vec3 hi
 // none.
 PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis& axis, const PairOptions& options,
                    CachedPlane* cache, PairCounters& counters) {
-  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
+  const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
   if (!host.body->has_polar()) return without_polar(guest, host, axis.direction(), options, counters);
   const Certificate certificate =
       options.solver == Solver::kWalk ? coupled_walk(frame, counters) : double_oracle(frame, lowest, counters);
@@ -64,7 +64,7 @@ PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis
 }
 
 // The cache for a separating plane, for the next poses of this pair; null where none is kept.
-CachedPlane* kept(const Body& host, const PairOptions& options, CachedPlane* cache) {
+CachedPlane* kept(const Polytope& host, const PairOptions& options, CachedPlane* cache) {
   return options.cached_plane && host.has_polar() ? cache : nullptr;
 }
 
@@ -90,7 +90,7 @@ PairVerdict cached(const CachedPlane& plane) {
   return verdict;
 }
 
-double conditioning(const Body& body) {
+double conditioning(const Polytope& body) {
   return body.has_polar() ? body.polar_radius * body.radius : std::numeric_limits<double>::infinity();
 }
 
@@ -105,26 +105,27 @@ PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
   return verdict;
 }
 
-// A certificate is undecided if the gap is too small for the polar's bound, or within the swell of separated hulls.
+// A certificate is undecided if the gap is too small for the polar's bound, or within the inflation radius of separated
+// hulls.
 PairVerdict concluded(const PairFrame& frame, const Certificate& certificate, const PairOptions& options,
                       CachedPlane* cache, PairCounters& counters) {
   if (certificate.answer != Answer::kUndecided) return certified(certificate, cache);
-  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
+  const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
   return without_polar(guest, host, host.pose.rotate(certificate.q), options, counters);
 }
 
-int choose_host(const Body& a, const Body& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
+int choose_host(const Polytope& a, const Polytope& b) { return conditioning(b) <= conditioning(a) ? 1 : 0; }
 
-PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
-                      PairCounters& counters) {
+PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
+                      CachedPlane* cache, PairCounters& counters) {
   CentreAxis axis(guest, host);
   if (!is_far(axis, options)) return test_close_pair(guest, host, axis, options, cache, counters);
   cache = kept(*host.body, options, cache);
   return certified(axis.separated(cache != nullptr), cache);
 }
 
-PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis& axis, const PairOptions& options,
-                            CachedPlane* cache, PairCounters& counters) {
+PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
+                            const PairOptions& options, CachedPlane* cache, PairCounters& counters) {
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   cache = kept(*host.body, options, cache);
   std::int32_t lowest = 0;
@@ -142,13 +143,13 @@ PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, Centr
 
 PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters) {
-  const PosedBody &guest = frame.posed_guest(), &host = frame.posed_host();
+  const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
   cache = kept(*host.body, options, cache);
   if (options.solver != Solver::kExact && plane_holds(frame, cache, counters)) return cached(*cache);
   CentreAxis axis(guest, host);
   if (options.solver == Solver::kExact) return exact_verdict(guest, host, along(axis.direction()));
   std::int32_t lowest = 0;
-  if (likely && !axis.has_swell()) {
+  if (likely && !axis.has_inflation_radius()) {
     lowest = axis.nearly_lowest(counters);
   } else if (options.centre_axis) {
     if (options.turned_axis) axis.turn();

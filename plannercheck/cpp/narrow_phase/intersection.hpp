@@ -22,8 +22,9 @@ struct PairOptions {
   bool turned_axis = true;  // whether the axis is turned to where equivalent ellipsoids would face each other
   bool facet_plane = true;
   bool nearest_points = true;  // the second filter
-  bool double_double = true;  // the third filter; with both filters off, exact arithmetic decides what the solver leaves open
-  bool warm_start = true;  // whether each stage begins with the vertices where the one before gave up
+  bool double_double =
+      true;  // the third filter; with both filters off, exact arithmetic decides what the solver leaves open
+  bool warm_start = true;    // whether each stage begins with the vertices where the one before gave up
   bool interleaving = true;  // whether a batch interleaves the tests of several pairs of large bodies
 };
 
@@ -38,7 +39,7 @@ struct PairVerdict {
   bool shared = false;
   Stage stage = Stage::kSolver;
   Certificate certificate;           // up to stage kSolver
-  Proximity proximity;               // stages kNearest and kDouble2
+  Proximity proximity;               // stages kNearest and kDoubleDouble
   std::optional<ExactAnswer> exact;  // stage kExact
 };
 
@@ -51,20 +52,20 @@ PairVerdict certified(const Certificate& certificate, CachedPlane* cache);
 
 // Which body hosts, the one with the better conditioned polar: 0 for `a`, 1 for `b`. Bodies without volume have no
 // polar.
-int choose_host(const Body& a, const Body& b);
+int choose_host(const Polytope& a, const Polytope& b);
 
 // `likely`: most poses of this pair share a point, so such a certificate is sought first. Verdicts do not depend on it.
 PairVerdict test_pair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane* cache,
                       PairCounters& counters);
-PairVerdict test_pair(const PosedBody& guest, const PosedBody& host, const PairOptions& options, CachedPlane* cache,
-                      PairCounters& counters);
+PairVerdict test_pair(const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
+                      CachedPlane* cache, PairCounters& counters);
 
 // Whether the balls around the centres are apart, and options allow to decide by them; takes no support query.
 inline bool is_far(const CentreAxis& axis, const PairOptions& options) {
   return options.centre_axis && options.solver != Solver::kExact && axis.separates_balls();
 }
 // The test of a pair for which `is_far` is false. `axis` may be turned.
-PairVerdict test_close_pair(const PosedBody& guest, const PosedBody& host, CentreAxis& axis, const PairOptions& options,
-                            CachedPlane* cache, PairCounters& counters);
+PairVerdict test_close_pair(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis,
+                            const PairOptions& options, CachedPlane* cache, PairCounters& counters);
 
 }  // namespace plannercheck

@@ -57,7 +57,7 @@ class Tableau {
   }
 
  private:
-  static constexpr std::size_t kBlock = kQuad;
+  static constexpr std::size_t kBlock = kDouble4Lanes;
 
   int constraints_, variables_;
   std::size_t blocks_;  // of a row: variables and the right-hand side
@@ -67,8 +67,10 @@ class Tableau {
   double& entry(int row, int column) { return entries_[at(row)][at(column)]; }
   double entry(int row, int column) const { return entries_[at(row)][at(column)]; }
 
-  Quad load(int row, std::size_t block) const { return load_quad(&entries_[at(row)][block * kBlock]); }
-  void store(int row, std::size_t block, Quad quad) { store_quad(&entries_[at(row)][block * kBlock], quad); }
+  Double4 load(int row, std::size_t block) const { return load_double4(&entries_[at(row)][block * kBlock]); }
+  void store(int row, std::size_t block, Double4 numbers) {
+    store_double4(&entries_[at(row)][block * kBlock], numbers);
+  }
 
   int entering() const {
     int best = -1;
@@ -96,7 +98,7 @@ class Tableau {
   }
 
   void pivot(int row, int column) {
-    std::array<Quad, kMaxActives / kBlock + 1> pivots;
+    std::array<Double4, kMaxActives / kBlock + 1> pivots;
     const double inverse = 1 / entry(row, column);
     for (std::size_t k = 0; k < blocks_; ++k) store(row, k, load(row, k) * inverse);
     entry(row, column) = inverse;

@@ -20,23 +20,23 @@ constexpr std::size_t kInterleavedVertices = 8000;
 // 100,000 vertices interleaving pays from about 5, 5 and 2 on.)
 constexpr double kWarmDistances = 5;
 
-std::size_t vertices(const Body& guest, const Body& host) {
+std::size_t vertices(const Polytope& guest, const Polytope& host) {
   return guest.inner.points.size() + host.polar.points.size();
 }
 
 // Passes the oracle's queries to descents that go step by step.
-struct Later {
+struct DeferredSupport {
   Descent& descent;
   Vec3 asked;
   bool asks_guest = false;
 
-  bool ask_guest(const DoubleOracle<Later>& oracle, Vec3 q) {
+  bool ask_guest(const DoubleOracle<DeferredSupport>& oracle, Vec3 q) {
     asked = q, asks_guest = true;
     descent.start(oracle.frame().guest().inner, oracle.frame().guest_direction(q), oracle.counters().queries);
     return false;
   }
 
-  bool ask_host(const DoubleOracle<Later>& oracle, Vec3 x) {
+  bool ask_host(const DoubleOracle<DeferredSupport>& oracle, Vec3 x) {
     asked = x, asks_guest = false;
     descent.start(oracle.frame().host().polar, x, oracle.counters().queries);
     return false;
@@ -48,7 +48,7 @@ struct Later {
 class SteppedTest {
  public:
   // False if the verdict is known already. `cache`: where a separating plane is kept; may be null.
-  bool begin(std::size_t pair, const PosedBody& guest, const PosedBody& host, const PairOptions& options,
+  bool begin(std::size_t pair, const PosedPolytope& guest, const PosedPolytope& host, const PairOptions& options,
              CachedPlane* cache, PairCounters& counters) {
     pair_ = pair, options_ = &options, cache_ = cache, counters_ = &counters;
     guest_ = guest, host_ = host;
@@ -57,7 +57,7 @@ class SteppedTest {
     if (axis_->centres_share()) return end(axis_->shared_by_centres());
     if (options_->turned_axis) axis_->turn();
     ++counters_->guest_queries;
-    return search(Sought::kLowest, guest_.body->inner, axis_->towards_host());
+    return search(SearchStep::kLowest, guest_.body->inner, axis_->towards_host());
   }
 
   // One step of the descent; at its end, what follows from its vertex. False once the verdict is known.
@@ -67,26 +67,26 @@ class SteppedTest {
   const PairVerdict& verdict() const { return verdict_; }
 
  private:
-  enum class Sought { kLowest, kHighest, kFirstFacet, kActive };
+  enum class SearchStep { kLowest, kHighest, kFirstFacet, kActive };
 
   const PairOptions* options_ = nullptr;
   CachedPlane* cache_ = nullptr;
   PairCounters* counters_ = nullptr;
   std::size_t pair_ = 0;
-  PosedBody guest_{}, host_{};
+  PosedPolytope guest_{}, host_{};
   std::optional<CentreAxis> axis_;
   std::optional<PairFrame> frame_;
   Descent descent_;
-  Later later_{descent_, {}};
-  std::optional<DoubleOracle<Later>> oracle_;
-  Sought sought_ = Sought::kLowest;
+  DeferredSupport deferred_support_{descent_, {}};
+  std::optional<DoubleOracle<DeferredSupport>> oracle_;
+  SearchStep search_step_ = SearchStep::kLowest;
   std::int32_t lowest_ = 0;
   Vec3 of_guest_, first_;
   int rounds_ = 0;
   PairVerdict verdict_;
 
-  bool search(Sought sought, const Levels& levels, Vec3 direction) {
-    sought_ = sought;
+  bool search(SearchStep search_step, const Levels& levels, Vec3 direction) {
+    search_step_ = search_step;
     descent_.start(levels, direction, counters_->queries);
     return true;
   }
@@ -97,14 +97,14 @@ class SteppedTest {
   }
 
   bool proceed() {
-    switch (sought_) {
-      case Sought::kLowest:
+    switch (search_step_) {
+      case SearchStep::kLowest:
         return after_lowest();
-      case Sought::kHighest:
+      case SearchStep::kHighest:
         return after_highest();
-      case Sought::kFirstFacet:
+      case SearchStep::kFirstFacet:
         return after_first_facet();
-      case Sought::kActive:
+      case SearchStep::kActive:
         return after_active();
     }
     return false;
@@ -114,7 +114,7 @@ class SteppedTest {
     lowest_ = descent_.vertex(), of_guest_ = descent_.point();
     if (!axis_->is_beyond_centre(of_guest_)) return begin_solver(lowest_);
     ++counters_->host_queries;
-    return search(Sought::kHighest, host_.body->inner, axis_->towards_guest());
+    return search(SearchStep::kHighest, host_.body->inner, axis_->towards_guest());
   }
 
   bool after_highest() {
@@ -127,22 +127,23 @@ class SteppedTest {
     frame_.emplace(guest_, host_);
     first_ = first_point(*frame_, lowest);
     ++counters_->host_queries;
-    return search(Sought::kFirstFacet, host_.body->polar, first_);
+    return search(SearchStep::kFirstFacet, host_.body->polar, first_);
   }
 
   bool after_first_facet() {
     if (frame_->contains(dot(descent_.point(), first_))) return end(shared_at(first_));
-    oracle_.emplace(*frame_, later_, *counters_);
+    oracle_.emplace(*frame_, deferred_support_, *counters_);
     oracle_->start(lowest_, descent_.vertex());
     rounds_ = 0;
-    sought_ = Sought::kActive;
+    search_step_ = SearchStep::kActive;
     return ask();
   }
 
   bool after_active() {
-    const bool ended = later_.asks_guest ? oracle_->answer_guest(later_.asked, descent_.vertex(),
-                                                                 frame_->guest_point(descent_.point()))
-                                         : oracle_->answer_host(later_.asked, descent_.vertex(), descent_.point());
+    const bool ended =
+        deferred_support_.asks_guest
+            ? oracle_->answer_guest(deferred_support_.asked, descent_.vertex(), frame_->guest_point(descent_.point()))
+            : oracle_->answer_host(deferred_support_.asked, descent_.vertex(), descent_.point());
     return ended ? conclude() : ask();
   }
 
@@ -158,7 +159,7 @@ class SteppedTest {
   }
 };
 
-bool pays(const Body& guest, const Body& host, const PairOptions& options) {
+bool pays(const Polytope& guest, const Polytope& host, const PairOptions& options) {
   return options.interleaving && options.solver == Solver::kDoubleOracle && host.has_polar() &&
          vertices(guest, host) >= kInterleavedVertices;
 }
@@ -172,7 +173,7 @@ void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane*
                      PairCounters& counters) {
   for (std::size_t i = 0; i < pairs; ++i) {
     poll_interruption();
-    const PosedBody guest = batch.guest(i), host = batch.host(i);
+    const PosedPolytope guest = batch.guest(i), host = batch.host(i);
     CentreAxis axis(guest, host);
     if (is_far(axis, options)) {
       take_far(i, axis, cache, batch);
@@ -206,8 +207,8 @@ class Sequence {
 
 class Interleaving {
  public:
-  Interleaving(const Body& guest, const Body& host, std::size_t pairs, const PairOptions& options, PairBatch& batch,
-               CachedPlane* cache, PairCounters& counters)
+  Interleaving(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
+               PairBatch& batch, CachedPlane* cache, PairCounters& counters)
       : pairs_(pairs),
         options_(options),
         batch_(batch),
@@ -239,7 +240,7 @@ class Interleaving {
     while (next_ < pairs_) {
       poll_interruption();
       const std::size_t pair = next_++;
-      const PosedBody guest = batch_.guest(pair), host = batch_.host(pair);
+      const PosedPolytope guest = batch_.guest(pair), host = batch_.host(pair);
       if (follows(guest, host)) {
         batch_.take(pair, test_pair(guest, host, options_, cache_, counters_));
       } else if (!takes_far(pair, guest, host)) {
@@ -251,14 +252,14 @@ class Interleaving {
   }
 
   // Far pairs are many, and deciding one takes less time than beginning a stepped test.
-  bool takes_far(std::size_t pair, const PosedBody& guest, const PosedBody& host) {
+  bool takes_far(std::size_t pair, const PosedPolytope& guest, const PosedPolytope& host) {
     const CentreAxis axis(guest, host);
     if (!is_far(axis, options_)) return false;
     take_far(pair, axis, cache_, batch_);
     return true;
   }
 
-  bool follows(const PosedBody& guest, const PosedBody& host) {
+  bool follows(const PosedPolytope& guest, const PosedPolytope& host) {
     const bool guest_follows = guests_.follows(guest.pose);
     return hosts_.follows(host.pose) && guest_follows;
   }
@@ -279,8 +280,8 @@ class Interleaving {
 
 }  // namespace
 
-void test_pairs(const Body& guest, const Body& host, std::size_t pairs, const PairOptions& options, PairBatch& batch,
-                PairCounters& counters) {
+void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
+                PairBatch& batch, PairCounters& counters) {
   CachedPlane plane;
   CachedPlane* const cache = options.cached_plane && host.has_polar() ? &plane : nullptr;
   if (!pays(guest, host, options)) return test_one_by_one(pairs, options, cache, batch, counters);

@@ -16,8 +16,8 @@ namespace plannercheck {
 // Where poses come from and verdicts go to.
 class PairBatch {
  public:
-  virtual PosedBody guest(std::size_t i) const = 0;
-  virtual PosedBody host(std::size_t i) const = 0;
+  virtual PosedPolytope guest(std::size_t i) const = 0;
+  virtual PosedPolytope host(std::size_t i) const = 0;
   virtual void take(std::size_t i, const PairVerdict& verdict) = 0;
   // For bodies whose balls are apart, which are many: batches that need no certificate replace this.
   virtual void take_far(std::size_t i, const CentreAxis& axis) { take(i, certified(axis.separated(false), nullptr)); }
@@ -27,7 +27,7 @@ class PairBatch {
 };
 
 // Tests the same two bodies at all poses; verdicts come in any order.
-void test_pairs(const Body& guest, const Body& host, std::size_t pairs, const PairOptions& options, PairBatch& batch,
-                PairCounters& counters);
+void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
+                PairBatch& batch, PairCounters& counters);
 
 }  // namespace plannercheck

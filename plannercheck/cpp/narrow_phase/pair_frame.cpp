@@ -27,13 +27,13 @@ namespace {
 // each game.
 constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
 constexpr double kMixtureError = 40 * 0x1p-53;  // of each game whose mixture is mixed again
-constexpr double kAxisLength = 1 + 4e-6;  // of a column of M_Rᵀ M_P: both bodies are off rigid by at most 3.6e-6
-constexpr double kAxisDefect = 8e-6;  // of the products of two columns: M_P and M_R both count
+constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by at most 3.6e-6
+constexpr double kAxisDefect = 8e-6;            // of the products of two columns: M_P and M_R both count
 constexpr double kDefectRounding = 16 * 0x1p-53;  // of computing δ itself: six dot products of unit columns
 
 }  // namespace
 
-PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(guest), host_(host) {
+PairFrame::PairFrame(const PosedPolytope& guest, const PosedPolytope& host) : guest_(guest), host_(host) {
   const auto& r = host.pose.m;
   const auto& p = guest.pose.m;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -45,10 +45,10 @@ PairFrame::PairFrame(const PosedBody& guest, const PosedBody& host) : guest_(gue
   const Vec3 centre = host.body->centre;
   shift_ = host.pose.rotate_back(w) - centre;
   defect_ = rigidity_defect(host.pose) + kDefectRounding;
-  const double reach = guest.body->reach + norm_1(w) + norm_1(centre) + host.body->radius;
+  const double reach = guest.body->origin_radius + norm_1(w) + norm_1(centre) + host.body->radius;
   pose_error_ = reach * (kPairError + 1.01 * defect_);
   error_ = host.body->polar_radius * pose_error_;
-  swell_ = (guest.body->swell + host.body->swell) * (1 + 1.01 * defect_);
+  inflation_radius_ = (guest.body->inflation_radius + host.body->inflation_radius) * (1 + 1.01 * defect_);
   mixture_error_ = host.body->polar_radius * reach * kMixtureError;
 }
 
@@ -66,10 +66,10 @@ Vec3 PairFrame::guest_box_point() const {
 // The axes are the host's own and the columns of M_Rᵀ M_P, which are the guest's up to the poses' defects. An axis
 // separates the boxes if their projections on it, each given by its centre and half its length, are apart.
 bool PairFrame::boxes_apart() const {
-  const Body &g = guest(), &h = host();
+  const Polytope &g = guest(), &h = host();
   const Vec3 host_half = 0.5 * (h.high - h.low), guest_half = 0.5 * (g.high - g.low);
   const Vec3 d = map(0.5 * (g.low + g.high)) - (0.5 * (h.low + h.high) - h.centre);
-  const double room = (swell_ + 4 * pose_error_) * kAxisLength + kDenormalError;
+  const double room = (inflation_radius_ + 4 * pose_error_) * kAxisLength + kDenormalError;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t row = 3 * i;
     const double half = std::fabs(m_[row]) * guest_half.x + std::fabs(m_[row + 1]) * guest_half.y +

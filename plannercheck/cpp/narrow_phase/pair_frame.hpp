@@ -1,30 +1,31 @@
-// One pair of posed bodies: the frame of the host, the certificates and their proven error bounds.
+// One pair of posed bodies, A in B's frame, the certificates and their proven error bounds. A is the guest, whose
+// vertices are asked for; B is the host, which is known by its polar.
 //
 // The polar describes the host R: R = {x : q·x <= 1 for all polar points q}, in R's frame relative to its centre. The
 // guest P is the hull of its vertices, M p + t under the relative pose. In that frame this game decides:
 //     v = min over x in P of max over q in conv(polar) of q·x
 // If v > 1, the plane q·x = 1 separates the bodies; if v <= 1, they share the point x (Theorem "Polarity of polyhedra";
-// both polars are implicit in the game). Swollen bodies share a point if the distance of their hulls is at most the sum
-// of both swells, in m of the world.
+// both polars are implicit in the game). Inflated bodies share a point if the distance of their hulls is at most the
+// sum of both inflation radii, in m of the world.
 #pragma once
 
 #include <array>
 
-#include "bodies/body.hpp"
+#include "bodies/polytope.hpp"
 #include "math/vec.hpp"
 #include "narrow_phase/support.hpp"
 
 namespace plannercheck {
 
-struct PosedBody {
-  const Body* body;
+struct PosedPolytope {
+  const Polytope* body;
   Pose pose;
 };
 
 enum class Answer { kSeparated, kShared, kUndecided };
 
 // How the answer was found.
-enum class Stage { kCachedPlane, kCentreAxis, kFacetPlane, kSolver, kNearest, kDouble2, kExact };
+enum class Stage { kCachedPlane, kCentreAxis, kFacetPlane, kSolver, kNearest, kDoubleDouble, kExact };
 inline constexpr std::size_t kStages = 7;
 
 // In the host's frame relative to its centre: a plane q·x = 1 beyond which P lies, or a point x of both bodies.
@@ -49,12 +50,12 @@ inline PairCounters& operator+=(PairCounters& sum, const PairCounters& more) {
 
 class PairFrame {
  public:
-  PairFrame(const PosedBody& guest, const PosedBody& host);
+  PairFrame(const PosedPolytope& guest, const PosedPolytope& host);
 
-  const Body& guest() const { return *guest_.body; }
-  const Body& host() const { return *host_.body; }
-  const PosedBody& posed_guest() const { return guest_; }
-  const PosedBody& posed_host() const { return host_; }
+  const Polytope& guest() const { return *guest_.body; }
+  const Polytope& host() const { return *host_.body; }
+  const PosedPolytope& posed_guest() const { return guest_; }
+  const PosedPolytope& posed_host() const { return host_; }
 
   Vec3 guest_point(Vec3 in_guest) const { return map(in_guest); }
   Vec3 guest_vertex(std::int32_t v) const { return map(guest().inner.points[static_cast<std::size_t>(v)]); }
@@ -81,20 +82,20 @@ class PairFrame {
   // q·x is at most 1 up to rounding, since q is a mixture of at most 8 polar points, or of 16 points in each of
   // `mixtures` games. The distance along q is (value − 1) / |q|.
   bool separates(Vec3 q, double value, long mixtures = 0) const {
-    return value > 1 + error(mixtures) + (swell_ > 0 ? swell_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
+    return value > 1 + error(mixtures) + (inflation_radius_ > 0 ? inflation_radius_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
   }
   // Whether R contains x, a mixture of guest vertices of the same kind. `value`: the largest q·x over the polar points,
   // as found by `extreme`.
   bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
 
  private:
-  PosedBody guest_, host_;
+  PosedPolytope guest_, host_;
   std::array<double, 9> m_;
   Vec3 shift_;  // M_Rᵀ (t_P − t_R) − centre
   double defect_;
   double pose_error_;  // of a coordinate in this frame, with room for a few operations on it
   double error_, mixture_error_;
-  double swell_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
+  double inflation_radius_;  // of both bodies, rounded up and stretched by how far the pose may be off rigid
 
   double error(long mixtures) const { return error_ + static_cast<double>(mixtures) * mixture_error_; }
 

@@ -17,7 +17,7 @@ class Projection {
   const FineFace& face() const { return face_; }
 
  private:
-  std::array<const Double2Vec3*, 4> p_{};
+  std::array<const DoubleDoubleVec3*, 4> p_{};
   std::size_t n_ = 0;
   FineFace face_;
 
@@ -29,8 +29,8 @@ class Projection {
   }
 
   bool segment() {
-    const Double2Vec3 e = *p_[1] - *p_[0];
-    const Double2 along = -dot(*p_[0], e), rest = dot(*p_[1], e);
+    const DoubleDoubleVec3 e = *p_[1] - *p_[0];
+    const DoubleDouble along = -dot(*p_[0], e), rest = dot(*p_[1], e);
     if (!positive(along) || !positive(rest)) return false;
     face_.weight = {rest, along};
     face_.towards = rest * *p_[0] + along * *p_[1];
@@ -40,7 +40,7 @@ class Projection {
   }
 
   bool triangle() {
-    const Double2Vec3 n = cross(*p_[1] - *p_[0], *p_[2] - *p_[0]);
+    const DoubleDoubleVec3 n = cross(*p_[1] - *p_[0], *p_[2] - *p_[0]);
     face_.weight = {dot(n, cross(*p_[1], *p_[2])), dot(n, cross(*p_[2], *p_[0])), dot(n, cross(*p_[0], *p_[1]))};
     for (std::size_t i = 0; i < 3; ++i) {
       if (!positive(face_.weight[i])) return false;
@@ -52,10 +52,10 @@ class Projection {
   }
 
   bool tetrahedron() {
-    const Double2Vec3 cd = cross(*p_[2], *p_[3]), ab = cross(*p_[0], *p_[1]);
+    const DoubleDoubleVec3 cd = cross(*p_[2], *p_[3]), ab = cross(*p_[0], *p_[1]);
     face_.weight = {dot(*p_[1], cd), -dot(*p_[0], cd), dot(*p_[3], ab), -dot(*p_[2], ab)};
     if (face_.weight[0].high < 0) {
-      for (Double2& w : face_.weight) w = -w;
+      for (DoubleDouble& w : face_.weight) w = -w;
     }
     face_.square = 0;
     return positive(face_.weight[0]) && positive(face_.weight[1]) && positive(face_.weight[2]) &&

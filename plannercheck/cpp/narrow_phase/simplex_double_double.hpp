@@ -15,21 +15,21 @@ namespace plannercheck {
 
 struct FineCorner {
   std::int32_t guest, host;
-  Double2Vec3 difference;  // guest vertex − host vertex in the world, in units
+  DoubleDoubleVec3 difference;  // guest vertex − host vertex in the world, in units
 };
 
 // The hull of some corners with the weights of its point nearest to the origin.
 struct FineFace {
   unsigned set = 0;
-  std::array<Double2, 4> weight{};                          // in the order of the corners of the set
-  Double2Vec3 towards;                                      // along the nearest point, of any length
+  std::array<DoubleDouble, 4> weight{};                     // in the order of the corners of the set
+  DoubleDoubleVec3 towards;                                 // along the nearest point, of any length
   double square = std::numeric_limits<double>::infinity();  // of the distance, approximately
 };
 
 struct FineSimplex {
   int count = 0;
   std::array<FineCorner, 4> corner;
-  std::array<Double2, 4> weight{};
+  std::array<DoubleDouble, 4> weight{};
 };
 
 // The nearest of the faces whose sets include `needed`.

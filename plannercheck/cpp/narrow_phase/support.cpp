@@ -13,27 +13,28 @@ namespace {
 constexpr double kDifferenceError = 6 * kRoundoff;
 constexpr double kUnderflow = 1e-300;
 
-static_assert(kBlockLanes == kQuad);
+static_assert(kBlockLanes == kDouble4Lanes);
 
 struct Beyond {
   unsigned sure, unsure;
 };
 
-inline Beyond compare_block(const Block& block, Vec3 v, Vec3 u) {
-  const Quad x = (load_quad(block.x.data()) - v.x) * u.x;
-  const Quad y = (load_quad(block.y.data()) - v.y) * u.y;
-  const Quad z = (load_quad(block.z.data()) - v.z) * u.z;
-  const Quad value = (x + y) + z;
-  const Quad error = ((absolute_quad(x) + absolute_quad(y)) + absolute_quad(z)) * kDifferenceError + kUnderflow;
-  return {quad_bits(value > error), quad_bits(absolute_quad(value) <= error)};
+inline Beyond compare_block(const VertexBlock& block, Vec3 v, Vec3 u) {
+  const Double4 x = (load_double4(block.x.data()) - v.x) * u.x;
+  const Double4 y = (load_double4(block.y.data()) - v.y) * u.y;
+  const Double4 z = (load_double4(block.z.data()) - v.z) * u.z;
+  const Double4 value = (x + y) + z;
+  const Double4 error =
+      ((absolute_double4(x) + absolute_double4(y)) + absolute_double4(z)) * kDifferenceError + kUnderflow;
+  return {double4_bits(value > error), double4_bits(absolute_double4(value) <= error)};
 }
 
 constexpr std::int32_t kScannedEntries = 8;  // more are searched by bisection; removed vertices never have more
 
 class WedgeWalk {
  public:
-  WedgeWalk(const Levels& h, const Stand& stand, Vec3 u, QueryCounters& counters)
-      : h_(h), corner_(stand.point), u_(u), fan_(h.fans[at(stand.fan())]), counters_(counters) {}
+  WedgeWalk(const Levels& h, const SearchCursor& cursor, Vec3 u, QueryCounters& counters)
+      : h_(h), corner_(cursor.point), u_(u), fan_(h.fans[at(cursor.fan())]), counters_(counters) {}
 
   // A vertex beyond the plane through v at the coarsest level that has one; or -1.
   std::int32_t run() {
@@ -118,16 +119,16 @@ class WedgeWalk {
 };
 
 // Moves the stand to the first vertex of the block beyond the plane through it; false if there is none.
-inline bool advance(const Block& block, Vec3 u, Stand& stand, QueryCounters& counters) {
+inline bool advance(const VertexBlock& block, Vec3 u, SearchCursor& cursor, QueryCounters& counters) {
   ++counters.blocks;
-  const Beyond beyond = compare_block(block, stand.point, u);
+  const Beyond beyond = compare_block(block, cursor.point, u);
   for (unsigned open = beyond.sure | beyond.unsure; open != 0; open &= open - 1) {
     const auto lane = static_cast<std::size_t>(__builtin_ctz(open));
     if ((beyond.sure >> lane & 1U) == 0) {
       ++counters.exact;
-      if (compare_along(u, block.point(lane), stand.point) <= 0) continue;
+      if (compare_along(u, block.point(lane), cursor.point) <= 0) continue;
     }
-    stand = block.stand(lane);
+    cursor = block.cursor(lane);
     return true;
   }
   return false;
@@ -140,42 +141,42 @@ void ask_for(const AnyBlock& block) {
   __builtin_prefetch(line + sizeof block / 2);
 }
 
-bool scan_chain(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
-  const Block* block = &h.blocks[at(stand.chain)];
-  while (!advance(*block, u, stand, counters)) {
+bool scan_chain(const Levels& h, Vec3 u, SearchCursor& cursor, QueryCounters& counters) {
+  const VertexBlock* block = &h.blocks[at(cursor.chain)];
+  while (!advance(*block, u, cursor, counters)) {
     if (block++->is_last()) return false;
   }
   return true;
 }
 
-bool walk_wedges(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
-  const std::int32_t child = WedgeWalk(h, stand, u, counters).run();
-  if (child >= 0) stand = h.stand(child);
+bool walk_wedges(const Levels& h, Vec3 u, SearchCursor& cursor, QueryCounters& counters) {
+  const std::int32_t child = WedgeWalk(h, cursor, u, counters).run();
+  if (child >= 0) cursor = h.cursor(child);
   return child >= 0;
 }
 
 // Moves the stand to the vertex beyond the plane through it, at the coarsest level that has one; false if none has.
-bool go_beyond(const Levels& h, Vec3 u, Stand& stand, QueryCounters& counters) {
-  if (stand.chain >= 0) return scan_chain(h, u, stand, counters);
-  return stand.is_walked() && walk_wedges(h, u, stand, counters);
+bool go_beyond(const Levels& h, Vec3 u, SearchCursor& cursor, QueryCounters& counters) {
+  if (cursor.chain >= 0) return scan_chain(h, u, cursor, counters);
+  return cursor.is_walked() && walk_wedges(h, u, cursor, counters);
 }
 
 // Goes down from a vertex that is extreme where it appears to the one that is extreme in the finest level.
-Stand descend(const Levels& h, Stand stand, Vec3 u, QueryCounters& counters) {
-  while (go_beyond(h, u, stand, counters)) {
+SearchCursor descend(const Levels& h, SearchCursor cursor, Vec3 u, QueryCounters& counters) {
+  while (go_beyond(h, u, cursor, counters)) {
   }
-  return stand;
+  return cursor;
 }
 
 }  // namespace
 
 std::int32_t extreme_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
-  return h.depth > 0 ? stand_at_top(h, u, counters).vertex : extreme_of_top(h, u, counters);
+  return h.depth > 0 ? cursor_at_top(h, u, counters).vertex : extreme_of_top(h, u, counters);
 }
 
 std::int32_t next_beyond(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
-  Stand stand = h.stand(v);
-  return go_beyond(h, u, stand, counters) ? stand.vertex : -1;
+  SearchCursor cursor = h.cursor(v);
+  return go_beyond(h, u, cursor, counters) ? cursor.vertex : -1;
 }
 
 std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
@@ -192,7 +193,7 @@ std::int32_t beyond_in_ring(const Levels& h, std::int32_t v, Vec3 u, QueryCounte
 std::int32_t extreme(const Levels& h, Vec3 u, QueryCounters& counters) {
   if (!h.cells.empty()) return extreme_in_cell(h, h.cells.cell(u), u, counters);
   if (h.depth == 0) return extreme_of_top(h, u, counters);
-  return descend(h, stand_at_top(h, u, counters), u, counters).vertex;
+  return descend(h, cursor_at_top(h, u, counters), u, counters).vertex;
 }
 
 void Descent::start(const Levels& h, Vec3 u, QueryCounters& counters) {
@@ -205,14 +206,14 @@ void Descent::start(const Levels& h, Vec3 u, QueryCounters& counters) {
     has_asked_ = false;
     __builtin_prefetch(cell_);
   } else if (h.depth > 0) {
-    stand_ = stand_at_top(h, u, counters);
+    cursor_ = cursor_at_top(h, u, counters);
     arrive();
   } else {
-    stand_at(extreme(h, u, counters));
+    cursor_at(extreme(h, u, counters));
   }
 }
 
-void Descent::stand_at(std::int32_t v) { stand_ = {levels_->points[at(v)], v, kNoChain}; }
+void Descent::cursor_at(std::int32_t v) { cursor_ = {levels_->points[at(v)], v, kNoChain}; }
 
 // The first call prefetches the cell's blocks, mostly all in its first group; the second one scans them.
 bool Descent::step_in_cell(QueryCounters& counters) {
@@ -221,23 +222,23 @@ bool Descent::step_in_cell(QueryCounters& counters) {
     has_asked_ = true;
     return true;
   }
-  stand_at(extreme_in_cell(*levels_, *cell_, direction_, counters));
+  cursor_at(extreme_in_cell(*levels_, *cell_, direction_, counters));
   return false;
 }
 
 void Descent::arrive() {
-  block_ = stand_.chain >= 0 ? &levels_->blocks[at(stand_.chain)] : nullptr;
+  block_ = cursor_.chain >= 0 ? &levels_->blocks[at(cursor_.chain)] : nullptr;
   if (block_ != nullptr) ask_for(*block_);
 }
 
 bool Descent::step(QueryCounters& counters) {
   if (cell_ != nullptr) return step_in_cell(counters);
   if (block_ == nullptr) {
-    if (!stand_.is_walked() || !walk_wedges(*levels_, direction_, stand_, counters)) return false;
+    if (!cursor_.is_walked() || !walk_wedges(*levels_, direction_, cursor_, counters)) return false;
     arrive();
     return true;
   }
-  if (advance(*block_, direction_, stand_, counters)) {
+  if (advance(*block_, direction_, cursor_, counters)) {
     arrive();
     return true;
   }
@@ -249,7 +250,7 @@ bool Descent::step(QueryCounters& counters) {
 std::int32_t extreme_from(const Levels& h, std::int32_t v, Vec3 u, QueryCounters& counters) {
   for (std::int32_t coarser = v; coarser >= 0; coarser = beyond_in_ring(h, v, u, counters)) v = coarser;
   if (h.level[at(v)] == h.depth) v = extreme_at_top(h, u, counters);
-  return descend(h, h.stand(v), u, counters).vertex;
+  return descend(h, h.cursor(v), u, counters).vertex;
 }
 
 }  // namespace plannercheck

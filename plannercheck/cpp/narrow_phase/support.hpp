@@ -15,7 +15,7 @@ namespace plannercheck {
 // What a query cost; the counts show that it is logarithmic. Counting takes one increment each.
 struct QueryCounters {
   long blocks = 0;  // blocks of four vertices compared; the wedge tests of a node count as one, of an entry as four
-  long exact = 0;  // comparisons that the filter did not decide
+  long exact = 0;   // comparisons that the filter did not decide
 };
 
 // The scan's vertex v has u·v >= max u·p − 2 · kScanError |u|_1 largest_coordinate: three products and two sums.
@@ -34,19 +34,19 @@ class Descent {
   // Compares one block, or the blocks of a cell, or walks all wedges of a vertex; false once the vertex is found.
   bool step(QueryCounters& counters);
 
-  std::int32_t vertex() const { return stand_.vertex; }
-  Vec3 point() const { return stand_.point; }
+  std::int32_t vertex() const { return cursor_.vertex; }
+  Vec3 point() const { return cursor_.point; }
 
  private:
   const Levels* levels_ = nullptr;
-  const Block* block_ = nullptr;  // of the chain being scanned; null if there is none
-  const Cell* cell_ = nullptr;    // of the direction, where the body has cells
-  bool has_asked_ = false;  // whether that cell's blocks have been prefetched
+  const VertexBlock* block_ = nullptr;  // of the chain being scanned; null if there is none
+  const Cell* cell_ = nullptr;          // of the direction, where the body has cells
+  bool has_asked_ = false;              // whether that cell's blocks have been prefetched
   Vec3 direction_;
-  Stand stand_;
+  SearchCursor cursor_;
 
   void arrive();
-  void stand_at(std::int32_t vertex);
+  void cursor_at(std::int32_t vertex);
   bool step_in_cell(QueryCounters& counters);
 };
 

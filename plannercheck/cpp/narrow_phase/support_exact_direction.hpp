@@ -16,7 +16,7 @@ class FineDirection {
  public:
   // The direction is the exact sum of its high and low parts, with entries below 2: a direction of largest entry at
   // most 1, turned by a pose that may stretch it by 1e-6, has entries below √3 (1 + 1e-6).
-  explicit FineDirection(const Double2Vec3& u) : fine_(u), rounded_{u.x.high, u.y.high, u.z.high} {}
+  explicit FineDirection(const DoubleDoubleVec3& u) : fine_(u), rounded_{u.x.high, u.y.high, u.z.high} {}
   explicit FineDirection(const DyadicVec3& u) : FineDirection(direction_of(u)) { exact_ = u; }
 
   // Up to a relative error of 2^-53 an entry.
@@ -26,7 +26,7 @@ class FineDirection {
   int sign(Vec3 a, Vec3 b) const;
 
  private:
-  Double2Vec3 fine_;
+  DoubleDoubleVec3 fine_;
   Vec3 rounded_;
   mutable std::optional<DyadicVec3> exact_;  // made when first needed
 };

@@ -96,21 +96,22 @@ std::int32_t scanned_top(const Levels& h, Vec3 u, Vertex vertex, Further further
 }
 
 // So few vertices are scanned faster in doubles than in floats with candidates after it.
-constexpr std::size_t kFewStands = 8;
+constexpr std::size_t kFewCursors = 8;
 
 std::int32_t extreme_of_few(const Levels& h, Vec3 u, QueryCounters& counters) {
-  const std::size_t blocks = h.top_stands.size();
-  std::array<Quad, kFewStands> values;
-  Quad best = Quad{} - __builtin_inf();
+  const std::size_t blocks = h.top_cursors.size();
+  std::array<Double4, kFewCursors> values;
+  Double4 best = Double4{} - __builtin_inf();
   for (std::size_t i = 0; i < blocks; ++i) {
-    const Block& p = h.top_stands[i];
-    values[i] = (u.x * load_quad(p.x.data()) + u.y * load_quad(p.y.data())) + u.z * load_quad(p.z.data());
+    const VertexBlock& p = h.top_cursors[i];
+    values[i] = (u.x * load_double4(p.x.data()) + u.y * load_double4(p.y.data())) + u.z * load_double4(p.z.data());
     best = values[i] > best ? values[i] : best;
   }
   counters.blocks += static_cast<long>(blocks);
   std::uint64_t lanes = 0;
-  const Quad most = spread_largest(best);
-  for (std::size_t i = 0; i < blocks; ++i) lanes |= std::uint64_t{quad_bits(values[i] == most)} << (i * kQuad);
+  const Double4 most = spread_largest(best);
+  for (std::size_t i = 0; i < blocks; ++i)
+    lanes |= std::uint64_t{double4_bits(values[i] == most)} << (i * kDouble4Lanes);
   return h.top[lanes == 0 ? 0 : static_cast<std::size_t>(__builtin_ctzll(lanes))];
 }
 
@@ -141,16 +142,16 @@ std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, Vec3 u, QueryCou
   return found < 0 ? cells.blocks[0].vertex[0] : found;
 }
 
-Stand stand_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
-  const auto point = [&](std::int32_t i) { return h.top_stands[at(i) / kBlockLanes].point(at(i) % kBlockLanes); };
+SearchCursor cursor_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {
+  const auto point = [&](std::int32_t i) { return h.top_cursors[at(i) / kBlockLanes].point(at(i) % kBlockLanes); };
   const auto place = [](std::size_t i) { return static_cast<std::int32_t>(i); };
   const auto further = [&](std::int32_t i, std::int32_t than) { return compare_along(u, point(i), point(than)) > 0; };
   const std::size_t found = at(scanned_top(h, u, place, further, counters));
-  return h.top_stands[found / kBlockLanes].stand(found % kBlockLanes);
+  return h.top_cursors[found / kBlockLanes].cursor(found % kBlockLanes);
 }
 
 std::int32_t extreme_of_top(const Levels& h, Vec3 u, QueryCounters& counters) {
-  if (h.top_stands.size() <= kFewStands) return extreme_of_few(h, u, counters);
+  if (h.top_cursors.size() <= kFewCursors) return extreme_of_few(h, u, counters);
   const auto vertex = [&](std::size_t i) { return h.top[i]; };
   const auto further = [&](std::int32_t v, std::int32_t than) {
     return dot(u, h.points[at(v)]) > dot(u, h.points[at(than)]);

@@ -10,7 +10,7 @@ namespace plannercheck {
 std::int32_t extreme_in_cell(const Levels& levels, const Cell& cell, Vec3 u, QueryCounters& counters);
 
 // The extreme vertex of a hierarchy's top, exactly, with what a descent needs of it.
-Stand stand_at_top(const Levels& levels, Vec3 u, QueryCounters& counters);
+SearchCursor cursor_at_top(const Levels& levels, Vec3 u, QueryCounters& counters);
 
 // The extreme vertex of a top without levels below it, by rounded products; see kScanError.
 std::int32_t extreme_of_top(const Levels& levels, Vec3 u, QueryCounters& counters);

@@ -34,12 +34,12 @@ void check_finite(const double* numbers, std::size_t count, const char* what) {
     throw std::invalid_argument(std::string(what) + " must be finite");
 }
 
-Points points_of(Doubles<-1, 3> vertices, double swell) {
+Points points_of(Doubles<-1, 3> vertices, double inflation_radius) {
   check_finite(vertices.data(), 3 * vertices.shape(0), "vertices");
-  check_finite(&swell, 1, "the swell");
-  if (vertices.shape(0) == 0 || swell < 0)
-    throw std::invalid_argument("at least one vertex, and a swell of at least 0");
-  return Points(vertices.data(), vertices.shape(0), swell);
+  check_finite(&inflation_radius, 1, "the inflation radius");
+  if (vertices.shape(0) == 0 || inflation_radius < 0)
+    throw std::invalid_argument("at least one vertex, and an inflation radius of at least 0");
+  return Points(vertices.data(), vertices.shape(0), inflation_radius);
 }
 
 Pair pair_of(const Points& p, Doubles<4, 4> pose_p, const Points& r, Doubles<4, 4> pose_r) {
@@ -119,8 +119,10 @@ NB_MODULE(_oracle, m) {
   nb::class_<Points>(m, "Points")
       .def(
           "__init__",
-          [](Points* self, Doubles<-1, 3> vertices, double swell) { new (self) Points(points_of(vertices, swell)); },
-          nb::arg("vertices"), nb::arg("swell"));
+          [](Points* self, Doubles<-1, 3> vertices, double inflation_radius) {
+            new (self) Points(points_of(vertices, inflation_radius));
+          },
+          nb::arg("vertices"), nb::arg("inflation_radius"));
   m.def("decide", &decide, nb::arg("p"), nb::arg("poses_p"), nb::arg("r"), nb::arg("poses_r"), nb::arg("every"));
   m.def("proof", &proof, nb::arg("p"), nb::arg("pose_p"), nb::arg("r"), nb::arg("pose_r"));
   m.def("separates", &separates, nb::arg("p"), nb::arg("pose_p"), nb::arg("r"), nb::arg("pose_r"), nb::arg("direction"),

@@ -42,7 +42,7 @@ int common_unit(const Binary* numbers, std::size_t count) {
   return unit;
 }
 
-Points::Points(const double* given, std::size_t count, double swollen) : swell(swollen) {
+Points::Points(const double* given, std::size_t count, double radius) : inflation_radius(radius) {
   double size = 0;
   for (std::size_t i = 0; i < 3 * count; ++i) size = std::max(size, std::fabs(given[i]));
   const int scale = size > 0 ? std::ilogb(size) + 1 : 0;
@@ -63,7 +63,8 @@ PosedPoints::PosedPoints(const Points& points, const double* pose) : points_(poi
     shift_[row] = Binary(pose[4 * row + 3]);
   }
   matrix_unit_ = common_unit(matrix_.data(), 9);
-  unit_ = std::min({points.unit + matrix_unit_, common_unit(shift_.data(), 3), common_unit(&points.swell, 1)});
+  unit_ =
+      std::min({points.unit + matrix_unit_, common_unit(shift_.data(), 3), common_unit(&points.inflation_radius, 1)});
 }
 
 Vector PosedPoints::point(std::size_t vertex) const {
@@ -76,7 +77,7 @@ Vector PosedPoints::point(std::size_t vertex) const {
   return {row(0), row(1), row(2)};
 }
 
-Integer PosedPoints::swell() const { return whole(points_.swell, unit_); }
+Integer PosedPoints::inflation_radius() const { return whole(points_.inflation_radius, unit_); }
 
 // Mᵀ d, in units of the matrix's: of any length.
 Vector PosedPoints::pulled_back(const Vector& d) const {

@@ -1,7 +1,9 @@
-// Posed vertices as whole numbers: what the doubles of vertices, pose and swell say, exactly, in a common unit.
+// Posed vertices as whole numbers: what the doubles of vertices, pose and inflation radius say, exactly, in a common
+// unit.
 //
-// In: points (n, 3), m, a swell, m, a pose (4, 4). Out: posed points and swell in units of 2^unit m, and which point is
-// lowest along a direction. Doubles choose what may be lowest, within a bound of their rounding; whole numbers decide.
+// In: points (n, 3), m, an inflation radius, m, a pose (4, 4). Out: posed points and inflation radius in units of
+// 2^unit m, and which point is lowest along a direction. Doubles choose what may be lowest, within a bound of their
+// rounding; whole numbers decide.
 #pragma once
 
 #include <array>
@@ -27,13 +29,13 @@ int common_unit(const Binary* numbers, std::size_t count);
 
 struct Points {
   std::vector<std::array<Binary, 3>> vertices;
-  Binary swell;
+  Binary inflation_radius;
   int unit = kNoUnit;  // of all coordinates
   // The coordinates scaled by a power of two to at most 1, column by column, and the largest of each column.
   std::array<std::vector<double>, 3> scaled;
   std::array<double, 3> largest{};
 
-  Points(const double* vertices, std::size_t count, double swell);
+  Points(const double* vertices, std::size_t count, double inflation_radius);
 };
 
 class PosedPoints {
@@ -48,7 +50,7 @@ class PosedPoints {
   std::size_t count() const { return points_.vertices.size(); }
   // In units of 2^unit m.
   Vector point(std::size_t vertex) const;
-  Integer swell() const;
+  Integer inflation_radius() const;
 
   // The least product of a direction of the world with a point, its vertex; `every`: by whole numbers alone.
   std::size_t lowest(const Vector& direction, bool every) const;

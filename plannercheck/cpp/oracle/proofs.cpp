@@ -105,7 +105,7 @@ Pair::Pair(PosedPoints first, PosedPoints second) : p(std::move(first)), r(std::
 
 bool proves_apart(const Pair& pair, const Vector& direction, bool every) {
   const Difference least = furthest_against(pair, direction, every);
-  return exceeds(dot(direction, least.point), direction, pair.p.swell() + pair.r.swell());
+  return exceeds(dot(direction, least.point), direction, pair.p.inflation_radius() + pair.r.inflation_radius());
 }
 
 bool proves_shared(const Pair& pair, const Mixture& mixture) {
@@ -119,17 +119,18 @@ bool proves_shared(const Pair& pair, const Mixture& mixture) {
     apart = apart + mixture.weights[i] * difference_of(pair, mixture.first[i], mixture.second[i]).point;
     mass = mass + mixture.weights[i];
   }
-  const Integer within = (pair.p.swell() + pair.r.swell()) * mass;
+  const Integer within = (pair.p.inflation_radius() + pair.r.inflation_radius()) * mass;
   return mass.sign() > 0 && dot(apart, apart) <= within * within;
 }
 
 Proof prove(const Pair& pair, bool every) {
-  const Integer swell = pair.p.swell() + pair.r.swell();
+  const Integer inflation_radius = pair.p.inflation_radius() + pair.r.inflation_radius();
   std::vector<Difference> simplex{difference_of(pair, 0, 0)};
   for (int step = 0; step < kMostSteps; ++step) {
     Face face = nearest_face(simplex);
     if (face.corners.empty()) return {};
-    if (is_zero(face.direction) || !exceeds(dot(face.direction, face.corners[0].point), face.direction, swell)) {
+    if (is_zero(face.direction) ||
+        !exceeds(dot(face.direction, face.corners[0].point), face.direction, inflation_radius)) {
       Mixture mixture = mixture_of(face);
       if (!proves_shared(pair, mixture)) return {};
       return {Proof::Kind::kShared, {}, std::move(mixture)};

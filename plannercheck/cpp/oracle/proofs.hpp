@@ -2,7 +2,7 @@
 //
 // In: two posed bodies. Out: whether a direction proves them apart, or a mixture of vertices proves that they share a
 // point; or a proof, found by Gilbert, Johnson and Keerthi's descent in whole numbers. A body is all points within its
-// swell of its vertices' hull.
+// inflation radius of its vertices' hull.
 #pragma once
 
 #include <cstdint>
@@ -26,10 +26,11 @@ struct Mixture {
 };
 
 // All points of the first body lie further along the direction than all of the second: the least product with a
-// difference of vertices exceeds the direction's length times the sum of the swells. `every`: without a filter.
+// difference of vertices exceeds the direction's length times the sum of the inflation radii. `every`: without a
+// filter.
 bool proves_apart(const Pair& pair, const Vector& direction, bool every);
 
-// Weights of at least 0, not all 0, mix a point of each hull, no further apart than the sum of the swells.
+// Weights of at least 0, not all 0, mix a point of each hull, no further apart than the sum of the inflation radii.
 bool proves_shared(const Pair& pair, const Mixture& mixture);
 
 struct Proof {

@@ -41,7 +41,7 @@ PlanarCheckerCounters PlanarChecker::take_counters(Workspace& w) { return std::e
 void PlanarChecker::pose(Workspace& w) const {
   pose_planar_links(links_, w.columns, w.links);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const PlanarBody& body = bodies_[b];
+    const PlanarGeometryObject& body = bodies_[b];
     if (body.link < 0) continue;
     const PlanarLinkLanes& link = w.links[at(body.link)];
     Workspace::CircleLanes& circle = w.circles[b];
@@ -54,7 +54,7 @@ void PlanarChecker::pose(Workspace& w) const {
 // The lanes in which the bounds of a pair meet.
 unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Workspace& w) const {
   constexpr unsigned kAll = (1U << kLanes) - 1;
-  const PlanarBody &a = bodies_[at(pair[0])], &b = bodies_[at(pair[1])];
+  const PlanarGeometryObject &a = bodies_[at(pair[0])], &b = bodies_[at(pair[1])];
   if (!bounds_ || (a.link < 0 && b.link < 0)) return kAll;
   Lanes dx, dy, reach;
   if (a.link >= 0 && b.link >= 0) {
@@ -75,7 +75,7 @@ unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Work
 }
 
 PosedPolygon PlanarChecker::posed(std::int32_t index, std::size_t state, const Workspace& w) const {
-  const PlanarBody& body = bodies_[at(index)];
+  const PlanarGeometryObject& body = bodies_[at(index)];
   if (body.link < 0) return {body.shape, body.pose};
   const PlanarLinkLanes& link = w.links[at(body.link)];
   const double c = link.cos[state], s = link.sin[state];

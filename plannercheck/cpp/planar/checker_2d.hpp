@@ -24,7 +24,7 @@ struct PlanarLink {
   double x = 0, y = 0, angle = 0;
 };
 
-struct PlanarBody {
+struct PlanarGeometryObject {
   PlanarPolygon shape;     // not owned
   std::int32_t link = -1;  // -1: in the world
   PlanarPose pose;         // in the world, of a body that is on no link
@@ -50,7 +50,7 @@ inline PlanarCheckerCounters& operator+=(PlanarCheckerCounters& sum, const Plana
 
 class PlanarChecker {
  public:
-  PlanarChecker(std::vector<PlanarLink> links, std::int32_t width, std::vector<PlanarBody> bodies,
+  PlanarChecker(std::vector<PlanarLink> links, std::int32_t width, std::vector<PlanarGeometryObject> bodies,
                 std::vector<std::array<std::int32_t, 2>> pairs, bool bounds, Precision first)
       : links_(std::move(links)),
         width_(static_cast<std::size_t>(width)),
@@ -81,7 +81,7 @@ class PlanarChecker {
  private:
   std::vector<PlanarLink> links_;
   std::size_t width_;
-  std::vector<PlanarBody> bodies_;
+  std::vector<PlanarGeometryObject> bodies_;
   std::vector<std::array<std::int32_t, 2>> pairs_;
   bool bounds_;
   Precision first_;

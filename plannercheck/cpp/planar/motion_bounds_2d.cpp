@@ -13,7 +13,7 @@ double arm_length(double x, double y, double radius) { return (norm_above({x, y,
 
 }  // namespace
 
-PlanarChain planar_chain(const std::vector<PlanarLink>& links, std::int32_t frame, const PlanarBody& body) {
+PlanarChain planar_chain(const std::vector<PlanarLink>& links, std::int32_t frame, const PlanarGeometryObject& body) {
   PlanarChain chain;
   double x = body.x, y = body.y, radius = body.radius;
   for (std::int32_t k = body.link; k != frame; k = links[at(k)].parent) {

@@ -43,7 +43,7 @@ struct PlanarBound {
 };
 
 // From `frame`, a link before that of `body` or -1 for the world.
-PlanarChain planar_chain(const std::vector<PlanarLink>& links, std::int32_t frame, const PlanarBody& body);
+PlanarChain planar_chain(const std::vector<PlanarLink>& links, std::int32_t frame, const PlanarGeometryObject& body);
 
 // The last link that both hang on.
 std::int32_t common_link(const std::vector<PlanarLink>& links, std::int32_t a, std::int32_t b);

@@ -15,7 +15,7 @@ constexpr double kPlanarRounding = 0x1p-43;
 
 double with_room(double length) { return length * (1 + 0x1p-40); }
 
-PlanarHull hull_of(const PlanarBody& body) {
+PlanarHull hull_of(const PlanarGeometryObject& body) {
   PlanarHull hull;
   const auto& m = body.pose.m;
   for (std::size_t k = 0; k < body.shape.count; ++k) {
@@ -28,12 +28,13 @@ PlanarHull hull_of(const PlanarBody& body) {
 
 }  // namespace
 
-PlanarCertifier::PlanarCertifier(std::vector<PlanarLink> links, std::int32_t width, std::vector<PlanarBody> bodies,
+PlanarCertifier::PlanarCertifier(std::vector<PlanarLink> links, std::int32_t width,
+                                 std::vector<PlanarGeometryObject> bodies,
                                  const std::vector<std::array<std::int32_t, 2>>& pairs)
     : links_(std::move(links)), width_(at(width)), bodies_(std::move(bodies)) {
   std::vector<bool> used(bodies_.size(), false);
   for (const auto& [a, b] : pairs) {
-    const PlanarBody &first = bodies_[at(a)], &second = bodies_[at(b)];
+    const PlanarGeometryObject &first = bodies_[at(a)], &second = bodies_[at(b)];
     used[at(a)] = used[at(b)] = true;
     if (second.link < 0) {
       pairs_.push_back({a, b, -1, planar_chain(links_, -1, first), {}});
@@ -48,7 +49,7 @@ PlanarCertifier::PlanarCertifier(std::vector<PlanarLink> links, std::int32_t wid
   }
   double furthest = 0;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const PlanarBody& body = bodies_[k];
+    const PlanarGeometryObject& body = bodies_[k];
     hulls_.push_back(hull_of(body));
     if (body.link < 0) {
       for (const double side : body.box) still_size_ = larger(still_size_, 4 * std::fabs(side));

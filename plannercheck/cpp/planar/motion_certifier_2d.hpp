@@ -40,7 +40,7 @@ struct PlanarMotionPair {
 
 class PlanarCertifier {
  public:
-  PlanarCertifier(std::vector<PlanarLink> links, std::int32_t width, std::vector<PlanarBody> bodies,
+  PlanarCertifier(std::vector<PlanarLink> links, std::int32_t width, std::vector<PlanarGeometryObject> bodies,
                   const std::vector<std::array<std::int32_t, 2>>& pairs);
 
   struct Workspace;  // hidden, since it holds lanes
@@ -65,7 +65,7 @@ class PlanarCertifier {
 
   std::vector<PlanarLink> links_;
   std::size_t width_;
-  std::vector<PlanarBody> bodies_;
+  std::vector<PlanarGeometryObject> bodies_;
   std::vector<PlanarHull> hulls_;  // of bodies in the world: posed
   std::vector<PlanarMotionPair> pairs_;
   std::vector<std::int32_t> movers_;  // bodies on links that are in a pair

@@ -38,7 +38,7 @@ struct PlanarMotions {
 };
 
 struct PlanarCertifier::Workspace : SubdivisionWorkspace<PlanarMotions> {
-  Workspace(const std::vector<PlanarLink>& links, std::size_t width, const std::vector<PlanarBody>& bodies,
+  Workspace(const std::vector<PlanarLink>& links, std::size_t width, const std::vector<PlanarGeometryObject>& bodies,
             const std::vector<std::int32_t>& movers, std::size_t pairs)
       : SubdivisionWorkspace(PlanarGrid(links, width, bodies, movers), pairs), rates(width), bounds(pairs), all(pairs) {
     std::iota(all.begin(), all.end(), 0);
@@ -114,11 +114,13 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
 
   // ----- what is known of a pair on the grid
 
-  const PlanarBody& body(std::int32_t index) const { return certifier_.bodies_[at(index)]; }
+  const PlanarGeometryObject& body(std::int32_t index) const { return certifier_.bodies_[at(index)]; }
   const PlanarHull& hull(std::int32_t index) const { return certifier_.hulls_[at(index)]; }
-  double bulge(std::int32_t pair) const { return w_.bounds[at(pair)].curvature * w_.grid.step() * w_.grid.step() / 8; }
+  double chord_deviation(std::int32_t pair) const {
+    return w_.bounds[at(pair)].curvature * w_.grid.step() * w_.grid.step() / 8;
+  }
   // More than this along a direction at both ends of an interval settles it.
-  double apart(std::int32_t pair) const { return bulge(pair) + slack_; }
+  double apart(std::int32_t pair) const { return chord_deviation(pair) + slack_; }
 
   PlanarPlaces poses(const PlanarMotionPair& pair, std::size_t state) const {
     return {w_.grid.place_of(body(pair.a).link, state), w_.grid.place_of(body(pair.b).link, state),
@@ -142,7 +144,7 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
 
   unsigned near(std::int32_t index) const {
     const PlanarMotionPair& pair = pairs_[at(index)];
-    const PlanarBody &a = body(pair.a), &b = body(pair.b);
+    const PlanarGeometryObject &a = body(pair.a), &b = body(pair.b);
     if (b.link < 0) return chords_meet_box(w_.grid, pair.a, b.box, a.radius + apart(index));
     const double moved = w_.bounds[at(index)].speed * w_.grid.step() / 2;
     return centres_come_near(w_.grid, pair.a, pair.b, a.radius + b.radius + slack_ + moved);
@@ -177,13 +179,13 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
   }
 
   PlanarProof proof(const PairState& s, double from, double to, double least) const {
-    return {s.index, parameter(from), parameter(to), s.plane.direction, least - slack_, bulge(s.index)};
+    return {s.index, parameter(from), parameter(to), s.plane.direction, least - slack_, chord_deviation(s.index)};
   }
 
   // On an interval so short that a pair which nothing settles is within the tolerance all the way, it is refused.
   bool fail(PairState& s, std::size_t i) {
     const double way = w_.bounds[at(s.index)].speed * w_.grid.step();
-    const bool is_short = way + bulge(s.index) + 2 * slack_ <= tolerance_;
+    const bool is_short = way + chord_deviation(s.index) + 2 * slack_ <= tolerance_;
     return leave(s, i, is_short ? w_.grid.parameter(i) : end_within(s, i));
   }
 

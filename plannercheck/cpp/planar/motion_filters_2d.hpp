@@ -7,10 +7,12 @@
 
 namespace plannercheck {
 
-// Intervals on which a point within `reach` of the chord of a body's centre may be in a box (least x, y, largest x, y).
-unsigned chords_meet_box(const PlanarGrid& grid, std::int32_t body, const std::array<double, 4>& box, double reach);
+// Intervals on which a point within `max_distance` of the chord of a body's centre may be in a box (least x, y, largest
+// x, y).
+unsigned chords_meet_box(const PlanarGrid& grid, std::int32_t body, const std::array<double, 4>& box,
+                         double max_distance);
 
-// Intervals at an end of which the centres of two bodies are no further than `reach` from each other.
-unsigned centres_come_near(const PlanarGrid& grid, std::int32_t a, std::int32_t b, double reach);
+// Intervals at an end of which the centres of two bodies are no further than `max_distance` from each other.
+unsigned centres_come_near(const PlanarGrid& grid, std::int32_t a, std::int32_t b, double max_distance);
 
 }  // namespace plannercheck

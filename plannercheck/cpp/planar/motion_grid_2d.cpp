@@ -38,7 +38,7 @@ void PlanarGrid::place(const double* q0, const double* q1, const PlanarPiece& pi
       }
     }
     for (const std::int32_t mover : movers_) {
-      const PlanarBody& body = bodies_[at(mover)];
+      const PlanarGeometryObject& body = bodies_[at(mover)];
       const PlanarLinkLanes& link = lanes_[at(body.link)];
       double* row = &centres_[2 * kPlanarRow * at(mover) + first];
       store_lanes(row, link.x + (link.cos * body.x - link.sin * body.y));

@@ -15,7 +15,7 @@ inline constexpr std::size_t kPlanarRow = 48;
 
 class PlanarGrid {
  public:
-  PlanarGrid(const std::vector<PlanarLink>& links, std::size_t width, const std::vector<PlanarBody>& bodies,
+  PlanarGrid(const std::vector<PlanarLink>& links, std::size_t width, const std::vector<PlanarGeometryObject>& bodies,
              const std::vector<std::int32_t>& movers)
       : links_(links),
         bodies_(bodies),
@@ -44,7 +44,7 @@ class PlanarGrid {
 
  private:
   const std::vector<PlanarLink>& links_;
-  const std::vector<PlanarBody>& bodies_;
+  const std::vector<PlanarGeometryObject>& bodies_;
   const std::vector<std::int32_t>& movers_;
   std::size_t intervals_ = 1;
   std::array<double, kPlanarRow> s_{};

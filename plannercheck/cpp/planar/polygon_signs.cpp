@@ -12,9 +12,9 @@ using planar_detail::kSmallestSize;
 
 namespace {
 
-// The same polynomials in Double2, whose differences of coordinates are exact, take eight operations a term; a
+// The same polynomials in DoubleDouble, whose differences of coordinates are exact, take eight operations a term; a
 // difference of products of two sides is allowed twice as much.
-constexpr double kSideDouble2Bound = 64 * kDouble2Error;
+constexpr double kSideDoubleDoubleBound = 64 * kDoubleDoubleError;
 
 int sign_of_side(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
@@ -28,7 +28,7 @@ struct Vec2 {
 
 template <class Number>
 Number exactly(double value) {
-  if constexpr (std::is_same_v<Number, Double2>) {
+  if constexpr (std::is_same_v<Number, DoubleDouble>) {
     return {value, 0};
   } else {
     return Number(value);
@@ -37,7 +37,7 @@ Number exactly(double value) {
 
 template <class Number>
 Number exact_difference(double a, double b) {
-  if constexpr (std::is_same_v<Number, Double2>) {
+  if constexpr (std::is_same_v<Number, DoubleDouble>) {
     return two_sum(a, -b);
   } else {
     return Number(a) - Number(b);
@@ -106,8 +106,8 @@ int PlanarSigns::finer_sign(const HostLine& line, const GuestPoint& point) const
   const double size = permanent(line, point);
   if (first_ != Precision::kExact && size > kSmallestSize && size < kLargestSize) {
     ++counters_.double_double;
-    const Double2 finer = side_of<Double2>(guest_, host_, turn_, line, point.index);
-    if (std::fabs(finer.high) > kSideDouble2Bound * size) return sign_of_side(finer.high);
+    const DoubleDouble finer = side_of<DoubleDouble>(guest_, host_, turn_, line, point.index);
+    if (std::fabs(finer.high) > kSideDoubleDoubleBound * size) return sign_of_side(finer.high);
   }
   ++counters_.exact;
   return exact_side(line, point).sign();
@@ -126,15 +126,16 @@ int PlanarSigns::finer_mixed(const HostLine& i, const HostLine& j, const GuestPo
   if (first_ != Precision::kExact && smallest > kSmallestSize && largest < kLargestSize) {
     ++counters_.double_double;
     const auto finer_side = [&](const HostLine& l, const GuestPoint& p) {
-      return side_of<Double2>(guest_, host_, turn_, l, p.index);
+      return side_of<DoubleDouble>(guest_, host_, turn_, l, p.index);
     };
-    const Double2 fia = finer_side(i, a), fjb = finer_side(j, b), fib = finer_side(i, b), fja = finer_side(j, a);
-    const Double2 finer = fia * fjb - fib * fja;
-    // Each side errs by at most kSideDouble2Bound of its permanent; twice that leaves room for products and difference.
+    const DoubleDouble fia = finer_side(i, a), fjb = finer_side(j, b), fib = finer_side(i, b), fja = finer_side(j, a);
+    const DoubleDouble finer = fia * fjb - fib * fja;
+    // Each side errs by at most kSideDoubleDoubleBound of its permanent; twice that leaves room for products and
+    // difference.
     const double bound =
-        2 * kSideDouble2Bound *
-        (std::fabs(fia.high) * size_jb + size_ia * (std::fabs(fjb.high) + kSideDouble2Bound * size_jb) +
-         std::fabs(fib.high) * size_ja + size_ib * (std::fabs(fja.high) + kSideDouble2Bound * size_ja));
+        2 * kSideDoubleDoubleBound *
+        (std::fabs(fia.high) * size_jb + size_ia * (std::fabs(fjb.high) + kSideDoubleDoubleBound * size_jb) +
+         std::fabs(fib.high) * size_ja + size_ib * (std::fabs(fja.high) + kSideDoubleDoubleBound * size_ja));
     if (std::fabs(finer.high) > bound) return sign_of_side(finer.high);
   }
   ++counters_.exact;
@@ -179,9 +180,10 @@ int PlanarSigns::finer_compare(const Slope& slope, std::size_t a, std::size_t b)
   if (first_ != Precision::kExact && !weights.exact && size > kSmallestSize && size < kLargestSize &&
       is_usable(vx + vy)) {
     ++counters_.double_double;
-    const Double2 finer = Double2{weights.first, 0} * side_difference<Double2>(guest_, host_, turn_, i, a, b) +
-                          Double2{weights.second, 0} * side_difference<Double2>(guest_, host_, turn_, j, a, b);
-    if (std::fabs(finer.high) > kSideDouble2Bound * size) return sign_of_side(finer.high);
+    const DoubleDouble finer =
+        DoubleDouble{weights.first, 0} * side_difference<DoubleDouble>(guest_, host_, turn_, i, a, b) +
+        DoubleDouble{weights.second, 0} * side_difference<DoubleDouble>(guest_, host_, turn_, j, a, b);
+    if (std::fabs(finer.high) > kSideDoubleDoubleBound * size) return sign_of_side(finer.high);
   }
   ++counters_.exact;
   check_finite(i, a);

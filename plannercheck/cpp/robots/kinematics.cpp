@@ -205,7 +205,7 @@ Anchor anchor_of(int joint, const std::vector<Anchor>& anchors) {
   return joint < 0 ? Anchor{-1, false, {}} : anchors[static_cast<size_t>(joint)];
 }
 
-// A placement on something that moves as it is, on something that stands still in the world.
+// A placement on something that moves as it is, on something static in the world.
 Rigid placed(const Anchor& anchor, const Rigid& placement) {
   if (!anchor.posed) return placement;
   Rigid out;

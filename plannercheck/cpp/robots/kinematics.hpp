@@ -53,7 +53,7 @@ struct LinkSpec {
   Rigid placement;  // on that joint
 };
 
-// What a joint or link hangs on: a moving joint; else, if `posed`, something that stands still at `pose`; else the
+// What a joint or link hangs on: a moving joint; else, if `posed`, something static at `pose`; else the
 // world.
 struct Anchor {
   int joint;  // among the moving joints, or -1

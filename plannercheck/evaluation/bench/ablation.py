@@ -13,14 +13,12 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
-
-Floats = NDArray[np.float64]
 
 # Arguments of `Checker`, all True by default, in the order of the stages.
 SWITCHES = (

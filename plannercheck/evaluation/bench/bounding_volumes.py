@@ -11,14 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.hausdorff import heights
-
-Floats = NDArray[np.float64]
 
 # Steps towards the furthest point: the ball is within some per cent of the least (Badoiu and Clarkson).
 _STEPS = 32
@@ -31,7 +29,7 @@ def balls_around(body: Polytope, counts: Sequence[int]) -> dict[int, Floats]:
     """Covers of a body by several numbers of balls.
 
     Args:
-        body: A body of any dimension; its swell is covered as well.
+        body: A body of any dimension; its inflation radius is covered as well.
         counts: How many balls, each at least 1.
 
     Returns:
@@ -45,7 +43,7 @@ def balls_around(body: Polytope, counts: Sequence[int]) -> dict[int, Floats]:
 
 def _refined(body: Polytope, most: int) -> Iterator[Floats]:
     cells = [body]
-    balls = [_ball(body.vertices, body.swell)]
+    balls = [_ball(body.vertices, body.inflation_radius)]
     excess = [_excess(body, balls[0])]
     yield np.array(balls)
     while len(cells) < most:
@@ -55,17 +53,17 @@ def _refined(body: Polytope, most: int) -> Iterator[Floats]:
             return
         within = slice(worst, worst + 1)
         cells[within] = parts
-        balls[within] = [_ball(part.vertices, body.swell) for part in parts]
+        balls[within] = [_ball(part.vertices, body.inflation_radius) for part in parts]
         excess[within] = [_excess(body, ball) for ball in balls[worst : worst + len(parts)]]
         yield np.array(balls)
 
 
 def _excess(body: Polytope, ball: Floats) -> float:
-    """How far a ball sticks out of a body, up to its swell; of a flat body the radius will do."""
+    """How far a ball sticks out of a body, up to its inflation radius; of a flat body the radius will do."""
     return float(ball[3] + (heights(ball[None, :3], body)[0] if len(body.faces) else 0.0))
 
 
-def _ball(points: Floats, swell: float) -> Floats:
+def _ball(points: Floats, inflation_radius: float) -> Floats:
     """A ball (4,) about as small as any around points."""
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     best, least = centre, np.inf
@@ -74,7 +72,7 @@ def _ball(points: Floats, swell: float) -> Floats:
         if squares.max() < least:
             best, least = centre, squares.max()
         centre = centre + (points[int(squares.argmax())] - centre) / (step + 1)
-    return np.append(best, (np.sqrt(least) + swell) * (1 + _GROWTH) + 1e-12)
+    return np.append(best, (np.sqrt(least) + inflation_radius) * (1 + _GROWTH) + 1e-12)
 
 
 def _halves(cell: Polytope) -> list[Polytope] | None:
@@ -112,7 +110,7 @@ def box_around(body: Polytope) -> tuple[Box, Floats]:
 
 def _box_along(body: Polytope, axes: Floats) -> tuple[Box, Floats]:
     along = body.vertices @ axes
-    low, high = along.min(axis=0) - body.swell, along.max(axis=0) + body.swell
+    low, high = along.min(axis=0) - body.inflation_radius, along.max(axis=0) + body.inflation_radius
     size = (high - low) * (1 + _GROWTH) + _SMALLEST
     return Box(tuple(size.tolist())), _pose(axes, axes @ (low + high) / 2)
 
@@ -130,7 +128,7 @@ def _capsule_along(body: Polytope, axes: Floats) -> tuple[Capsule, Floats]:
     reach = np.sqrt(np.maximum(seen[3] ** 2 - ((along[:, :2] - seen[:2]) ** 2).sum(axis=1), 0))
     low, high = (along[:, 2] + reach).min(), (along[:, 2] - reach).max()
     low, high = min(low, (low + high) / 2), max(high, (low + high) / 2)  # a ball would do: any point between
-    radius = (seen[3] + body.swell) * (1 + _GROWTH) + _SMALLEST
+    radius = (seen[3] + body.inflation_radius) * (1 + _GROWTH) + _SMALLEST
     return Capsule(radius, high - low + _SMALLEST), _pose(axes, axes @ np.array([seen[0], seen[1], (low + high) / 2]))
 
 

@@ -15,18 +15,17 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck import ndim, planar
 from plannercheck.bodies.intersection import Method, pair_options
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.evaluation.bench import dobkin_kirkpatrick
 from plannercheck.evaluation.bench.nearest_points import Support, share_a_point
 from plannercheck.evaluation.stress import body_families as families
 from plannercheck.evaluation.stress import contact_poses as contacts
 
-Floats = NDArray[np.float64]
 # Of one query: rounds and visited vertices.
 Count = tuple[int, int]
 

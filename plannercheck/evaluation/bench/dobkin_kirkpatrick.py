@@ -21,14 +21,11 @@ from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.evaluation.bench.nearest_points import Nearest, nearest_of_few
 from plannercheck.evaluation.bench.truncated_hierarchies import alive_levels
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # m, for bodies of about 1 m: a vertex so little beyond a plane is on it, as far as doubles can tell.
 _BEYOND = 1e-9
@@ -54,12 +51,12 @@ class LevelledBody:
         self.vertices = body.vertices
         alive = [np.arange(len(body.vertices)), *alive_levels(body)]
         self.top = alive[-1]
-        self.stars: list[dict[int, Ints]] = []
+        self.stars: list[dict[int, Ints64]] = []
         self.appearing: list[dict[int, list[int]]] = []
         for finer, coarser in zip(alive[-2::-1], alive[:0:-1], strict=True):
             self._add_level(finer, np.setdiff1d(finer, coarser))
 
-    def _add_level(self, alive: Ints, new: Ints) -> None:
+    def _add_level(self, alive: Ints64, new: Ints64) -> None:
         is_new = np.zeros(len(self.vertices), dtype=bool)
         is_new[new] = True
         stars: dict[int, list[int]] = {int(v): [int(v)] for v in new}
@@ -72,7 +69,7 @@ class LevelledBody:
         self.appearing.append(dict(appearing))
 
 
-def _edges(vertices: Floats, alive: Ints) -> list[tuple[int, int]]:
+def _edges(vertices: Floats, alive: Ints64) -> list[tuple[int, int]]:
     """The edges of a level, both ways round, without those within a facet, which triangulation adds."""
     hull = Polytope(vertices[alive])
     apex: dict[tuple[int, int], int] = {}
@@ -152,7 +149,7 @@ class _Walk:
             return pair
         return _nearer(pair, self._from_star(turn, side.body.stars[side.level - 1][found]))
 
-    def _from_star(self, turn: int, star: Ints) -> Nearest:
+    def _from_star(self, turn: int, star: Ints64) -> Nearest:
         """The closest pair of a star and the other body's current level, down from that body's top."""
         other = self.sides[1 - turn]
         pair = self._closest_with(turn, star, other.body.top)
@@ -178,10 +175,10 @@ class _Walk:
         lowest = int(np.argmin(heights))
         return appearing[lowest] if heights[lowest] < -_BEYOND else None
 
-    def _closest_with(self, turn: int, own: Ints, other: Ints) -> Nearest:
+    def _closest_with(self, turn: int, own: Ints64, other: Ints64) -> Nearest:
         return self._closest(own, other) if turn == 0 else self._closest(other, own)
 
-    def _closest(self, first: Ints, second: Ints) -> Nearest:
+    def _closest(self, first: Ints64, second: Ints64) -> Nearest:
         """The closest pair of two sets of constant size; its vertices are the body's."""
         self.visited += len(first) + len(second)
         found = nearest_of_few(self.sides[0].points[first], self.sides[1].points[second])

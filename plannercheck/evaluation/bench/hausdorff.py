@@ -8,18 +8,16 @@ one around it, the other way round. The distance to a convex body is a convex fu
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
-
-Floats = NDArray[np.float64]
+from plannercheck.common.array_types import Floats
 
 # Pairs of points and triangles that are measured at once, to bound memory.
 _BLOCK = 1_000_000
 
 
 def furthest(points: Floats, body: Polytope) -> float:
-    """The greatest distance (m) of points (n, 3) from a body with volume, its swell left out; 0 if all are inside."""
+    """The greatest distance (m) of points (n, 3) from a body with volume, its radius left out; 0 if all are inside."""
     outside = points[heights(points, body) > 0]
     step = max(1, _BLOCK // len(body.faces))
     blocks = [outside[k : k + step] for k in range(0, len(outside), step)]

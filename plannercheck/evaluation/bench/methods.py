@@ -14,12 +14,12 @@ from functools import partial
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Body, Hull
+from plannercheck.bodies.shapes import GeometryObject, Hull
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import other_libraries as peers
+from plannercheck.evaluation.bench import other_libraries
 from plannercheck.evaluation.bench.bounding_volumes import balls_around, box_around, capsule_around
 from plannercheck.evaluation.bench.hausdorff import furthest, furthest_of_balls
 from plannercheck.evaluation.bench.sphere_model import SphereModel
@@ -27,8 +27,6 @@ from plannercheck.evaluation.bench.truncated_hierarchies import inner_levels, ou
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl"]
 
 # All kinds except the exact ones, which are always compared.
@@ -85,7 +83,7 @@ def methods(checker: Checker, kinds: Iterable[Kind] = KINDS) -> Iterator[Method]
 
 
 def _exact(checker: Checker) -> Iterator[Method]:
-    build = partial(_stand_in_checker, checker, {})
+    build = partial(_substitute_checker, checker, {})
     batch = Method("plannercheck, batch", "exact", "check_states", build, _none_off, _by_batch)
     yield batch
     yield replace(
@@ -133,14 +131,14 @@ def _ompl_states(checker: Checker) -> Callable[[Floats], Any] | None:
 def _cut_off(checker: Checker, side: Literal["inner", "outer"]) -> Iterator[Method]:
     """Stand-ins from each level of the hierarchies; a body with fewer levels stays at its coarsest."""
     levels_of = inner_levels if side == "inner" else outer_levels
-    levels = {k: levels_of(p) for k, p in _own(checker) if p.dimension == 3 and p.swell == 0}
+    levels = {k: levels_of(p) for k, p in _own(checker) if p.dimension == 3 and p.inflation_radius == 0}
     for level in range(1, 1 + max(map(len, levels.values()), default=0)):
         chosen = {k: found[min(level, len(found)) - 1] for k, found in levels.items() if found}
         yield Method(
             f"{side} bodies, level {level}",
             side,
             "check_states on the hierarchies' bodies at this level; their preparation counts, not finding them",
-            partial(_stand_in_checker, checker, {k: _as_hull(checker.bodies[k], p) for k, p in chosen.items()}),
+            partial(_substitute_checker, checker, {k: _as_hull(checker.bodies[k], p) for k, p in chosen.items()}),
             partial(_hausdorff, checker, chosen, side),
             _by_batch,
         )
@@ -152,14 +150,14 @@ def _own(checker: Checker) -> list[tuple[int, Polytope]]:
     return [(k, polytope) for k, polytope in enumerate(own) if polytope is not None]
 
 
-def _as_hull(body: Body, polytope: Polytope) -> Body:
-    return Body(body.name, body.link, body.pose, Hull(polytope.vertices))
+def _as_hull(body: GeometryObject, polytope: Polytope) -> GeometryObject:
+    return GeometryObject(body.name, body.link, body.pose, Hull(polytope.vertices))
 
 
-def _stand_in_checker(checker: Checker, stand_ins: dict[int, Body]) -> Checker:
-    bodies = [stand_ins.get(k, body) for k, body in enumerate(checker.bodies)]
+def _substitute_checker(checker: Checker, substitutes: dict[int, GeometryObject]) -> Checker:
+    bodies = [substitutes.get(k, body) for k, body in enumerate(checker.bodies)]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of resting pairs, which the exact checker has given
+        warnings.simplefilter("ignore", RuntimeWarning)  # of static pairs, which the exact checker has given
         return Checker(checker.robot, checker.scene, bodies=bodies)
 
 
@@ -182,7 +180,7 @@ def _spheres(checker: Checker, count: int) -> Method:
         for k, polytope in _own(checker):
             balls = built.covers[k]
             if polytope.dimension == 3:
-                radii = balls[:, 3] - polytope.swell + built.margin
+                radii = balls[:, 3] - polytope.inflation_radius + built.margin
                 off.append(furthest_of_balls(balls[:, :3], radii, polytope))
             else:
                 off.append(float(balls[:, 3].max()))
@@ -194,12 +192,12 @@ def _spheres(checker: Checker, count: int) -> Method:
 
 def _wrapped(checker: Checker, kind: Literal["capsules", "boxes"], wrap: Callable[[Polytope], Any]) -> Method:
     def build() -> Checker:
-        stand_ins = {}
+        substitutes = {}
         for k, polytope in _own(checker):
             body = checker.bodies[k]
             shape, pose = wrap(polytope)
-            stand_ins[k] = Body(body.name, body.link, _product(body.pose, pose), shape)
-        return _stand_in_checker(checker, stand_ins)
+            substitutes[k] = GeometryObject(body.name, body.link, _product(body.pose, pose), shape)
+        return _substitute_checker(checker, substitutes)
 
     def error(built: Checker) -> float:
         off = [_sticks_out(built.polytopes[k], polytope, wrap(polytope)[1]) for k, polytope in _own(checker)]
@@ -213,8 +211,10 @@ def _sticks_out(around: Polytope | None, polytope: Polytope, pose: Floats) -> fl
     assert around is not None
     corners = around.vertices @ pose[:3, :3].T + pose[:3, 3]
     if polytope.dimension < 3:
-        return float(np.linalg.norm(corners - polytope.vertices.mean(axis=0), axis=1).max() + around.swell)
-    return furthest_of_balls(corners, np.full(len(corners), around.swell - polytope.swell), polytope)
+        return float(np.linalg.norm(corners - polytope.vertices.mean(axis=0), axis=1).max() + around.inflation_radius)
+    return furthest_of_balls(
+        corners, np.full(len(corners), around.inflation_radius - polytope.inflation_radius), polytope
+    )
 
 
 def _product(a: Floats, b: Floats) -> Floats:
@@ -225,8 +225,11 @@ def _product(a: Floats, b: Floats) -> Floats:
 
 def _coal(checker: Checker) -> Iterator[Method]:
     note = "computeCollisions from Python, stopping at the first collision; the error is the tolerance"
-    for tolerance in peers.COAL_TOLERANCES:
-        for name, build in (("AABB tree", peers.coal_with_tree), ("all pairs", peers.coal_all_pairs)):
+    for tolerance in other_libraries.COAL_TOLERANCES:
+        for name, build in (
+            ("AABB tree", other_libraries.coal_with_tree),
+            ("all pairs", other_libraries.coal_all_pairs),
+        ):
             title = f"Pinocchio + coal, {name}, tolerance {tolerance:g}"
             built = partial(build, checker, tolerance)
             yield Method(title, "coal", note, built, partial(_stated, tolerance), _by_call, _COAL_STATES)
@@ -234,10 +237,10 @@ def _coal(checker: Checker) -> Iterator[Method]:
 
 def _fcl(checker: Checker) -> Method:
     note = "loop in Python over the pairs whose boxes meet"
-    return Method("python-fcl", "fcl", note, partial(peers.fcl, checker), _unknown, _by_call, _FCL_STATES)
+    return Method("python-fcl", "fcl", note, partial(other_libraries.fcl, checker), _unknown, _by_call, _FCL_STATES)
 
 
-def _by_call(built: peers.Judge, q: Any) -> Bools:
+def _by_call(built: other_libraries.Judge, q: Any) -> Bools:
     return built(q)
 
 

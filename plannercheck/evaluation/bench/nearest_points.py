@@ -17,12 +17,10 @@ from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 # From a direction (3,) to the furthest vertex (3,).
 Support: TypeAlias = Callable[[Floats], Floats]
 
@@ -45,8 +43,8 @@ class Nearest:
 
     first: Floats
     second: Floats
-    first_vertices: Ints
-    second_vertices: Ints
+    first_vertices: Ints64
+    second_vertices: Ints64
 
     @property
     def apart(self) -> Floats:

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.fcl_bodies import FclBodies
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Body, Box, Capsule, Cone, Cylinder, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Sphere
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 
-Floats = NDArray[np.float64]
 Judge = Callable[[Floats], NDArray[np.bool_]]
 
 # coal's tolerance for GJK in m: its own default and the smallest it takes, and a coarse one.
@@ -64,7 +64,7 @@ def fcl(checker: Checker) -> Judge:
     """python-fcl pair by pair, on those whose boxes meet."""
     bodies = FclBodies(
         [None if p is None else (p.vertices, p.faces) for p in checker.polytopes],
-        [0.0 if p is None else p.swell for p in checker.polytopes],
+        [0.0 if p is None else p.inflation_radius for p in checker.polytopes],
     )
     unknown = [checker.bodies[k].name for k in np.unique(checker.pairs).tolist() if not bodies.known[k]]
     if unknown:
@@ -114,7 +114,7 @@ def coal_geometry_model(checker: Checker) -> Any:
     return geometry
 
 
-def _joint_of(checker: Checker, body: Body) -> tuple[int, Any]:
+def _joint_of(checker: Checker, body: GeometryObject) -> tuple[int, Any]:
     """The joint that a body hangs on, 0 for the world, and its placement there."""
     import pinocchio as pin
 
@@ -126,7 +126,7 @@ def _joint_of(checker: Checker, body: Body) -> tuple[int, Any]:
     return frame.parentJoint, frame.placement * placement
 
 
-def coal_shape(body: Body, polytope: Polytope) -> Any:
+def coal_shape(body: GeometryObject, polytope: Polytope) -> Any:
     """The same shape in coal, without a polytope around a curved one."""
     import coal
 

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.fcl_bodies import load_fcl
 from plannercheck.bodies.intersection import Method, pair_options
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.other_libraries import coal_hull
@@ -26,8 +26,6 @@ from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.evaluation.stress.body_families import family
 from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Posed = tuple[Floats, Floats]
 
 SIZES = (8, 32, 150, 1000, 10_000, 100_000)

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.complexity import ComplexityRow
 from plannercheck.evaluation.bench.pairs import GAPS, PairRow
@@ -180,5 +180,5 @@ def _figure(width: float, height: float) -> Any:
 def _saved(figure: Any, path: Path) -> list[Path]:
     files = [path.with_suffix(suffix) for suffix in _SUFFIXES]
     for file in files:
-        written_aside(file, partial(figure.savefig, dpi=110, format=file.suffix[1:]))
+        write_atomically(file, partial(figure.savefig, dpi=110, format=file.suffix[1:]))
     return files

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.core import core
 
 _CHECKOUT = Path(__file__).parents[3]
@@ -42,7 +42,7 @@ def write_record(path: Path, rows: Sequence[Any]) -> None:
         "rows": [_fields(row) for row in rows],
     }
     text = json.dumps(record, indent=1, ensure_ascii=False, default=_plain) + "\n"
-    written_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
 def command_line(arguments: Sequence[str]) -> str:

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.bench.build_cost import Built, built, resident_bytes
 from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
-
-Floats = NDArray[np.float64]
 
 # Boxes near the robot, in every scene.
 NEAR = 100

@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Body, Box, Capsule, Cylinder, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Sphere
+from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.hausdorff import planes
 from plannercheck.motions.checker import Checker
-
-Floats = NDArray[np.float64]
 
 # Of an obstacle, as in cpp/evaluation/sphere_model.hpp.
 _ROUNDED_BOX, _CYLINDER, _PLANES = range(3)
@@ -86,7 +85,9 @@ def _largest_coordinate(checker: Checker) -> float:
     """Bounds coordinates at random configurations, and sizes of bodies and obstacles, generously; m."""
     poses = checker.body_poses(checker.robot.random_configurations(64, 0))
     far = float(np.nanmax(np.abs(poses[..., :3, 3]))) if poses.size else 0.0
-    reach = max((float(p.core.reach + p.swell) for p in checker.polytopes if p is not None), default=0.0)
+    reach = max(
+        (float(p.core.origin_radius + p.inflation_radius) for p in checker.polytopes if p is not None), default=0.0
+    )
     return 2 * far + 2 * reach + 1
 
 
@@ -102,7 +103,7 @@ def _on_link(balls: Floats, pose: Floats) -> Floats:
     return np.column_stack([balls[:, :3] @ pose[:3, :3].T + pose[:3, 3], balls[:, 3]])
 
 
-def _obstacle(body: Body, polytope: Polytope | None, excess: float) -> tuple[int, tuple[float, ...], Floats]:
+def _obstacle(body: GeometryObject, polytope: Polytope | None, excess: float) -> tuple[int, tuple[float, ...], Floats]:
     """Kind, half sizes with the rounding, and planes (k, 4) of an obstacle in its own frame."""
     none = np.zeros((0, 4))
     match body.shape:

@@ -11,16 +11,13 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.build_cost import built
 from plannercheck.evaluation.bench.methods import Method
 from plannercheck.evaluation.bench.timing import least_seconds, seconds_of
 from plannercheck.motions.checker import Checker
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 Report = Callable[[str], None]
 

@@ -11,7 +11,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from plannercheck.common.atomic_files import written_aside
+from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 
 
@@ -29,7 +29,7 @@ def write_csv(path: Path, rows: Sequence[Any]) -> None:
             writer.writeheader()
             writer.writerows(asdict(row) for row in rows)
 
-    written_aside(path, write)
+    write_atomically(path, write)
 
 
 def output_folder(path: Path | None) -> Path | None:

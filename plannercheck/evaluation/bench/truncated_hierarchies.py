@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.array_types import Floats, Ints64
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Exact = NDArray[np.object_]
 
 # As in cpp/bodies/hierarchy.hpp: vertices of at most this degree are removed.
@@ -35,7 +34,7 @@ def inner_levels(body: Polytope) -> list[Polytope]:
     return [Polytope(body.vertices[level]) for level in alive_levels(body)]
 
 
-def alive_levels(body: Polytope) -> list[Ints]:
+def alive_levels(body: Polytope) -> list[Ints64]:
     """Indices of a body's vertices that are alive at each level of its inner hierarchy, the finest level left out."""
     return _alive(body.vertices, np.asarray(body.core.levels(False)))
 
@@ -57,14 +56,14 @@ def outer_levels(body: Polytope) -> list[Polytope]:
     return levels
 
 
-def _alive(points: Floats, level: Ints) -> list[Ints]:
+def _alive(points: Floats, level: Ints64) -> list[Ints64]:
     """Indices of the points alive at each level above 0: as the core has them, then by more rounds of removal."""
     levels = [np.flatnonzero(level >= k) for k in range(1, int(level.max()) + 1)]
     levels += _further(points, levels[-1] if levels else np.arange(len(points)))
     return levels
 
 
-def _further(points: Floats, alive: Ints) -> Iterator[Ints]:
+def _further(points: Floats, alive: Ints64) -> Iterator[Ints64]:
     while len(alive) > _FEWEST:
         hull = Polytope(points[alive])
         kept = _without_independent(hull)
@@ -74,7 +73,7 @@ def _further(points: Floats, alive: Ints) -> Iterator[Ints]:
         yield alive
 
 
-def _without_independent(hull: Polytope) -> Ints:
+def _without_independent(hull: Polytope) -> Ints64:
     """The vertices left when independent ones of small degree are removed, the smallest degree first."""
     neighbours: list[set[int]] = [set() for _ in hull.vertices]
     for face in hull.faces.tolist():

@@ -166,7 +166,7 @@ def point(n: int, rng: np.random.Generator) -> Points:
     return np.asarray(rng.integers(2) * rng.uniform(-0.5, 0.5, size=(1, 3)))
 
 
-# Without volume, or nearly; one that is swollen is a sphere, a capsule or a rounded plate.
+# Without volume, or nearly; one that is inflated is a sphere, a capsule or a rounded plate.
 THIN_FAMILIES: dict[str, Callable[[int, np.random.Generator], Points]] = {
     "plate": plate,
     "tilted plate": tilted_plate,

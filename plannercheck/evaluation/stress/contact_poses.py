@@ -82,7 +82,7 @@ class Solid:
     def width(self) -> float:
         """The least extent along a facet's normal, m: at least the true width, and equal to it for a box.
 
-        0 for bodies without facets, swollen or not.
+        0 for bodies without facets, inflated or not.
         """
         if len(self.faces) == 0:
             return 0.0

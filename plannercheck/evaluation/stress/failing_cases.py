@@ -27,12 +27,12 @@ class Case:
     Attributes:
         name: What they are.
         bodies: Vertices of the first and second (n, 3), then their poses (4, 4), m.
-        swells: Of the first and second, m.
+        inflation_radii: Of the first and second, m.
     """
 
     name: str
     bodies: Bodies
-    swells: tuple[float, float] = (0.0, 0.0)
+    inflation_radii: tuple[float, float] = (0.0, 0.0)
 
     @staticmethod
     def of(p: Solid, r: Solid, pose_p: Points, pose_r: Points) -> Case:
@@ -44,8 +44,8 @@ class Case:
         arrays = [[[x.hex() for x in row] for row in array.tolist()] for array in self.bodies]
         keys = ("vertices_p", "vertices_r", "pose_p", "pose_r")
         content = {"name": self.name, **dict(zip(keys, arrays, strict=True))}
-        if any(self.swells):
-            content["swells"] = [float(swell).hex() for swell in self.swells]
+        if any(self.inflation_radii):
+            content["swells"] = [float(inflation_radius).hex() for inflation_radius in self.inflation_radii]
         path.write_text(json.dumps(content, indent=0))
 
     @staticmethod
@@ -62,8 +62,8 @@ class Case:
             np.array([[float.fromhex(x) for x in row] for row in content[key]])
             for key in ("vertices_p", "vertices_r", "pose_p", "pose_r")
         )
-        swell_p, swell_r = (float.fromhex(x) for x in content.get("swells", ("0x0p0", "0x0p0")))
-        return Case(content["name"], (p, r, pose_p, pose_r), (swell_p, swell_r))
+        inflation_p, inflation_r = (float.fromhex(x) for x in content.get("swells", ("0x0p0", "0x0p0")))
+        return Case(content["name"], (p, r, pose_p, pose_r), (inflation_p, inflation_r))
 
 
 def shrunk(case: Case, fails: Callable[[Case], bool]) -> Case:
@@ -92,7 +92,7 @@ def _without_some(case: Case, body: int, part: int, fails: Callable[[Case], bool
         kept = [*range(first), *range(first + part, count)]
         arrays = list(case.bodies)
         arrays[body] = arrays[body][kept]
-        smaller = Case(case.name, (arrays[0], arrays[1], arrays[2], arrays[3]), case.swells)
+        smaller = Case(case.name, (arrays[0], arrays[1], arrays[2], arrays[3]), case.inflation_radii)
         if kept and fails(smaller):
             return smaller
     return case

@@ -35,7 +35,7 @@ class Oracle:
         """Takes the vertices as they are."""
         self._drawn = drawn
         self._compiled = _module()
-        self._p, self._r = (self._compiled.Points(body.vertices, body.swell) for body in (drawn.p, drawn.r))
+        self._p, self._r = (self._compiled.Points(body.vertices, body.inflation_radius) for body in (drawn.p, drawn.r))
 
     def truth(self, thorough: bool) -> tuple[list[bool], int]:
         """Whether each pair shares a point, proved.
@@ -82,7 +82,12 @@ class Oracle:
 
 def _by_integers(drawn: Draw, k: int) -> bool:
     return exact.intersects(
-        drawn.p.vertices, drawn.r.vertices, drawn.poses_p[k], drawn.poses_r[k], drawn.p.swell, drawn.r.swell
+        drawn.p.vertices,
+        drawn.r.vertices,
+        drawn.poses_p[k],
+        drawn.poses_r[k],
+        drawn.p.inflation_radius,
+        drawn.r.inflation_radius,
     )
 
 

@@ -40,8 +40,8 @@ class Fcl:
         return _outcomes(drawn, first, self._shape, self._collide)
 
     def _shape(self, body: Specimen) -> Any:
-        if body.swell:
-            return _swollen_shape(body, self._fcl.Sphere, self._fcl.Capsule)
+        if body.inflation_radius:
+            return _inflated_shape(body, self._fcl.Sphere, self._fcl.Capsule)
         if body.polytope.dimension < 3:
             return None
         faces = body.polytope.faces
@@ -73,8 +73,8 @@ class Coal:
         return _outcomes(drawn, first, self._shape, self._collide)
 
     def _shape(self, body: Specimen) -> Any:
-        if body.swell:
-            return _swollen_shape(body, self._coal.Sphere, self._coal.Capsule)
+        if body.inflation_radius:
+            return _inflated_shape(body, self._coal.Sphere, self._coal.Capsule)
         if body.polytope.dimension < 3:
             return None
         points, triangles = self._coal.StdVec_Vec3s(), self._coal.StdVec_Triangle()
@@ -90,12 +90,16 @@ class Coal:
         return bool(result.isCollision())
 
 
-def _swollen_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Callable[[float, float], Any]) -> Any:
+def _inflated_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Callable[[float, float], Any]) -> Any:
     """A sphere or capsule about the origin; None for anything else."""
     low, high = body.vertices[0], body.vertices[-1]
     if body.polytope.dimension > 1 or (low + high).any() or low[:2].any():
         return None
-    return sphere(body.swell) if body.polytope.dimension == 0 else capsule(body.swell, 2 * abs(float(low[2])))
+    return (
+        sphere(body.inflation_radius)
+        if body.polytope.dimension == 0
+        else capsule(body.inflation_radius, 2 * abs(float(low[2])))
+    )
 
 
 def _outcomes(

@@ -26,7 +26,7 @@ from plannercheck.evaluation.stress.contact_poses import (
     turns_onto,
     unit,
 )
-from plannercheck.evaluation.stress.sample_bodies import HULLS, SWOLLEN, Indices, Specimen, prepared, specimen
+from plannercheck.evaluation.stress.sample_bodies import HULLS, INFLATED, Indices, Specimen, prepared, specimen
 from plannercheck.evaluation.stress.touching_neighbours import NEIGHBOURS, neighbours
 
 # Sizes of the smaller body, m; the larger one over it, up to LARGEST; distances from the origin, m.
@@ -163,7 +163,7 @@ def _in_contact(relation: str, placement: Placement, sizes: list[float], rng: np
     poses_p, poses_r = _posed(turn_p), _posed(turn_r)
     poses_r[:, :3, 3] = _far_away(placement, rng)
     touch = poses_r[:, :3, 3] + turned(poses_r, point_r) - turned(poses_p, point_p)
-    poses_p[:, :3, 3] = touch + (p.swell + r.swell + gap)[:, None] * directions
+    poses_p[:, :3, 3] = touch + (p.inflation_radius + r.inflation_radius + gap)[:, None] * directions
     poses_p[:, :3, 3] = _stepped(poses_p[:, :3, 3], directions)
     return Draw(p.family, _label(relation, placement, p, r), p, r, poses_p, poses_r)
 
@@ -190,7 +190,7 @@ def _nested(size: float, rng: np.random.Generator) -> tuple[Specimen, Specimen, 
     """A body and the same one, half as large, about a vertex or a middle."""
     p = _random_specimen(size, rng)
     centre = p.vertices[0] if rng.integers(2) else p.vertices.mean(axis=0)
-    inner = prepared(p.family, centre + (p.vertices - centre) / 2, p.swell / 2)
+    inner = prepared(p.family, centre + (p.vertices - centre) / 2, p.inflation_radius / 2)
     return p, inner, p.features(1, rng)[1][0]
 
 
@@ -211,7 +211,7 @@ RELATIONS: dict[str, Callable[[str, Placement, np.random.Generator], Draw]] = {
     **dict.fromkeys(_PARTNERS, same_frame),
 }
 _RELATION_WEIGHTS = [0.62, 0.06, 0.02, *[0.3 / len(_PARTNERS)] * len(_PARTNERS)]
-FAMILY_NAMES = (*HULLS, *SWOLLEN, *_PARTNERS, "extreme scales", "coinciding centres")
+FAMILY_NAMES = (*HULLS, *INFLATED, *_PARTNERS, "extreme scales", "coinciding centres")
 
 
 def _random_count(rng: np.random.Generator) -> int:
@@ -219,7 +219,7 @@ def _random_count(rng: np.random.Generator) -> int:
 
 
 def _random_specimen(size: float, rng: np.random.Generator) -> Specimen:
-    return specimen(str(rng.choice([*HULLS, *SWOLLEN])), _random_count(rng), float(size), rng)
+    return specimen(str(rng.choice([*HULLS, *INFLATED])), _random_count(rng), float(size), rng)
 
 
 def _may_align(placement: Placement, rng: np.random.Generator) -> bool:

@@ -17,9 +17,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.certificates import SharedPoint
 from plannercheck.bodies.intersection import METHODS, Method, certify, pair_options
@@ -33,7 +30,6 @@ from plannercheck.evaluation.stress.random_cases import GAPS, Draw, numbered_dra
 from plannercheck.evaluation.stress.sample_bodies import Specimen
 from plannercheck.evaluation.stress.supervised_process import Supervised
 
-Flags = NDArray[np.bool_]
 Outcome = bool | str  # a verdict, or the kind of failure
 
 WRONG, EXCEPTION, TIMEOUT, UNFIT = "wrong", "exception", "timeout", "unfit"
@@ -289,7 +285,9 @@ def _ask(drawn: Draw, method: Method, some: slice, limit: float) -> _Answer:
 def _kept(drawn: Draw, k: int, method: Method) -> Case:
     p, r = drawn.p, drawn.r
     name = f"{method}, gap {list(GAPS)[k]}, {drawn.label}"
-    case = Case(name, (p.vertices, r.vertices, drawn.poses_p[k], drawn.poses_r[k]), (p.swell, r.swell))
+    case = Case(
+        name, (p.vertices, r.vertices, drawn.poses_p[k], drawn.poses_r[k]), (p.inflation_radius, r.inflation_radius)
+    )
     return shrunk(case, lambda smaller: fails(smaller, method))
 
 
@@ -305,9 +303,9 @@ def fails(case: Case, method: Method) -> bool:
     """
     p, r, pose_p, pose_r = case.bodies
     try:
-        bodies = [Polytope(v, swell=s) for v, s in zip((p, r), case.swells, strict=True)]
+        bodies = [Polytope(v, inflation_radius=s) for v, s in zip((p, r), case.inflation_radii, strict=True)]
     except PlannercheckError:
         return False
     first, second = (Specimen("case", body, 1.0) for body in bodies)
     answer = _ask(Draw("", "", first, second, pose_p[None], pose_r[None]), method, slice(None), QUERY_LIMIT)
-    return bool(answer.failure) or answer.verdicts[0] != exact.intersects(*case.bodies, *case.swells)
+    return bool(answer.failure) or answer.verdicts[0] != exact.intersects(*case.bodies, *case.inflation_radii)

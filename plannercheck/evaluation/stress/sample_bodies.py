@@ -1,6 +1,6 @@
 """Prepared bodies to be put in contact, with points on their boundary and outward directions there.
 
-In: a family, a number of vertices, a size, a swell. Out: a `Specimen`, of any dimension.
+In: a family, a number of vertices, a size, an inflation radius. Out: a `Specimen`, of any dimension.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from plannercheck.evaluation.stress.contact_poses import Points, random_directio
 
 Indices = NDArray[np.int64]
 
-# Families of hulls, and swollen ones: the family that is swollen, and the swell over the size.
+# Families of hulls, and inflated ones: the family that is inflated, and the inflation radius over the size.
 HULLS = (*FAMILIES, "mesh", *THIN_FAMILIES)
-SWOLLEN: dict[str, tuple[str, float]] = {
+INFLATED: dict[str, tuple[str, float]] = {
     "sphere": ("point", 0.5),
     "capsule": ("segment", 0.1),
     "rounded plate": ("plate", 0.01),
@@ -36,9 +36,9 @@ class Specimen:
     """A prepared body.
 
     Attributes:
-        family: One of HULLS or SWOLLEN, or what else it is.
+        family: One of HULLS or INFLATED, or what else it is.
         polytope: The body.
-        size: Its greatest extent along an axis, swell included, m; of a point 1.
+        size: Its greatest extent along an axis, inflation radius included, m; of a point 1.
     """
 
     family: str
@@ -51,9 +51,9 @@ class Specimen:
         return self.polytope.vertices
 
     @property
-    def swell(self) -> float:
+    def inflation_radius(self) -> float:
         """All points within this distance of the hull belong to the body, m."""
-        return self.polytope.swell
+        return self.polytope.inflation_radius
 
     def support(self, directions: Points) -> Points:
         """The hull's vertex that is about furthest along each direction (k, 3); (k, 3), m."""
@@ -119,7 +119,7 @@ def specimen(family: str, n: int, size: float, rng: np.random.Generator) -> Spec
     """A random body of a family.
 
     Args:
-        family: One of HULLS or SWOLLEN.
+        family: One of HULLS or INFLATED.
         n: About how many points, at least 8.
         size: About how large, m.
         rng: Random numbers.
@@ -127,8 +127,8 @@ def specimen(family: str, n: int, size: float, rng: np.random.Generator) -> Spec
     Returns:
         The prepared body.
     """
-    base, swell = SWOLLEN.get(family, (family, 0.0))
-    return prepared(family, base_points(base, n, rng) * size, swell * size)
+    base, inflation_radius = INFLATED.get(family, (family, 0.0))
+    return prepared(family, base_points(base, n, rng) * size, inflation_radius * size)
 
 
 def base_points(family: str, n: int, rng: np.random.Generator) -> Points:
@@ -138,10 +138,10 @@ def base_points(family: str, n: int, rng: np.random.Generator) -> Points:
     return (FAMILIES.get(family) or THIN_FAMILIES[family])(n, rng)
 
 
-def prepared(family: str, points: Points, swell: float = 0.0) -> Specimen:
+def prepared(family: str, points: Points, inflation_radius: float = 0.0) -> Specimen:
     """The specimen of points (n, 3), m."""
-    polytope = Polytope(points, swell=swell, name=family)
-    extent = float(np.ptp(polytope.vertices, axis=0).max()) + 2 * swell
+    polytope = Polytope(points, inflation_radius=inflation_radius, name=family)
+    extent = float(np.ptp(polytope.vertices, axis=0).max()) + 2 * inflation_radius
     return Specimen(family, polytope, extent if extent > 0 else 1.0)
 
 

@@ -12,11 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.evaluation.stress_motions.tangents import Tangents
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Classes of lengths: probability, and powers of ten of the largest angle, rad (or length, m). The huge ones cost
 # thousands of intervals each.

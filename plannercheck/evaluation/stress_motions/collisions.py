@@ -6,13 +6,11 @@ In: a draw with the answers to its motions. Out: faults.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, FREE, Answers, Judged, said, states_on, valid
 from plannercheck.evaluation.stress_motions.subjects import Subject
-
-Floats = NDArray[np.float64]
 
 # States of an accepted motion: evenly spread with a random start, and at both sides of the contact so far off.
 _SPREAD = 16

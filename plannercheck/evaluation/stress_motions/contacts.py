@@ -14,13 +14,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import Shape, hull_and_swell
+from plannercheck.bodies.shapes import Shape, inflated_hull
+from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress.contact_poses import random_directions, turns_onto
 from plannercheck.evaluation.stress_motions.recipes import shape_of
-
-Floats = NDArray[np.float64]
 
 # Widths of gaps, m, as powers of ten.
 _GAPS = (-3.9, -0.5)
@@ -56,11 +54,11 @@ class Extent:
 
     Attributes:
         vertices: (n, 3), m.
-        swell: m.
+        inflation_radius: m.
     """
 
     vertices: Floats
-    swell: float
+    inflation_radius: float
 
     def furthest(self, direction: Floats, rng: np.random.Generator | None = None) -> Floats:
         """The vertex (3,) that is furthest along a unit direction; any point of a facet, if one is."""
@@ -83,8 +81,8 @@ class Extent:
 
 def extent_of(shape: Shape) -> Extent:
     """The extent of a shape as checkers take it."""
-    vertices, _, swell = hull_and_swell(shape)
-    return Extent(np.asarray(vertices), float(swell))
+    vertices, _, inflation_radius = inflated_hull(shape)
+    return Extent(np.asarray(vertices), float(inflation_radius))
 
 
 def random_shape(rng: np.random.Generator, large: bool = False) -> list[Any]:
@@ -162,9 +160,9 @@ def random_contact(
     normal /= np.linalg.norm(normal)
     turn = turns_onto(turned[None], -normal[None], rng)[0]
     # Poses off rigid stretch what vertices span, not the balls around them.
-    point = pose[:3, :3] @ body.furthest(direction, rng) + pose[:3, 3] + body.swell * normal
+    point = pose[:3, :3] @ body.furthest(direction, rng) + pose[:3, 3] + body.inflation_radius * normal
     local = other.furthest(turn.T @ -normal)
-    foot = turn @ local - other.swell * normal
+    foot = turn @ local - other.inflation_radius * normal
     placed = np.eye(4)
     placed[:3, :3] = turn
     touches = bool(rng.random() < _TOUCHING)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress_motions.aims import Aim, Motions, joined
 from plannercheck.evaluation.stress_motions.contacts import (
     SHARP,
@@ -44,9 +44,6 @@ from plannercheck.evaluation.stress_motions.trees import (
 )
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Motions of a draw: so many that building robot and checkers takes no more time than judging them.
 MOTIONS = 100

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.aims import Aim, Motions, through
 from plannercheck.evaluation.stress_motions.contacts import USUAL, Closeness
@@ -18,9 +18,6 @@ from plannercheck.evaluation.stress_motions.recipes import SpaceRecipe
 from plannercheck.evaluation.stress_motions.tangents import Tangents
 from plannercheck.evaluation.stress_motions.trees import random_states
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Off-unit lengths go to this part of what is accepted.
 _OFF_UNIT, _ONE_WAY = 1.99e-7, 0.8

@@ -119,7 +119,7 @@ def _alike(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.
     proving = _SINGLE if len(used.checker.pairs) <= _MANY_PAIRS else _EXPLAINED
     for k, row in enumerate(order[-_SINGLE:].tolist()):
         proofs = k < proving and bool(rng.integers(2))
-        answer = _passage(used, draw, row, judged, proofs)
+        answer = _motion_result(used, draw, row, judged, proofs)
         # Proofs are of all pairs, also of those that a verdict leaves out, whose numbers may be larger.
         if not (proofs and answer == DECLINED):
             _compare("explained" + " with proofs" * proofs, row, answer, answers, judged)
@@ -152,9 +152,9 @@ def _single(subject: Subject, draw: Draw, row: int, judged: Judged) -> int:
         return FAILED
 
 
-def _passage(subject: Subject, draw: Draw, row: int, judged: Judged, proofs: bool) -> int:
+def _motion_result(subject: Subject, draw: Draw, row: int, judged: Judged, proofs: bool) -> int:
     try:
-        found = subject.passage(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance, proofs)
+        found = subject.motion_result(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance, proofs)
         return FREE if found.free else REFUSED
     except PlannercheckError as error:
         return declined(error, row, judged)

@@ -7,9 +7,9 @@ motion that the checker judges, mimic joints included.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from ompl import base
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.draws import FAMILIES
 from plannercheck.evaluation.stress_motions.outcomes import ASTRAY, Judged
@@ -18,8 +18,6 @@ from plannercheck.evaluation.stress_motions.subjects import SpaceSubject
 from plannercheck.evaluation.stress_motions.trees import random_tree
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
 
 OMPL_FAMILY = "ompl"
 _MOTIONS, _STATES = 40, 5

@@ -11,12 +11,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.subjects import Subject
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Answers = NDArray[np.int8]
 
 FREE, REFUSED, DECLINED, FAILED = 1, 0, -1, -2

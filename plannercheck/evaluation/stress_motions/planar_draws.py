@@ -10,15 +10,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck import planar
+from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress_motions.aims import Motions, joined, lengths, lifted, parameters
 from plannercheck.evaluation.stress_motions.draws import MOTIONS, Draw
 from plannercheck.evaluation.stress_motions.recipes import LinkRecipe, PlaneRecipe, PolygonRecipe, planar_robot_of
 from plannercheck.evaluation.stress_motions.subjects import PlaneSubject
-
-Floats = NDArray[np.float64]
 
 PLANAR_FAMILIES = ("plane chain", "plane swing", "plane shipped", "plane curves")
 # Motions of a draw on curves: taking a curve apart costs more than all else.

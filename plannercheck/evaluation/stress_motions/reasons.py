@@ -6,7 +6,6 @@ In: a draw with the answers to its motions. Out: faults.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.draws import Draw
@@ -28,8 +27,6 @@ from plannercheck.evaluation.stress_motions.outcomes import (
 )
 from plannercheck.evaluation.stress_motions.subjects import Subject
 
-Floats = NDArray[np.float64]
-
 # States, and rounds, of a search for the least clearance of a refusal that seems to have no reason.
 _STATES, _ROUNDS = 513, 4
 # Refusals may name a state that is this much further away than the tolerance, m, and the same per largest number:
@@ -48,10 +45,10 @@ def reasons(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np
     refused = np.flatnonzero(answers == REFUSED)
     named = []
     for row in refused.tolist():
-        passage = used.passage(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
-        if passage.free:
+        result = used.motion_result(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
+        if result.free:
             judged.add(HISTORY, row, "refused by a fresh checker among all, explained as free")
-        near = passage.near
+        near = result.near
         named.append(states_on(draw, used, row, np.array([min(max(near, 0.0), 1.0)]))[0])
     if not named:
         return
@@ -115,7 +112,7 @@ def verified(draw: Draw, used: Subject, answers: Answers, judged: Judged, count:
         q0, q1 = draw.motions.q0[row], draw.motions.q1[row]
         try:
             (proof,) = used.certify(q0[None], q1[None], draw.tolerance)
-            if proof is None and used.passage(q0, q1, draw.tolerance, proofs=True).proved_until < 1:
+            if proof is None and used.motion_result(q0, q1, draw.tolerance, proofs=True).proved_until < 1:
                 judged.counts["no proof"] += 1
                 continue
             verification = None if proof is None else proof.verify()

@@ -13,10 +13,10 @@ from typing import Any, Literal, TypeAlias, TypedDict
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from plannercheck import planar
-from plannercheck.bodies.shapes import Body, Box, Capsule, Cylinder, Hull, Shape, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Hull, Shape, Sphere
+from plannercheck.common.array_types import Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.description import find_description, read_description
 from plannercheck.robots.loading import RobotParts
@@ -24,7 +24,6 @@ from plannercheck.robots.robot import Robot
 from plannercheck.robots.urdf import Mimic, link_tree
 from plannercheck.scenes.scene import Scene
 
-Floats: TypeAlias = NDArray[np.float64]
 Matrix: TypeAlias = list[list[float]]
 
 # Pinocchio's bindings make continuous joints of any axis from a URDF alone.
@@ -207,9 +206,9 @@ def shape_of(shape: list[Any]) -> Shape:
     return curved
 
 
-def _body(body: BodyRecipe, name: str, links: set[str]) -> Body:
+def _body(body: BodyRecipe, name: str, links: set[str]) -> GeometryObject:
     assert body["link"] in links
-    return Body(name, body["link"], np.array(body["pose"]), shape_of(body["shape"]))
+    return GeometryObject(name, body["link"], np.array(body["pose"]), shape_of(body["shape"]))
 
 
 def space_checker(recipe: SpaceRecipe, robot: Robot | None = None) -> Checker:

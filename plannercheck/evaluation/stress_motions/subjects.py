@@ -6,11 +6,11 @@ clearances share no code with the proofs of motions.
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.evaluation.stress_motions.recipes import (
     PlaneRecipe,
     Recipe,
@@ -18,14 +18,11 @@ from plannercheck.evaluation.stress_motions.recipes import (
     planar_checker,
     space_checker,
 )
-from plannercheck.motions.certifier_answers import Passage
+from plannercheck.motions.certifier_answers import MotionResult
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.robot import Robot as PlanarRobot
 from plannercheck.proofs import Proof
 from plannercheck.robots.robot import Robot
-
-Floats: TypeAlias = NDArray[np.float64]
-Bools: TypeAlias = NDArray[np.bool_]
 
 # Pairs of edges taken at once, to bound memory.
 _BLOCK = 256
@@ -44,7 +41,7 @@ class Subject(Protocol):
     def check_one(self, q0: Floats, q1: Floats, tolerance: float) -> bool:
         """Whether one motion (nq,) to (nq,) is free."""
 
-    def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
+    def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
         """What `explain_motion` is made of, without the search for the first collision."""
 
     def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
@@ -82,10 +79,10 @@ class SpaceSubject:
         """See `Subject`."""
         return self.checker.check_motion(q0, q1, tolerance=tolerance)
 
-    def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
+    def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
         """See `Subject`."""
         (start,), (end,) = self.checker._motion_ends(q0[None], q1[None])
-        return self.checker.motion_certifier.passage(start, end, tolerance, proofs, q1)
+        return self.checker.motion_certifier.motion_result(start, end, tolerance, proofs, q1)
 
     def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
         """See `Subject`."""
@@ -135,10 +132,10 @@ class PlaneSubject:
         """See `Subject`."""
         return self.checker.check_motion(q0, q1, None, tolerance, curve=self._curve, turning_radius=self._radius)
 
-    def passage(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> Passage:
+    def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
         """See `Subject`."""
         start, end, pieces = self._motion(q0, q1)
-        return self.checker.motion_certifier.passage(start, end, tolerance, proofs, pieces, q1)
+        return self.checker.motion_certifier.motion_result(start, end, tolerance, proofs, pieces, q1)
 
     def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
         """See `Subject`."""

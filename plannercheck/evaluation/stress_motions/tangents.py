@@ -13,10 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp): unit turns, and joints of several numbers.
 _CIRCLES = range(4, 8)
@@ -42,11 +40,11 @@ class Tangents:
         owners: (dimension,) the joint, or column, that each number belongs to.
     """
 
-    linear: Ints
+    linear: Ints64
     parts: tuple[tuple[int, int, int], ...]
     slides: NDArray[np.bool_]
     turning: NDArray[np.bool_]
-    owners: Ints
+    owners: Ints64
 
     @property
     def dimension(self) -> int:

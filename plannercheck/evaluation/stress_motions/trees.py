@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress.contact_poses import random_directions, turns_onto
 from plannercheck.evaluation.stress_motions.recipes import JointRecipe, Matrix, SpaceRecipe, tree_recipe
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
 
 TURNS = ("revolute x", "revolute y", "revolute z", "revolute")
 CONTINUOUS = ("continuous x", "continuous y", "continuous z", "continuous")

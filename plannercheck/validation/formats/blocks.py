@@ -1,7 +1,7 @@
 """Blocks of rows, which the readers of all formats produce.
 
-In: arrays of a file. Out: `Block`s of at most a given number of rows, (n, nq) in the robot's order, in the file's own
-units. Each has the part of the file that has been read, for progress.
+In: arrays of a file. Out: `RowBlock`s of at most a given number of rows, (n, nq) in the robot's order, in the file's
+own units. Each has the part of the file that has been read, for progress.
 """
 
 from __future__ import annotations
@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.validation.formats.columns import Columns, WidthError
-
-Floats = NDArray[np.float64]
 
 # The usual names of the array of configurations, for files that hold several arrays.
 KEYS = ("q", "configurations")
@@ -24,7 +23,7 @@ KEYS = ("q", "configurations")
 NAMES_KEY = "joint_names"
 
 
-class Block(NamedTuple):
+class RowBlock(NamedTuple):
     """Consecutive rows of a file.
 
     Attributes:
@@ -93,7 +92,7 @@ def fields_of(dtype: np.dtype[Any], columns: Columns) -> list[str] | None:
     return chosen
 
 
-def even(blocks: Iterable[Block], size: int, width: int) -> Iterator[Block]:
+def even(blocks: Iterable[RowBlock], size: int, width: int) -> Iterator[RowBlock]:
     """The same rows in blocks of `size`, the last one shorter: some formats come in pieces of their own."""
     held: list[Floats] = []
     count, part = 0, None
@@ -104,7 +103,7 @@ def even(blocks: Iterable[Block], size: int, width: int) -> Iterator[Block]:
             joined = np.concatenate(held) if len(held) > 1 else held[0]
             whole = count // size * size
             for first in range(0, whole, size):
-                yield Block(joined[first : first + size], part)
+                yield RowBlock(joined[first : first + size], part)
             held, count = [joined[whole:]], count - whole
     if count:
-        yield Block(np.concatenate([np.empty((0, width)), *held]), part)
+        yield RowBlock(np.concatenate([np.empty((0, width)), *held]), part)

@@ -15,21 +15,19 @@ from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.checking.protocols import AnyRobot
-from plannercheck.common.checked_yaml import within
+from plannercheck.common.array_types import Floats
+from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.package_data import is_file, is_folder
-from plannercheck.validation.formats.blocks import Block
+from plannercheck.validation.formats.blocks import RowBlock
 from plannercheck.validation.formats.columns import Columns, HeaderError, WidthError, columns_of
 from plannercheck.validation.formats.csv import csv_blocks, csv_stream_blocks
 from plannercheck.validation.formats.hdf5 import hdf5_blocks
 from plannercheck.validation.formats.npy import NPY_MAGIC, npy_blocks, npy_stream_blocks, npz_blocks
 from plannercheck.validation.formats.parquet import parquet_blocks
-
-Floats = NDArray[np.float64]
 
 # Rows read at once: some megabytes for any robot, and enough to keep all threads busy.
 CHUNK_ROWS = 65_536
@@ -96,14 +94,14 @@ def read_sets(
     if paths.count(STANDARD_INPUT) > 1:
         raise PlannercheckError("standard input can be read only once")
     for path in paths:  # not after hours of work on those before it
-        with within(_called(path)):
+        with error_context(_called(path)):
             _check_file(path)
     states = [_state(path) for path in paths]
     sizes = [None if state is None else state.size for state in states]
     total = None if None in sizes else max(1, sum(size or 0 for size in sizes))
     for number, path in enumerate(paths):
         before, own = sum(size or 0 for size in sizes[:number]), sizes[number] or 0
-        with within(_called(path)):
+        with error_context(_called(path)):
             for chunk in _checked(_configurations(path, columns, key, size)):
                 known = total is not None and chunk.part is not None
                 part = (before + own * (chunk.part or 0.0)) / total if known and total else None
@@ -170,7 +168,7 @@ def _check_file(path: Path) -> None:
         raise PlannercheckError(f"is no {path.suffix.lower()[1:]} file: {kind}")
 
 
-def _blocks(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[Block]:
+def _blocks(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[RowBlock]:
     if path == STANDARD_INPUT:
         return _stream_blocks(sys.stdin.buffer, columns, size)
     suffix = path.suffix.lower()
@@ -179,7 +177,7 @@ def _blocks(path: Path, columns: Columns, key: str | None, size: int) -> Iterato
     return _SINGLE[suffix](path, columns, size)
 
 
-def _stream_blocks(stream: BinaryIO, columns: Columns, size: int) -> Iterator[Block]:
+def _stream_blocks(stream: BinaryIO, columns: Columns, size: int) -> Iterator[RowBlock]:
     """Rows of a stream, npy or csv as its first bytes say."""
     start = stream.read(len(NPY_MAGIC))
     buffered = cast(BinaryIO, io.BufferedReader(_Continued(start, stream)))
@@ -191,7 +189,7 @@ def _stream_blocks(stream: BinaryIO, columns: Columns, size: int) -> Iterator[Bl
     return _text_stream_blocks(buffered, columns, size)
 
 
-def _text_stream_blocks(stream: BinaryIO, columns: Columns, size: int) -> Iterator[Block]:
+def _text_stream_blocks(stream: BinaryIO, columns: Columns, size: int) -> Iterator[RowBlock]:
     try:
         with io.TextIOWrapper(stream, encoding="utf-8-sig", newline=None) as text:
             yield from csv_stream_blocks(text, columns, size)
@@ -215,7 +213,7 @@ class _Continued(io.RawIOBase):
         return len(part)
 
 
-def _configurations(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[Block]:
+def _configurations(path: Path, columns: Columns, key: str | None, size: int) -> Iterator[RowBlock]:
     """Blocks of configurations, in whichever of the robot's ways the file gives them."""
     ways = (columns,) if path == STANDARD_INPUT else (columns, *columns.others)
     errors: list[WidthError] = []
@@ -227,12 +225,12 @@ def _configurations(path: Path, columns: Columns, key: str | None, size: int) ->
             errors.append(error)
             continue
         for block in () if first is None else itertools.chain([first], blocks):
-            yield Block(way.configurations(block.rows), block.part)
+            yield RowBlock(way.configurations(block.rows), block.part)
         return
     raise next((error for error in errors if not isinstance(error, HeaderError)), errors[0])
 
 
-def _checked(blocks: Iterator[Block]) -> Iterator[Chunk]:
+def _checked(blocks: Iterator[RowBlock]) -> Iterator[Chunk]:
     first = 0
     for block in blocks:
         rows = np.ascontiguousarray(block.rows)

@@ -12,16 +12,13 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.checking.protocols import AnyRobot
+from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.robots.configurations import PLAIN, ConfigurationMap
 from plannercheck.robots.robot import Robot
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # Names of columns that an error lists.
 _SHOWN_NAMES = 20

@@ -1,6 +1,6 @@
 """csv: one configuration a line, separated by commas, semicolons, tabs or spaces.
 
-In: a text stream. Out: `Block`s. The first line may name the columns: then the joints' columns are found by name, in
+In: a text stream. Out: `RowBlock`s. The first line may name the columns: then the joints' columns are found by name, in
 any order, and other columns are ignored. Empty lines and lines that start with # are skipped.
 """
 
@@ -13,19 +13,17 @@ from pathlib import Path
 from typing import TextIO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.validation.formats.blocks import Block
+from plannercheck.validation.formats.blocks import RowBlock
 from plannercheck.validation.formats.columns import Columns
-
-Floats = NDArray[np.float64]
 
 # From this many lines on, another library is faster although it takes a moment to load.
 MANY_LINES = 10_000
 
 
-def csv_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:
+def csv_blocks(path: Path, columns: Columns, size: int) -> Iterator[RowBlock]:
     """Rows of a csv file."""
     try:
         with path.open(encoding="utf-8-sig", newline=None) as file:
@@ -34,15 +32,15 @@ def csv_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:
         raise PlannercheckError(f"is no readable text: {error}") from None
 
 
-def csv_stream_blocks(file: TextIO, columns: Columns, size: int, total: int | None = None) -> Iterator[Block]:
+def csv_stream_blocks(file: TextIO, columns: Columns, size: int, total: int | None = None) -> Iterator[RowBlock]:
     """Rows of a text stream; `total` is its length in bytes, if that is known."""
     lines = _Lines(file)
     first = next(lines, None)
     if first is None and columns.width == 0:  # a robot that nothing moves has one configuration, of no numbers
-        yield Block(np.empty((1, 0)), 1.0)
+        yield RowBlock(np.empty((1, 0)), 1.0)
         return
     if first is None:  # NumPy writes an empty set so
-        yield Block(np.empty((0, columns.width)), 1.0)
+        yield RowBlock(np.empty((0, columns.width)), 1.0)
         return
     separator = next((s for s in ",;\t" if s in first), None)
     names = _fields(first, separator)
@@ -54,7 +52,7 @@ def csv_stream_blocks(file: TextIO, columns: Columns, size: int, total: int | No
         if places is None:
             columns.check_width(rows.shape[1])
         part = None if total is None else min(1.0, lines.read / max(total, 1))
-        yield Block(rows if places is None else rows[:, places], part)
+        yield RowBlock(rows if places is None else rows[:, places], part)
         done, pending = done + len(rows), []
 
 

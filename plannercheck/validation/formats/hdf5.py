@@ -1,6 +1,6 @@
 """HDF5, by h5py: a dataset (n, nq), or one dataset (n,) for each joint.
 
-In: a path. Out: `Block`s. A dataset may name its columns by an attribute `joint_names` or by fields.
+In: a path. Out: `RowBlock`s. A dataset may name its columns by an attribute `joint_names` or by fields.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.validation.formats.blocks import (
     NAMES_KEY,
-    Block,
+    RowBlock,
     check_real,
     chosen_key,
     fields_of,
@@ -26,7 +26,7 @@ from plannercheck.validation.formats.blocks import (
 from plannercheck.validation.formats.columns import Columns
 
 
-def hdf5_blocks(path: Path, columns: Columns, size: int, key: str | None = None) -> Iterator[Block]:
+def hdf5_blocks(path: Path, columns: Columns, size: int, key: str | None = None) -> Iterator[RowBlock]:
     """Rows of an HDF5 file; `key` is the path of the dataset or of the group with one dataset a joint."""
     h5py = extra_module("h5py", "hdf5", "hdf5 files")
     try:
@@ -61,7 +61,7 @@ def _item(h5py: Any, group: Any, name: str) -> Any:
     return item
 
 
-def _of_joints(joints: list[Any], columns: Columns, size: int) -> Iterator[Block]:
+def _of_joints(joints: list[Any], columns: Columns, size: int) -> Iterator[RowBlock]:
     shapes = {tuple(joint.shape) for joint in joints}
     if len(shapes) != 1 or len(joints[0].shape) != 1:
         raise PlannercheckError(f"datasets of the joints must all have the same shape (n,), not {sorted(shapes)}")
@@ -71,10 +71,10 @@ def _of_joints(joints: list[Any], columns: Columns, size: int) -> Iterator[Block
     for first in range(0, count, size):
         last = min(first + size, count)
         rows = np.stack([np.asarray(joint[first:last], dtype=np.float64) for joint in joints], axis=1)
-        yield Block(rows, last / count)
+        yield RowBlock(rows, last / count)
 
 
-def _of_table(table: Any, columns: Columns, size: int) -> Iterator[Block]:
+def _of_table(table: Any, columns: Columns, size: int) -> Iterator[RowBlock]:
     fields = fields_of(table.dtype, columns)
     places = places_of(table.attrs.get(NAMES_KEY), columns)
     if fields is None:
@@ -86,4 +86,4 @@ def _of_table(table: Any, columns: Columns, size: int) -> Iterator[Block]:
         last = min(first + size, count)
         values = np.asarray(table[first:last] if table.ndim > 1 or fields else table[()])
         rows = np.atleast_2d(values.astype(np.float64)) if fields is None else stacked(values, fields)
-        yield Block(rows if places is None else rows[:, places], last / count)
+        yield RowBlock(rows if places is None else rows[:, places], last / count)

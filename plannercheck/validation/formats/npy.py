@@ -1,6 +1,6 @@
 """npy and npz: arrays of numpy, read block by block, so that only one block is in memory.
 
-In: a path or a binary stream. Out: `Block`s. Only arrays in Fortran's order inside an npz or on a stream are read
+In: a path or a binary stream. Out: `RowBlock`s. Only arrays in Fortran's order inside an npz or on a stream are read
 whole, since their rows are scattered.
 """
 
@@ -16,11 +16,12 @@ from typing import Any, BinaryIO, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.validation.formats.blocks import (
     NAMES_KEY,
-    Block,
+    RowBlock,
     chosen_key,
     fields_of,
     places_of,
@@ -28,8 +29,6 @@ from plannercheck.validation.formats.blocks import (
     table_shape,
 )
 from plannercheck.validation.formats.columns import Columns
-
-Floats = NDArray[np.float64]
 
 NPY_MAGIC = b"\x93NUMPY"
 
@@ -45,7 +44,7 @@ def _whole(kind: str) -> Iterator[None]:
         raise PlannercheckError(f"is no whole {kind} of numbers, cut short perhaps: {error!s:.200}") from None
 
 
-def npy_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:
+def npy_blocks(path: Path, columns: Columns, size: int) -> Iterator[RowBlock]:
     """Rows of an npy file, read from one descriptor: a file that takes its place meanwhile is never mixed in.
 
     It is read, not mapped: a mapping of a file that somebody cuts short kills the process.
@@ -64,7 +63,7 @@ def npy_blocks(path: Path, columns: Columns, size: int) -> Iterator[Block]:
                     rows[:, k] = _window(file, layout.dtype, offset, k * layout.total + first, n)
             else:
                 rows = layout.rows(_window(file, layout.dtype, offset, first * layout.numbers, n * layout.numbers), n)
-            yield Block(rows, (first + n) / layout.total)
+            yield RowBlock(rows, (first + n) / layout.total)
 
 
 def _window(file: BinaryIO, dtype: np.dtype[Any], offset: int, first: int, count: int) -> NDArray[Any]:
@@ -109,7 +108,7 @@ class _Layout(NamedTuple):
         return np.array(values, dtype=np.float64).reshape(count, self.width)
 
 
-def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str = "npy file") -> Iterator[Block]:
+def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str = "npy file") -> Iterator[RowBlock]:
     """Rows of an npy file that can only be read from its beginning to its end."""
     with _whole(kind):
         layout = _layout_of_header(stream, columns)
@@ -126,7 +125,7 @@ def npy_stream_blocks(stream: BinaryIO, columns: Columns, size: int, kind: str =
         else:
             with _whole(kind):
                 rows = layout.rows(_values(stream, layout.dtype, n * layout.numbers), n)
-        yield Block(rows, (first + n) / layout.total)
+        yield RowBlock(rows, (first + n) / layout.total)
 
 
 def _layout_of_header(stream: BinaryIO, columns: Columns) -> _Layout:
@@ -153,7 +152,7 @@ def _values(stream: BinaryIO, dtype: np.dtype[Any], count: int) -> NDArray[Any]:
     return np.frombuffer(parts[0] if len(parts) == 1 else b"".join(parts), dtype=dtype)
 
 
-def npz_blocks(path: Path, columns: Columns, size: int, key: str | None = None) -> Iterator[Block]:
+def npz_blocks(path: Path, columns: Columns, size: int, key: str | None = None) -> Iterator[RowBlock]:
     """Rows of an array in an npz file: the one named by `key`, its only one, or the one with the usual name.
 
     An array `joint_names` beside it names the columns.
@@ -167,7 +166,7 @@ def npz_blocks(path: Path, columns: Columns, size: int, key: str | None = None) 
             for rows, part in npy_stream_blocks(
                 cast(BinaryIO, stream), columns if given is None else _all(given), size, "npz file"
             ):
-                yield Block(rows if places is None else rows[:, places], part)
+                yield RowBlock(rows if places is None else rows[:, places], part)
 
 
 def _all(names: list[str]) -> Columns:

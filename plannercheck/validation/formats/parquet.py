@@ -1,6 +1,6 @@
 """Parquet, by pyarrow: one column for each joint, found by name, or one column of lists.
 
-In: a path. Out: `Block`s, decoded batch by batch.
+In: a path. Out: `RowBlock`s, decoded batch by batch.
 """
 
 from __future__ import annotations
@@ -12,18 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.optional_imports import extra_module
-from plannercheck.validation.formats.blocks import Block, chosen_key, even
+from plannercheck.validation.formats.blocks import RowBlock, chosen_key, even
 from plannercheck.validation.formats.columns import Columns, WidthError
-
-Floats = NDArray[np.float64]
 
 # Bytes that are read at once from each column of a row group, which may be larger than memory.
 _BUFFER = 1 << 20
 
 
-def parquet_blocks(path: Path, columns: Columns, size: int, key: str | None = None) -> Iterator[Block]:
+def parquet_blocks(path: Path, columns: Columns, size: int, key: str | None = None) -> Iterator[RowBlock]:
     """Rows of a parquet file; `key` is the column of lists, if it is not the only one."""
     arrow = extra_module("pyarrow", "parquet", "parquet files")
     parquet = extra_module("pyarrow.parquet", "parquet", "parquet files")
@@ -51,7 +50,7 @@ def _is_list(arrow: Any, kind: Any) -> bool:
     return bool(types.is_list(kind) or types.is_large_list(kind) or types.is_fixed_size_list(kind))
 
 
-def _batches(arrow: Any, file: Any, chosen: list[str], columns: Columns, size: int) -> Iterator[Block]:
+def _batches(arrow: Any, file: Any, chosen: list[str], columns: Columns, size: int) -> Iterator[RowBlock]:
     total, done = file.metadata.num_rows, 0
     for batch in file.iter_batches(batch_size=size, columns=chosen):
         # Columns come in the file's order.
@@ -60,7 +59,7 @@ def _batches(arrow: Any, file: Any, chosen: list[str], columns: Columns, size: i
         is_list = len(chosen) == 1 and _is_list(arrow, first.type)
         rows = _of_list(first, columns.width, done) if is_list else _of_columns(arrays, chosen, done)
         done += len(rows)
-        yield Block(rows, done / max(total, 1))
+        yield RowBlock(rows, done / max(total, 1))
 
 
 def _of_list(values: Any, width: int, first_row: int) -> Floats:

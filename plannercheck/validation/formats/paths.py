@@ -18,19 +18,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.checking.protocols import AnyRobot
+from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
-from plannercheck.common.checked_yaml import mapping, parse_yaml, read_bytes, sequence, text, within
+from plannercheck.common.checked_yaml import error_context, mapping, parse_yaml, read_bytes, sequence, text
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.robots.robot import Robot
 from plannercheck.validation.formats.chunks import read_chunks, read_states
 from plannercheck.validation.formats.columns import WidthError
 from plannercheck.validation.formats.trajectories import read_trajectory
-
-Floats = NDArray[np.float64]
 
 _TABLES = (".npy", ".npz", ".csv")
 
@@ -70,7 +68,7 @@ def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathF
         PlannercheckError: If the file can't be read, lacks a joint, moves one outside the group, or has no states.
     """
     path = Path(path)
-    with within(f"path file {str(path)!r}"):
+    with error_context(f"path file {str(path)!r}"):
         if path.suffix.lower() in _TABLES:
             blocks = [chunk.rows for chunk in read_chunks(path, joint_names, width)]
             found = PathFile(_table(blocks, width), {})
@@ -99,7 +97,7 @@ def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
     """
     fewer = robot.joint_values.maps if isinstance(robot, Robot) else ()
     if fewer and Path(path).suffix.lower() in _TABLES:
-        with within(f"path file {str(path)!r}"):
+        with error_context(f"path file {str(path)!r}"):
             states = _table([chunk.rows for chunk in read_states(path, robot)], robot.nq)
             if not len(states):
                 raise PlannercheckError("holds no states")

@@ -16,14 +16,12 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from plannercheck.common.checked_yaml import Node, check_keys, mapping, numbers, required, sequence, text, within
+from plannercheck.common.array_types import Floats
+from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.moveit_messages import transform
 from plannercheck.scenes.moveit_states import check_robot_state, joint_values
-
-Floats = NDArray[np.float64]
 
 _TRAJECTORY_KEYS = ("header", "joint_names", "points")
 _POINT_KEYS = ("positions", "velocities", "accelerations", "effort", "time_from_start")
@@ -72,7 +70,7 @@ def read_trajectory(document: Node) -> Trajectory | None:
         if _names(node) != names:
             raise PlannercheckError(f"its trajectories name different joints: {', '.join(_names(node))}")
         for k, item in enumerate(sequence(required(node, "points"), "'points'")):
-            with within(f"point {k}"):
+            with error_context(f"point {k}"):
                 point = mapping(item, "it")
                 check_keys(point, _POINT_KEYS)
                 rows.append(numbers(required(point, "positions"), "positions", len(names)))
@@ -94,7 +92,7 @@ def _joint_trajectories(document: Node) -> list[Node]:
 
 def _check_base(node: Node) -> None:
     """Raises if a joint of several degrees of freedom, such as a mobile base, leaves the identity."""
-    with within("multi_dof_joint_trajectory"):
+    with error_context("multi_dof_joint_trajectory"):
         for point in sequence(node.get("points"), "'points'"):
             for item in sequence(mapping(point, "a point").get("transforms"), "'transforms'"):
                 if not np.array_equal(transform(mapping(item, "a transform")), np.eye(4)):
@@ -113,7 +111,7 @@ def _is_set(point: Node, key: str, count: int) -> bool:
 
 def _held(state: Node, moving: list[str]) -> dict[str, float]:
     """Values of the joints that a start state has besides those that move; what it attaches is warned of."""
-    with within("trajectory_start"):
+    with error_context("trajectory_start"):
         check_robot_state(state, "trajectory")
         attached = sequence(state.get("attached_collision_objects"), "'attached_collision_objects'")
         if attached:

@@ -6,7 +6,7 @@
 # corner: as in kDifference.g, a b w.   product: d·ŵ, p.
 # length: the norm of three squares (1.5u), its root, inverse and product with d: |d| is within 4.5u of 1, n. Heights as
 #         distances, lower and depth: at most the sum of sizes, off by that.
-# swell:  kSwellAlong times the swell, of both bodies, product and sum: 3 roundings, v, of what has to be |d| swell.
+# swell:  kInflationAlong times the swell, of both bodies, product and sum: 3 roundings, v, of what has to be |d| swell.
 # size:   norm_1 and three sums, times the constant, plus kDenormalError, subtracted: s.
 # By hand: "terms", "rows", "vectors", "scan" (README.md): the last says why one vertex of any number is enough.
 u = 1b-53;
@@ -17,7 +17,7 @@ corner = sqrt(3)*3*u*c2*l + u*a*l + u*b*l;
 shift = u*w + u*b;
 product = 3*u*p*l;
 length = 4.5*u*n*l;
-swell = (1 + 4.5*u*n) - @kSwellAlong@*(1 + 3*u*v);
+swell = (1 + 4.5*u*n) - @kInflationAlong@*(1 + 3*u*v);
 bound = K*(1 + 9*u*s);
 { |c| <= 1.00000000000001 /\ |s3| <= 1.00000000000001 /\ |c2| <= 1.00000000000001 /\ |a| <= 1.00000000000001 /\
   |b| <= 1.00000000000001 /\ |w| <= 1 /\ |p| <= 1.00000000000001 /\ |n| <= 1.0000001 /\ |v| <= 1.00000000000001 /\

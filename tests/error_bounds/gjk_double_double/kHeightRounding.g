@@ -1,4 +1,4 @@
-# kHeightRounding: raise_lower_bound, a height in Double2 divided by |d|, in doubles, times the height.
+# kHeightRounding: raise_lower_bound, a height in DoubleDouble divided by |d|, in doubles, times the height.
 #
 # d rounded to doubles, its norm (2.5u), the height's high part, the quotient; the subtractions and the product that follow: n.
 u = 1b-53;

@@ -4,7 +4,7 @@
 # size: in doubles, s; in `measure` kLengthRounding is for lengths and sums of weights in doubles.
 # By hand: "terms"; any positive weights are weights ("mixture").
 u = 1b-53;
-e = @double_double/kDouble2Error@;
+e = @double_double/kDoubleDoubleError@;
 corner = sqrt(3)*2*e*c*l + e*a*l + e*b*l;
 mixed = 4*e*m*l + 3*e*w*l;
 bound = @kMixing@*(1 + 12*u*s);

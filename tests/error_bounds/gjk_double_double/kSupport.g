@@ -1,10 +1,10 @@
-# kSupport: a height in Double2, less that times |d|_1 and the size, is below that of all differences along d.
+# kSupport: a height in DoubleDouble, less that times |d|_1 and the size, is below that of all differences along d.
 #
 # turn: d in a body's frame: product and two sums, c, √3 as a vector; it moves the vertex found and the lowest one, which are
 #       compared exactly. corner: as in kDifference.g. product: d·w, p. size: in doubles, and norm_1 of the rounded d, s.
 # By hand: "terms", "rows", "vectors", "scan".
 u = 1b-53;
-e = @double_double/kDouble2Error@;
+e = @double_double/kDoubleDoubleError@;
 turn = 2*sqrt(3)*3*e*c*l;
 corner = sqrt(3)*2*e*c2*l + e*a*l + e*b*l;
 product = 3*e*p*l;

@@ -10,7 +10,7 @@
 # Both bodies at the ends of an interval, and the computed poses of states between: four poses. The frame's turn acts on 2.
 # gap:    the direction to the world, 2 roundings, sqrt(2), f, on 2; to a body's frame, twice; scan, two rounded products, 2
 #         each, g; the difference, sqrt(2), d, and the product with the direction, 2, p, of 2; a body in the world: 3, sqrt(2), q.
-# length: the direction's is within 4u of 1, n, for the bulge; threshold: three roundings, h, of 3.
+# length: the direction's is within 4u of 1, n, for the chord deviation; threshold: three roundings, h, of 3.
 # circle: of chords and boxes: nine operations on products of the chord with coordinates, up to 2 each way, r.
 # bound: links + 1, size and turns are sums: the constant, sums and products, some 3 a link, 1e-12 of it.
 # By hand: "terms", "rows", "vectors".

@@ -6,7 +6,7 @@
 # parts:   a quaternion between the ends (normalised, product, log_of, exp_of, product) errs by 62u, its matrix by twice
 #          that, where "8u of the ends' numbers", four of up to 1, has 54u: 71u more for each body, of two such parts.
 # towards: the direction in the world, by a product and two sums, sqrt(3) as a vector, times w.
-# threshold: the direction's length is within 4.5u of 1, as in gjk/kSupport.g; bulge, swells and slack by four roundings;
+# threshold: the direction's length is within 4.5u of 1, as in gjk/kSupport.g; chord deviation, swells and slack by four roundings;
 #          both of at most 4 S.
 # gap:     of each body: the direction in its frame, twice; scan, two rounded products; vertex by a product and three sums;
 #          origin by the last sum. Then the difference, of w, and the product with the direction.

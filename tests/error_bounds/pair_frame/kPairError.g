@@ -13,7 +13,7 @@
 # >= 1, and r_Q < 1e150, so that what underflows (2^-1075 a product, sizes above 1e-150) is below u² of the bound.
 u = 1b-53;
 K = @kPairError@;
-polar = @body/kPolarError@;
+polar = @polytope/kPolarError@;
 matrix = 3*3*u*m*l;
 mapped = sqrt(3)*3*u*p*l;
 shift_w = u*w*l + sqrt(3)*3*u*t*l + u*k*l + 2*u*h*l;

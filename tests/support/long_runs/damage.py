@@ -130,13 +130,13 @@ def _command(scene: str, sources: list[Path], output: Path) -> list[str]:
 
 def _keep_journal(scene: str, sources: list[Path], output: Path, kept: Path) -> None:
     """Runs `validate`, and keeps the journal that it removes when the output is whole."""
-    write = outputs.written_aside
+    write = outputs.write_atomically
 
     def keep(path: Path, *arguments: object) -> None:
         kept.write_bytes(Path(f"{output}.progress").read_bytes())
         write(path, *arguments)  # type: ignore[arg-type]
 
-    outputs.written_aside = keep  # type: ignore[attr-defined, assignment]
+    outputs.write_atomically = keep  # type: ignore[attr-defined, assignment]
     with contextlib.redirect_stdout(io.StringIO()):
         cli.main(_command(scene, sources, output))
 

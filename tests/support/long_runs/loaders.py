@@ -211,8 +211,8 @@ def _points(rng: np.random.Generator) -> None:
         points[rng.integers(n), rng.integers(3)] = rng.choice([np.nan, np.inf, -np.inf, 5e-324, 1e308, -0.0, 1e50])
     if rng.integers(8) == 0:
         points = [points.ravel(), points[:, :2], points[None], points.T, points * 1j][int(rng.integers(5))]
-    swell = rng.choice([0.0, 0.1, 1e-300, 1e60, -1.0, np.nan, np.inf]) if rng.integers(2) else 0.0
-    body = pc.Polytope(points, swell=swell)
+    inflation_radius = rng.choice([0.0, 0.1, 1e-300, 1e60, -1.0, np.nan, np.inf]) if rng.integers(2) else 0.0
+    body = pc.Polytope(points, inflation_radius=inflation_radius)
     if body.fault():
         raise AssertionError(body.fault())
     pc.intersects(body, pc.Polytope(np.eye(3)), np.eye(4))

@@ -310,9 +310,9 @@ def _one_box() -> pc.planar.Scene:
 
 
 def _bodies(files: _Files, rng: np.random.Generator) -> None:
-    for k, swell in enumerate((0.0, 0.1)):
-        pc.Polytope(rng.normal(size=(12, 3)), swell=swell).save(files.of("body", f"{k}.body"))
-        data = pc.Polytope(rng.normal(size=(12, 3)), swell=swell).core.serialise()
+    for k, inflation_radius in enumerate((0.0, 0.1)):
+        pc.Polytope(rng.normal(size=(12, 3)), inflation_radius=inflation_radius).save(files.of("body", f"{k}.body"))
+        data = pc.Polytope(rng.normal(size=(12, 3)), inflation_radius=inflation_radius).core.serialise()
         files.of("pickled_body", f"{k}.bin", data)
     case = Case("c", (CORNERS, CORNERS, np.eye(4), np.eye(4)), (0.0, 0.1))
     case.save(files.of("stress_case", "pair.json"))

@@ -1,4 +1,4 @@
-#include "bodies/body.hpp"
+#include "bodies/polytope.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -13,8 +13,8 @@ namespace {
 
 // n / (n · (a − centre)) for the plane through a, b, c: double-double where its error stays below 2^-60, else exact.
 Vec3 polar_point(Vec3 centre, Vec3 a, Vec3 b, Vec3 c) {
-  const Double2Vec3 n = cross(difference(b, a), difference(c, a));
-  const Double2 height = dot(n, difference(a, centre));
+  const DoubleDoubleVec3 n = cross(difference(b, a), difference(c, a));
+  const DoubleDouble height = dot(n, difference(a, centre));
   const double size = norm_max(b - a) * norm_max(c - a);
   const double length = larger(std::fabs(n.x.high), larger(std::fabs(n.y.high), std::fabs(n.z.high)));
   const bool precise = size > 1e-150 && size < 1e60 && size * 0x1p-96 < length * 0x1p-62 &&
@@ -61,7 +61,7 @@ double largest_norm(const std::vector<Vec3>& points, Vec3 from) {
 }
 
 // `points`: the vertices, which differ.
-void enclose(Body& body, const std::vector<Vec3>& points) {
+void enclose(Polytope& body, const std::vector<Vec3>& points) {
   body.low = body.high = points.front();
   for (const Vec3& p : points) {
     body.low = {smaller(body.low.x, p.x), smaller(body.low.y, p.y), smaller(body.low.z, p.z)};
@@ -76,7 +76,7 @@ void enclose(Body& body, const std::vector<Vec3>& points) {
 
 // The polar about a point strictly inside. False, and nothing changed, if doubles can't hold it: the body is thinner
 // than their grid, or so small that its polar overflows.
-bool add_polar(const ConvexMesh& mesh, Body& body) try {
+bool add_polar(const ConvexMesh& mesh, Polytope& body) try {
   const std::optional<Vec3> inside = interior_point(mesh);
   if (!inside) return false;
   const std::vector<Vec3> points = polar_points(mesh, *inside);
@@ -93,7 +93,7 @@ bool add_polar(const ConvexMesh& mesh, Body& body) try {
 }
 
 // Without a polar the centre only aims and bounds: the mean of the vertices will do, rounded.
-void do_without_polar(Body& body) {
+void do_without_polar(Polytope& body) {
   const std::vector<Vec3>& vertices = body.inner.points;
   const double weight = 1 / static_cast<double>(vertices.size());
   body.centre = {};
@@ -101,31 +101,31 @@ void do_without_polar(Body& body) {
   body.polar_radius = std::numeric_limits<double>::infinity();
 }
 
-void measure(Body& body) {
-  body.reach = largest_norm(body.inner.points, {});
+void measure(Polytope& body) {
+  body.origin_radius = largest_norm(body.inner.points, {});
   body.radius = largest_norm(body.inner.points, body.centre);
   enclose(body, body.inner.points);
 }
 
 }  // namespace
 
-Body prepare_body(const ConvexMesh& mesh) {
-  Body body;
+Polytope prepare_polytope(const ConvexMesh& mesh) {
+  Polytope body;
   body.triangles = mesh.triangles;
   body.source = mesh.source;
   body.inner = build_hierarchy(mesh);
   facets(mesh, &body.facet_count);
   if (!add_polar(mesh, body)) do_without_polar(body);
   measure(body);
-  body.alike = alike_ellipsoid(body.inner.points, body.triangles);
+  body.ellipsoid = equivalent_ellipsoid(body.inner.points, body.triangles);
   return body;
 }
 
-Body prepare_body(const std::vector<Vec3>& points) {
-  const Span span = affine_span(points);
-  if (span.dimension == 3) return prepare_body(convex_hull(points));
+Polytope prepare_polytope(const std::vector<Vec3>& points) {
+  const AffineSpan span = affine_span(points);
+  if (span.dimension == 3) return prepare_polytope(convex_hull(points));
   const FlatHull hull = flat_hull(points, span);
-  Body body;
+  Polytope body;
   body.dimension = hull.dimension;
   body.source = hull.source;
   body.inner = build_flat_hierarchy(hull);
@@ -137,11 +137,11 @@ Body prepare_body(const std::vector<Vec3>& points) {
 namespace {
 
 // Every vertex of a flat body is a corner: it is further out than its neighbours allow.
-std::string flat_fault(const Body& body) {
+std::string flat_fault(const Polytope& body) {
   const FlatHull again = flat_hull(body.inner.points, affine_span(body.inner.points));
   if (again.dimension != body.dimension) return "the dimension is wrong";
   if (again.vertices.size() != body.inner.points.size()) return "a vertex is no corner";
-  for (const Levels* h : {static_cast<const Levels*>(&body.inner), &body.inner.crown}) {
+  for (const Levels* h : {static_cast<const Levels*>(&body.inner), &body.inner.top_levels}) {
     std::size_t chained = 0;
     for (const ChainRange& chain : h->chains) chained += at(chain.length);
     const auto removed = std::count_if(h->level.begin(), h->level.end(), [&](auto l) { return l < h->depth; });
@@ -152,7 +152,7 @@ std::string flat_fault(const Body& body) {
 
 }  // namespace
 
-std::string body_fault(const Body& body) try {
+std::string polytope_fault(const Polytope& body) try {
   if (body.dimension < 3) return flat_fault(body);
   const ConvexMesh hull = verified_hull(body.inner.points, body.triangles, &body.centre);
   const std::string inner = hierarchy_fault(hull, body.inner);
@@ -172,9 +172,10 @@ std::string body_fault(const Body& body) try {
   return error.what();
 }
 
-std::size_t Body::bytes() const {
+std::size_t Polytope::bytes() const {
   return sizeof *this + triangles.size() * sizeof(Triangle) + source.size() * sizeof(source[0]) + inner.bytes() +
-         inner.crown.bytes() + polar.bytes() + polar.crown.bytes() + polar_triangles.size() * sizeof(Triangle);
+         inner.top_levels.bytes() + polar.bytes() + polar.top_levels.bytes() +
+         polar_triangles.size() * sizeof(Triangle);
 }
 
 }  // namespace plannercheck

@@ -3,8 +3,8 @@
 // The polar lives in the frame whose origin is `centre`: the facet n·(x − centre) = h becomes the point n / h, so the
 // body is {x : q·(x − centre) <= 1 for all polar points q}. Exactly coplanar triangles are merged before: a cube has
 // six polar points. Polar points are rounded; each errs by at most kPolarError of its length. Bodies without volume
-// (polygons, segments, points) have no polar. Any body may be swollen: the set of points within `swell` of the hull,
-// which makes spheres of points and capsules of segments.
+// (polygons, segments, points) have no polar. Any body may be inflated: the set of points within `inflation_radius` of
+// the hull, which makes spheres of points and capsules of segments.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +22,17 @@ namespace plannercheck {
 // Numerator and denominator are rounded once each (and err by 2^-60 before), then divided: 3u and a little.
 inline constexpr double kPolarError = 4 * 0x1p-53;
 
-// Raise it whenever the fields of Body or Hierarchy, their order or their meaning change: old files are then refused.
-inline constexpr int kBodyFormat = 11;
+// Raise it whenever the fields of Polytope or Hierarchy, their order or their meaning change: old files are then
+// refused.
+inline constexpr int kPolytopeFormat = 11;
 
-struct Body {
+struct Polytope {
   std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3
-  double swell = 0;                  // m
+  double inflation_radius = 0;       // m
   std::vector<Triangle> triangles;   // of the hull, outward; indices into inner.points
   std::vector<std::int32_t> source;  // per vertex: index into the points that were given
   Vec3 centre;                       // strictly inside; without a polar the mean of the vertices, rounded
-  double reach = 0;                  // largest |v|, distance from the frame's origin, over the vertices, rounded up
+  double origin_radius = 0;          // largest |v|, distance from the frame's origin, over the vertices, rounded up
   double radius = 0;                 // largest |v − centre|, rounded up
   Vec3 low, high;                    // the box around the vertices, in the body's frame
   std::int32_t is_box = 0;           // 1 if the body is that box
@@ -40,11 +41,11 @@ struct Body {
   std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward
   double polar_radius = 0;                // largest |q| over the polar points, rounded up
   std::int32_t facet_count = 0;
-  AlikeEllipsoid alike;                         // not in files
-  ComputedOnce<InnerShapes> inner_shapes_once;  // only checkers of configurations need them
+  EquivalentEllipsoid ellipsoid;             // not in files
+  LazyValue<InnerShapes> lazy_inner_shapes;  // only checkers of configurations need them
 
   const InnerShapes& inner_shapes() const {
-    return inner_shapes_once.get([this] { return find_inner_shapes(*this); });
+    return lazy_inner_shapes.get([this] { return find_inner_shapes(*this); });
   }
 
   // Bodies without volume have none, nor have those that are thinner than the grid of doubles.
@@ -52,16 +53,16 @@ struct Body {
   std::size_t bytes() const;
 };
 
-Body prepare_body(const ConvexMesh& mesh);
+Polytope prepare_polytope(const ConvexMesh& mesh);
 
 // Of any dimension: the hull of the points, which are not empty.
-Body prepare_body(const std::vector<Vec3>& points);
+Polytope prepare_polytope(const std::vector<Vec3>& points);
 
 // Words for the first broken property, empty if there is none: hull and polar convex, hierarchies sound.
-std::string body_fault(const Body& body);
+std::string polytope_fault(const Polytope& body);
 
-// The body as bytes, without pointers; `parse_body` throws HullError if they are not such a body.
-std::string serialise(const Body& body);
-Body parse_body(const char* data, std::size_t size);
+// The body as bytes, without pointers; `parse_polytope` throws HullError if they are not such a body.
+std::string serialise(const Polytope& body);
+Polytope parse_polytope(const char* data, std::size_t size);
 
 }  // namespace plannercheck

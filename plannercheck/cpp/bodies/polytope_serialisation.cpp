@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "bodies/body.hpp"
+#include "bodies/polytope.hpp"
 
 namespace plannercheck {
 namespace {
@@ -60,7 +60,7 @@ class Reader {
 template <class Stream, class H>
 void each_level_field(Stream& s, H& h) {
   s.array(h.points), s.array(h.level), s.value(h.depth), s.array(h.ring_start), s.array(h.rings), s.array(h.top);
-  s.array(h.top_blocks), s.array(h.top_stands), s.value(h.cells.edge), s.array(h.cells.cells), s.array(h.cells.groups),
+  s.array(h.top_blocks), s.array(h.top_cursors), s.value(h.cells.edge), s.array(h.cells.cells), s.array(h.cells.groups),
       s.array(h.cells.blocks), s.array(h.chains), s.array(h.blocks);
   s.array(h.fan_of), s.array(h.fans), s.array(h.wedges), s.array(h.entries), s.value(h.largest_coordinate);
 }
@@ -68,13 +68,13 @@ void each_level_field(Stream& s, H& h) {
 template <class Stream, class H>
 void each_field(Stream& s, H& h) {
   each_level_field(s, h);
-  each_level_field(s, h.crown);
+  each_level_field(s, h.top_levels);
 }
 
 template <class Stream, class B>
-void each_body_field(Stream& s, B& b) {
-  s.value(b.dimension), s.value(b.swell), s.array(b.triangles), s.array(b.source), s.value(b.centre), s.value(b.reach),
-      s.value(b.radius), s.value(b.low), s.value(b.high), s.value(b.is_box);
+void each_polytope_field(Stream& s, B& b) {
+  s.value(b.dimension), s.value(b.inflation_radius), s.array(b.triangles), s.array(b.source), s.value(b.centre),
+      s.value(b.origin_radius), s.value(b.radius), s.value(b.low), s.value(b.high), s.value(b.is_box);
   each_field(s, b.inner);
   each_field(s, b.polar);
   s.array(b.polar_triangles);
@@ -137,16 +137,16 @@ void require_sound_cells(const DirectionCells& c, std::size_t vertices) {
 }
 
 // Blocks repeat what descents need of their vertices.
-void require_sound_block(const Levels& h, const Block& block) {
+void require_sound_block(const Levels& h, const VertexBlock& block) {
   for (std::size_t lane = 0; lane < kBlockLanes; ++lane) {
-    const Stand stand = block.stand(lane);
-    require(is_below(stand.vertex, h.points.size()));
-    const Stand meant = h.stand(stand.vertex);
-    require(stand.chain == meant.chain && stand.point == meant.point);
+    const SearchCursor cursor = block.cursor(lane);
+    require(is_below(cursor.vertex, h.points.size()));
+    const SearchCursor meant = h.cursor(cursor.vertex);
+    require(cursor.chain == meant.chain && cursor.point == meant.point);
   }
 }
 
-bool is_marked(const Block& block, bool last) {
+bool is_marked(const VertexBlock& block, bool last) {
   return std::all_of(block.vertex.begin(), block.vertex.end(), [&](std::int32_t v) { return (v < 0) == last; });
 }
 
@@ -190,7 +190,7 @@ void require_falling_levels(const Levels& h) {
     const std::int32_t degree = h.ring_start[v + 1] - h.ring_start[v], level = h.level[v];
     require(level >= 0 && level <= h.depth && degree <= (level < h.depth ? kRemovedDegree : 0));
     for (std::int32_t i = 0; i < h.chains[v].length; ++i) {
-      const Block& block = h.blocks[at(h.chains[v].first_block + i / kBlockLanes)];
+      const VertexBlock& block = h.blocks[at(h.chains[v].first_block + i / kBlockLanes)];
       require(h.level[at(block.id(at(i % kBlockLanes)))] < level);
     }
   }
@@ -226,9 +226,9 @@ void require_sound_levels(const Levels& h) {
   require_sound_cells(h.cells, n);
   require_sound_chains(h);
   for (const std::int32_t fan : h.fan_of) require(is_below_or_none(fan, h.fans.size()));
-  for (const Block& block : h.blocks) require_sound_block(h, block);
-  for (const Block& block : h.top_stands) require_sound_block(h, block);
-  require(h.top_stands.size() == top / kBlockLanes);
+  for (const VertexBlock& block : h.blocks) require_sound_block(h, block);
+  for (const VertexBlock& block : h.top_cursors) require_sound_block(h, block);
+  require(h.top_cursors.size() == top / kBlockLanes);
   require(!h.blocks.empty() || h.depth == 0);
   require(all_below(h.entries, h.wedges.size()));
   for (const WedgeFan& fan : h.fans) {
@@ -241,37 +241,38 @@ void require_sound_levels(const Levels& h) {
 
 void require_sound_hierarchy(const Hierarchy& h) {
   require_sound_levels(h);
-  require_sound_levels(h.crown);
-  require(h.crown.points.size() == require_sound_top(h) && h.crown.top.size() <= at(kCrownTop));
-  for (std::size_t i = 0; i < h.crown.points.size(); ++i) require(h.crown.points[i] == h.points[at(h.top[i])]);
+  require_sound_levels(h.top_levels);
+  require(h.top_levels.points.size() == require_sound_top(h) && h.top_levels.top.size() <= at(kHighestTop));
+  for (std::size_t i = 0; i < h.top_levels.points.size(); ++i)
+    require(h.top_levels.points[i] == h.points[at(h.top[i])]);
 }
 
-void require_sound_measures(const Body& body) {
-  require(body.dimension >= 0 && body.dimension <= 3 && is_length(body.swell) && is_length(body.reach) &&
-          is_length(body.radius) && body.polar_radius >= 0);
+void require_sound_measures(const Polytope& body) {
+  require(body.dimension >= 0 && body.dimension <= 3 && is_length(body.inflation_radius) &&
+          is_length(body.origin_radius) && is_length(body.radius) && body.polar_radius >= 0);
   require(is_finite(body.centre) && is_finite(body.low) && is_finite(body.high));
   require(body.is_box == 0 || (body.is_box == 1 && body.inner.points.size() == 8));
 }
 
 }  // namespace
 
-std::string serialise(const Body& body) {
+std::string serialise(const Polytope& body) {
   Writer writer;
-  each_body_field(writer, body);
+  each_polytope_field(writer, body);
   return writer.take();
 }
 
-Body parse_body(const char* data, std::size_t size) {
-  Body body;
+Polytope parse_polytope(const char* data, std::size_t size) {
+  Polytope body;
   Reader reader(data, size);
-  each_body_field(reader, body);
+  each_polytope_field(reader, body);
   if (!reader.done()) throw HullError("the data go on after the end");
   require_sound_measures(body);
   require_sound_hierarchy(body.inner);
   if (body.has_polar()) require_sound_hierarchy(body.polar);
   require(body.source.size() == body.inner.points.size() &&
           all_corners_below(body.triangles, body.inner.points.size()));
-  body.alike = alike_ellipsoid(body.inner.points, body.triangles);
+  body.ellipsoid = equivalent_ellipsoid(body.inner.points, body.triangles);
   require(all_corners_below(body.polar_triangles, body.polar.points.size()));
   return body;
 }

@@ -1,6 +1,6 @@
 """Places objects whose pose is given in a link's frame, and carried objects whose pose is given in the world.
 
-In: a robot, and objects with anchors. Out: the same objects in the world, or on their links. As in MoveIt
+In: a robot, and objects with pose frames. Out: the same objects in the world, or on their links. As in MoveIt
 (`PlanningScene::processCollisionObjectAdd` and `processAttachedCollisionObjectMsg`, which ask `getFrameTransform` of
 the scene's current state), this happens once, at the state that came with the object: an obstacle posed in a hand's
 frame does not move with the hand. The state has to give every joint on which the place depends; no value is assumed for
@@ -14,33 +14,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from plannercheck.bodies.objects import Anchor, SceneObject, StatedJoints
+from plannercheck.bodies.objects import PoseFrame, SceneObject, StatedJoints
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.configurations import followed, joint_width
 
 if TYPE_CHECKING:
     from plannercheck.robots.robot import Robot
 
-Floats = NDArray[np.float64]
-
 
 def placed(robot: Robot, items: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
-    """The objects in the world or on their links; objects without anchors are returned as they are."""
+    """The objects in the world or on their links; objects without pose frames are returned as they are."""
     states = _States(robot)
-    return tuple(item if item.anchor is None else _placed(robot, item, item.anchor, states) for item in items)
+    return tuple(item if item.pose_frame is None else _placed(robot, item, item.pose_frame, states) for item in items)
 
 
-def _placed(robot: Robot, item: SceneObject, anchor: Anchor, states: _States) -> SceneObject:
+def _placed(robot: Robot, item: SceneObject, pose_frame: PoseFrame, states: _States) -> SceneObject:
     if item.link is not None and item.link not in robot.link_names:
         raise unknown_name(f"link that carries {item.name!r}", item.link, robot.link_names)
-    if anchor.frame and anchor.frame not in robot.link_names:
-        raise unknown_name(f"frame of object {item.name!r}", anchor.frame, (*anchor.known, *robot.link_names))
-    _check_state(robot, item, anchor)
-    pose = states.pose(anchor.frame, anchor.state) @ item.pose
+    if pose_frame.frame and pose_frame.frame not in robot.link_names:
+        raise unknown_name(f"frame of object {item.name!r}", pose_frame.frame, (*pose_frame.known, *robot.link_names))
+    _check_state(robot, item, pose_frame)
+    pose = states.pose(pose_frame.frame, pose_frame.state) @ item.pose
     if item.link is not None:
-        pose = inverse(states.pose(item.link, anchor.state)) @ pose
+        pose = inverse(states.pose(item.link, pose_frame.state)) @ pose
     return item.moved(pose)
 
 
@@ -80,12 +78,14 @@ def _is_at_identity(robot: Robot, joint: str, state: StatedJoints) -> bool:
     return joint in state.identities or robot.model.parents[robot.model.getJointId(joint)] == 0
 
 
-def _check_state(robot: Robot, item: SceneObject, anchor: Anchor) -> None:
+def _check_state(robot: Robot, item: SceneObject, pose_frame: PoseFrame) -> None:
     """Raises if the place depends on a joint that the state does not give."""
-    moving = set(_joints_of(robot, anchor.frame)) ^ set(_joints_of(robot, item.link))
-    lacking = [name for name in list(robot.model.names)[1:] if name in moving and not _is_given(robot, name, anchor)]
+    moving = set(_joints_of(robot, pose_frame.frame)) ^ set(_joints_of(robot, item.link))
+    lacking = [
+        name for name in list(robot.model.names)[1:] if name in moving and not _is_given(robot, name, pose_frame)
+    ]
     if lacking:
-        where = f"frame {anchor.frame!r}" if anchor.frame else "the planning frame"
+        where = f"frame {pose_frame.frame!r}" if pose_frame.frame else "the planning frame"
         carrier = "" if item.link is None else f" and carried by {item.link!r}"
         raise PlannercheckError(
             f"object {item.name!r} is posed in {where}{carrier}, and the robot_state gives no value for "
@@ -106,10 +106,10 @@ def _joints_of(robot: Robot, link: str | None) -> list[str]:
     return found
 
 
-def _is_given(robot: Robot, joint: str, anchor: Anchor) -> bool:
+def _is_given(robot: Robot, joint: str, pose_frame: PoseFrame) -> bool:
     if joint_width(robot.model.joints[robot.model.getJointId(joint)]) > 1:
-        return _is_at_identity(robot, joint, anchor.state)
-    return followed(joint, robot.mimics, anchor.state.values)[0] in anchor.state.values
+        return _is_at_identity(robot, joint, pose_frame.state)
+    return followed(joint, robot.mimics, pose_frame.state.values)[0] in pose_frame.state.values
 
 
 def inverse(pose: Floats) -> Floats:

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "bodies/body.hpp"
+#include "bodies/polytope.hpp"
 #include "math/vec.hpp"
 
 namespace plannercheck {
@@ -23,8 +23,8 @@ inline Pose placed_on(const std::array<double, 12>& link, const Pose& placement)
   return out;
 }
 
-struct MountedBody {
-  std::shared_ptr<const Body> body;
+struct GeometryObject {
+  std::shared_ptr<const Polytope> body;
   std::int32_t link = -1;  // −1: fixed to the world
   Pose placement;          // on the link, or in the world
 };

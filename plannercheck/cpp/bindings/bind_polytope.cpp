@@ -11,7 +11,7 @@
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/verdict_dicts.hpp"
-#include "bodies/body.hpp"
+#include "bodies/polytope.hpp"
 #include "math/predicates.hpp"
 #include "narrow_phase/pair_batch.hpp"
 
@@ -26,25 +26,25 @@ std::vector<Vec3> points_from(InputArray<double, -1, 3> vertices) {
   return points;
 }
 
-std::shared_ptr<Body> swollen(Body body, double swell) {
-  body.swell = swell;
-  return std::make_shared<Body>(std::move(body));
+std::shared_ptr<Polytope> inflated(Polytope body, double inflation_radius) {
+  body.inflation_radius = inflation_radius;
+  return std::make_shared<Polytope>(std::move(body));
 }
 
-std::shared_ptr<Body> body_from_points(InputArray<double, -1, 3> vertices, double swell) {
+std::shared_ptr<Polytope> polytope_from_points(InputArray<double, -1, 3> vertices, double inflation_radius) {
   const std::vector<Vec3> points = points_from(vertices);
-  std::shared_ptr<Body> body;
-  without_gil([&] { body = swollen(prepare_body(points), swell); });
+  std::shared_ptr<Polytope> body;
+  without_gil([&] { body = inflated(prepare_polytope(points), inflation_radius); });
   return body;
 }
 
-std::shared_ptr<Body> body_from_faces(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> faces,
-                                      double swell) {
+std::shared_ptr<Polytope> polytope_from_faces(InputArray<double, -1, 3> vertices, InputArray<std::int32_t, -1, 3> faces,
+                                              double inflation_radius) {
   const std::vector<Vec3> points = points_from(vertices);
   std::vector<Triangle> triangles(faces.shape(0));
   for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
-  std::shared_ptr<Body> body;
-  without_gil([&] { body = swollen(prepare_body(verified_hull(points, triangles)), swell); });
+  std::shared_ptr<Polytope> body;
+  without_gil([&] { body = inflated(prepare_polytope(verified_hull(points, triangles)), inflation_radius); });
   return body;
 }
 
@@ -85,7 +85,7 @@ std::int32_t surely_extreme(const Hierarchy& h, std::int32_t v, Vec3 u) {
 }
 
 // Balls (k, 4), centre and radius, and the rounded box (1, 7), two corners and radius, or (0, 7).
-nb::tuple inner_shapes_of(const Body& body) {
+nb::tuple inner_shapes_of(const Polytope& body) {
   const InnerShapes& shapes = body.inner_shapes();
   std::vector<double> balls, box;
   for (const InnerBall& b : shapes.balls) balls.insert(balls.end(), {b.centre.x, b.centre.y, b.centre.z, b.radius});
@@ -98,14 +98,14 @@ nb::tuple inner_shapes_of(const Body& body) {
 }
 
 // The same body, whose extreme vertices are found by hierarchies alone: to hold cells of directions against them.
-std::shared_ptr<Body> without_cells(const Body& body) {
-  auto out = std::make_shared<Body>(body);
-  for (Hierarchy* const h : {&out->inner, &out->polar}) h->cells = {}, h->crown.cells = {};
+std::shared_ptr<Polytope> without_cells(const Polytope& body) {
+  auto out = std::make_shared<Polytope>(body);
+  for (Hierarchy* const h : {&out->inner, &out->polar}) h->cells = {}, h->top_levels.cells = {};
   return out;
 }
 
 // The extreme vertex along each direction, exactly, and the blocks each query visited.
-nb::tuple extremes(const Body& body, InputArray<double, -1, 3> directions, bool of_polar) {
+nb::tuple extremes(const Polytope& body, InputArray<double, -1, 3> directions, bool of_polar) {
   const Hierarchy& h = of_polar ? body.polar : body.inner;
   std::vector<std::int32_t> vertices(directions.shape(0)), blocks(directions.shape(0));
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -123,7 +123,7 @@ using PoseRows = InputArray<double, -1, 4, 4>;
 // Pairs of poses of the same two bodies; a single pose goes with all of the other's.
 class PosedRows : public PairBatch {
  public:
-  PosedRows(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b)
+  PosedRows(const Polytope& a, PoseRows poses_a, const Polytope& b, PoseRows poses_b)
       : size_(std::max(poses_a.shape(0), poses_b.shape(0))),
         a_hosts_(choose_host(a, b) == 0),
         guest_(a_hosts_ ? Side{&b, poses_b} : Side{&a, poses_a}),
@@ -131,8 +131,8 @@ class PosedRows : public PairBatch {
 
   std::size_t size() const { return size_; }
   bool guest_is_a() const { return !a_hosts_; }
-  PosedBody guest(std::size_t i) const final { return guest_.posed(i); }
-  PosedBody host(std::size_t i) const final { return host_.posed(i); }
+  PosedPolytope guest(std::size_t i) const final { return guest_.posed(i); }
+  PosedPolytope host(std::size_t i) const final { return host_.posed(i); }
 
   void test(const PairOptions& options, PairCounters& counters) {
     test_pairs(*guest_.body, *host_.body, size_, options, *this, counters);
@@ -140,10 +140,10 @@ class PosedRows : public PairBatch {
 
  private:
   struct Side {
-    const Body* body;
+    const Polytope* body;
     PoseRows poses;
 
-    PosedBody posed(std::size_t i) const {
+    PosedPolytope posed(std::size_t i) const {
       return {body, pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i))};
     }
   };
@@ -174,7 +174,7 @@ class CertifiedRows final : public PosedRows {
 };
 
 // Verdicts for n pairs of poses of the same two bodies; stages and counters of all of them.
-nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b,
+nb::tuple intersect_batch(const Polytope& a, PoseRows poses_a, const Polytope& b, PoseRows poses_b,
                           const PairOptions& options) {
   VerdictRows rows(a, poses_a, b, poses_b);
   PairCounters counters;
@@ -184,7 +184,8 @@ nb::tuple intersect_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRo
 }
 
 // As certify_pair, for each of n pairs of poses.
-nb::list certify_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows poses_b, const PairOptions& options) {
+nb::list certify_batch(const Polytope& a, PoseRows poses_a, const Polytope& b, PoseRows poses_b,
+                       const PairOptions& options) {
   CertifiedRows rows(a, poses_a, b, poses_b);
   PairCounters counters;
   without_gil([&] { rows.test(options, counters); });
@@ -195,12 +196,12 @@ nb::list certify_batch(const Body& a, PoseRows poses_a, const Body& b, PoseRows 
   return out;
 }
 
-nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body& b, InputArray<double, 4, 4> pose_b,
-                      const PairOptions& options, bool explain) {
-  const PosedBody pa{&a, pose_from(pose_a.data())}, pb{&b, pose_from(pose_b.data())};
+nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const Polytope& b,
+                      InputArray<double, 4, 4> pose_b, const PairOptions& options, bool explain) {
+  const PosedPolytope pa{&a, pose_from(pose_a.data())}, pb{&b, pose_from(pose_b.data())};
   const bool a_hosts = choose_host(a, b) == 0;
   PairCounters counters;
-  const PosedBody &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
+  const PosedPolytope &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
   PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
   if (explain && verdict.shared && !verdict.exact) {
     // The vertices and weights behind a shared point come from the exact stage.
@@ -212,8 +213,8 @@ nb::dict certify_pair(const Body& a, InputArray<double, 4, 4> pose_a, const Body
 
 }  // namespace
 
-void bind_body(nb::module_& m) {
-  m.attr("body_format") = kBodyFormat;
+void bind_polytope(nb::module_& m) {
+  m.attr("body_format") = kPolytopeFormat;
   nb::exception<HullError>(m, "HullError", PyExc_ValueError);
 
   nb::enum_<Solver>(m, "Solver")
@@ -233,46 +234,47 @@ void bind_body(nb::module_& m) {
           nb::arg("facet_plane"), nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"),
           nb::arg("interleaving"), plain_floats);
 
-  nb::class_<Body>(m, "Body")
-      .def_static("from_points", &body_from_points, plain_floats)
-      .def_static("from_faces", &body_from_faces, plain_floats)
+  nb::class_<Polytope>(m, "Polytope")
+      .def_static("from_points", &polytope_from_points, plain_floats)
+      .def_static("from_faces", &polytope_from_faces, plain_floats)
       .def_static(
           "parse",
           [](nb::bytes data) {
-            return std::make_shared<Body>(parse_body(static_cast<const char*>(data.data()), data.size()));
+            return std::make_shared<Polytope>(parse_polytope(static_cast<const char*>(data.data()), data.size()));
           },
           plain_floats)
       .def(
           "serialise",
-          [](const Body& b) {
+          [](const Polytope& b) {
             const std::string data = serialise(b);
             return nb::bytes(data.data(), data.size());
           },
           plain_floats)
       .def(
-          "vertices", [](const Body& b) { return rows_of(b.inner.points); }, plain_floats)
+          "vertices", [](const Polytope& b) { return rows_of(b.inner.points); }, plain_floats)
       .def(
-          "triangles", [](const Body& b) { return rows_of(b.triangles); }, plain_floats)
+          "triangles", [](const Polytope& b) { return rows_of(b.triangles); }, plain_floats)
       .def(
-          "source", [](const Body& b) { return output_array(b.source, {b.source.size()}); }, plain_floats)
+          "source", [](const Polytope& b) { return output_array(b.source, {b.source.size()}); }, plain_floats)
       .def(
-          "polar_points", [](const Body& b) { return rows_of(b.polar.points); }, plain_floats)
+          "polar_points", [](const Polytope& b) { return rows_of(b.polar.points); }, plain_floats)
       .def(
-          "levels", [](const Body& b, bool of_polar) { return levels_of(of_polar ? b.polar : b.inner); }, plain_floats)
+          "levels", [](const Polytope& b, bool of_polar) { return levels_of(of_polar ? b.polar : b.inner); },
+          plain_floats)
       .def(
-          "centre", [](const Body& b) { return rows_of(std::vector<Vec3>{b.centre}); }, plain_floats)
+          "centre", [](const Polytope& b) { return rows_of(std::vector<Vec3>{b.centre}); }, plain_floats)
       .def("inner_shapes", &inner_shapes_of, plain_floats)
       .def(
-          "inner_shape", [](const Body& b) { return shape_of(b.inner); }, plain_floats)
+          "inner_shape", [](const Polytope& b) { return shape_of(b.inner); }, plain_floats)
       .def(
-          "polar_shape", [](const Body& b) { return shape_of(b.polar); }, plain_floats)
-      .def_ro("facets", &Body::facet_count)
-      .def_ro("radius", &Body::radius)
-      .def_ro("reach", &Body::reach)
-      .def_ro("dimension", &Body::dimension)
-      .def_ro("swell", &Body::swell)
-      .def("bytes", &Body::bytes, plain_floats)
-      .def("fault", &body_fault, plain_floats)
+          "polar_shape", [](const Polytope& b) { return shape_of(b.polar); }, plain_floats)
+      .def_ro("facets", &Polytope::facet_count)
+      .def_ro("radius", &Polytope::radius)
+      .def_ro("origin_radius", &Polytope::origin_radius)
+      .def_ro("dimension", &Polytope::dimension)
+      .def_ro("inflation_radius", &Polytope::inflation_radius)
+      .def("bytes", &Polytope::bytes, plain_floats)
+      .def("fault", &polytope_fault, plain_floats)
       .def("without_cells", &without_cells, plain_floats)
       .def("extremes", &extremes, plain_floats);
 

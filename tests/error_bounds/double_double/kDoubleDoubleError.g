@@ -1,4 +1,4 @@
-# kDouble2Error: a sum and a product of Double2 (double_double.hpp, operator+ and operator*).
+# kDoubleDoubleError: a sum and a product of DoubleDouble (double_double.hpp, operator+ and operator*).
 #
 # Sum: scaled by a power of two so that the larger of |a| and |b| is at most 1 and at least 1/2; the error is then held
 # against 1/2 <= |a| + |b|. s, sl: two_sum(a.high, b.high); t, tl: two_sum(a.low, b.low); v, w: quick_two_sum(s, sl + t);
@@ -29,7 +29,7 @@ r = rnd(pl + q);
 product = p + r;
 { |ah| <= 1 /\ |bh| <= 1 /\ |al| <= 1b-53 /\ |bl| <= 1b-53 /\
   fh in [1,2] /\ gh in [1,2] /\ |fl| <= 1b-53 /\ |gl| <= 1b-53
-  -> |2*(sum - (ah + al + bh + bl))| <= @kDouble2Error@ /\
-     |(product - (fh + fl)*(gh + gl)) * (1 + 1b-50)| <= @kDouble2Error@ }
+  -> |2*(sum - (ah + al + bh + bl))| <= @kDoubleDoubleError@ /\
+     |(product - (fh + fl)*(gh + gl)) * (1 + 1b-50)| <= @kDoubleDoubleError@ }
 sum - (ah + al + bh + bl) -> (low - (tl + w)) + (c - (sl + t));
 product - (fh + fl)*(gh + gl) -> (r - (pl + q)) + (q - (qa + qb)) + (qa - fh*gl) + (qb - fl*gh) - fl*gl;
