@@ -52,8 +52,7 @@ class Robot:
     Attributes:
         name: The robot's name.
         group: Name of the planning group; None for the whole robot.
-        joint_names: Joints of the group (one column each; without a group, as many as Pinocchio has numbers
-            for them).
+        joint_names: Joints of the group, a column each; without a group, as many as Pinocchio has numbers for them.
         link_names: The URDF's links in the order of Pinocchio's body frames.
         bodies: Collision bodies in the order of Pinocchio's geometries, then those of carried objects.
         self_pairs: (k, 2) indices into bodies: the pairs that are tested for self-collision.
