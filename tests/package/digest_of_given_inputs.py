@@ -10,10 +10,14 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from level_digest import METHODS, core, digest, pair_options, stress_draws
+from level_digest import DRAWS, METHODS, ROBOTS, STATES, core, digest, pair_options, stress_draws
+
+import plannercheck as pc
+from plannercheck.robots.kinematics import JointTable
 
 
 def written_inputs(path: Path) -> None:
@@ -21,20 +25,32 @@ def written_inputs(path: Path) -> None:
     for k, d in enumerate(stress_draws()):
         arrays |= {f"{k}.p": d.p.polytope.vertices, f"{k}.r": d.r.polytope.vertices}
         arrays |= {f"{k}.poses_p": d.poses_p, f"{k}.poses_r": d.poses_r}
+    for name in ROBOTS:
+        robot = pc.Robot.load(name)
+        assert robot.joint_table is not None
+        arrays |= {f"{name}.{field}": np.asarray(value) for field, value in robot.joint_table._asdict().items()}
+        arrays[f"{name}.q"] = robot.random_configurations(STATES, 1)
     np.savez(path, **arrays)
 
 
 def hashes(path: Path) -> dict[str, str]:
-    """Of bodies built from the vertices, and of verdicts and stages of these bodies at the poses."""
+    """Of bodies built from the vertices, of verdicts and stages of these bodies at the poses, and of links' poses."""
     given = np.load(path)
     bodies, verdicts = [], []
-    for k in range(len(given.files) // 4):
+    for k in range(DRAWS):
         p, r = (core.Polytope.from_points(np.ascontiguousarray(given[f"{k}.{name}"]), 0.0) for name in "pr")
         bodies += [p.serialise(), r.serialise()]
         for method in METHODS:
             found = core.intersect_batch(p, given[f"{k}.poses_p"], r, given[f"{k}.poses_r"], pair_options(method))
             verdicts += [found[0].tobytes(), found[1].tobytes()]
-    return {"bodies": digest(bodies), "pairs": digest(verdicts)}
+    return {"bodies": digest(bodies), "pairs": digest(verdicts), "poses": digest([poses(given, n) for n in ROBOTS])}
+
+
+def poses(given: Mapping[str, np.ndarray], robot: str) -> bytes:
+    table = [given[f"{robot}.{field}"] for field in JointTable._fields]
+    kernel = core.Kinematics(*(value.item() if value.ndim == 0 else value for value in table))
+    needed = np.ones(len(given[f"{robot}.link_joints"]), dtype=np.uint8)
+    return bytes(np.asarray(kernel.link_poses(given[f"{robot}.q"], needed)).tobytes())
 
 
 if __name__ == "__main__":
