@@ -42,7 +42,7 @@ MOST_MARKED = 20
 FACES = ("plannercheck", *(f"plannercheck.{name}" for name in ("planar", "ndim", "ompl", "view", "proofs")))
 GIVEN = (
     "plannercheck.bodies.objects.SceneObject",
-    "plannercheck.bodies.shapes.Body",
+    "plannercheck.bodies.shapes.GeometryObject",
     "plannercheck.checking.verdicts.MotionProof",
     "plannercheck.checking.verdicts.MotionVerdict",
     "plannercheck.checking.verdicts.PairCount",
