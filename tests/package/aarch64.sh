@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The core for aarch64, built and run on an x86-64 machine with Debian or Ubuntu, as root: half an hour at most.
+# The core for aarch64, built and run on an x86-64 machine with Debian 12, as root.
 #
-#   tests/package/aarch64.sh FOLDER    FOLDER is made, holds 1.5 GB, and can be given again
+#   tests/package/aarch64.sh FOLDER    FOLDER is made, holds 1.3 GB, and can be given again
 #
 # It takes GCC's cross compiler, QEMU's user mode, Debian's arm64 Python 3.11 (unpacked, never installed) and the arm64
 # wheels of plannercheck's dependencies. It compares the core's hashes from the same inputs with those of this machine, and

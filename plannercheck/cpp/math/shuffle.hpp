@@ -1,8 +1,7 @@
 // In: two vectors of one type, and places, where those of the second count on from those of the first. Out: the vector
 // of what stands at the places, of as many numbers as there are places.
 //
-// Clang, and GCC from version 12, have one builtin for it. GCC 11 puts the numbers together one by one; its optimiser
-// finds most of the shuffles again.
+// Clang, and GCC from version 12, have one builtin for it. For GCC 11 the numbers are put together one by one.
 #pragma once
 
 #include <type_traits>
