@@ -43,7 +43,7 @@ def _zip() -> bytes:
 
 
 _SUFFIXES = ("urdf", "srdf", "xacro", "yaml", "scene", "npy", "npz", "csv", "parquet", "h5", "json", "proof.json")
-_EMPTY = {f"empty.{suffix}": b"" for suffix in _SUFFIXES}
+_EMPTY = {f"empty.{suffix}": b"" for suffix in _SUFFIXES if suffix != "csv"}  # a csv of no lines is a set of none
 _POINTERS = {f"pointer.{suffix}": POINTER.encode() for suffix in _SUFFIXES}
 
 # Files by name.
