@@ -111,6 +111,8 @@ class ExplainingChecker(ABC):
 
         Its numbers are looked at later.
         """
+        if type(q) is np.ndarray and q.ndim == 1 and q.dtype.char == "d":  # most of all; it takes 0.2 µs
+            return q[None]
         if isinstance(q, Mapping):
             return named_configuration(self.robot, q)
         try:
