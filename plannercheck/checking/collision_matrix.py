@@ -26,9 +26,9 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.configurations import joint_width
+from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.srdf import DisabledPair
-from plannercheck.robots.urdf import LinkTree
 
 # From this share of colliding configurations on, MoveIt's assistant says that a pair always collides.
 ALWAYS = 0.95

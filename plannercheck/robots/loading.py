@@ -21,12 +21,13 @@ from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.robots.decomposed_links import decomposed
 from plannercheck.robots.description import RobotDescription
+from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.mjcf import ROOT_TAG, excluded_pairs, of_meeting_masks
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.robots.reference_configuration import given_values
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, group_state, warn_about_ignored_elements
-from plannercheck.robots.urdf import LinkTree, Mimic, bodies_of, link_tree, read_geometry, read_model
+from plannercheck.robots.urdf import Mimic, bodies_of, link_tree, read_geometry, read_model
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
 
 Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64] | str | None

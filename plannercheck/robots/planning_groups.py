@@ -14,8 +14,9 @@ import pinocchio as pin
 
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.robots.configurations import followed, joint_by_name, joint_width
+from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.srdf import group_joints, virtual_joints
-from plannercheck.robots.urdf import LinkTree, Mimic, mimic_joints
+from plannercheck.robots.urdf import Mimic, mimic_joints
 from plannercheck.robots.urdf_file import UrdfFile
 
 

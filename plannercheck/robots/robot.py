@@ -32,12 +32,13 @@ from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.joint_values import JointValues
 from plannercheck.robots.kinematic_error import KinematicRounding
 from plannercheck.robots.kinematics import JointTable
+from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.loading import Reference, RobotParts, robot_parts, urdf_description
 from plannercheck.robots.objects_in_frames import placed
 from plannercheck.robots.planning_groups import explicit_group
 from plannercheck.robots.reference_configuration import all_values, checked_values, reference_of
 from plannercheck.robots.robot_table import robot_html
-from plannercheck.robots.urdf import LinkTree, Mimic
+from plannercheck.robots.urdf import Mimic
 
 _SAMPLES = 32  # configurations of `sampled_link_poses`: four of the blocks of eight that are judged at a time
 
@@ -282,8 +283,7 @@ class Robot:
         """The same robot with joints held at other values (or, for joints of the group, with another reference).
 
         Args:
-            values: Values by joint name, in rad or m; they may be beyond the joints' limits. Joints that follow these
-                joints are moved with them, unless they are given as well.
+            values: By joint name, rad or m, also beyond limits. Followers are moved with them, unless they are given.
 
         Returns:
             A new robot with the same bodies and group.

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.errors import unknown_name
+from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.srdf import DisabledPair, Srdf, disabled_collisions, disabled_link_names
-from plannercheck.robots.urdf import LinkTree
 
 
 def self_pairs(

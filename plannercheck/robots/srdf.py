@@ -21,7 +21,7 @@ from plannercheck.common.input_limits import INPUT_LIMITS, check_xml
 from plannercheck.common.package_data import is_file
 
 if TYPE_CHECKING:
-    from plannercheck.robots.urdf import LinkTree
+    from plannercheck.robots.link_tree import LinkTree
 
 # Elements of newer SRDFs that change which pairs are tested, and that Pinocchio skips.
 _UNREAD = ("disable_default_collisions", "enable_collisions")

@@ -27,6 +27,7 @@ from plannercheck.common.package_data import is_file
 from plannercheck.common.package_files import folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
 from plannercheck.robots import mjcf
+from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.urdf_file import UrdfFile
 
 # The root element of SDF files.
@@ -49,23 +50,6 @@ class Mimic:
     leader: str
     multiplier: float
     offset: float
-
-
-@dataclass(frozen=True)
-class LinkTree:
-    """How links hang together.
-
-    Attributes:
-        names: The URDF's links in the order of Pinocchio's body frames.
-        frames: Pinocchio's frame of each link.
-        parents: For each link that has one, its parent link.
-        joints: For each link that has one, the URDF joint to its parent, fixed ones included.
-    """
-
-    names: tuple[str, ...]
-    frames: tuple[int, ...]
-    parents: dict[str, str]
-    joints: dict[str, str]
 
 
 def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:

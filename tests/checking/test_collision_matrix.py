@@ -14,8 +14,8 @@ from plannercheck.checking.mesh_collisions import LinkMeshes
 from plannercheck.cli.main import main
 from plannercheck.common.package_data import example_robot_data
 from plannercheck.robots.description import DisabledPair, description_of
+from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.srdf import disabled_collisions, read_srdf
-from plannercheck.robots.urdf import LinkTree
 
 STATES = 1500
 
