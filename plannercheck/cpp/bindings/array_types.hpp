@@ -1,4 +1,4 @@
-// The arrays that cross into Python, and poses and pairs of indices out of them.
+// The arrays that cross into Python, and conversions of them to poses and pairs of indices.
 #pragma once
 
 #include <nanobind/nanobind.h>

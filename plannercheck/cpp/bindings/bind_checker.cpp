@@ -1,4 +1,4 @@
-// The checker in Python: batches of configurations, with the GIL released, on as many threads as asked for.
+// The checker in Python: batches of configurations, with the GIL released, on any number of threads.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -91,8 +91,8 @@ auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Config
       });
 }
 
-// A function of one configuration without the detour over sets; it answers None for what is no NumPy row of finite
-// numbers within the limits, for the caller to see to.
+// A function of one configuration, without the overhead of sets. It returns None for anything but a NumPy row of finite
+// numbers within the limits; the caller then handles it.
 nb::object row_validity(nb::object checker, nb::object kinematics) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
@@ -106,8 +106,8 @@ nb::object row_validity(nb::object checker, nb::object kinematics) {
   return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
 }
 
-// A function that OMPL calls with states of a RealVectorStateSpace (ompl_states.hpp). States beyond the limits go to
-// `elsewhere`, a function of a list.
+// A function that OMPL calls with states of a RealVectorStateSpace (ompl_states.hpp). It passes states beyond the
+// limits to `elsewhere`, a function of a list.
 nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
@@ -161,7 +161,7 @@ auto all_of_poses(BoundChecker& checker, LinkPoses poses) {
   return output_array(colliding, {n, pairs});
 }
 
-// Poses of links times placements on them, by the operations of every verdict.
+// Poses of links times placements on them, by the same operations as every verdict.
 auto placed_on_links(InputArray<double, -1, 4, 4> links, InputArray<double, -1, 4, 4> placements) {
   const std::size_t n = links.shape(0);
   if (placements.shape(0) != n) {

@@ -49,7 +49,7 @@ nb::tuple distance_batch(const Polytope& a, PoseRows poses_a, const Polytope& b,
                         output_array(directions, {n, axes}));
 }
 
-// The least distance among pairs of bodies, the nearest ones first by the balls around them.
+// The least distance among pairs of bodies; pairs whose balls are nearest come first.
 struct Clearance {
   double distance = kNoLimit;
   std::int32_t pair = -1;
@@ -61,7 +61,7 @@ class ClearanceSearch {
                   InputArray<double, -1> paddings)
       : bodies_(bodies), pairs_(pairs), paddings_(paddings), bounds_(pairs.shape(0)), order_(pairs.shape(0)) {}
 
-  // `rounds`: 0 for distances, else steps of the descent for a bound. `poses`: row-major 4x4, one a body.
+  // `rounds`: 0 for distances, else the descent's steps for a bound. `poses`: row-major 4x4, one for each body.
   Clearance run(const double* poses, int rounds) {
     for (std::size_t k = 0; k < bounds_.size(); ++k)
       bounds_[k] = ball_gap(guest(k, poses), host(k, poses)) + padding(k);
@@ -81,7 +81,7 @@ class ClearanceSearch {
  private:
   const std::vector<std::shared_ptr<Polytope>>& bodies_;
   InputArray<std::int32_t, -1, 2> pairs_;
-  InputArray<double, -1> paddings_;  // of the bodies: a part of their inflation radius that does not count
+  InputArray<double, -1> paddings_;  // per body: the part of its inflation radius that is left out
   std::vector<double> bounds_;
   std::vector<std::size_t> order_;
   PairCounters counters_;
@@ -93,7 +93,7 @@ class ClearanceSearch {
   PosedPolytope host(std::size_t k, const double* poses) const { return posed(pairs_(k, 1), poses); }
   double padding(std::size_t k) const { return paddings_(at(pairs_(k, 0))) + paddings_(at(pairs_(k, 1))); }
 
-  // Something that is at least the limit if the distance is.
+  // The distance if it is below the limit, else some number that is at least the limit.
   double distance_below(const PosedPolytope& a, const PosedPolytope& b, double limit) {
     const PairDistance found = pair_distance(a, b, limit, counters_);
     return found.lower > limit ? found.lower : found.upper;

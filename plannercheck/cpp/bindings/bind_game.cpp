@@ -1,4 +1,4 @@
-// The solver's games in Python, to hold them against linear programs and to time them.
+// The solver's games in Python, to compare them with linear programs and to time them.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
@@ -20,8 +20,8 @@ namespace {
 using Payoffs = InputArray<double, -1, -1, -1>;
 
 constexpr auto kMost = static_cast<std::size_t>(IncrementalMatrixGame::kMost);
-// Games are written down so many at a time: lines that are read right after they were written in single numbers have to
-// wait, which is not what is to be timed.
+// Games are written this many at a time before they are solved: reading lines right after they were written number by
+// number would stall, which is not to be timed.
 constexpr std::size_t kAtOnce = 16;
 
 struct Game {
@@ -33,7 +33,7 @@ struct Game {
     }
   }
 
-  // Gains a row and a column by turns, as in a search, and is solved again each time.
+  // Adds a row and a column in turn, as a search does, and solves the game each time.
   IncrementalMatrixGame play(double bound, std::size_t rows, std::size_t columns) const {
     IncrementalMatrixGame game(bound);
     for (std::size_t k = 0; k < std::max(rows, columns); ++k) {
@@ -50,8 +50,8 @@ struct Game {
   }
 };
 
-// Weights of the rows, who want little, and of the columns, kMost each, of games (n, rows, columns); no payoff is
-// beyond the bound.
+// Weights of the minimising rows and the maximising columns, kMost each, of games (n, rows, columns); `bound` holds for
+// all.
 nb::tuple solve_games(Payoffs payoffs, double bound) {
   const std::size_t n = payoffs.shape(0), rows = payoffs.shape(1), columns = payoffs.shape(2);
   if (rows == 0 || columns == 0 || rows > kMost || columns > kMost) {

@@ -1,4 +1,4 @@
-// Kinematics in Python: the table comes as arrays (plannercheck/robots/kinematics.py), poses go as arrays.
+// Kinematics in Python: the table comes as arrays (plannercheck/robots/kinematics.py), poses leave as arrays.
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/vector.h>
 
@@ -51,7 +51,7 @@ PoseArray pose_array(const Kinematics& kinematics, Table<double, -1, -1> q, Tabl
   if (static_cast<int>(q.shape(1)) != kinematics.width()) throw nb::value_error("q must be (n, width)");
   if (static_cast<int>(needed.shape(0)) != kinematics.link_count()) throw nb::value_error("needed must be (links,)");
   const size_t n = q.shape(0), links = needed.shape(0);
-  // Of zeros that are asked of the system, pages of links that are not needed are never touched.
+  // calloc gives untouched zero pages, so pages of links that are not needed are never written.
   auto* data = static_cast<double*>(std::calloc(std::max<size_t>(n * links, 1), 16 * sizeof(double)));
   if (data == nullptr) throw std::bad_alloc();
   nb::capsule owner(data, [](void* p) noexcept { std::free(p); });

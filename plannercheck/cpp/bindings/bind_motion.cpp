@@ -1,4 +1,4 @@
-// Certified motions in Python: batches, with the GIL released, on as many threads as asked for.
+// Certified motions in Python: batches, with the GIL released, on any number of threads.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -84,8 +84,7 @@ ErrorRange error_range(InputArray<double, -1> low, InputArray<double, -1> high, 
   return {{low.data(), low.data() + low.shape(0)}, {high.data(), high.data() + high.shape(0)}, error};
 }
 
-// For planners, which ask for one motion at a time: MotionAnswer of a motion between configurations within a range;
-// kOutside if they are not.
+// For planners, which ask for one motion at a time: its MotionAnswer, or kOutside if an end is outside of the range.
 constexpr int kOutside = 3;
 
 template <class Row>
@@ -108,8 +107,8 @@ int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std:
   return answer;
 }
 
-// A function of two states (ompl_states.hpp): whether the motion between them is free. What check_motion has no
-// answer for goes to `elsewhere`, a function of two lists.
+// A function of two states (ompl_states.hpp): whether the motion between them is free. It passes motions that
+// check_motion does not answer to `elsewhere`, a function of two lists.
 nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
                            InputArray<double, -1> high, double tolerance, double kinematic_error,
                            nb::object elsewhere) {
@@ -128,7 +127,7 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
   return nb::cpp_function(is_free, plain_floats);
 }
 
-// See `explained_motion`; the proofs if wanted.
+// See `explained_motion`; with proofs if wanted.
 nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
                          InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
   MotionReport report;

@@ -1,4 +1,4 @@
-// The checker of planar robots in Python: batches with the GIL released, on as many threads as asked for.
+// The checker of planar robots in Python: batches with the GIL released, on any number of threads.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 

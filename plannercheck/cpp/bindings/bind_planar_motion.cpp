@@ -1,4 +1,4 @@
-// Certified motions of planar robots in Python: batches, with the GIL released, on as many threads as asked for.
+// Certified motions of planar robots in Python: batches, with the GIL released, on any number of threads.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/vector.h>
@@ -59,7 +59,7 @@ auto check_straight(BoundPlanarCertifier& bound, Rows q0, Rows q1, Rows given, d
   });
 }
 
-// A motion's pieces, of rows of numbers; the straight one if there are none.
+// A motion's pieces from rows of numbers; without rows, the straight one.
 std::vector<PlanarPiece> pieces_from(const PlanarCertifier& certifier, const double* q0, const double* q1,
                                      Pieces pieces) {
   if (pieces.shape(0) == 0) return {certifier.straight(q0, q1)};
@@ -80,7 +80,7 @@ int check_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Row given, Pieces 
   return static_cast<int>(report.answer);
 }
 
-// See `explained_motion`; the proofs if wanted.
+// See `explained_motion`; with proofs if wanted.
 nb::tuple explain_pieces(BoundPlanarCertifier& bound, Row q0, Row q1, Row given, Pieces rows, double tolerance,
                          bool proved) {
   MotionReport report;
@@ -109,7 +109,7 @@ auto piece_states(BoundPlanarCertifier& bound, Row q0, Row q1, Pieces rows, Row 
   return output_array(q, {n, width});
 }
 
-// Link in whose frame each pair's proofs are, -1 for the world.
+// The link in whose frame each pair's proofs are, or -1 for the world.
 auto pair_frames(const BoundPlanarCertifier& bound) {
   const std::vector<std::int32_t> frames = bound.core().frames();
   return output_array(frames, {frames.size()});

@@ -50,8 +50,7 @@ bool are_affine(PlanarPoseRows poses) {
   return true;
 }
 
-// The first pose whose M is farther from a rotation than `largest`, as ||M^T M - 1||, or that is not finite; -1 if
-// none.
+// The first pose that is not finite or whose ||M^T M - 1|| exceeds `largest`; -1 if there is none.
 std::int64_t first_bent_pose(PlanarPoseRows poses, double largest) {
   for (std::size_t k = 0; k < poses.shape(0); ++k) {
     const double* m = poses.data() + 9 * k;
@@ -62,7 +61,6 @@ std::int64_t first_bent_pose(PlanarPoseRows poses, double largest) {
   return -1;
 }
 
-// Verdicts on n pairs; lists and poses of length 1 stand for all. Also the counters of each pair.
 // What one pass over a polygon finds that the algorithm takes for granted: it reads a logarithmic part of the vertices.
 enum VertexFault : int { kSound, kRepeated, kNotFinite };
 
@@ -81,8 +79,8 @@ int vertex_fault(PolygonArray polygon) {
   return fault;
 }
 
-// Whether the last vertex repeats the first. Here and not in Python, where a thread that takes denormals for zero would
-// have it so of others, too.
+// Whether the last vertex repeats the first. Not done in Python, where a thread that flushes denormals to zero would
+// find different vertices equal.
 bool is_closed(PolygonArray polygon) {
   return polygon.shape(0) > 1 && same_vertex(polygon.data(), 0, polygon.shape(0) - 1);
 }
@@ -94,6 +92,7 @@ auto repeated_vertices(PolygonArray polygon) {
   return output_array(repeated, {repeated.size()});
 }
 
+// Verdicts on n pairs, and the counters of each if wanted. Lists and poses of length 1 are used for all pairs.
 nb::tuple planar_intersect_batch(const PolygonList& a, PlanarPoseRows poses_a, const PolygonList& b,
                                  PlanarPoseRows poses_b, std::size_t n, Precision first, bool count) {
   std::vector<std::uint8_t> shared(n);

@@ -4,7 +4,7 @@
 #include "math/simd.hpp"
 
 NB_MODULE(PLANNERCHECK_MODULE, m) {
-  // Python does not clear what modules and caches still hold at its exit; that is no leak that users could mend.
+  // Objects that modules and caches hold at Python's exit would be reported as leaks, which users cannot mend.
   nanobind::set_leak_warnings(false);
   m.attr("level") = PLANNERCHECK_LEVEL;
   m.attr("lanes") = plannercheck::kLanes;

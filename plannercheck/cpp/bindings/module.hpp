@@ -1,5 +1,4 @@
-// Each concept binds itself in bind_<concept>.cpp; module.cpp calls them all, but that bind_planar calls
-// bind_planar_checker.
+// Each concept binds itself in bind_<concept>.cpp, which module.cpp calls (bind_planar calls bind_planar_checker).
 #pragma once
 
 #include <nanobind/nanobind.h>

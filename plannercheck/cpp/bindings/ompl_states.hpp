@@ -1,5 +1,5 @@
-// States of an OMPL RealVectorStateSpace in Python: `state[k]` is the k-th number. OMPL's own classes have no headers
-// to build against; this asks them as Python would, and skips all else that Python would do.
+// States of an OMPL RealVectorStateSpace in Python: `state[k]` is the k-th number. OMPL's Python classes have no
+// headers to build against, so this calls them as Python would, without Python's overhead.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -10,8 +10,8 @@
 
 namespace plannercheck {
 
-// The numbers of one state, for one call. Reading a state may run Python, which may switch threads or ask again from
-// within: no two calls may share their numbers, though each holds the GIL. Up to kFew stay on the stack.
+// The numbers of one state, for one call. Reading a state may run Python, which may switch threads or call again from
+// within. So no two calls may share their numbers, though each holds the GIL. Up to kFew stay on the stack.
 class StateNumbers {
  public:
   explicit StateNumbers(std::size_t width) : width_(width) {
@@ -31,7 +31,7 @@ class StateNumbers {
   static constexpr std::size_t kFew = 64;
 
   std::size_t width_;
-  std::array<double, kFew> few_;  // not initialised: `read` writes all that is looked at
+  std::array<double, kFew> few_;  // not initialised: `read` writes all that is used
   std::vector<double> many_;
 };
 
@@ -43,7 +43,7 @@ class PlannerStates {
 
   std::size_t width() const { return columns_.size(); }
 
-  // Writes a state's numbers to q, of this width; throws what Python throws for a state that is no such row. Number by
+  // Writes a state's numbers to q, of this width; throws Python's error for a state that is no such row. Number by
   // number is three times faster than a slice (measured).
   void read(nanobind::handle state, StateNumbers& numbers) const {
     double* const q = numbers.data();

@@ -1,10 +1,9 @@
-// Floating-point arithmetic as the proofs assume it, for as long as the core works: to nearest, no flush to zero.
+// Floating-point arithmetic as the proofs assume it while the core works: round to nearest, no flush to zero.
 //
-// In: what the calling thread has set. Out: the same, restored. Idea: another library may have left a thread with
-// another direction of rounding, or with denormals taken for zero (-ffast-math does so when it is loaded). Every
-// function that is bound to Python is guarded (`plain_floats` in its definition); threads that the core starts inherit
-// the state of the one that starts them. Where all is as it should be, which is nearly always, that is one read and one
-// comparison.
+// In: the calling thread's settings. Out: the same, restored. Idea: another library may have left a thread with another
+// rounding direction, or with denormals flushed to zero (loading code built with -ffast-math does so). Every function
+// bound to Python is guarded (`plain_floats` in its definition); threads that the core starts inherit the settings of
+// the one that starts them. If the settings are right, which is nearly always, this costs one read and one comparison.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -23,7 +22,7 @@ namespace plannercheck {
 namespace float_control {
 using Word = std::uint32_t;
 inline constexpr Word kPlain = 0x1f80;  // MXCSR: no exception traps, to nearest, denormals as they are
-inline constexpr Word kFlags = 0x003f;  // what has happened so far; it changes nothing
+inline constexpr Word kFlags = 0x003f;  // sticky exception flags; they change nothing
 inline Word read() { return _mm_getcsr(); }
 inline void write(Word word) { _mm_setcsr(word); }
 }  // namespace float_control
@@ -68,7 +67,7 @@ class PlainFloats {
   bool is_other() const { return (before_ & ~float_control::kFlags) != float_control::kPlain; }
 };
 
-// To be given to each definition of a function for Python.
+// Belongs into every definition of a function for Python.
 inline const nanobind::call_guard<PlainFloats> plain_floats;
 
 }  // namespace plannercheck

@@ -18,7 +18,7 @@ nb::tuple exact_vector(const DyadicVec3& v) {
   return nb::make_tuple(exact_number(v.x), exact_number(v.y), exact_number(v.z));
 }
 
-// Weights as doubles with sum 1; they differ by powers of two too large for doubles, so they are scaled together.
+// Weights as doubles with sum 1. Their powers of two may be too large for doubles, so they are scaled together.
 std::vector<double> weights_of(const ExactAnswer& answer) {
   const auto count = static_cast<std::size_t>(answer.count);
   std::int64_t top = INT64_MIN;

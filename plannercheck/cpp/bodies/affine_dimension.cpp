@@ -14,7 +14,7 @@ int furthest(const std::vector<Vec3>& points, Value value) {
   return best;
 }
 
-// The first index for which the exact test holds, the guess first; −1 if there is none.
+// The first index for which the exact test holds, the guess tried first; −1 if there is none.
 template <class Test>
 int first_that(const std::vector<Vec3>& points, int guess, Test test) {
   if (test(points[at(guess)])) return guess;

@@ -9,7 +9,7 @@
 namespace plannercheck {
 
 struct AffineSpan {
-  int dimension = -1;          // −1 for no points, 0 all coincide, 1 on a line, 2 in a plane, 3
+  int dimension = -1;          // −1 no points, 0 coincident, 1 on a line, 2 in a plane, 3
   std::array<int, 4> index{};  // dimension + 1 affinely independent points, far apart
 };
 

@@ -11,13 +11,13 @@ namespace plannercheck {
 namespace {
 
 constexpr std::size_t kFaces = 6;
-// Points are in floats, relative to the middle of all and in parts of their largest distance from it along an axis:
-// they err by u = 2^-24. A height is the sum of three entries of at most 1, two of them times what is exact: it errs by
-// 10u, the difference of two by 26u. This leaves room for what a direction errs by, four times, and points in doubles.
+// Points are floats, relative to the middle of all points and divided by the largest distance from it along an axis:
+// they err by u = 2^-24. A height is the sum of three entries of at most 1, two of them times exact numbers: it errs by
+// 10u, the difference of two heights by 26u. This leaves room for four errors of a direction and for points in doubles.
 constexpr float kDoubt = 32 * 0x1p-24F;
 static_assert(4 * DirectionCells::kDirectionError < 0x1p-24);
 
-// Cells along an edge of the cube: some three vertices a cell, five of small bodies, whose data stay in the cache
+// Cells along an edge of the cube: about three vertices a cell; five for small bodies, which stay in the cache
 // (measured).
 constexpr std::size_t kSmall = 512;
 std::int32_t edge_for(std::size_t vertices) {
@@ -28,12 +28,12 @@ std::int32_t edge_for(std::size_t vertices) {
 
 typedef std::vector<std::int32_t> Vertices;
 
-// Four points at a time: a register of every instruction set.
+// Four points at a time: one register on every instruction set.
 constexpr std::size_t kFour = 4;
 typedef float Four __attribute__((vector_size(kFour * 4)));
 typedef std::int32_t FourMask __attribute__((vector_size(kFour * 4)));
 
-// A square of a face, of which there are `edge` by `edge`.
+// A square of a face that is divided into `edge` by `edge`.
 struct Square {
   std::size_t face;
   std::int32_t row, column, edge;
@@ -55,7 +55,7 @@ struct Square {
   }
 };
 
-// Vertices and where they are for a face: outwards, and along its edges; in fours, of which the last is repeated.
+// Vertices with their coordinates relative to a face, outwards and along its edges; in fours, the last one repeated.
 struct FacePoints {
   std::size_t size = 0;
   Vertices vertex;
@@ -67,7 +67,7 @@ struct FacePoints {
     vertex.resize(most), out.resize(most), along_rows.resize(most), along_columns.resize(most);
   }
 
-  // Takes place `size`; it counts if `counts`.
+  // Stores at place `size`, and counts it if `counts`.
   void put(std::int32_t v, float o, float r, float c, bool counts) {
     vertex[size] = v, out[size] = o, along_rows[size] = r, along_columns[size] = c;
     size += counts ? 1 : 0;
@@ -87,7 +87,7 @@ Four load(const std::vector<float>& from, std::size_t i) {
 constexpr std::size_t kCorners = 4;
 typedef std::array<Four, kCorners> Heights;
 
-// The heights of four candidates along a square's corners.
+// The heights of four candidates along the corners of a square.
 Heights heights_of(const Square& square, const FacePoints& all, std::size_t i) {
   const Four out = load(all.out, i), r = load(all.along_rows, i), c = load(all.along_columns, i);
   const Four row_0 = out + square.border(square.row) * r, row_1 = out + square.border(square.row + 1) * r;
@@ -95,7 +95,7 @@ Heights heights_of(const Square& square, const FacePoints& all, std::size_t i) {
   return {row_0 + column_0, row_0 + column_1, row_1 + column_0, row_1 + column_1};
 }
 
-// The highest of all along one direction, lane by lane.
+// The highest candidate along one direction, lane by lane.
 struct Highest {
   Four height = Four{} - __builtin_inff();
   FourMask place{};
@@ -133,21 +133,21 @@ class CellLists {
     }
   }
 
-  // Whether some cell has more vertices than a descent looks at: then the lists are not complete.
+  // Whether some cell has more vertices than a descent scans; the lists are then incomplete.
   bool is_too_full() const { return is_too_full_; }
 
   const std::vector<Vertices>& lists() const { return lists_; }
-  // Per vertex: about the middle of the directions along which it is extreme, of any length.
+  // Per vertex: approximately the middle of the directions along which it is extreme, of any length.
   const std::vector<Vec3>& towards() const { return towards_; }
 
  private:
-  static constexpr double kSmallestUnit = 1e-290;  // no quotient of 0 by 0 where all points are one
+  static constexpr double kSmallestUnit = 1e-290;  // avoids 0 / 0 where all points coincide
 
   const std::int32_t edge_;
   bool is_too_full_ = false;
   std::vector<Vertices> lists_;
   std::vector<Vec3> towards_;
-  std::vector<FacePoints> levels_;  // of the squares at hand, from the whole face on
+  std::vector<FacePoints> levels_;  // of the current squares, from the whole face on
 
   static void take_all(const std::vector<Vec3>& points, Vec3 middle, double unit, std::size_t face, FacePoints& all) {
     const auto axis = static_cast<int>(face / 2);
@@ -162,7 +162,7 @@ class CellLists {
     all.fill_up();
   }
 
-  // The square's candidates are at `level`.
+  // `level`: where the square's candidates are.
   void divide(const Square& square, std::size_t level) {
     if (is_too_full_) return;
     poll_interruption();
@@ -185,7 +185,7 @@ class CellLists {
     }
   }
 
-  // Those that no leader surely outdoes along all corners. Leaders are highest along a corner or the middle.
+  // Keeps vertices that no leader surely exceeds along all corners. Leaders are highest along a corner or the middle.
   void keep_remaining(const Square& square, const FacePoints& all, FacePoints& left) const {
     const std::array<Heights, kCorners + 1> leaders = leaders_of(square, all);
     left.reserve(all.size);
@@ -243,7 +243,7 @@ void lay_out_blocks(const std::vector<Vec3>& points, std::vector<Vec3> towards, 
   }
 }
 
-// The blocks of some vertices, in groups.
+// The blocks of the given vertices, in groups.
 std::vector<BlockGroup> grouped(const Vertices& vertices, const std::vector<std::uint16_t>& block_of) {
   std::vector<std::uint16_t> blocks;
   blocks.reserve(vertices.size());

@@ -1,10 +1,10 @@
-// Extreme vertices by direction, in a time that does not depend on the body: which vertices may be extreme along a
-// direction of a cell.
+// Extreme vertices by direction, in a time that does not depend on the body: for each cell of directions, the vertices
+// that may be extreme along one of them.
 //
-// The cells are squares on the faces of the cube around the origin. A vertex is left out of a cell if another one is
-// surely further along all four of its corners: every direction of the cell is a mixture of these, but for the rounding
-// of where it is. Vertices that are extreme along similar directions share a block; a cell lists the blocks that hold
-// what was not left out, some four, which are scanned in floats.
+// The cells are squares on the faces of the cube around the origin. A cell leaves out a vertex if another one is surely
+// further along all four corners: every direction of the cell is a mixture of the corners, up to rounding. Vertices
+// that are extreme along similar directions share a block. A cell lists the blocks with its vertices, some four, for
+// scans in floats.
 #pragma once
 
 #include <array>
@@ -17,9 +17,9 @@
 
 namespace plannercheck {
 
-inline constexpr int kScanLanes = 8;  // the layout is the same on every instruction set, so that files are too
+inline constexpr int kScanLanes = 8;  // the same on every instruction set, so that files are, too
 
-// Eight vertices, as floats of their coordinates over the largest one: a scan looks for candidates only.
+// Eight vertices: their coordinates over the largest one, as floats, since a scan only looks for candidates.
 struct ScanBlock {
   std::array<float, kScanLanes> x, y, z;
 
@@ -30,27 +30,27 @@ struct ScanBlock {
   }
 };
 
-// With the vertices themselves; lanes beyond the last one repeat it. Two cache lines.
+// A ScanBlock with its vertices; lanes after the last one repeat it. Two cache lines.
 struct alignas(64) CellBlock : ScanBlock {
   std::array<std::int32_t, kScanLanes> vertex;
 };
 
-// Blocks of a cell that are scanned at a time; where there are fewer, the last one is repeated.
+// Blocks of a cell that are scanned together; groups of fewer repeat the last one.
 inline constexpr std::size_t kGroup = 4;
 typedef std::array<std::uint16_t, kGroup> BlockGroup;
 inline constexpr std::size_t kMostCellGroups = 16;
 
-// Blocks have numbers of 16 bits.
+// The limit of 16-bit block numbers.
 inline constexpr std::size_t kMostCellVertices = kScanLanes << 16;
 
-// Mostly one group holds all that a cell needs.
+// Mostly one group holds all blocks of a cell.
 struct Cell {
   BlockGroup first;
-  std::uint32_t others = 0, count = 0;  // further groups: where they are, and how many
+  std::uint32_t others = 0, count = 0;  // further groups: the first one's index, and how many
 };
 
 struct DirectionCells {
-  std::int32_t edge = 0;  // cells along an edge of the cube; 0: there are none
+  std::int32_t edge = 0;  // cells along an edge of the cube; 0 without cells
   std::vector<Cell> cells;
   std::vector<BlockGroup> groups;  // further ones
   std::vector<CellBlock> blocks;
@@ -60,7 +60,7 @@ struct DirectionCells {
     return cells.size() * sizeof cells[0] + groups.size() * sizeof groups[0] + blocks.size() * sizeof blocks[0];
   }
 
-  // The cell of a direction, up to kDirectionError of its place on the cube's face; that of 0 is any.
+  // The cell of a direction, up to an error of kDirectionError in its place on the face; any cell for 0.
   const Cell& cell(Vec3 u) const { return cells[index(u)]; }
   std::size_t index(Vec3 u) const {
     const std::array<double, 5> entry{u.x, u.y, u.z, u.x, u.y};
@@ -73,11 +73,11 @@ struct DirectionCells {
     return (face * count + column(entry[axis + 1], length)) * count + column(entry[axis + 2], length);
   }
 
-  // A quotient of two numbers, and its sum with 1: each errs by 2^-53.
+  // A quotient of two numbers and its sum with 1 err by 2^-53 each.
   static constexpr double kDirectionError = 2 * 0x1p-53;
 
  private:
-  // Of an entry between −length and length; what is no number is at −1.
+  // The column of an entry between −length and length; NaN counts as −length.
   std::size_t column(double entry, double length) const {
     if (edge == 4) {
       return static_cast<std::size_t>(2 * entry > -length) + static_cast<std::size_t>(entry > 0) +
@@ -90,7 +90,7 @@ struct DirectionCells {
   }
 };
 
-// None of bodies of which too many vertices may be extreme along similar directions: a descent looks at fewer.
+// Empty for bodies with more vertices that may be extreme along similar directions than a descent scans.
 DirectionCells direction_cells(const std::vector<Vec3>& points, double largest_coordinate);
 
 }  // namespace plannercheck

@@ -25,18 +25,18 @@ Form turned(const Form& f, const Pose& pose) {
   return {dot(rows[0], x), dot(rows[1], y), dot(rows[2], z), dot(rows[1], z), dot(rows[2], x), dot(rows[0], y)};
 }
 
-// The solution of form u = c, times the determinant, which is positive.
+// The solution of form u = c, times the positive determinant.
 Vec3 solved(const Form& f, Vec3 c) {
   const Vec3 x{f[0], f[5], f[4]}, y{f[5], f[1], f[3]}, z{f[4], f[3], f[2]};
   const Vec3 yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
   return {dot(yz, c), dot(zx, c), dot(xy, c)};
 }
 
-constexpr double kRound = 0.1;  // how far about the form may be off that of a ball
+constexpr double kRound = 0.1;  // how far, relatively, the form of a nearly round body may differ from a ball's
 
 }  // namespace
 
-// Sums over the tetrahedra of the triangles with a point inside; those of a solid ellipsoid are a fifth of its form.
+// Sums over the tetrahedra of the triangles with a point inside; a solid ellipsoid's moments are a fifth of its form.
 EquivalentEllipsoid equivalent_ellipsoid(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
   EquivalentEllipsoid out;
   const Vec3 origin = points.empty() ? Vec3{} : points[0];
@@ -66,8 +66,8 @@ EquivalentEllipsoid equivalent_ellipsoid(const std::vector<Vec3>& points, const 
   return out;
 }
 
-// The best plane's normal u has c ~ (A/|u|_A + B/|u|_B) u for the centres' difference c. It is solved for with the
-// lengths of c itself; another step gains less than it takes (measured).
+// With c the difference of the centres, the best plane's normal u satisfies c ~ (A/|u|_A + B/|u|_B) u. It is solved
+// with the lengths |c|_A and |c|_B; another step gains less time than it takes (measured).
 Vec3 direction_between(const EquivalentEllipsoid& a, const Pose& pose_a, const EquivalentEllipsoid& b,
                        const Pose& pose_b) {
   const Vec3 c = pose_a.apply(a.middle) - pose_b.apply(b.middle);

@@ -1,5 +1,5 @@
-// The ellipsoid with a hull's volume, middle and second moments: a guess of how two bodies face each other, which the
-// axis between their centres is not where they are long or flat.
+// The ellipsoid with a hull's volume, centroid and second moments. It suggests how two bodies face each other; for long
+// or flat bodies the axis between their centres does not.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@ struct EquivalentEllipsoid {
   // Symmetric, xx yy zz yz zx xy, m²: the support along u is the root of uᵀ form u.
   std::array<double, 6> form{};
   bool exists = false;   // there is volume
-  bool is_round = true;  // about a ball
+  bool is_round = true;  // nearly a ball
 };
 
 EquivalentEllipsoid equivalent_ellipsoid(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
 
-// About the normal of the plane between two posed ellipsoids that are apart or touch, from the second to the first, of
-// largest entry 1; no numbers where there is none.
+// Approximately the normal of a plane between two posed ellipsoids that are apart or touch, from the second to the
+// first, with largest entry 1; NaN where there is none.
 Vec3 direction_between(const EquivalentEllipsoid& a, const Pose& pose_a, const EquivalentEllipsoid& b,
                        const Pose& pose_b);
 

@@ -25,7 +25,7 @@ std::vector<int> segment_ends(const std::vector<Vec3>& points, const AffineSpan&
   return {static_cast<int>(low - points.begin()), static_cast<int>(high - points.begin())};
 }
 
-// Andrew's monotone chain on the projection along an axis that the plane does not contain, which is one-to-one.
+// Andrew's monotone chain on the projection along an axis that the plane does not contain, so that it is one-to-one.
 std::vector<int> polygon_corners(const std::vector<Vec3>& points, const AffineSpan& span) {
   const Vec3 a = points[at(span.index[0])], b = points[at(span.index[1])], c = points[at(span.index[2])];
   int axis = 0;  // the normal's largest: turns are then clear in doubles
@@ -47,9 +47,9 @@ std::vector<int> polygon_corners(const std::vector<Vec3>& points, const AffineSp
              turn(points[at(chain[chain.size() - 2])], points[at(chain.back())], points[at(*from)], axis) <= 0) {
         chain.pop_back();
       }
-      chain.push_back(*from);  // repeated points leave again, as their turns are 0
+      chain.push_back(*from);  // the turns of repeated points are 0, so they leave again
     }
-    chain.pop_back();  // the other sweep begins with it
+    chain.pop_back();  // the other sweep begins with this point
   };
   sweep(order.begin(), order.end());
   sweep(order.rbegin(), order.rend());

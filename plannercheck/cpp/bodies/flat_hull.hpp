@@ -15,11 +15,11 @@ struct FlatHull {
   std::vector<int> source;     // index into the given points, per vertex
 };
 
-// `span` of the points, of dimension 0, 1 or 2.
+// `span`: that of the points, of dimension 0, 1 or 2.
 FlatHull flat_hull(const std::vector<Vec3>& points, const AffineSpan& span);
 
-// Levels that drop every other vertex of the polygon: as in space, at most one vertex of the next finer level lies
-// beyond a plane that is tangent to a level, and it is a neighbour of the vertex where it is tangent.
+// Levels that drop every other vertex of the polygon. As in space, at most one vertex of the next finer level lies
+// beyond a plane tangent to a level, and it is a neighbour of the vertex of tangency.
 Hierarchy build_flat_hierarchy(const FlatHull& hull);
 
 }  // namespace plannercheck

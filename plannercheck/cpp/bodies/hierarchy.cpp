@@ -23,16 +23,15 @@ std::vector<std::int32_t> removable_by_degree(const Triangulation& mesh, const s
   return sorted;
 }
 
-// Whether all vertices of a ring, no three of them collinear, lie in a plane.
+// Whether all vertices of a ring lie in a plane; no three of them are collinear.
 bool coplanar(const std::vector<Vec3>& points, const std::vector<std::int32_t>& ring) {
   return std::all_of(ring.begin(), ring.end(), [&](std::int32_t n) {
     return orientation(points[at(ring[0])], points[at(ring[1])], points[at(ring[2])], points[at(n)]) == 0;
   });
 }
 
-// Peels levels off until `most` vertices are left; the last level removes no more than that takes, so that bodies of
-// all sizes have equal tops. An apex over what would be flat without it stays. The removals are in
-// their order, fine to coarse.
+// Removes levels until `most` vertices are left. The last level removes no more than that takes, so that bodies of all
+// sizes have equal tops. An apex without which the rest would be flat stays. Removals come in order, fine to coarse.
 std::vector<Removal> peel(Triangulation& mesh, std::vector<std::int32_t>& alive, std::size_t most,
                           std::int32_t* depth) {
   std::vector<Removal> removals;
@@ -92,7 +91,7 @@ void put(const Levels& h, VertexBlock& block, std::int32_t first_lane, std::int3
   }
 }
 
-// Vertices from the coarsest level to the finest; a level's in ascending order.
+// Vertices from the coarsest level to the finest, ascending within a level.
 std::vector<std::int32_t> coarse_first(const Levels& h) {
   std::vector<std::int32_t> order(h.points.size());
   std::iota(order.begin(), order.end(), 0);
@@ -200,7 +199,7 @@ std::size_t Levels::bytes() const {
 
 namespace {
 
-// Removes the levels from `current`, whose vertex ids[i] is vertex i of the levels.
+// Checks the levels by removing them from `current`, whose vertex ids[i] is vertex i of the levels.
 std::string levels_fault(Triangulation& current, const std::vector<std::int32_t>& ids, const Levels& h) {
   std::vector<std::vector<std::int32_t>> by_level(at(h.depth));
   for (std::size_t v = 0; v < h.level.size(); ++v) {

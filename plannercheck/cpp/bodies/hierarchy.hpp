@@ -2,10 +2,10 @@
 // vertices from it.
 //
 // In: the exact hull of a point set. Out: for each vertex the level at which it is removed and its neighbours there
-// (its ring, at most kRemovedDegree), and for queries the top vertices and one chain a vertex: the neighbours that were
-// removed around it, coarse to fine. Levels themselves need not exist at run time: while the plane through v with
-// normal u is tangent at every level of the chain passed so far, Lemma "halfspace property" says that at most one
-// vertex of the next level lies beyond it, and that it is a neighbour of v.
+// (its ring, at most kRemovedDegree); for queries the top vertices and, for each vertex, one chain: the neighbours
+// removed around it, coarse to fine. The levels themselves need not exist at run time. If the plane through v with
+// normal u is tangent at every level of the chain so far, at most one vertex of the next level lies beyond it, and it
+// is a neighbour of v (Lemma "halfspace property").
 //
 // Vertices with long chains (a cone's apex, a fan's hub) are not scanned but walked by wedges; see WedgeNode.
 #pragma once
@@ -23,18 +23,18 @@ namespace plannercheck {
 
 inline constexpr int kUnlayered = 64;     // up to this many all vertices are at the top
 inline constexpr int kTopVertices = 48;   // left at the top of the hierarchies of larger bodies
-inline constexpr int kHighestTop = 8;     // so few a side make the coupled walk's first game as small as its others
+inline constexpr int kHighestTop = 8;     // makes the coupled walk's first game as small as its later ones
 inline constexpr int kRemovedDegree = 8;  // a planar graph has enough independent vertices of at most this degree
-inline constexpr int kBlockLanes = 4;     // the layout is the same on every instruction set, so that files are too
+inline constexpr int kBlockLanes = 4;     // the same on every instruction set, so that files are, too
 inline constexpr int kLongChain = 64;     // entries; longer chains are walked by wedges (16 blocks of scanning)
 
 inline constexpr std::int32_t kNoChain = -1;
 
-// A search cursor: the vertex that a descent has come to, and what it needs of it to go on.
+// The position of a descent: a vertex, and the data of it that the next step needs.
 struct SearchCursor {
   Vec3 point;
   std::int32_t vertex = 0;
-  // Its first block; kNoChain if there is none; below that, `fan_at` of a walk by wedges.
+  // Its first block, or kNoChain if there is none, or a number below that: `fan_at` of a walk by wedges.
   std::int32_t chain = kNoChain;
 
   bool is_walked() const { return chain < kNoChain; }
@@ -42,11 +42,11 @@ struct SearchCursor {
   static std::int32_t fan_at(std::int32_t fan) { return kNoChain - 1 - fan; }
 };
 
-// Four neighbours in a chain, with all that a descent needs of them, so that its next step waits for memory once: two
-// cache lines. Lanes beyond the chain's end repeat the last entry.
+// Four neighbours in a chain with all data that a descent needs of them, so that its next step waits for memory once:
+// two cache lines. Lanes after the chain's end repeat the last entry.
 struct alignas(64) VertexBlock {
   std::array<double, kBlockLanes> x, y, z;
-  std::array<std::int32_t, kBlockLanes> vertex;  // of a chain's last block the complements
+  std::array<std::int32_t, kBlockLanes> vertex;  // complements of the ids in a chain's last block
   std::array<std::int32_t, kBlockLanes> chain;   // as in SearchCursor
 
   bool is_last() const { return vertex[0] < 0; }
@@ -60,20 +60,20 @@ struct ChainRange {
   std::int32_t first_block = 0, length = 0;  // length in entries
 };
 
-// The state (v, r) of wedge refinement: u lies in the wedge of v's normal cone that is spanned by z_v and the normals
-// of the two facets along the edge v r. The node lives from the level where that edge and its facets appear to the
-// level where one of these facets gives way to the hole of a removed vertex.
+// The state (v, r) of wedge refinement: u lies in the wedge of v's normal cone spanned by z_v and the normals of the
+// two facets along the edge v r. The node exists from the level where that edge and its facets appear to the level
+// where one of these facets is lost to the hole of a removed vertex.
 struct WedgeNode {
   std::int32_t rim = -1;               // r
-  std::int32_t left = -1, right = -1;  // the vertices below the facet counter-clockwise of the edge and clockwise
+  std::int32_t left = -1, right = -1;  // third vertices of the facets counter-clockwise of the edge and clockwise
   std::int32_t next_left = -1, next = -1, next_right = -1;  // nodes of (v, left), (v, r), (v, right) one level down
 };
 
 struct WedgeFan {
   Vec3 axis;  // z_v: strictly inside v's normal cone in the finest level, verified exactly
   std::int32_t first_entry = 0, entries = 0;  // nodes of v's edges at the level where v appears, counter-clockwise
-  // How many entries follow before the normals of the facets clockwise of them have turned by half a turn about z_v
-  // from the first one's, 1 to `entries`; rounded, so what a search finds by it has to be verified.
+  // How many entries follow, 1 to `entries`, until the normals of the facets clockwise of them have turned by half a
+  // turn about z_v from the first one's. It is rounded, so a search has to verify what it finds by it.
   std::int32_t first_half = 1;
   std::int32_t padding = 0;  // files hold no undefined bytes
 };
@@ -89,14 +89,15 @@ struct Levels {
   std::vector<VertexBlock> top_cursors;
   DirectionCells cells;  // of bodies that are scanned although they have levels
   std::vector<ChainRange> chains;
-  std::vector<VertexBlock, HugePageAllocator<VertexBlock>> blocks;  // of coarse vertices first: most queries read these
-  std::vector<std::int32_t> fan_of;                                 // per vertex: index into fans, or -1
+  std::vector<VertexBlock, HugePageAllocator<VertexBlock>>
+      blocks;                        // chains of coarse vertices first, which keeps what most queries read together
+  std::vector<std::int32_t> fan_of;  // per vertex: index into fans, or -1
   std::vector<WedgeFan> fans;
   std::vector<WedgeNode> wedges;
   std::vector<std::int32_t> entries;  // indices into wedges
   double largest_coordinate = 0;
 
-  // Where a descent that has come to v goes on.
+  // Where a descent at v continues.
   std::int32_t chain_of(std::int32_t v) const {
     if (fan_of[at(v)] >= 0) return SearchCursor::fan_at(fan_of[at(v)]);
     return chains[at(v)].length > 0 ? chains[at(v)].first_block : kNoChain;
@@ -106,8 +107,9 @@ struct Levels {
   std::size_t bytes() const;
 };
 
-// Extreme vertices are sought from the top on, where a scan is fastest. The coupled walk, which starts with a game of
-// all vertices of a level, starts higher up: `top_levels` is a hierarchy of the top vertices, vertex i of it is top[i].
+// Searches for extreme vertices start at the top, where a scan is fastest. The coupled walk starts with a game of all
+// vertices of a level, so it starts higher up, in the top levels: a hierarchy of the top vertices, whose vertex i is
+// top[i].
 struct Hierarchy : Levels {
   Levels top_levels;
 };
@@ -119,18 +121,18 @@ struct Removal {
   std::vector<std::int32_t> ring;  // its neighbours when it is removed, counter-clockwise
 };
 
-// Levels without wedges from removals in their order, fine to coarse, and the vertices that stay, in ascending order.
+// Levels without wedges. `removals`: in their order, fine to coarse; the vertices that stay are in ascending order.
 Levels lay_out(const std::vector<Vec3>& points, const std::vector<Removal>& removals,
                const std::vector<std::int32_t>& top, std::int32_t depth);
 
-// Leads from each entry of a chain to that vertex's own chain; again when fans have come in.
+// Leads each entry of a chain to that vertex's own chain; called again once fans are added.
 void link_chains(Levels& levels);
 
-// The top levels from further removals: those of top vertices down to the vertices that stay.
+// The top levels, from further removals: of top vertices, down to the vertices that stay.
 Levels lay_out_top_levels(const Levels& levels, std::vector<Removal> removals, std::vector<std::int32_t> stay,
                           std::int32_t depth);
 
-// Words for the first broken property of the hierarchy of this mesh, empty if there is none: levels nested, removed
+// Describes the first broken property of the hierarchy of this mesh, empty if there is none: levels nested, removed
 // vertices independent and of bounded degree, every level convex, chains complete and in order, wedges consistent; the
 // top levels likewise.
 std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& hierarchy);

@@ -1,5 +1,5 @@
-// Memory for large arrays that are read at random: on large pages where the system has them, since a miss of the
-// address table costs as much as one of the cache.
+// Memory for large arrays that are read at random, on large pages where the system has them: a miss of the address
+// table costs as much as one of the cache.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@
 
 namespace plannercheck {
 
-// An allocator; alike for arrays of any size, so that they may move into each other.
+// An allocator that compares equal for all arrays, so that they may move into each other.
 template <class T>
 struct HugePageAllocator {
   using value_type = T;
 
   static constexpr std::size_t kPage = std::size_t{1} << 21;  // bytes: 2 MiB on x86-64 and aarch64
-  static constexpr std::size_t kLeast = 2 * kPage;            // bytes: less would waste much of a page
+  static constexpr std::size_t kLeast = 2 * kPage;            // bytes: smaller arrays would waste much of a page
 
   HugePageAllocator() = default;
   template <class U>
@@ -27,7 +27,7 @@ struct HugePageAllocator {
     const std::size_t bytes = count * sizeof(T);
     void* const at = ::operator new(bytes, alignment(bytes));
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
-    if (bytes >= kLeast) madvise(at, bytes, MADV_HUGEPAGE);  // a wish: without it all is as it was
+    if (bytes >= kLeast) madvise(at, bytes, MADV_HUGEPAGE);  // only advice: it may fail without harm
 #endif
     return static_cast<T*>(at);
   }

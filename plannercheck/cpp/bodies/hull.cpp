@@ -10,7 +10,7 @@
 namespace plannercheck {
 namespace {
 
-// Links the triangles of a closed surface over their edges; throws if an edge has not exactly two opposite sides.
+// Links the triangles of a closed surface across their edges; throws unless each edge has exactly two opposite sides.
 std::vector<Triangle> linked_neighbours(const std::vector<Triangle>& triangles) {
   struct Side {
     int low, high, half_edge;
@@ -51,7 +51,7 @@ int opposite_corner(const Triangle& triangle, int a, int b) {
   return -1;
 }
 
-// Marks the edges at which the surface bends; throws where it bends the wrong way.
+// Marks the edges at which the surface bends; throws if it bends inwards.
 std::vector<std::array<bool, 3>> bends(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
                                        const std::vector<Triangle>& neighbours) {
   std::vector<std::array<bool, 3>> strict(triangles.size());
@@ -59,7 +59,7 @@ std::vector<std::array<bool, 3>> bends(const std::vector<Vec3>& points, const st
     const Triangle& v = triangles[t];
     for (int i = 0; i < 3; ++i) {
       const int a = v[at(i)], b = v[at(next_corner(i))], other = neighbours[t][at(i)];
-      if (at(other) < t) {  // judged from the other side
+      if (at(other) < t) {  // decided on the other side
         const Triangle& w = triangles[at(other)];
         const int edge = w[0] == b ? 0 : w[1] == b ? 1 : 2;
         strict[t][at(i)] = strict[at(other)][at(edge)];
@@ -77,7 +77,7 @@ std::vector<std::array<bool, 3>> bends(const std::vector<Vec3>& points, const st
   return strict;
 }
 
-// A vertex is extreme if and only if at least three true edges meet there: else it lies within a facet or an edge.
+// A vertex is extreme if and only if at least three true edges meet there; else it lies within a facet or an edge.
 std::vector<bool> extreme_vertices(const std::vector<Triangle>& triangles,
                                    const std::vector<std::array<bool, 3>>& strict, std::size_t vertex_count) {
   std::vector<int> edges(vertex_count, 0);
@@ -89,7 +89,7 @@ std::vector<bool> extreme_vertices(const std::vector<Triangle>& triangles,
   return extreme;
 }
 
-// Numbers the vertices in use and judges the edges.
+// Numbers the vertices in use and classifies the edges.
 ConvexMesh compact(const std::vector<Vec3>& points, const std::vector<int>& source,
                    const std::vector<Triangle>& triangles, std::vector<Triangle> neighbours) {
   ConvexMesh mesh;
@@ -124,7 +124,7 @@ ConvexMesh hull_of(const std::vector<Vec3>& points, const std::vector<int>& sour
   return hull_of(kept, kept_source);
 }
 
-// How many triangles the ray from `inside` towards the middle of a triangle meets (touching counts).
+// How many triangles the ray from `inside` to the middle of a triangle meets; touching counts.
 int triangles_hit(const ConvexMesh& mesh, Vec3 inside, const Triangle& aim) {
   const Vec3 middle = (1.0 / 3.0) * (mesh.vertices[at(aim[0])] + mesh.vertices[at(aim[1])] + mesh.vertices[at(aim[2])]);
   const Vec3 ray = middle - inside;
@@ -137,8 +137,8 @@ int triangles_hit(const ConvexMesh& mesh, Vec3 inside, const Triangle& aim) {
   return hits;
 }
 
-// A surface that winds k times around a point meets every ray from it at least k times, so one ray with one hit is
-// proof. Rays towards slivers may be rounded onto an edge and hit two triangles: others are tried.
+// A surface that winds k times around a point meets every ray from it at least k times, so one ray with a single hit is
+// a proof. A ray to a sliver may be rounded onto an edge and hit two triangles; others are then tried.
 bool winds_once(const ConvexMesh& mesh, Vec3 inside) {
   constexpr std::size_t kRays = 16;
   const std::size_t stride = (mesh.triangles.size() + kRays - 1) / kRays;
@@ -148,7 +148,7 @@ bool winds_once(const ConvexMesh& mesh, Vec3 inside) {
   return false;
 }
 
-// For bodies too thin for rays from an interior point: every vertex against every face.
+// For bodies too thin for rays from an interior point: tests every vertex against every face.
 bool no_vertex_outside(const ConvexMesh& mesh) {
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
     return std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [&](Vec3 v) {

@@ -1,9 +1,9 @@
 // Convex hulls as triangle meshes, exact: every sign is that of the given doubles.
 //
 // In: points, or points with faces that claim to be their hull. Out: a mesh whose vertices are exactly the extreme
-// points and whose triangles are outward; triangles of one facet are exactly coplanar. Idea: triangles around all
-// points (quickhull.hpp); an exact sign at each edge tells whether the surface bends there, and corners at which fewer
-// than three edges bend are left out.
+// points and whose triangles are outward; triangles of one facet are exactly coplanar. Idea: quickhull.hpp builds
+// triangles around all points; exact signs find the edges that bend; corners with fewer than three such edges are
+// removed.
 #pragma once
 
 #include <array>
@@ -25,10 +25,10 @@ struct ConvexMesh {
   std::vector<int> source;           // index into the given points, per vertex
   std::vector<Triangle> triangles;   // counter-clockwise seen from outside
   std::vector<Triangle> neighbours;  // neighbours[t][i]: the triangle across the edge from corner i to corner i + 1
-  std::vector<std::array<bool, 3>> strict;  // the edge is a true one: the facets on both sides are not coplanar
+  std::vector<std::array<bool, 3>> strict;  // a true edge: the facets on both sides are not coplanar
 };
 
-// What is wrong with the input, in words that fit behind the name of the body.
+// Says what is wrong with the input, in words that can follow the name of the body.
 class HullError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -36,9 +36,9 @@ class HullError : public std::runtime_error {
 // Throws HullError if the points have no volume.
 ConvexMesh convex_hull(const std::vector<Vec3>& points);
 
-// Verifies that triangles bound the convex hull of their points; throws HullError if not (Mehlhorn et al. 1999:
-// closed, locally convex, and a ray from an interior point leaves through one triangle only). `inside`: an interior
-// point, if one is known; else one is looked for.
+// Verifies that triangles bound the convex hull of their points, else throws HullError (Mehlhorn et al. 1999: closed,
+// locally convex, and a ray from an interior point leaves through one triangle only). `inside`: an interior point or
+// none.
 ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
                          const Vec3* inside = nullptr);
 

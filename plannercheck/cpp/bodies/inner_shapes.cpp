@@ -9,20 +9,20 @@
 namespace plannercheck {
 namespace {
 
-// A facet's distance from a point, (1 − q·y) / |q| with y the point less the centre, |y| at most 4 radii: q errs by 4u
-// of its length, the product by 6u |q| |y|, the difference, 1 / |q| <= radius, the quotient and y by a few u each.
+// A facet's distance from a point is (1 − q·y) / |q|, with y the point less the centre, |y| at most 4 radii. q errs by
+// 4u of its length, the product by 6u |q| |y|; the difference, 1 / |q| <= radius, the quotient and y by a few u each.
 constexpr double kFacetError = 128 * 0x1p-53;
-// Of polar points, for their squares neither to overflow nor to lose bits to underflow.
+// Lengths of polar points for which squares neither overflow nor lose bits to underflow.
 constexpr double kShortest = 1e-150, kLongest = 1e150;
 
-// So many points inside are tried as centres of balls, of so many that are spread over the body's box (measured: 96 of
-// 256 settle 2 % fewer collisions, 192 of 1,024 no more).
+// This many points inside are tried as centres of balls, out of those spread over the body's box (measured: 96 of 256
+// settle 2 % fewer collisions, 192 of 1,024 no more).
 constexpr std::size_t kTriedCentres = 128;
 constexpr int kSpreadPoints = 512;
 
 // How far a box grows in one step, as parts of the body's edges.
 constexpr double kFirstStep = 1.0 / 8, kLastStep = 1.0 / 256;
-// Of the largest ball's radius: how round a box may be. Cylinders and links are best filled by round ones.
+// How round a box may be, in parts of the largest ball's radius. Round boxes fill cylinders and links best.
 constexpr std::array<double, 2> kRoundings{0, 0.95};
 
 // The half-spaces whose intersection is the body's hull.
@@ -37,10 +37,10 @@ class Facets {
     }
   }
 
-  // Else nothing is known of how far they are.
+  // If false, the facets' distances are not known.
   bool are_known() const { return are_known_; }
 
-  // Of the largest ball around a point that is inside; not positive if none is.
+  // The radius of the largest ball around a point inside; not positive if no ball fits.
   double radius_around(Vec3 point) const {
     const Vec3 y = point - body_.centre;
     double least = body_.radius;
@@ -80,7 +80,7 @@ Vec3 spread_point(const Polytope& body, int k) {
   return body.low + Vec3{part(0) * edges.x, part(1) * edges.y, part(2) * edges.z};
 }
 
-// None if the body is about as thin as rounding.
+// Empty if the body is about as thin as rounding.
 std::vector<InnerBall> tried_balls(const Polytope& body, const Facets& facets) {
   std::vector<InnerBall> balls;
   const auto try_around = [&](Vec3 point) {
@@ -92,7 +92,7 @@ std::vector<InnerBall> tried_balls(const Polytope& body, const Facets& facets) {
   return balls;
 }
 
-// Of the balls those that hold most centres which none before them holds.
+// Greedily picks the balls that hold most centres not yet covered.
 std::vector<InnerBall> covering(const std::vector<InnerBall>& balls) {
   std::vector<InnerBall> chosen, left = balls;
   const auto holds = [](const InnerBall& ball, const InnerBall& other) {
@@ -118,7 +118,7 @@ Vec3 along_axis(std::size_t axis, double length) {
   return {axis == 0 ? length : 0, axis == 1 ? length : 0, axis == 2 ? length : 0};
 }
 
-// Grows on all six sides by turns, in ever smaller steps.
+// Grows the box on all six sides in turn, in ever smaller steps.
 InnerBox grown(const Facets& facets, const Polytope& body, InnerBox box) {
   const Vec3 edges = body.high - body.low;
   const auto grow = [&](std::size_t side, double step) {
@@ -126,7 +126,7 @@ InnerBox grown(const Facets& facets, const Polytope& body, InnerBox box) {
     const Vec3 by = along_axis(axis, step * edges[static_cast<int>(axis)]);
     const InnerBox next =
         side % 2 == 0 ? InnerBox{box.low - by, box.high, box.radius} : InnerBox{box.low, box.high + by, box.radius};
-    const bool differs = !(next.low == box.low && next.high == box.high);  // else the step is lost to rounding
+    const bool differs = !(next.low == box.low && next.high == box.high);  // false if rounding swallows the step
     const bool held = differs && facets.hold(next);
     if (held) box = next;
     return held;
@@ -158,7 +158,7 @@ InnerBox largest_box(const Polytope& body, const Facets& facets, const std::vect
   return best;
 }
 
-// Of a point, or evenly on a segment, whose ends the vertices are.
+// Balls of a point, or evenly spaced on the segment between the two vertices.
 std::vector<InnerBall> balls_on_segment(const Polytope& body) {
   std::vector<InnerBall> balls;
   const std::size_t count = body.dimension == 0 ? 1 : kInnerBalls;
@@ -169,7 +169,7 @@ std::vector<InnerBall> balls_on_segment(const Polytope& body) {
   return balls;
 }
 
-// Whether the box around the body is the body: a box, a point, a segment along an axis.
+// Whether the body equals the box around it: a box, a point, or a segment along an axis.
 bool is_its_box(const Polytope& body) {
   const Vec3 edges = body.high - body.low;
   const int flat = (edges.x == 0 ? 1 : 0) + (edges.y == 0 ? 1 : 0) + (edges.z == 0 ? 1 : 0);

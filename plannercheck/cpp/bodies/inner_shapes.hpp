@@ -1,8 +1,8 @@
-// Balls and a rounded box inside a body: where a ball in one body overlaps the box in another, so do the bodies.
+// Balls and a rounded box inside a body. If a ball in one body overlaps the box in another, the bodies share a point.
 //
-// In: a body with a polar, or a point or a segment. Out: some balls that cover much of it together, and one rounded
-// box, in the body's frame and without the inflation radius; none if the body is as thin as rounding. All are within
-// its hull whatever the rounding, but that balls of a segment have their centres on it up to rounding.
+// In: a body with a polar, or a point or a segment. Out: some balls that together cover much of it, and one rounded
+// box, in the body's frame and without the inflation radius; none if the body is as thin as rounding. All lie within
+// its hull whatever the rounding, except that a segment's balls have their centres on it only up to rounding.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// A value that is computed when it is first asked for, by whichever thread comes first. Copies share it.
+// A value that the first thread to ask for it computes. Copies share it.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@ namespace plannercheck {
 template <class Value>
 class LazyValue {
  public:
-  // `make` has to give the same value whoever asks.
+  // `make` has to give the same value for every caller.
   template <class Make>
   const Value& get(Make make) const {
     std::call_once(state_->once, [&] { state_->value = make(); });

@@ -11,7 +11,7 @@
 namespace plannercheck {
 namespace {
 
-// n / (n · (a − centre)) for the plane through a, b, c: double-double where its error stays below 2^-60, else exact.
+// n / (n · (a − centre)) for the plane through a, b, c: in double-double where its error stays below 2^-60, else exact.
 Vec3 polar_point(Vec3 centre, Vec3 a, Vec3 b, Vec3 c) {
   const DoubleDoubleVec3 n = cross(difference(b, a), difference(c, a));
   const DoubleDouble height = dot(n, difference(a, centre));
@@ -35,7 +35,7 @@ double squared_area(const ConvexMesh& mesh, const Triangle& t) {
   return dot(n, n);
 }
 
-// One point a facet, from its largest triangle.
+// One polar point for each facet, from the facet's largest triangle.
 std::vector<Vec3> polar_points(const ConvexMesh& mesh, Vec3 centre) {
   int count = 0;
   const std::vector<int> facet = facets(mesh, &count);
@@ -60,7 +60,7 @@ double largest_norm(const std::vector<Vec3>& points, Vec3 from) {
   return largest;
 }
 
-// `points`: the vertices, which differ.
+// `points`: the vertices, all different.
 void enclose(Polytope& body, const std::vector<Vec3>& points) {
   body.low = body.high = points.front();
   for (const Vec3& p : points) {
@@ -74,8 +74,8 @@ void enclose(Polytope& body, const std::vector<Vec3>& points) {
   body.is_box = points.size() == 8 && std::all_of(points.begin(), points.end(), at_corner) ? 1 : 0;
 }
 
-// The polar about a point strictly inside. False, and nothing changed, if doubles can't hold it: the body is thinner
-// than their grid, or so small that its polar overflows.
+// Adds the polar about a point strictly inside. Returns false and changes nothing if doubles cannot hold the polar: the
+// body is thinner than their grid, or so small that its polar overflows.
 bool add_polar(const ConvexMesh& mesh, Polytope& body) try {
   const std::optional<Vec3> inside = interior_point(mesh);
   if (!inside) return false;
@@ -92,7 +92,7 @@ bool add_polar(const ConvexMesh& mesh, Polytope& body) try {
   return false;
 }
 
-// Without a polar the centre only aims and bounds: the mean of the vertices will do, rounded.
+// Without a polar the centre serves only as a guess and for bounds, so the rounded mean of the vertices is enough.
 void do_without_polar(Polytope& body) {
   const std::vector<Vec3>& vertices = body.inner.points;
   const double weight = 1 / static_cast<double>(vertices.size());
@@ -136,7 +136,7 @@ Polytope prepare_polytope(const std::vector<Vec3>& points) {
 
 namespace {
 
-// Every vertex of a flat body is a corner: it is further out than its neighbours allow.
+// Every vertex of a flat body has to be a corner: strictly further out than its neighbours allow.
 std::string flat_fault(const Polytope& body) {
   const FlatHull again = flat_hull(body.inner.points, affine_span(body.inner.points));
   if (again.dimension != body.dimension) return "the dimension is wrong";

@@ -1,10 +1,10 @@
 // A body prepared for queries: its hull, the hierarchy of the hull, and the hierarchy of its polar.
 //
-// The polar lives in the frame whose origin is `centre`: the facet n·(x − centre) = h becomes the point n / h, so the
-// body is {x : q·(x − centre) <= 1 for all polar points q}. Exactly coplanar triangles are merged before: a cube has
-// six polar points. Polar points are rounded; each errs by at most kPolarError of its length. Bodies without volume
-// (polygons, segments, points) have no polar. Any body may be inflated: the set of points within `inflation_radius` of
-// the hull, which makes spheres of points and capsules of segments.
+// The polar has its origin at `centre`: the facet n·(x − centre) = h becomes the point n / h, so the body is {x : q·(x
+// − centre) <= 1 for all polar points q}. Exactly coplanar triangles are merged first: a cube has six polar points.
+// Polar points are rounded; each errs by at most kPolarError of its length. Bodies without volume (polygons, segments,
+// points) have no polar. Any body may be inflated to all points within `inflation_radius` of its hull: points become
+// spheres, segments capsules.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,10 @@
 
 namespace plannercheck {
 
-// Numerator and denominator are rounded once each (and err by 2^-60 before), then divided: 3u and a little.
+// Numerator and denominator are each rounded once (and err by 2^-60 before), then divided: a little over 3u.
 inline constexpr double kPolarError = 4 * 0x1p-53;
 
-// Raise it whenever the fields of Polytope or Hierarchy, their order or their meaning change: old files are then
-// refused.
+// Raise it with any change to the fields of Polytope or Hierarchy, their order or meaning: old files are then refused.
 inline constexpr int kPolytopeFormat = 11;
 
 struct Polytope {
@@ -48,20 +47,20 @@ struct Polytope {
     return lazy_inner_shapes.get([this] { return find_inner_shapes(*this); });
   }
 
-  // Bodies without volume have none, nor have those that are thinner than the grid of doubles.
+  // False for bodies without volume, and for those thinner than the grid of doubles.
   bool has_polar() const { return !polar.points.empty(); }
   std::size_t bytes() const;
 };
 
 Polytope prepare_polytope(const ConvexMesh& mesh);
 
-// Of any dimension: the hull of the points, which are not empty.
+// Prepares the hull of the points, of any dimension; there is at least one point.
 Polytope prepare_polytope(const std::vector<Vec3>& points);
 
-// Words for the first broken property, empty if there is none: hull and polar convex, hierarchies sound.
+// Describes the first broken property, empty if there is none: hull and polar convex, hierarchies sound.
 std::string polytope_fault(const Polytope& body);
 
-// The body as bytes, without pointers; `parse_polytope` throws HullError if they are not such a body.
+// The body as bytes, without pointers. `parse_polytope` throws HullError if the bytes are no such body.
 std::string serialise(const Polytope& body);
 Polytope parse_polytope(const char* data, std::size_t size);
 

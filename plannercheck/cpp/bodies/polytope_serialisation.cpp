@@ -1,5 +1,5 @@
-// Bodies as bytes: the fields one after the other, arrays with their length before them, in the machine's order of
-// bytes. What is read is held against all that queries rely on before any runs.
+// Bodies as bytes: the fields in order, each array after its length, in the machine's byte order. What is read is
+// checked for everything that queries rely on before any query runs.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -56,7 +56,7 @@ class Reader {
   }
 };
 
-// The fields in the order of the format, once for reading and writing.
+// The fields in the order of the format, for both reading and writing.
 template <class Stream, class H>
 void each_level_field(Stream& s, H& h) {
   s.array(h.points), s.array(h.level), s.value(h.depth), s.array(h.ring_start), s.array(h.rings), s.array(h.top);
@@ -118,7 +118,7 @@ void require_sound_wedge(const Levels& h, std::size_t w) {
   require(node.next >= 0 || node.left >= 0 || node.right < 0);
 }
 
-// Cells have not too many groups, and only of blocks that there are.
+// No cell has too many groups, and groups name only existing blocks.
 void require_sound_cells(const DirectionCells& c, std::size_t vertices) {
   constexpr std::int32_t kMostEdge = 1 << 10;
   require(c.edge >= 0 && c.edge <= kMostEdge);
@@ -136,7 +136,7 @@ void require_sound_cells(const DirectionCells& c, std::size_t vertices) {
   }
 }
 
-// Blocks repeat what descents need of their vertices.
+// Blocks repeat the vertex data that descents need.
 void require_sound_block(const Levels& h, const VertexBlock& block) {
   for (std::size_t lane = 0; lane < kBlockLanes; ++lane) {
     const SearchCursor cursor = block.cursor(lane);
@@ -150,7 +150,7 @@ bool is_marked(const VertexBlock& block, bool last) {
   return std::all_of(block.vertex.begin(), block.vertex.end(), [&](std::int32_t v) { return (v < 0) == last; });
 }
 
-// Chains share no blocks, so together they have as many as there are; a scan goes on until the mark of the last one.
+// Chains share no blocks, so their lengths add up to the number of blocks; a scan ends at the mark of its last block.
 void require_sound_chains(const Levels& h) {
   std::size_t chained = 0;
   for (const ChainRange& chain : h.chains) {
@@ -165,7 +165,7 @@ void require_sound_chains(const Levels& h) {
   require(chained == h.blocks.size());
 }
 
-// Per wedge: the lowest level of the vertices whose walks come to it.
+// Per wedge: the lowest level among the vertices whose walks come to it.
 std::vector<std::int32_t> levels_of_walks(const Levels& h) {
   std::vector<std::int32_t> lowest(h.wedges.size(), std::numeric_limits<std::int32_t>::max());
   const auto lower = [&](std::int32_t wedge, std::int32_t level) {
@@ -184,7 +184,7 @@ std::vector<std::int32_t> levels_of_walks(const Levels& h) {
   return lowest;
 }
 
-// Chains and wedges lead to finer levels only, or the coupled walk would run forever; its games hold few vertices.
+// Chains and wedges lead to finer levels only, else the coupled walk would not end; its games hold few vertices.
 void require_falling_levels(const Levels& h) {
   for (std::size_t v = 0; v < h.points.size(); ++v) {
     const std::int32_t degree = h.ring_start[v + 1] - h.ring_start[v], level = h.level[v];
@@ -202,7 +202,7 @@ void require_falling_levels(const Levels& h) {
   }
 }
 
-// The top is what no level removes, each vertex once but for the padding at the end. Returns how many.
+// The top holds the vertices that no level removes, each once except for padding at the end. Returns how many.
 std::size_t require_sound_top(const Levels& h) {
   const auto staying = at(static_cast<std::int32_t>(std::count(h.level.begin(), h.level.end(), h.depth)));
   require(staying >= 1 && staying <= h.top.size());
@@ -213,8 +213,8 @@ std::size_t require_sound_top(const Levels& h) {
   return staying;
 }
 
-// Every index that a query follows stays in its array, and wedges lead on to later ones only: damaged data may give
-// wrong answers, but no query leaves memory or runs forever.
+// Every index that a query follows stays in its array, and wedges lead on to later ones only. So damaged data may give
+// wrong answers, but no query leaves its memory or runs forever.
 void require_sound_levels(const Levels& h) {
   const std::size_t n = h.points.size(), top = h.top.size();
   for (const Vec3& p : h.points) require(is_finite(p));

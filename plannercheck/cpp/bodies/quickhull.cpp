@@ -54,7 +54,7 @@ class Quickhull {
 
   Vec3 point(int index) const { return points_[at(index)]; }
 
-  // Always the same sequence: equal points give equal meshes.
+  // A fixed sequence, so that equal points give equal meshes.
   std::size_t draw(std::size_t count) { return ++draws_ * 2654435761U % count; }
 
   TriangleSurface surface() const {
@@ -74,7 +74,7 @@ class Quickhull {
   }
 
   bool sees(int p, const Face& face) const {
-    if (p == face.corner[0] || p == face.corner[1] || p == face.corner[2]) return false;  // spares an exact zero
+    if (p == face.corner[0] || p == face.corner[1] || p == face.corner[2]) return false;  // avoids an exact zero
     return orientation(point(face.corner[0]), point(face.corner[1]), point(face.corner[2]), point(p)) > 0;
   }
 
@@ -96,7 +96,7 @@ class Quickhull {
     }
   }
 
-  // d below the triangle a b c
+  // Triangle a b c, with d below it.
   void create_tetrahedron(int a, int b, int c, int d) {
     new_face(a, b, c);
     new_face(b, a, d);
@@ -112,8 +112,8 @@ class Quickhull {
     adopt_orphans();
   }
 
-  // A point of a removed face that is still outside lies above a new face: on the way from the removed face to one
-  // that it sees it crosses the horizon, and there the new face's plane lies between the two old ones.
+  // A point of a removed face that is still outside lies above a new face. On the way from the removed face to a face
+  // that the point sees, it crosses the horizon, where the new face's plane lies between the two old ones.
   void adopt_orphans() {
     for (const int p : orphans_) {
       for (const int face : created_) {

@@ -41,7 +41,7 @@ std::vector<std::int32_t> Triangulation::ring(std::int32_t v) const {
     ring.push_back(corner_[at(after(h))]);
     h = twin_[at(before(h))];
   } while (h != start);
-  // From the lowest on: how coplanar holes are closed then depends on the surface alone, not on its history.
+  // Starts at the lowest index, so that the closing of coplanar holes depends on the surface alone, not on its history.
   std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end()), ring.end());
   return ring;
 }
@@ -63,13 +63,13 @@ void Triangulation::remove(std::int32_t v, const std::vector<std::int32_t>& ring
     h = next;
   }
   degree_[at(v)] = 0;
-  for (const std::int32_t n : ring) degree_[at(n)] -= 2;  // the triangles lost; `fill` counts the new ones
+  for (const std::int32_t n : ring) degree_[at(n)] -= 2;  // triangles lost; `fill` counts the new ones
   const std::int32_t base = fill(ring, outer, 0, ring.size() - 1);
   link(base, outer.back());
 }
 
-// Fills the polygon ring[from..to] whose edge ring[to] -> ring[from] is given; returns the half-edge along it.
-// The ring's vertices are in convex position, so no three are collinear; among coplanar ones any choice is a facet.
+// Fills the polygon ring[from..to] whose edge ring[to] -> ring[from] is given; returns the half-edge along it. The
+// ring's vertices are in convex position, so no three are collinear; among coplanar ones any choice gives a facet.
 std::int32_t Triangulation::fill(const std::vector<std::int32_t>& ring, const std::vector<std::int32_t>& outer,
                                  std::size_t from, std::size_t to) {
   const Vec3 a = points_[at(ring[from])], b = points_[at(ring[to])];

@@ -1,4 +1,4 @@
-// A triangulated convex surface from which vertices can be removed, each hole closed convexly.
+// A triangulated convex surface from which vertices can be removed; each hole is closed convexly.
 //
 // Half-edge h = 3 t + i runs from corner i of triangle t to corner i + 1, counter-clockwise seen from outside.
 #pragma once
@@ -17,9 +17,9 @@ class Triangulation {
   const std::vector<Vec3>& points() const { return points_; }
   std::int32_t degree(std::int32_t v) const { return degree_[static_cast<std::size_t>(v)]; }
   bool contains(std::int32_t v) const { return degree(v) > 0; }
-  // The neighbours of v, counter-clockwise, from the one with the lowest index on.
+  // The neighbours of v, counter-clockwise, starting with the lowest index.
   std::vector<std::int32_t> ring(std::int32_t v) const;
-  // Removes v, whose ring is given, and closes the hole by the convex hull of what remains (gift wrapping).
+  // Removes v, whose ring is given, and closes the hole with the convex hull of the remaining points (gift wrapping).
   void remove(std::int32_t v, const std::vector<std::int32_t>& ring);
   // Whether every edge is convex, decided exactly.
   bool is_convex() const;

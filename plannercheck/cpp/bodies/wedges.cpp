@@ -8,7 +8,7 @@
 namespace plannercheck {
 namespace {
 
-// The ring of one vertex while its level gets finer: a cyclic list of neighbours, each with its current wedge.
+// The ring of one vertex as its level gets finer: a cyclic list of neighbours, each with its current wedge.
 struct Rim {
   std::vector<std::int32_t> next, previous, wedge;
 
@@ -55,8 +55,8 @@ class WedgeBuilder {
                        [&](std::int32_t n) { return compare_along(z, point(v), point(n)) > 0; });
   }
 
-  // Tries the sum of the facets' unit normals and of their area normals. None may pass at a nearly flat vertex, whose
-  // cone is thinner than the doubles' grid; its chain is scanned then: slower, never wrong.
+  // Tries the sum of the facets' unit normals and that of their area normals. Both may fail at a nearly flat vertex,
+  // whose cone is thinner than the grid of doubles; its chain is then scanned, which is slower but as right.
   bool find_axis(std::int32_t v, Vec3* axis) const {
     const std::vector<std::int32_t> ring = finest_.ring(v);
     Vec3 units, areas;
@@ -99,7 +99,7 @@ class WedgeBuilder {
     return h_.blocks[at(chain.first_block + i / kBlockLanes)].id(at(i % kBlockLanes));
   }
 
-  // Replays the removals around v, coarse to fine, a level at a time.
+  // Replays the removals around v, coarse to fine, level by level.
   void refine(std::int32_t v) {
     const ChainRange chain = h_.chains[at(v)];
     for (std::int32_t first = 0; first < chain.length;) {
@@ -111,7 +111,7 @@ class WedgeBuilder {
     }
   }
 
-  // The neighbours of v in c's ring: c appears between them in v's ring.
+  // The neighbours of v in c's ring; c appears between them in v's ring.
   void gap(std::int32_t v, std::int32_t c, std::int32_t* right, std::int32_t* left) const {
     const std::int32_t start = h_.ring_start[at(c)], size = h_.ring_start[at(c) + 1] - start;
     std::int32_t i = 0;
@@ -149,7 +149,7 @@ class WedgeBuilder {
       rim_.join(right, c);
       rim_.join(c, left);
     }
-    for (const Touched& border : borders) {  // twice where two holes border the same edge
+    for (const Touched& border : borders) {  // repeated where two holes border the same edge
       if (h_.wedges[at(border.wedge)].next >= 0) continue;
       open(border.rim);
       h_.wedges[at(border.wedge)].next = rim_.wedge[at(border.rim)];

@@ -1,11 +1,11 @@
 // Wedge refinement at vertices of large degree: builds and checks Levels::fans, wedges and entries.
 //
-// Why one edge is enough: let u lie in v's normal cone at some level, in the wedge of the edge v r (spanned by the
-// axis z_v and the normals of the two facets along the edge). A vertex c of the next finer level lies beyond the plane
+// Why one edge is enough: let u lie in v's normal cone at some level, in the wedge of the edge v r (spanned by the axis
+// z_v and the normals of the two facets along the edge). A vertex c of the next finer level lies beyond the plane
 // through v with normal u only if u · (c − v) > 0. That half-space does not contain z_v, which is inside v's cone in
-// the finest level, so the ray from z_v through u, once in the half-space, stays there until it leaves the cone, which
-// it does between the normals of these two facets. So c lies above one of the two, and a facet has at most one removed
-// vertex above it. Two sides of planes then tell which of at most three new wedges holds u.
+// the finest level. So the ray from z_v through u, once in the half-space, stays there until it leaves the cone,
+// between the normals of these two facets. Hence c lies above one of the two facets, and each has at most one removed
+// vertex above it. Two side tests then tell which of at most three new wedges holds u.
 #pragma once
 
 #include <string>

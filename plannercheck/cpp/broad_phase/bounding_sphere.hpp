@@ -22,8 +22,8 @@ struct BoundingBall {
   static Floats radius_at(Floats x, Floats y, Floats z, Floats radius, Floats room);
 
   // Floats err by u = 2^-24. Posing a ball's centre c from rounded numbers takes three products and sums and errs by at
-  // most 6u of the posed centre and 17u of |c|, in |.|_1. This constant also covers posing vertices in doubles and
-  // computing the bound itself.
+  // most 6u of the posed centre and 17u of |c|, in |.|_1. This also covers posing vertices in doubles and computing the
+  // bound.
   static constexpr double kCentreError = 0x1p-19;
 };
 

@@ -42,8 +42,7 @@ class BlockBoxes {
   typedef BlockCache<Posed> Workspace;
   Workspace new_workspace() const { return Workspace(boxes_.size()); }
 
-  // Bit k: in state k the boxes of bodies a and b are apart. `links`: the poses of all links; only those of moving
-  // boxes are read.
+  // Bit k: in state k the boxes of bodies a and b are apart. `links`: all poses; those of moving boxes are read.
   unsigned apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& workspace) const;
 
   // A body's box in the block, posed at the first call.

@@ -11,8 +11,7 @@ namespace {
 // Of posing an obstacle's vertices in doubles: three products and sums.
 constexpr double kVertexError = 8 * 0x1p-53;
 
-// With this many states in a block, lanes over states are faster than lanes over obstacles and than testing pairs'
-// boxes one by one (measured).
+// From this many states on, lanes over states beat lanes over obstacles and pairs' boxes one by one (measured).
 constexpr int kFewStates = 3;
 // Scenes of up to this many obstacles are tested one by one faster than by the tree (measured).
 constexpr std::size_t kFewObstacles = 64;

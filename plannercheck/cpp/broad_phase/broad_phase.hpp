@@ -26,8 +26,7 @@ namespace plannercheck {
 
 class BroadPhase {
  public:
-  // `permanent`: for each pair, whether both bodies stand still and share a point. Other pairs that stand still are
-  // apart.
+  // `permanent`: for each pair, whether both bodies stand still and share a point. Other such pairs are apart.
   BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
              const std::vector<bool>& permanent, std::size_t links, const SampledPoses& sampled);
 

@@ -10,8 +10,7 @@ namespace plannercheck {
 namespace {
 
 constexpr std::size_t kMostMovers = 8;  // larger ones never paid off with any of the shipped robots
-// Costs in units of one test of a group's box, by instructions: of testing a body against an obstacle, and of making
-// the box around a group.
+// Costs of testing a body against an obstacle and of making a group's box, in tests of that box (by instructions).
 constexpr double kBodyCost = 1.5, kGroupCost = 3;
 
 // The box around all movers of a group, by state.
@@ -57,8 +56,7 @@ std::vector<std::int32_t> obstacles_of(std::size_t first, std::size_t last, std:
 
 }  // namespace
 
-// The cheapest way to cut the row of movers into groups: for each prefix of the row, the last group of its best
-// cut.
+// The cheapest way to cut the row of movers into groups, by the last group of each prefix of the row.
 std::vector<MoverGroup> mover_groups(const std::vector<BoundingBall>& movers, const std::vector<WorldBox>& boxes,
                                      const std::vector<std::int32_t>& pair_of, const SampledPoses& sampled) {
   const std::size_t n = movers.size(), size = sampled.states == 0 ? 0 : sampled.poses.size() / sampled.states;

@@ -1,5 +1,5 @@
-// Which moving bodies are tested together against obstacles: neighbours in a chain, whose common box keeps them apart
-// from most obstacles at once.
+// Which moving bodies are tested together against obstacles: neighbours in a chain, whose common box most obstacles
+// miss.
 //
 // In: balls around bodies on links, obstacles' boxes, pairs, links' poses in sampled states. Out: the groups that
 // need the fewest tests in these states, eight at a time. Any choice gives the same verdicts; only its cost differs.

@@ -12,8 +12,7 @@ namespace {
 // the link: half of kPosingError. The middle of the box errs by at most its room (box_filter.cpp). Twice that room is
 // taken; the other half, at least 2e-5 of the half edges' sum e, covers the following. Let r and ρ be the radii:
 // - posing shrinks them to at least 1 − 0.51 δ of themselves;
-// - let w be the centre less the middle. Its coordinates A w in the box' frame err by (15u + 1.01 δ) |w|, since A is
-// M's
+// - let w be the centre less the middle. Its coordinates A w in the box' frame err by (15u + 1.01 δ) |w|, A being M's
 //   transpose in floats in place of its inverse, and by 6u |w| more; |w| <= e + 2 (r + ρ) if the test says yes;
 // - the distance from the box, its square, and rounding the box itself err by 10u (e + r + ρ);
 // - posing stretches that distance, which is at most r + ρ, by 0.51 δ of itself.

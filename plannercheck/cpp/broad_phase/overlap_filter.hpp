@@ -30,8 +30,7 @@ class BlockOverlaps {
   typedef BlockCache<PosedBalls> Workspace;
   Workspace new_workspace() const { return Workspace(balls_.size()); }
 
-  // Bit k: in state k the pair surely shares a point. `links`: the poses of all links; only those of moving bodies are
-  // read.
+  // Bit k: in state k the pair surely shares a point. `links`: all poses; those of moving bodies are read.
   unsigned overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes, BlockBoxes::Workspace& posed_boxes,
                    Workspace& workspace) const;
 

@@ -13,8 +13,7 @@ namespace {
 
 constexpr std::size_t kPoseStride = 16;  // of posed links: row-major 4x4
 
-// Which pairs share a point although both bodies stand still. Other pairs that stand still are apart, so no state tests
-// either kind again.
+// Which pairs share a point although both bodies stand still. Other such pairs are apart: no state tests either.
 std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies,
                                        const std::vector<std::array<std::int32_t, 2>>& pairs,
                                        const PairOptions& options) {

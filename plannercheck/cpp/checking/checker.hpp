@@ -60,8 +60,7 @@ class CheckerCore {
   std::size_t pair_count() const { return pairs_.size(); }
   std::int32_t link_count() const { return links_; }
 
-  // The pose of a body, its link's pose times its placement: the same bits as in every verdict. `links`: the links'
-  // poses, row-major 4x4.
+  // A body's pose, its link's times its placement: the bits of every verdict. `links`: their poses, row-major 4x4.
   Pose body_pose(std::size_t body, const double* links) const;
 
   // Whether no pair shares a point, for each of n configurations (n, width).
@@ -75,8 +74,8 @@ class CheckerCore {
   // The same for every pair: colliding[i * pair_count() + k] for configuration i and pair k.
   void all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& workspace) const;
 
-  // Whether the states (1 − t) q0 + t q1 at t = 0, 1/steps, …, 1 are all free. They are tested coarse to fine, so that
-  // a collision is met early.
+  // Whether the states (1 − t) q0 + t q1 at t = 0, 1/steps, …, 1 are all free; coarse to fine, to meet a collision
+  // early.
   bool motion_is_free(const Kinematics& kinematics, const double* q0, const double* q1, long steps,
                       Workspace& workspace) const;
 

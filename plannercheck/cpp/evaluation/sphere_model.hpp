@@ -1,10 +1,9 @@
-// A robot as balls on its links against obstacles in closed form, eight states at once in floats: how planners that
-// approximate links by spheres check. Only `plannercheck bench` uses it, to compare with.
+// A robot as balls on its links against obstacles in closed form, eight states at once in floats: the check of planners
+// that approximate links by spheres. Only `plannercheck bench` uses it, for comparison.
 //
 // In: balls around bodies (plannercheck/evaluation/bench/sphere_model.py fits them), obstacles as rounded boxes,
-// cylinders or planes, pairs. Out: for each configuration whether no balls of a pair meet. A ball around a whole body
-// goes first, the fine balls of a body are posed when one is needed, and a block of states ends when all of them
-// collide.
+// cylinders or planes, pairs. Out: for each configuration whether no balls of a pair meet. The ball around a whole body
+// is tested first; a body's fine balls are posed when first needed; a block ends once all its states collide.
 #pragma once
 
 #include <array>
@@ -50,7 +49,7 @@ class SphereModel {
     std::vector<Body> bodies;
     std::vector<Obstacle> obstacles;
     std::vector<Plane> planes;
-    std::vector<std::array<std::int32_t, 2>> pairs;  // a body, and a body or (counted on behind them) an obstacle
+    std::vector<std::array<std::int32_t, 2>> pairs;  // a body, and a body or (numbered after the bodies) an obstacle
     std::int32_t links;
   };
 
@@ -67,7 +66,7 @@ class SphereModel {
   struct Workspace;
 
   Parts parts_;
-  std::vector<unsigned char> needed_;  // links that some body hangs on
+  std::vector<unsigned char> needed_;  // links that carry some body
 
   unsigned judge(unsigned states, Workspace& workspace) const;
   unsigned hits_obstacle(const Body& body, const Obstacle& obstacle, unsigned states, Workspace& workspace) const;

@@ -1,4 +1,4 @@
-// Four or eight numbers, in Double4s, and what is asked of them as a whole.
+// Four or eight numbers, held in quads, and operations on all of them.
 #pragma once
 
 #include <array>
@@ -55,17 +55,17 @@ inline Double4Mask load_mask(const long long* from) {
   return out;
 }
 
-// All bits of one of the places.
+// A mask of one place: all bits set there.
 template <int kVectors>
 struct SingleLaneMask {
   std::array<Double4Mask, kVectors> mask;
 
   explicit SingleLaneMask(int k) {
-    // Sixteen numbers of which one is set, read from where it comes to the place.
+    // Sixteen numbers of which one is set; reading from the right offset puts it at the place.
     static constexpr std::array<long long, 16> kOne{0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0};
     for (std::size_t i = 0; i < kVectors; ++i) mask[i] = load_mask(kOne.data() + 8 - k + i * kDouble4Lanes);
   }
-  // The numbers, with another one at the place.
+  // The numbers, with the one at the place replaced.
   Double4Array<kVectors> with(const Double4Array<kVectors>& e, double value) const {
     return Double4Array<kVectors>::of(
         [&](int i) { return mask[static_cast<std::size_t>(i)] ? Double4{} + value : e[i]; });
@@ -84,7 +84,7 @@ double least(const Double4Array<kVectors>& e) {
   return -most(-e);
 }
 
-// Where the numbers are above a value, as bits.
+// Bits of the places whose numbers exceed a value.
 template <int kVectors>
 unsigned above(const Double4Array<kVectors>& e, double value) {
   unsigned out = 0;
@@ -92,7 +92,7 @@ unsigned above(const Double4Array<kVectors>& e, double value) {
   return out;
 }
 
-// Where the numbers equal a value, as bits.
+// Bits of the places whose numbers equal a value.
 template <int kVectors>
 unsigned equals(const Double4Array<kVectors>& e, double value) {
   unsigned out = 0;
@@ -100,7 +100,7 @@ unsigned equals(const Double4Array<kVectors>& e, double value) {
   return out;
 }
 
-// The first place of a value that is there.
+// The first place that holds a value; their number if none does.
 template <int kVectors>
 int place(const Double4Array<kVectors>& e, double value) {
   return __builtin_ctz(equals(e, value) | 1U << (kVectors * kDouble4Lanes));
@@ -113,7 +113,7 @@ double sum(const Double4Array<kVectors>& e) {
   return (four[0] + four[1]) + (four[2] + four[3]);
 }
 
-// The first of the numbers; zeros for the others.
+// The first numbers, zeros in place of the others.
 template <int kVectors>
 Double4Array<kVectors> first_of(const Double4Array<kVectors>& e, int count) {
   static constexpr std::array<long long, 16> kFirst{-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};

@@ -5,7 +5,7 @@
 
 namespace plannercheck {
 
-// A product errs by less than this part of it, a sum of a and b by less than this part of |a| + |b|.
+// A product errs by less than this part of itself, a sum of a and b by less than this part of |a| + |b|.
 inline constexpr double kDoubleDoubleError = 0x1p-102;
 
 // An unevaluated sum high + low, |low| <= u |high|.

@@ -41,7 +41,7 @@ void Dyadic::trim() {
 
 std::int64_t Dyadic::log2() const { return end() * kLimbBits - 1 - std::countl_zero(limbs_.back()); }
 
-// The leading 64 bits, the last of them set if anything follows, are rounded to a double once.
+// Rounds once: the leading 64 bits, the last of which is set if any bit follows.
 double Dyadic::to_double(std::int64_t shift) const {
   if (sign_ == 0) return 0;
   const int zeros = std::countl_zero(limbs_.back());

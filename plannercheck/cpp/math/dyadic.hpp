@@ -1,5 +1,5 @@
-// Exact numbers m · 2^e with an integer m of any length. Every double is one, and sums and products stay exact, so
-// the sign of any polynomial of doubles can be had. Slow: only for what the filters leave over.
+// Exact numbers m · 2^e with an integer m of any length. Every double is one, and sums and products stay exact, so the
+// sign of any polynomial of doubles can be computed. Slow: only for what the filters leave open.
 //
 // Exponents are multiples of the digits' 64 bits, so that sums need no shifts.
 #pragma once
@@ -20,7 +20,7 @@ class Dyadic {
   Dyadic(double value);  // NOLINT(google-explicit-constructor): doubles are dyadic numbers; `value` must be finite
 
   int sign() const { return sign_; }
-  // The nearest double to the number times 2^shift; overflows to infinity, and errs by 2^-1074 below 2^-1022.
+  // The double nearest to the number times 2^shift; overflows to infinity, and errs by 2^-1074 below 2^-1022.
   double to_double(std::int64_t shift = 0) const;
   // Exponent of the leading bit; meaningless for 0.
   std::int64_t log2() const;
@@ -48,7 +48,7 @@ class Dyadic {
   static int compare_magnitudes(const Dyadic& a, const Dyadic& b);
   static Dyadic sum_of_magnitudes(const Dyadic& a, const Dyadic& b);
   static Dyadic difference_of_magnitudes(const Dyadic& larger, const Dyadic& smaller);
-  // a + b, b's sign given.
+  // a + b, where b takes the given sign.
   static Dyadic sum(const Dyadic& a, const Dyadic& b, int sign_of_b);
 };
 
@@ -73,7 +73,7 @@ DyadicVec3 cross(const DyadicVec3& a, const DyadicVec3& b);
 bool is_zero(const DyadicVec3& v);
 // M v + t, exactly.
 DyadicVec3 apply_exactly(const Pose& pose, Vec3 v);
-// The same direction up to a relative error of 2^-105 an entry, the largest entry scaled to between 1/2 and 1; 0 for 0.
+// The same direction up to a relative error of 2^-105 an entry, its largest entry scaled to between 1/2 and 1; 0 for 0.
 // Entries below 2^-900 of the largest err by up to 2^-1073 instead.
 DoubleDoubleVec3 direction_of(const DyadicVec3& v);
 

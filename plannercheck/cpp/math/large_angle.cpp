@@ -11,8 +11,8 @@ namespace {
 __extension__ using Wide = unsigned __int128;
 __extension__ using SignedWide = __int128;
 
-// The first 1,216 bits of 2/pi behind the binary point, rounded downwards: the last bit that a double's product with
-// 2/pi needs for 192 bits is the 1,161st.
+// The first 1,216 bits of 2/pi after the binary point, rounded down: the last bit that a double's product with 2/pi
+// needs for 192 bits is the 1,161st.
 constexpr std::uint64_t kTwoOverPi[] = {0xa2f9836e4e441529, 0xfc2757d1f534ddc0, 0xdb6295993c439041, 0xfe5163abdebbc561,
                                         0xb7246e3a424dd2e0, 0x06492eea09d1921c, 0xfe1deb1cb129a73e, 0xe88235f52ebb4484,
                                         0xe99c7026b45f7e41, 0x3991d639835339f4, 0x9c845f8bbdf9283b, 0x1ff897ffde05980f,
@@ -33,7 +33,7 @@ Wide upper_product(Wide a, Wide b) {
   return Wide{a1} * b1 + (left >> 64) + (right >> 64) + (carried >> 64);
 }
 
-// Bits first ... first + 63 of 2/pi behind the binary point, counted from 0.
+// Bits first ... first + 63 of 2/pi after the binary point, counted from 0.
 std::uint64_t bits_of_two_over_pi(int first) {
   const std::size_t word = static_cast<std::size_t>(first) / 64;
   const int offset = first % 64;
@@ -41,19 +41,19 @@ std::uint64_t bits_of_two_over_pi(int first) {
   return offset == 0 ? head : head | kTwoOverPi[word + 1] >> (64 - offset);
 }
 
-// mantissa * 2^exponent * 2/pi modulo 4: whole quarters, and what is left in units of 2^-128, rounded downwards.
+// mantissa * 2^exponent * 2/pi modulo 4: whole quarters, and the rest in units of 2^-128, rounded down.
 struct Quarters {
   unsigned whole;
   Wide part;
 };
 
 Quarters quarters_of(std::uint64_t mantissa, int exponent) {
-  // Bits of 2/pi whose product with 2^exponent is a multiple of 4 do not count.
+  // Bits of 2/pi whose product with 2^exponent is a multiple of 4 change nothing.
   const int skipped = exponent > 2 ? exponent - 2 : 0;
   const Wide low = Wide{mantissa} * bits_of_two_over_pi(skipped + 128);
   const Wide middle = Wide{mantissa} * bits_of_two_over_pi(skipped + 64) + (low >> 64);
   const Wide high = Wide{mantissa} * bits_of_two_over_pi(skipped) + (middle >> 64);
-  // The product is `high` with 128 bits behind it, in units of 2^-(128 + point): the point is `point` bits up in
+  // The product is `high` followed by 128 bits, in units of 2^-(128 + point): the binary point is `point` bits up in
   // `high`.
   const int point = 64 - (exponent - skipped);
   const Wide behind = Wide{static_cast<std::uint64_t>(middle)} << 64 | static_cast<std::uint64_t>(low);

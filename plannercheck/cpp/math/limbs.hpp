@@ -1,5 +1,4 @@
-// A short array of 64-bit digits, little endian: in place up to kInlineLimbs, on the heap beyond. Contents are not
-// initialised.
+// A short array of 64-bit digits, little endian: in place up to kInlineLimbs, on the heap beyond; uninitialised.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +8,8 @@
 
 namespace plannercheck {
 
-// 1024 bits: room for squared heights over triangles, of degree 6 in posed coordinates of some 150 bits each at
-// everyday scales; weights are of degree 4. Copies only touch the digits in use.
+// 1024 bits: room for squared heights over triangles, which have degree 6 in posed coordinates of some 150 bits each at
+// everyday scales; weights have degree 4. Copies only touch the digits in use.
 inline constexpr std::size_t kInlineLimbs = 16;
 
 class Limbs {

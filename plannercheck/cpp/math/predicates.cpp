@@ -10,8 +10,8 @@ namespace {
 
 int sign_of(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
 
-// Bounds of a sign's polynomial, times the sum of its terms' absolute values (the permanent). The last sum's rounding
-// changes no sign and is not counted.
+// Bounds of the error of a sign's polynomial, as multiples of the sum of its terms' absolute values (the permanent).
+// The rounding of the last sum changes no sign and is not counted.
 //
 // Determinants: three differences, product, difference, product and sum, 7u; from another corner one less.
 constexpr double kDeterminantError = 8 * kRoundoff;

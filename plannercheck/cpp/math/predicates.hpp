@@ -10,8 +10,8 @@ inline constexpr double kRoundoff = 0x1p-53;  // u, half the distance of 1 to th
 
 namespace predicates_detail {
 
-// A filter in doubles is trusted only in this range: products of up to three factors then neither overflow nor lose
-// bits to underflow that its error bound does not count (2^-1074 times the largest factors is far below the bound).
+// Filters in doubles are trusted only in this range, where products of up to three factors neither overflow nor lose
+// bits to underflow that the error bound does not count (2^-1074 times the largest factors is far below the bound).
 inline constexpr double kSmallestTrusted = 1e-150, kLargestTrusted = 1e60;
 
 // Of u · (a − b), times the sum of its terms' absolute values: a rounded difference, product and two sums, 4u.
@@ -33,7 +33,7 @@ int orientation(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
 // Sign of u · (a − b): which of two points is further along u.
 int compare_along_finer(Vec3 u, Vec3 a, Vec3 b);
 
-// The same. The filter is inlined where queries compare.
+// The same, with the filter inlined into queries.
 inline int compare_along(Vec3 u, Vec3 a, Vec3 b) {
   const Vec3 e = a - b;
   const double value = dot(u, e), size = predicates_detail::absolute_dot(u, e);

@@ -12,7 +12,7 @@
 
 namespace plannercheck {
 
-// PLANNERCHECK_EIGHT_LANES: AVX-512's number of lanes on a machine without it, to hold that code against the others.
+// PLANNERCHECK_EIGHT_LANES: AVX-512's number of lanes on a machine without it, to test that code.
 #if defined(__AVX512F__) || defined(PLANNERCHECK_EIGHT_LANES)
 inline constexpr int kLanes = 8;
 #elif defined(__AVX__)
@@ -43,8 +43,8 @@ inline Lanes load_lanes(const double* from) {
 
 inline void store_lanes(double* to, Lanes lanes) { std::memcpy(to, &lanes, sizeof lanes); }
 
-// Numbers in Lanes as eight floats, each rounded to the nearest: of group g of the lanes those at from[g * stride]. One
-// register is written as one: a wide load that follows narrower stores would wait for them.
+// Numbers in Lanes as eight floats, each rounded to the nearest; group g of the lanes is at from[g * stride]. The
+// register is written at once: a wide load after narrower stores would wait for them.
 inline Floats joined_floats(const Lanes* from, std::size_t stride) {
   typedef float Narrow __attribute__((vector_size(kLanes * 4)));
   const auto part = [&](std::size_t g) { return __builtin_convertvector(from[g * stride], Narrow); };

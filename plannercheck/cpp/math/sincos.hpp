@@ -1,10 +1,10 @@
 // Sine and cosine of kLanes angles at once, the same bits on every instruction set.
 //
-// In: angles in rad. Out: both values, within about 1 ulp. Idea: take off the nearest multiple of pi/2, held in three
-// parts so that the first two products are exact (Cody and Waite), evaluate two polynomials on [-pi/4, pi/4], swap and
-// negate by quadrant. Only elementwise additions and multiplications, no fused ones, so a lane's result depends on its
-// angle alone. Angles beyond kLargestReduced are reduced lane by lane in integers (large_angle.hpp); those that are no
-// finite numbers give none.
+// In: angles in rad. Out: both values, within about 1 ulp. Idea: subtract the nearest multiple of pi/2, held in three
+// parts so that the first two products are exact (Cody and Waite); evaluate two polynomials on [-pi/4, pi/4]; swap and
+// negate by quadrant. Only elementwise additions and multiplications, none fused, so a lane's result depends on its
+// angle alone. Angles beyond kLargestReduced are reduced lane by lane in integers (large_angle.hpp), to NaN if not
+// finite.
 #pragma once
 
 #include "math/large_angle.hpp"

@@ -5,7 +5,7 @@
 namespace plannercheck {
 namespace {
 
-// The axis along which the points spread most.
+// The axis along which the points spread furthest.
 int widest_axis(const std::vector<Vec3>& points, IndexRange range) {
   int widest = 0;
   double most = -1;

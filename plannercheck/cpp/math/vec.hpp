@@ -25,19 +25,19 @@ inline bool operator==(Vec3 a, Vec3 b) { return a.x == b.x && a.y == b.y && a.z 
 inline double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
-// std::fmax is a call: it has to mind NaN.
+// std::fmax is a function call, as it has to handle NaN.
 inline double larger(double a, double b) { return a > b ? a : b; }
 inline double smaller(double a, double b) { return a < b ? a : b; }
 inline double norm_max(Vec3 a) { return larger(std::fabs(a.x), larger(std::fabs(a.y), std::fabs(a.z))); }
 inline double norm_1(Vec3 a) { return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z); }
 
-// Lengths are trusted above it, squares of them above its square: smaller ones lose bits to underflow.
+// Only greater lengths are trusted, and squares above its square: smaller ones lose bits to underflow.
 inline constexpr double kTrustedLength = 1e-150;
 
-// What products and sums of a few denormal terms err by at most, whatever their size: each by half of 2^-1074.
+// Bounds the error of products and sums of a few denormal terms, whatever their size: each errs by half of 2^-1074.
 inline constexpr double kDenormalError = 0x1p-1060;
 
-// A vector, not 0, in units of its largest entry: its squares neither overflow nor underflow.
+// A nonzero vector in units of its largest entry: its squares neither overflow nor underflow.
 inline Vec3 in_units_of_largest(Vec3 v) {
   const double largest = norm_max(v);
   return {v.x / largest, v.y / largest, v.z / largest};
@@ -48,14 +48,14 @@ inline Vec3 unit(Vec3 v) {
   return (1 / norm(scaled)) * scaled;
 }
 
-// |v| up to 4u and a denormal, also where squares overflow or underflow.
+// v| up to 4u and a denormal, even where squares overflow or underflow.
 inline double norm_at_any_scale(Vec3 v) {
   const double largest = norm_max(v);
   if ((largest > kTrustedLength && largest < 1 / kTrustedLength) || largest == 0) return norm(v);
   return largest * norm(in_units_of_largest(v));
 }
 
-// At least |v|, above it by no more than a part of 2^-47 and a denormal.
+// An upper bound of |v| that exceeds it by at most 2^-47 of itself and a denormal.
 inline double norm_above(Vec3 v) {
   constexpr double kRoundUp = 1 + 0x1p-48;  // covers the rounding of a norm
   const double length = norm_at_any_scale(v) * kRoundUp;

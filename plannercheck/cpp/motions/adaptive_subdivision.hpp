@@ -5,8 +5,7 @@
 //
 // Idea (see motion_certifier.hpp): on each grid all pairs pass the run's filters. The pairs left open are tried deepest
 // first: at the state that looks most like a collision, by the plane found last, by a descent on the swept bodies. An
-// interval is cut further for the pairs that none of these settles, until they are settled or proved within the
-// tolerance.
+// interval is cut further for the pairs that none of these settles, until settled or found within the tolerance.
 #pragma once
 
 #include <algorithm>
@@ -51,8 +50,7 @@ struct OpenPair {
   std::size_t state;
 };
 
-// A pair that is not settled on an interval. `refused`: the parameter of an end at which it is within the tolerance, or
-// −1.
+// A pair not settled on an interval. `refused`: the parameter of an end where it is within the tolerance, or −1.
 struct Failure {
   std::size_t interval;
   std::int32_t pair;

@@ -51,8 +51,7 @@ Quaternion exp_of(Vec3 turn, double t) {
   return {v.x, v.y, v.z, std::cos(half)};
 }
 
-// Below this angle the closed forms below suffer cancellation; their series, to the terms written, err by less than
-// 1e-15.
+// Below this angle the closed forms below cancel; their series, to the terms written, err by less than 1e-15.
 constexpr double kSmallAngle = 0.25;
 
 double one_minus_cos(double a) {  // (1 − cos a) / a²

@@ -26,8 +26,8 @@ struct PathPart {
   std::int32_t column;  // the first one
 };
 
-// How far a part or joint turns (rad) and slides (m) as the parameter goes from 0 to 1, and the furthest that it gets
-// from its origin (m).
+// How far a part or joint turns (rad) and slides (m) from parameter 0 to 1, and its largest distance from its origin
+// (m).
 struct Rate {
   double turn = 0, slide = 0, extent = 0;
 };

@@ -1,5 +1,4 @@
-// How far the points of a body may leave the chords of their paths, and how far they travel, from joint rates and lever
-// arms.
+// How far a body's points may leave the chords of their paths, and travel, from joint rates and lever arms.
 //
 // In: chains of joints from a frame to a body with each joint's arm (plannercheck/motions/joint_chains.py); a motion.
 // Out: for each chain a bound of |p''| and of |p'| over all points p of the body, seen from the frame, as the parameter
@@ -22,8 +21,7 @@
 // is the length along the chain at x = 0, plus the extent of each sliding joint both of whose links lie on the way from
 // the body to the child of the joint in question. This includes the joint's own extent if the chain crosses it from
 // child to parent: the child is then the far side, and a turn of a planar or floating joint at x swings everything that
-// does not hang on it about a point |x| further off. (For joints that slide without turning this is irrelevant, as s =
-// |v|.)
+// does not hang on it about a point |x| further off. (Irrelevant if the joint only slides: s is |v|.)
 //
 // Extents: along a screw the origin's velocity is R(t) v, of constant length |v|, so |x(t)| <= |x(0)| + t |v|. A
 // prismatic joint's value is linear in t (even if it mimics another one), so |x| is largest at an end.

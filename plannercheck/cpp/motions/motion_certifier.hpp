@@ -41,8 +41,7 @@ struct MotionModel {
   double defect = 0;    // sum over all placements, axes and held joints of how far each is off rigid
   double leverage = 1;  // sum of |multiplier|: how much all joints turn for one unit of all columns
   double depth = 0;     // largest number of parts (circles, quaternions) on a chain from the world
-  // How far joints and links may be from the world's origin, m: with all columns at 0 and, next, for each unit of a
-  // column.
+  // How far joints and links may be from the world's origin, m: with all columns at 0, then for each unit of a column.
   double extent = 0;
   std::vector<double> travel;
   double joints = 0;  // largest number on a chain
@@ -87,16 +86,15 @@ class MotionCertifier {
 
   MotionModel model_;
   bool hints_;
-  std::vector<std::int32_t> movers_;      // bodies that move and are in a pair
-  std::vector<std::int32_t> frames_;      // links
-  std::vector<std::int32_t> among_self_;  // pairs whose bodies both move
-  std::vector<std::int32_t> still_;       // static bodies
-  std::vector<double> defects_;           // per static body: how far its placement is off rigid
-  std::vector<double> still_bounds_;      // six rows: low and high corners of their boxes in the world
-  std::size_t still_row_ = 0;             // length of a row: whole lanes
-  std::vector<std::int32_t> pair_of_;     // mover's position * still_row_ + still body's position: the pair, or −1
-  std::vector<std::int32_t>
-      chain_in_world_;  // per mover: its chain from the world, −1 if it is in no pair with a still body
+  std::vector<std::int32_t> movers_;          // bodies that move and are in a pair
+  std::vector<std::int32_t> frames_;          // links
+  std::vector<std::int32_t> among_self_;      // pairs whose bodies both move
+  std::vector<std::int32_t> still_;           // static bodies
+  std::vector<double> defects_;               // per static body: how far its placement is off rigid
+  std::vector<double> still_bounds_;          // six rows: low and high corners of their boxes in the world
+  std::size_t still_row_ = 0;                 // length of a row: whole lanes
+  std::vector<std::int32_t> pair_of_;         // mover's position * still_row_ + still body's position: the pair, or −1
+  std::vector<std::int32_t> chain_in_world_;  // per mover: its chain from the world, −1 if no pair of it needs one
   // How far bodies extend: static ones from the world's origin, the others from their links', m.
   double still_size_ = 0, mounted_size_ = 0;
 

@@ -212,8 +212,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return leave(s, i, refused);
   }
 
-  // Whether a pair that is clear at an end cannot meet on an interval because its bodies travel less than the
-  // tolerance.
+  // Whether a pair clear at an end cannot meet on an interval, as its bodies travel less than the tolerance.
   bool is_short(const PairState& s) {
     const double way = filters_.speed(s.pair) * w_.grid.step();
     return way + filters_.chord_deviation(s.pair) + 4 * filters_.slack() <= tolerance_;
@@ -224,8 +223,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     return is_apart(s, state, limit) || is_further(s, state, limit);
   }
 
-  // The descent ends early where its simplices are flat. Before a motion is refused, the proved bound of the distance
-  // decides.
+  // The descent ends early where its simplices are flat. The proved bound of the distance decides on refusal.
   bool is_further(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);
     if (share_a_point(s, pose)) return false;  // pair_distance would go on to the penetration depth

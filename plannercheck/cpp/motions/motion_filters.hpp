@@ -1,5 +1,4 @@
-// Filters that settle intervals of a motion in lanes, and the quantities of a pair that they and the exact steps
-// compare.
+// Filters that settle intervals of a motion in lanes, and the quantities that they and the exact steps compare.
 //
 // In: a grid of states, bounds of the bodies' motion, pairs. Out: for each pair the intervals that bounding spheres and
 // boxes leave open, one bit each. Each filter proves the bodies apart throughout an interval, by the chords of centres
@@ -63,8 +62,7 @@ class MotionFilters {
   // Settles the intervals whose boxes are apart along a direction of the frame, by `beyond` more than needed; records
   // the state at which the gap along it is least.
   void boxes_settle(DirectedPair& found, Vec3 direction, double beyond = 0);
-  // A first direction, of length 1 up to rounding: the way out of b's box if a's centre is outside, else the direction
-  // between the centres.
+  // A first direction, of length 1 up to rounding: out of b's box if a's centre is outside, else between the centres.
   Vec3 between(const CertifiedPair& pair, std::size_t state);
   PosedPair posed(const CertifiedPair& pair, std::size_t state);
 

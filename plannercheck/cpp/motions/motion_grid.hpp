@@ -1,5 +1,4 @@
-// States along a motion, posed one in each lane and kept by rows: one row for each number of a pose, one column for
-// each state.
+// States along a motion, posed one in each lane: a row for each number of a pose, a column for each state.
 //
 // In: a path, the bodies on links, an interval of parameters. Out: centres and poses of the bodies at its states. Idea:
 // intervals between states are tested in lanes as well, by loading a row at a state and at the next one.

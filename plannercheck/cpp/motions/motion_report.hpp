@@ -11,8 +11,8 @@ enum class MotionAnswer : int {
   kImprecise,  // numbers so large that rounding exceeds its part of the tolerance
 };
 
-// Where a check ended: at `refused` the pair is within the tolerance; up to `free_until` the motion is proved free, if
-// it was checked in order.
+// Where a check ended: at `refused` the pair is within the tolerance; up to `free_until` it is proved free, if checked
+// in order.
 struct MotionReport {
   MotionAnswer answer = MotionAnswer::kFree;
   double free_until = 1, refused = -1;

@@ -36,8 +36,8 @@ Certificate CentreAxis::separated(bool scaled) const {
   return out;
 }
 
-// `between` leads from a point of the host's hull to one of the guest's; the shared point divides it in proportion to
-// the inflation radii.
+// `between` leads from a point of the host's hull to one of the guest's; the shared point divides it as the inflation
+// radii do.
 Certificate CentreAxis::shared(Vec3 on_host, Vec3 between) const {
   Certificate out;
   out.answer = Answer::kShared;

@@ -1,6 +1,6 @@
 // The axis between the centres of two posed bodies. It separates most bodies that are far apart, and shows that round
-// ones are within each other's inflation radius. Long and flat bodies are separated more often by another axis, to
-// which it may be turned.
+// ones are within each other's inflation radius. It may be turned to another axis, which separates long and flat bodies
+// more often.
 #pragma once
 
 #include <limits>
@@ -56,8 +56,7 @@ class CentreAxis {
     return 1 / (host_.body->radius * norm(direction) * (1 + kSlack)) * host_.pose.rotate_back(direction);
   }
 
-  // The answer that a plane perpendicular to the axis separates. q is scaled to q·x <= 1 over the host only if the
-  // plane will be cached.
+  // The answer that a plane perpendicular to the axis separates. `scaled`, for caching: to q·x <= 1 over the host.
   Certificate separated(bool scaled) const;
 
   // Whether the centres are within the inflation radius of each other, and the point between them.
@@ -89,8 +88,7 @@ class CentreAxis {
   static constexpr double kSlack = 1e-5;
   // Posing a centre or vertex errs by 7u of |coordinates| + |translation|. Turning a direction into a body's frame and
   // scanning along it errs by 20u of the reach. A difference and its product with the axis err by 6u: below 40u in all.
-  // Lengths of balls, planes and inflation radii are trusted only above kTrustedLength, so that length is part of the
-  // rounding allowed for.
+  // Lengths of balls, planes and inflation radii are trusted only above kTrustedLength, so it is part of the rounding.
   static constexpr double kRounding = 64 * 0x1p-53;
 
   const PosedPolytope &guest_, &host_;

@@ -17,8 +17,7 @@ struct Star {
 };
 
 // Share of the segment on which the tip is extreme that is used. At its end the tip ties with a neighbour, rounding
-// would pick either, and the closing check would fail half the time. Measured: 0.5 to 0.99 take as many blocks and
-// games.
+// would pick either, and the closing check would fail half the time. Measured: 0.5 to 0.99 take equal work.
 constexpr double kPassage = 0.9;
 
 static_assert(kHighestTop <= kMaxActives && 1 + kRemovedDegree + 1 <= kMaxActives, "every star fits a game");
@@ -59,8 +58,7 @@ class CoupledWalk {
   Vec3 q_phi_, x_gamma_;
   Vec3 played_plane_, played_point_;  // what the last game found
 
-  // A step while the separation invariant holds: one or more levels down in the hierarchy of P. Returns whether it
-  // still holds.
+  // The separation invariant holds: goes down one or more levels of P's hierarchy; returns whether it still holds.
   bool walk_primal() {
     ++counters_.rounds;
     const std::int32_t p = finer_beyond(p_, guest_tip_, frame_.guest_direction(plane_));
@@ -162,9 +160,9 @@ class CoupledWalk {
   }
 
   // A point of the segment from `from`, which satisfies the invariant except at the star's tip, to `to`, which
-  // satisfies it on the star. The point lies beyond the parameter where the tip passes 1, and most of the way to where
-  // the tip stops being the star's extreme point (sense +1: largest, −1: least). By convexity the tip is then extreme
-  // on the whole level.
+  // satisfies it on the star. It lies beyond the parameter where the tip passes 1, most of the way to where the tip
+  // stops being the star's extreme point (sense +1: largest, −1: least). By convexity the tip is then extreme on the
+  // whole level.
   static Vec3 towards(Vec3 from, Vec3 to, const Star& star, int sense) {
     const Vec3 tip = star.point[0];
     double t = 1;

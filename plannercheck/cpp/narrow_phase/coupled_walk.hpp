@@ -1,6 +1,6 @@
 // The coupled walk of Barba and Langerman, section "Detecting intersections in 3D" of the paper: O(log |P| + log |R|)
-// rounds. It ends with a certificate that has been checked, or undecided: it never guesses. Its invariants, with the
-// polars implicit in the game:
+// rounds. It ends with a checked certificate, or undecided: it never guesses. Its invariants, with the polars implicit
+// in the game:
 //
 //   separation invariant          q in conv(Q_j) with q·p > 1 for all vertices p of P_i, least at v
 //   inverse separation invariant  x in P_i with q·x <= 1 for all vertices q of Q_j, largest at k

@@ -1,6 +1,6 @@
 // The double oracle: small active sets on both sides, vertices of the guest and points of the host's polar. The game
-// between them decides which body is queried for one more. It ends with a certificate that has been checked, or
-// undecided: it never guesses.
+// between them decides which body is queried for one more. It ends with a checked certificate, or undecided: it never
+// guesses.
 //
 // The class that answers the queries is a parameter, so that a caller may interleave several searches. For kernels
 // only, since its headers use lanes.

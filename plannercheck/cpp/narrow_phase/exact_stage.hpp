@@ -16,8 +16,8 @@ namespace plannercheck {
 
 struct ExactAnswer {
   bool shared = false;
-  // If separated: a direction from host to guest. The least direction·(p − r) over the hulls exceeds |direction| times
-  // the sum of the inflation radii.
+  // If separated: a direction from host to guest. Its least product with p − r over the hulls exceeds |direction| times
+  // both inflation radii.
   DyadicVec3 direction;
   // If shared: the distance of the points Σ weight (guest vertex) and Σ weight (host vertex) in the world is at most
   // the sum of the inflation radii; weights > 0, not normalised.

@@ -19,8 +19,7 @@ constexpr int kGjkRounds = 64;
 // 26.6u in all. The length of d is 1 up to 4.5u, and heights are at most the sum of the sizes, so distances need that
 // much more: 31.1u. Inflation radii lose 3u to rounding, of the 4u that kInflationAlong gives them.
 //
-// kVolume: determinants of three corners, as multiples of the product of their |.|_1: cross product, product and two
-// sums, 5u.
+// kVolume: determinants of three corners, times the product of their |.|_1: cross product, product and two sums, 5u.
 //
 // Where lengths are so small that products underflow, all of this errs by at most kDenormalError more: nine products a
 // body and three of the height, by 2^-1075 each, times entries of the direction.
@@ -262,8 +261,7 @@ class NearestPoints {
             static_cast<std::int32_t>(p), static_cast<std::int32_t>(r)};
   }
 
-  // Mixing four corners errs by 4u more of their size, and the sum of their weights by 4u. Twice kDifference covers
-  // both.
+  // Mixing four corners errs by 4u more of their size, the sum of weights by 4u: twice kDifference covers both.
   bool shared(const Simplex& simplex, Vec3 v, Proximity& out) const {
     const bool within =
         inflation_radius_ > kTrustedLength && norm(v) * kNormAbove + 2 * difference_error_ < inflation_radius_;

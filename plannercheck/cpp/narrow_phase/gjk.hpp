@@ -1,7 +1,6 @@
 // The point of conv(P) − conv(R) nearest to the origin, in doubles, with certificates of its own (Gilbert, Johnson and
 // Keerthi 1988, on the hierarchies' extreme vertices). It needs no interior point, so it serves flat and inflated
-// bodies. It is also the second filter after the game, since its bounds involve neither facets nor the inverse of a
-// pose.
+// bodies. It is also the second filter, after the game: its bounds involve neither facets nor an inverse pose.
 #pragma once
 
 #include <array>
@@ -29,8 +28,8 @@ struct HullDistance {
   Proximity start;         // the vertices behind them, for the next stage
 };
 
-// When a distance is known well enough: its bounds are within `relative` of max(lower − inflation radius, least), or
-// the lower one exceeds the limit.
+// A distance is known well enough if its bounds are within `relative` of max(lower − inflation radius, least) or beyond
+// `limit`.
 struct DistanceGoal {
   double relative, inflation_radius, least;
   double limit = std::numeric_limits<double>::infinity();

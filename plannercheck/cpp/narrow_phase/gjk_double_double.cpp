@@ -12,8 +12,8 @@ namespace {
 constexpr int kDistanceRounds = 256;     // of distances, which have no next stage
 constexpr int kDoubleDoubleRounds = 32;  // the start is close to the answer; the exact stage decides the rest
 
-// e = kDoubleDoubleError; all lengths are in the unit of the pair, see below. tests/error_bounds/gjk_double_double
-// checks these.
+// e = kDoubleDoubleError; lengths are in the unit of the pair, see below. Checked by
+// tests/error_bounds/gjk_double_double.
 //
 // (a) A difference. Per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
 //     1 + 2e-6 long): 3.5e as a vector. t_P − t_R is exact; two more sums: below 5.5e times the size.
@@ -22,13 +22,11 @@ constexpr int kDoubleDoubleRounds = 32;  // the start is close to the answer; th
 //     errs by (a). In all: below 19e |d| times the size.
 // (c) Mixing four corners with weights of sum W errs by e in the products and 3e in the sums, besides (a), and W by 3e:
 //     below 13e W times the size.
-// (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations on the products of their
-//     1-norms.
-// Each constant leaves room for rounding the bound itself.
+// (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations on products of 1-norms. Each
+//     constant leaves room for rounding the bound itself.
 constexpr double kDifference = 16 * kDoubleDoubleError, kSupport = 64 * kDoubleDoubleError,
                  kMixing = 64 * kDoubleDoubleError, kDeterminant = 32 * kDoubleDoubleError;
-// Of squares, their products and the difference of these: ten operations.
-constexpr double kSquares = 32 * kDoubleDoubleError;
+constexpr double kSquares = 32 * kDoubleDoubleError;  // of squares, their products and differences: ten operations
 // Of heights and lengths when rounded to doubles, with norms, quotients and sums of weights in doubles: below 8u.
 constexpr double kHeightRounding = 0x1p-49, kLengthRounding = 0x1p-48;
 
@@ -46,8 +44,8 @@ DoubleDoubleVec3 scaled(const DoubleDoubleVec3& v, double power_of_two) {
 
 double power_of_two_below(double x) { return std::ldexp(1.0, std::ilogb(x)); }
 
-// Scales by a power of two to a largest entry of 1/2 to 1, or less where that power is no double; false for a zero or
-// non-finite vector.
+// Scales by a power of two to a largest entry of 1/2 to 1, or less where that power is no double; false if zero or not
+// finite.
 bool scale_to_one(DoubleDoubleVec3& v) {
   const double largest = norm_max(rounded(v));
   if (!(largest > 0) || !std::isfinite(largest)) return false;
@@ -230,8 +228,8 @@ class FineNearestPoints {
     return shared;
   }
 
-  // Whether the mixture that the weights give surely lies within the inflation radius of the origin; this is proved for
-  // any positive weights.
+  // Whether the weights' mixture surely lies within the inflation radius of the origin; proved for any positive
+  // weights.
   bool within_inflation_radius() const {
     DoubleDoubleVec3 mixture{};
     DoubleDouble whole{};

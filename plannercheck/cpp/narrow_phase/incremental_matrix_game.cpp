@@ -207,8 +207,8 @@ bool IncrementalMatrixGame::improve() {
   return true;
 }
 
-// One step of the dual simplex; false if no level is negative. The free variable that repairs the line at the least
-// cost enters.
+// One step of the dual simplex; false if no level is negative. The variable that repairs the line at the least cost
+// enters.
 template <int kVectors>
 bool IncrementalMatrixGame::restore() {
   const auto level = Double4Array<kVectors>::load(level_.data());

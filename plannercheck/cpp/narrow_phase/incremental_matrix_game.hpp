@@ -1,5 +1,5 @@
-// A small zero-sum game that gains rows and columns and is solved again from its last solution: min over mixtures of
-// rows of max over columns.
+// A small zero-sum game, min over mixtures of rows of max over columns, that grows and is solved from its last
+// solution.
 //
 // In: payoffs of one more row or column at a time, and a bound of their size. Out: the value and weights for both
 // sides, >= 0 with sum 1. As in matrix_game.hpp, an error costs the caller progress, never soundness.
@@ -7,8 +7,8 @@
 // With a_ij = 1 + payoff_ij / (2 bound) > 0, rows maximise Σ z_i over Σ_i a_ij z_i <= 1 for every column j, z >= 0; the
 // optimum is the inverse of the value of the game a. Only the tableau's columns of variables that are 0 are kept:
 // x_basic = level − tableau · x_free. A new row of the game is one more free variable, which may improve the optimum
-// (primal simplex). A new column is one more basic slack, which may be negative (dual simplex). Either mostly takes a
-// pivot or two.
+// (primal simplex). A new column is one more basic slack, which may be negative (dual simplex). Mostly a pivot or two
+// do.
 //
 // A step is bound by latency and unpredictable branches, not by arithmetic. So the tableau is kept twice, by line and
 // by column, and both are read as they are written, four numbers at a time (a wide load right after narrower stores has
@@ -71,8 +71,7 @@ class IncrementalMatrixGame {
   double* unit_line(int k) { return numbers_[index(kMost + k)].data(); }
   double* tableau_line(int line) { return numbers_[index(line)].data(); }
   double* tableau_column(int column) { return numbers_[index(2 * kMost + column)].data(); }
-  // The line of a variable in terms of the free ones; the column of a slack in the whole tableau, unit vectors
-  // included.
+  // The line of a variable in terms of the free ones; the column of a slack in the whole tableau.
   const double* line_of(int position) const { return numbers_[index(position)].data(); }
   const double* column_of(int position) const { return numbers_[index(kMost + position)].data(); }
 

@@ -52,8 +52,7 @@ PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host,
 #endif
 }
 
-// The stages that cost a game: the solver; then, where no polar hosts or the polar's bound is too wide, what needs
-// none.
+// The stages that cost a game: the solver, then, where it does not apply or decide, the stages without a polar.
 PairVerdict solved(const PairFrame& frame, std::int32_t lowest, const CentreAxis& axis, const PairOptions& options,
                    CachedPlane* cache, PairCounters& counters) {
   const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();

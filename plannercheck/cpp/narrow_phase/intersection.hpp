@@ -1,5 +1,4 @@
-// The test of one pair: the cheapest step first. Each step ends with a certificate or hands on to the next; the last is
-// exact.
+// The test of one pair: the cheapest step first, each ends with a certificate or hands on; the last one is exact.
 #pragma once
 
 #include <optional>
@@ -22,10 +21,9 @@ struct PairOptions {
   bool turned_axis = true;  // whether the axis is turned to where equivalent ellipsoids would face each other
   bool facet_plane = true;
   bool nearest_points = true;  // the second filter
-  bool double_double =
-      true;  // the third filter; with both filters off, exact arithmetic decides what the solver leaves open
-  bool warm_start = true;    // whether each stage begins with the vertices where the one before gave up
-  bool interleaving = true;  // whether a batch interleaves the tests of several pairs of large bodies
+  bool double_double = true;   // the third filter; without both, exact arithmetic decides what the solver leaves
+  bool warm_start = true;      // whether each stage begins with the vertices where the one before gave up
+  bool interleaving = true;    // whether a batch interleaves the tests of several pairs of large bodies
 };
 
 // The plane that separated a pair last time, in the host's frame.
@@ -50,8 +48,7 @@ PairVerdict concluded(const PairFrame& frame, const Certificate& certificate, co
 // The verdict of a certificate that is not undecided; caches its plane.
 PairVerdict certified(const Certificate& certificate, CachedPlane* cache);
 
-// Which body hosts, the one with the better conditioned polar: 0 for `a`, 1 for `b`. Bodies without volume have no
-// polar.
+// The body whose polar is better conditioned hosts: 0 for `a`, 1 for `b`. Bodies without volume have none.
 int choose_host(const Polytope& a, const Polytope& b);
 
 // `likely`: most poses of this pair share a point, so such a certificate is sought first. Verdicts do not depend on it.

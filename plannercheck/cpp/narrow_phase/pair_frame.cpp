@@ -4,8 +4,7 @@ namespace plannercheck {
 namespace {
 
 // Error bounds. u = 2^-53, |.| is Euclidean, columns of M are at most 1 + 2e-6 long, r_P = reach of the guest, w = t_P
-// − t_R, c = the host's centre, δ = ‖M_RᵀM_R − 1‖. Each sum is rounded up generously, which covers terms of second
-// order.
+// − t_R, c = the host's centre, δ = ‖M_RᵀM_R − 1‖. Sums are rounded up, which covers second-order terms.
 //
 // (a) Relative pose. fl(M_Rᵀ M_P) errs by at most 3u an entry (Cauchy-Schwarz on unit columns), 9u in the Frobenius
 //     norm: 9u r_P. fl(M p) errs by 3u |p| an entry: 5.2u r_P. Adding the shift errs by 2u (r_P + |shift|). In the
@@ -23,8 +22,7 @@ namespace {
 //     Counted more sharply, as tests/error_bounds/pair_frame does, (b) is 33.6u and (c) 37.2u, (a) included.
 //
 // |shift| <= |w| + |c| up to the rounding above, so one bound serves both. Each game of the coupled walk mixes 16
-// points (32u) and moves the result towards another mixture (3u), which later games may mix again: kMixtureError for
-// each game.
+// points (32u) and moves the result towards another mixture (3u), which may be mixed again: kMixtureError a game.
 constexpr double kPairError = 64 * 0x1p-53;     // (a) without δ, plus the larger of (b) and (c): at most 60u
 constexpr double kMixtureError = 40 * 0x1p-53;  // of each game whose mixture is mixed again
 constexpr double kAxisLength = 1 + 4e-6;        // of a column of M_Rᵀ M_P: both bodies are off rigid by at most 3.6e-6

@@ -78,14 +78,13 @@ class PairFrame {
   // Whether a face plane of one body's box separates both boxes, whatever the rounding.
   bool boxes_apart() const;
 
-  // Whether q proves the bodies apart. `value`: the least q·x over the guest's vertices, as found by `extreme`. Over R,
-  // q·x is at most 1 up to rounding, since q is a mixture of at most 8 polar points, or of 16 points in each of
-  // `mixtures` games. The distance along q is (value − 1) / |q|.
+  // Whether q proves the bodies apart. `value`: the least q·x over the guest's vertices, by `extreme`. Over R, q·x is
+  // at most 1 up to rounding, since q is a mixture of at most 8 polar points, or of 16 points in each of `mixtures`
+  // games. The distance along q is (value − 1) / |q|.
   bool separates(Vec3 q, double value, long mixtures = 0) const {
     return value > 1 + error(mixtures) + (inflation_radius_ > 0 ? inflation_radius_ * norm(q) * (1 + 8 * 0x1p-53) : 0);
   }
-  // Whether R contains x, a mixture of guest vertices of the same kind. `value`: the largest q·x over the polar points,
-  // as found by `extreme`.
+  // Whether R contains x, such a mixture of guest vertices. `value`: the largest q·x over polar points, by `extreme`.
   bool contains(double value, long mixtures = 0) const { return value < 1 - error(mixtures); }
 
  private:

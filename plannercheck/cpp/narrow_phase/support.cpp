@@ -56,8 +56,7 @@ class WedgeWalk {
   const WedgeFan& fan_;
   QueryCounters& counters_;
 
-  // On which side of the plane through the axis and the normal of the facet v a b the direction u lies; positive:
-  // counter-clockwise.
+  // Side of u on the plane through the axis and the normal of the facet v a b; positive: counter-clockwise.
   int side(std::int32_t a, std::int32_t b) const {
     return wedge_side(fan_.axis, corner_, h_.points[at(a)], h_.points[at(b)], u_);
   }
@@ -72,8 +71,7 @@ class WedgeWalk {
 
   // The first wedge: the edge between whose two facet normals u lies. Neighbouring normals are less than half a turn
   // apart, as the axis is inside the cone. An edge within a facet has an empty wedge, which is never taken: both its
-  // sides are 0, also for u on the far side of the axis. Where u is on the facet's normal, the neighbouring wedges hold
-  // u.
+  // sides are 0, also for u on the far side of the axis. Where u is on the facet's normal, its neighbours hold u.
   std::int32_t entry() const {
     std::int32_t tests = 0;
     std::int32_t found = fan_.entries > kScannedEntries ? search_entries(&tests) : -1;

@@ -3,8 +3,7 @@
 // The walk compares two vertices by the sign of the product with their difference: in doubles where the error bound
 // allows, else exactly. A walk that compared rounded products could stop far from the extreme vertex. Where a body has
 // cells of directions, the vertices of one cell are scanned in floats, and the candidates that remain are compared as
-// above. Bodies of at most kUnlayered vertices are scanned by rounded products; the vertex found is extreme up to
-// kScanError.
+// above. Bodies of at most kUnlayered vertices are scanned by rounded products, exact up to kScanError.
 #pragma once
 
 #include "bodies/hierarchy.hpp"
@@ -24,8 +23,7 @@ inline constexpr double kScanError = 4 * 0x1p-53;
 // Index of a vertex that maximises u·p over all points: exact for the given doubles, except for the scan above.
 std::int32_t extreme(const Levels& levels, Vec3 u, QueryCounters& counters);
 
-// The same search in steps, each of which prefetches what the next one reads: for callers that interleave several
-// searches.
+// The same search in steps, each of which prefetches for the next one: for callers that interleave searches.
 class Descent {
  public:
   // Starts at the top, or in the direction's cell.

@@ -11,8 +11,7 @@ namespace {
 
 // Entries are at most 1. Rounding direction and coordinates to floats errs by 2^-24 each, and so do products; two sums
 // of at most 3 add 5 · 2^-24. So a product errs by at most 14 · 2^-24 times the direction's largest entry, underflow
-// included. Vertices further below the highest than twice that are not extreme; the difference of both errs by 3 ·
-// 2^-24.
+// included. Vertices further below the highest than twice that are not extreme; their difference errs by 3 · 2^-24.
 constexpr float kFloatTie = 32 * 0x1p-24F;
 constexpr double kSmallestFloat = 1e-20, kLargestFloat = 1e20;  // of that entry; outside, the direction is scaled
 constexpr double kSmallestDirection = 1e-290, kLargestDirection = 1e290;

@@ -1,5 +1,4 @@
-// Extreme vertices where so few vertices remain that scanning is faster than walking: in floats for candidates, then in
-// doubles among these.
+// Extreme vertices among so few that scanning beats walking: candidates in floats, then among these in doubles.
 #pragma once
 
 #include "narrow_phase/support.hpp"

@@ -1,4 +1,4 @@
-// The oracle's Python module: what decides whether the core is right. Nothing of the core is compiled into it.
+// The oracle's Python module, which decides whether the core is right. It contains no code of the core.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
@@ -22,11 +22,11 @@ namespace {
 template <int... sizes>
 using Doubles = nb::ndarray<const double, nb::shape<sizes...>, nb::c_contig, nb::device::cpu>;
 
-using Number = std::pair<std::string, int>;  // hexadecimal digits and the power of two that they are times
+using Number = std::pair<std::string, int>;  // hexadecimal digits, and the power of two by which they are multiplied
 using Weights = std::vector<Number>;
 
 constexpr std::size_t kPoseNumbers = 16;
-// Far beyond any double's, or product of some: what is larger is a mistake.
+// Far beyond any double or product of a few; a larger exponent is a mistake.
 constexpr int kLargestExponent = 100'000;
 
 void check_finite(const double* numbers, std::size_t count, const char* what) {
@@ -47,7 +47,7 @@ Pair pair_of(const Points& p, Doubles<4, 4> pose_p, const Points& r, Doubles<4, 
   return {PosedPoints(p, pose_p.data()), PosedPoints(r, pose_r.data())};
 }
 
-// Numbers as whole ones of a common unit, which changes no proof.
+// Numbers as integers in a common unit, which changes no proof.
 std::vector<Integer> in_common_unit(const std::vector<Number>& numbers) {
   int least = kLargestExponent;
   for (const Number& number : numbers) {
@@ -60,7 +60,7 @@ std::vector<Integer> in_common_unit(const std::vector<Number>& numbers) {
   return out;
 }
 
-// Verdicts (n,): 1 shared, 0 apart, 2 where no proof was found.
+// Verdicts (n,): 1 shared, 0 apart, 2 if no proof was found.
 nb::ndarray<nb::numpy, std::uint8_t> decide(const Points& p, Doubles<-1, 4, 4> poses_p, const Points& r,
                                             Doubles<-1, 4, 4> poses_r, bool every) {
   const std::size_t count = poses_p.shape(0);
@@ -82,7 +82,7 @@ nb::ndarray<nb::numpy, std::uint8_t> decide(const Points& p, Doubles<-1, 4, 4> p
   return {raw, {count}, owner};
 }
 
-// (direction, first, second, weights): digits of whole numbers; what does not belong to the proof's kind is empty.
+// (direction, first, second, weights): digits of integers; empty if not part of this kind of proof.
 std::tuple<std::vector<std::string>, std::vector<std::size_t>, std::vector<std::size_t>, std::vector<std::string>>
 proof(const Points& p, Doubles<4, 4> pose_p, const Points& r, Doubles<4, 4> pose_r) {
   const Proof found = prove(pair_of(p, pose_p, r, pose_r), true);
@@ -105,7 +105,7 @@ bool shares(const Points& p, Doubles<4, 4> pose_p, const Points& r, Doubles<4, 4
   return proves_shared(pair_of(p, pose_p, r, pose_r), {std::move(first), std::move(second), in_common_unit(weights)});
 }
 
-// a · b + c, of digits: for the tests of the arithmetic.
+// a · b + c, as digits, to test the arithmetic.
 std::string multiplied_and_added(const std::string& a, const std::string& b, const std::string& c) {
   return (Integer(a) * Integer(b) + Integer(c)).hexadecimal();
 }

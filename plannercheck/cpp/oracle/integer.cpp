@@ -11,7 +11,7 @@ namespace {
 using Wide = unsigned __int128;
 constexpr std::size_t kDigitBits = 64;
 
-// Of digits: −1, 0 or 1 as the first number is smaller, equal or larger.
+// Compares digits: −1, 0 or 1 as the first number is smaller, equal or larger.
 int compared(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b) {
   if (a.size() != b.size()) return a.size() < b.size() ? -1 : 1;
   for (std::size_t i = a.size(); i-- > 0;) {
@@ -32,7 +32,7 @@ std::vector<std::uint64_t> sum(const std::vector<std::uint64_t>& longer, const s
   return out;
 }
 
-// The first number is at least the second.
+// The first number has to be at least the second.
 std::vector<std::uint64_t> difference(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b) {
   std::vector<std::uint64_t> out(a.size());
   std::uint64_t borrow = 0;

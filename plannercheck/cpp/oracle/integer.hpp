@@ -1,6 +1,6 @@
-// Whole numbers of any size, of which the oracle knows sums, differences, products and signs.
+// Integers of any size, with sums, differences, products and signs.
 //
-// Written for the oracle alone: the core's exact arithmetic (dyadic.hpp, limbs.hpp) has no line in common with it.
+// Written for the oracle alone: it shares no line with the core's exact arithmetic (dyadic.hpp, limbs.hpp).
 #pragma once
 
 #include <compare>
@@ -16,13 +16,13 @@ class Integer {
   Integer() = default;
   // value · 2^shift
   explicit Integer(__int128 value, std::size_t shift = 0);
-  // Hexadecimal digits, after a sign or none; throws std::invalid_argument.
+  // Hexadecimal digits with an optional sign; throws std::invalid_argument.
   explicit Integer(const std::string& hexadecimal);
 
   int sign() const { return magnitude_.empty() ? 0 : negative_ ? -1 : 1; }
-  // Of the absolute value, without leading zeros.
+  // Number of bits of the absolute value, without leading zeros.
   std::size_t bits() const;
-  // About value / 2^scale: its 53 leading bits, cut off; what is too small for a double is 0.
+  // value / 2^scale cut off after 53 leading bits; 0 if too small for a double.
   double over_power_of_two(std::int64_t scale) const;
   std::string hexadecimal() const;
 
@@ -41,7 +41,7 @@ class Integer {
   Magnitude magnitude_;
 
   void shed_zeros();
-  // This number plus the other's absolute value, counted as negative or not.
+  // This number plus the other's absolute value, which `negative` gives its sign.
   Integer plus(const Integer& other, bool negative) const;
 };
 

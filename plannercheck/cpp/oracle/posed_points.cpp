@@ -7,7 +7,7 @@
 namespace plannercheck::oracle {
 namespace {
 
-// A rounded product of three terms with a direction whose entries are cut to 53 bits errs by at most 6 · 2^-53 of the
+// The direction's entries are cut to 53 bits. A rounded product of three terms with it errs by at most 6 · 2^-53 of the
 // sum of |g_k v_k|, in any order of summation; 8 leaves room for computing that sum in doubles.
 constexpr double kProductError = 8 * 0x1p-53;
 // Products below 2^-1022 lose bits; all factors are at most 1.
@@ -79,7 +79,7 @@ Vector PosedPoints::point(std::size_t vertex) const {
 
 Integer PosedPoints::inflation_radius() const { return whole(points_.inflation_radius, unit_); }
 
-// Mᵀ d, in units of the matrix's: of any length.
+// Mᵀ d in units of the matrix's entries: a vector of any length.
 Vector PosedPoints::pulled_back(const Vector& d) const {
   const auto column = [&](std::size_t k) {
     return (whole(matrix_[k], matrix_unit_) * d.x + whole(matrix_[k + 3], matrix_unit_) * d.y) +

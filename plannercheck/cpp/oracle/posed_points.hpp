@@ -1,9 +1,8 @@
-// Posed vertices as whole numbers: what the doubles of vertices, pose and inflation radius say, exactly, in a common
-// unit.
+// Posed vertices as integers: the exact values of the doubles of vertices, pose and inflation radius, in a common unit.
 //
 // In: points (n, 3), m, an inflation radius, m, a pose (4, 4). Out: posed points and inflation radius in units of
-// 2^unit m, and which point is lowest along a direction. Doubles choose what may be lowest, within a bound of their
-// rounding; whole numbers decide.
+// 2^unit m, and which point is lowest along a direction. Doubles choose the candidates, within a bound of their
+// rounding; integers decide.
 #pragma once
 
 #include <array>
@@ -14,7 +13,7 @@
 
 namespace plannercheck::oracle {
 
-// mantissa · 2^exponent, exactly; of 0 the exponent says nothing.
+// mantissa · 2^exponent, exactly; for 0 the exponent has no meaning.
 struct Binary {
   std::int64_t mantissa = 0;
   int exponent = 0;
@@ -23,7 +22,7 @@ struct Binary {
   explicit Binary(double value);
 };
 
-// The unit of what is 0: larger than any double's.
+// The unit of 0: larger than any double's.
 inline constexpr int kNoUnit = 4096;
 int common_unit(const Binary* numbers, std::size_t count);
 
@@ -44,7 +43,7 @@ class PosedPoints {
   PosedPoints(const Points& points, const double* pose);
 
   int unit() const { return unit_; }
-  // `unit` is at most the own one.
+  // `unit` has to be at most the current one.
   void use_unit(int unit) { unit_ = unit; }
 
   std::size_t count() const { return points_.vertices.size(); }
@@ -52,7 +51,7 @@ class PosedPoints {
   Vector point(std::size_t vertex) const;
   Integer inflation_radius() const;
 
-  // The least product of a direction of the world with a point, its vertex; `every`: by whole numbers alone.
+  // The vertex with the least product with a direction of the world. `every`: compares all by integers alone.
   std::size_t lowest(const Vector& direction, bool every) const;
 
  private:

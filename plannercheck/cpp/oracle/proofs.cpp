@@ -14,7 +14,7 @@ struct Difference {
   Vector point;
 };
 
-// Some differences, the weights that mix their hull's point nearest to the origin, and a direction towards that.
+// Differences, the weights that mix the point of their hull nearest to the origin, and a direction towards it.
 struct Face {
   std::vector<Difference> corners;
   std::vector<Integer> weights;
@@ -23,7 +23,7 @@ struct Face {
 
 Vector signed_as(const Integer& sign, Vector v) { return sign.sign() == 0 ? Vector{} : sign.sign() > 0 ? v : -v; }
 
-// The origin's projection on the flat through the corners, whose weights are to be positive.
+// Projects the origin on the affine span of the corners; their weights have to be positive.
 void project(Face& face) {
   const auto& c = face.corners;
   const Vector& a = c[0].point;
@@ -52,14 +52,14 @@ bool is_inside(const Face& face) {
   return std::all_of(face.weights.begin(), face.weights.end(), [](const Integer& w) { return w.sign() > 0; });
 }
 
-// No corner of the simplex lies nearer along the face's direction than the face does.
+// Whether no corner of the simplex is nearer along the face's direction than the face.
 bool supports(const Face& face, const std::vector<Difference>& simplex) {
   const Integer height = dot(face.direction, face.corners[0].point);
   return std::all_of(simplex.begin(), simplex.end(),
                      [&](const Difference& d) { return dot(face.direction, d.point) >= height; });
 }
 
-// The face of the simplex, whose last corner it has, that holds the point nearest to the origin.
+// Among the simplex's faces with its last corner, the one that holds the point nearest to the origin.
 Face nearest_face(const std::vector<Difference>& simplex) {
   const unsigned newest = 1U << (simplex.size() - 1);
   for (int size = static_cast<int>(simplex.size()) - 1; size >= 0; --size) {
@@ -84,7 +84,7 @@ Difference furthest_against(const Pair& pair, const Vector& direction, bool ever
   return difference_of(pair, pair.p.lowest(direction, every), pair.r.lowest(-direction, every));
 }
 
-// Whether a height along a direction, times its length, exceeds a length.
+// Whether a height along a direction exceeds `length` times the direction's length.
 bool exceeds(const Integer& height, const Vector& direction, const Integer& length) {
   return height.sign() > 0 && height * height > (length * length) * dot(direction, direction);
 }

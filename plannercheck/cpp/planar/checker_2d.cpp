@@ -11,8 +11,8 @@
 namespace plannercheck {
 namespace {
 
-// Rounding of a posed circle's centre and of a distance is below 20u of the coordinates' sizes; this is far more. Where
-// squares of lengths underflow it is below the least room of circles (plannercheck/planar/body_tables.py).
+// The rounding of a posed circle's centre and of a distance is below 20u of the coordinates' sizes; this is far more.
+// Where squares of lengths underflow, it is below the least room of circles (plannercheck/planar/body_tables.py).
 constexpr double kCircleMargin = 1e-12;
 
 }  // namespace
@@ -51,7 +51,7 @@ void PlanarChecker::pose(Workspace& w) const {
   }
 }
 
-// The lanes in which the bounds of a pair meet.
+// The lanes in which the circles and boxes of a pair meet.
 unsigned PlanarChecker::near(const std::array<std::int32_t, 2>& pair, const Workspace& w) const {
   constexpr unsigned kAll = (1U << kLanes) - 1;
   const PlanarGeometryObject &a = bodies_[at(pair[0])], &b = bodies_[at(pair[1])];
@@ -82,7 +82,7 @@ PosedPolygon PlanarChecker::posed(std::int32_t index, std::size_t state, const W
   return {body.shape, {{c, -s, link.x[state], s, c, link.y[state]}}};
 }
 
-// found(state, pair) for collisions; with `first_only`, for the first pair of each state.
+// Calls found(state, pair) for collisions; with `first_only`, only for the first pair of each state.
 template <class Found>
 void PlanarChecker::judge(std::size_t count, bool first_only, Workspace& w, Found found) const {
   pose(w);

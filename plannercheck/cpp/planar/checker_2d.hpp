@@ -1,4 +1,4 @@
-// Verdicts for sets of configurations of a planar robot: posing and bounding circles in lanes, then exact pair tests.
+// Verdicts for sets of configurations of a planar robot: bounding circles posed in lanes, then exact pair tests.
 //
 // In: a chain of links, convex polygons on links or in the world, pairs of them, configurations. Out: for each
 // configuration whether some pair shares a point, and which. Immutable; threads may share it. The poses are the same
@@ -20,24 +20,24 @@ enum class PlanarJoint { kFixed, kRevolute, kFree };
 struct PlanarLink {
   std::int32_t parent = -1;  // an earlier link, or the world
   PlanarJoint joint = PlanarJoint::kFixed;
-  std::int32_t column = 0;  // of the configuration: an angle, or x, y and an angle for a free joint
+  std::int32_t column = 0;  // in the configuration: of an angle, or of x, y, angle for a free joint
   double x = 0, y = 0, angle = 0;
 };
 
 struct PlanarGeometryObject {
   PlanarPolygon shape;     // not owned
   std::int32_t link = -1;  // -1: in the world
-  PlanarPose pose;         // in the world, of a body that is on no link
+  PlanarPose pose;         // in the world, if the body is on no link
   double x = 0, y = 0;     // a circle around it in its frame; its radius has room for rounding
   double radius = 0;
-  std::array<double, 4> box{};  // in the world, of a body that is on no link: least x, y, largest x, y; with room
+  std::array<double, 4> box{};  // if on no link: least x, y, largest x, y in the world; with room
 };
 
 struct PlanarCheckerCounters {
   long states = 0, pairs = 0;
   long bounds = 0;   // pairs whose circles and boxes do not meet
   long tests = 0;    // pairs given to the algorithm
-  long skipped = 0;  // pairs of states whose verdict was known already
+  long skipped = 0;  // pairs of states whose verdict was already known
   PlanarCounters pair;
 };
 
@@ -59,10 +59,10 @@ class PlanarChecker {
         bounds_(bounds),
         first_(first) {}
 
-  // What one thread poses and counts.
+  // The poses and counts of one thread.
   struct Workspace;
   std::shared_ptr<Workspace> new_workspace() const;
-  // What has been counted since the last call.
+  // The counts since the last call.
   static PlanarCheckerCounters take_counters(Workspace& workspace);
 
   std::size_t width() const { return width_; }
@@ -89,7 +89,7 @@ class PlanarChecker {
   void pose(Workspace& workspace) const;
   unsigned near(const std::array<std::int32_t, 2>& pair, const Workspace& workspace) const;
   PosedPolygon posed(std::int32_t body, std::size_t state, const Workspace& workspace) const;
-  // Calls work(row, how many) for blocks of n configurations, loaded.
+  // Loads n configurations in blocks and calls work(row, how many) for each.
   template <class Work>
   void each_block(const double* q, std::size_t n, Workspace& workspace, Work work) const;
   template <class Found>

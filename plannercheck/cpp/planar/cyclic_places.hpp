@@ -1,5 +1,5 @@
-// Three places on a cyclic array, in order, and what is left of it: at first the whole cycle, cut in three; later the
-// chain from the first place to the last, and nothing between the last and the first.
+// Three places on a cyclic array, in order, and the part of the array that is left: first the whole cycle, cut in
+// three; later the chain from the first place to the last, with nothing between the last and the first.
 //
 // The walk of polygon_test.cpp narrows two of these: the guest's vertices and the host's edges.
 #pragma once
@@ -9,10 +9,10 @@
 
 namespace plannercheck {
 
-// What follows and what precedes 0, 1, 2 in their cycle.
+// Successor and predecessor of 0, 1, 2 in their cycle.
 inline constexpr std::array<std::size_t, 3> kNext{1, 2, 0}, kPrevious{2, 0, 1};
 
-// CyclicPlaces are stored in any order; `order` says in which they follow one another.
+// The places are stored in any order; `order` lists them along the array.
 struct CyclicPlaces {
   std::size_t count;              // of the array
   std::array<std::size_t, 3> at;  // as stored
@@ -21,7 +21,7 @@ struct CyclicPlaces {
 
   CyclicPlaces(std::size_t n, const std::array<std::size_t, 3>& first) : count(n), at(first) {}
 
-  // How many steps there are from the k-th place to the next one, as far as that is left.
+  // The number of steps from the k-th place to the next one, within the part that is left.
   std::size_t steps(std::size_t k) const {
     if (k == 2 && !closed) return 0;
     const std::size_t from = at[order[k]], to = at[order[kNext[k]]];
@@ -33,7 +33,7 @@ struct CyclicPlaces {
     const std::size_t index = at[order[k]] + steps(k) / 2;
     return index - (index < count ? 0 : count);
   }
-  // Keeps the chain from the k-th place to the next one, with a place halfway, which is stored where the third was.
+  // Keeps the chain from the k-th place to the next one and adds a place halfway, stored in the slot of the third one.
   std::size_t keep(std::size_t k) {
     const std::size_t middle = halfway(k), from = order[k], to = order[kNext[k]], third = order[kPrevious[k]];
     at[third] = middle;

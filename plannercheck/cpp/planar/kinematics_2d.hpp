@@ -12,7 +12,7 @@ struct PlanarLinkLanes {
   Lanes angle, cos, sin, x, y;
 };
 
-// columns: one a number of a configuration.
+// columns: one for each number of a configuration.
 void pose_planar_links(const std::vector<PlanarLink>& links, const std::vector<Lanes>& columns,
                        std::vector<PlanarLinkLanes>& out);
 

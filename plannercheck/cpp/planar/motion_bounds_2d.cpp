@@ -8,7 +8,7 @@
 namespace plannercheck {
 namespace {
 
-// The largest |u| of points within a radius of x, y.
+// The largest |u| of the points within `radius` of x, y.
 double arm_length(double x, double y, double radius) { return (norm_above({x, y, 0}) + radius) * (1 + 0x1p-40); }
 
 }  // namespace

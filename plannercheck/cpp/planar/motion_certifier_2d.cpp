@@ -8,9 +8,9 @@
 namespace plannercheck {
 namespace {
 
-// All rounding (of configurations, poses, the lengths of directions, products, boxes) is some hundred u = 2^-53 of the
-// coordinates that enter, and of the angles as much of the reach: for each link of the chain. Whole turns that are
-// taken off an angle round it by 3u of what it was.
+// All rounding (of configurations, poses, lengths of directions, products, boxes) is some hundred u = 2^-53 of the
+// coordinates involved and, for each link of the chain, as much of the angles times the reach. Taking whole turns off
+// an angle rounds it by 3u of the angle before.
 constexpr double kPlanarRounding = 0x1p-43;
 
 double with_room(double length) { return length * (1 + 0x1p-40); }
@@ -53,7 +53,7 @@ PlanarCertifier::PlanarCertifier(std::vector<PlanarLink> links, std::int32_t wid
     hulls_.push_back(hull_of(body));
     if (body.link < 0) {
       for (const double side : body.box) still_size_ = larger(still_size_, 4 * std::fabs(side));
-      for (std::size_t i = 0; i < body.shape.count; ++i)  // as poses map them, which may cancel
+      for (std::size_t i = 0; i < body.shape.count; ++i)  // the terms of a posed vertex, which may cancel
         still_size_ = larger(still_size_, 4 * (std::fabs(body.shape.x(i)) + std::fabs(body.shape.y(i)) +
                                                std::fabs(body.pose.m[2]) + std::fabs(body.pose.m[5])));
     } else {

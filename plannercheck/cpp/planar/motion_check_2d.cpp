@@ -1,7 +1,7 @@
-// The check of a motion in the plane: what adaptive_subdivision.hpp asks of a run.
+// The check of a motion in the plane: the Run of adaptive_subdivision.hpp.
 //
-// In: a certifier, a workspace, a motion of pieces. Out: a report. The pieces are judged in order, each with grids of
-// its own, all pairs on the first; a pair passes circles on chords against boxes or other circles.
+// In: a certifier, a workspace, a motion of pieces. Out: a report. The pieces are checked in order, each with its own
+// grids, all pairs on the first one; a pair passes circles on chords against boxes or other circles.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -19,14 +19,14 @@ namespace {
 // The first grid is so fine that no body leaves its chords by more than this, m (measured).
 constexpr double kPlanarCoarse = 0.05;
 
-// Rounding and a piece's slip may take at most this part of the tolerance: twice as much has to be less than it for
-// intervals to become short enough. Where rounding takes more, the numbers are too large; where a slip does, the piece
-// is judged with a greater tolerance.
+// Rounding and a piece's slip may take at most this part of the tolerance, as intervals can only become short enough if
+// twice as much is less than the tolerance. If rounding takes more, the numbers are too large; if a slip does, the
+// piece is checked with a greater tolerance.
 constexpr double kPlanarRoundingPart = 1.0 / 4;
 
 }  // namespace
 
-// For adaptive_subdivision.hpp.
+// The Space of adaptive_subdivision.hpp.
 struct PlanarMotions {
   using Pair = PlanarMotionPair;
   using Poses = PlanarPlaces;
@@ -109,7 +109,7 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
     w_.grid.place(motion_.q0, motion_.q1, *piece_, from, to, intervals);
   }
 
-  // A state's parameter of the motion.
+  // The motion's parameter of a state.
   double parameter(double s) const { return s >= 1 ? piece_->to : piece_->from + s * (piece_->to - piece_->from); }
 
   // ----- what is known of a pair on the grid
@@ -119,7 +119,7 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
   double chord_deviation(std::int32_t pair) const {
     return w_.bounds[at(pair)].curvature * w_.grid.step() * w_.grid.step() / 8;
   }
-  // More than this along a direction at both ends of an interval settles it.
+  // An interval is settled if the gap along one direction exceeds this at both ends.
   double apart(std::int32_t pair) const { return chord_deviation(pair) + slack_; }
 
   PlanarPlaces poses(const PlanarMotionPair& pair, std::size_t state) const {
@@ -150,7 +150,7 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
     return centres_come_near(w_.grid, pair.a, pair.b, a.radius + b.radius + slack_ + moved);
   }
 
-  // From the nearest point of b's box, or b's centre, to a's centre.
+  // The vector from the nearest point of b's box, or from b's centre, to a's centre.
   PlanarVector between(const PlanarMotionPair& pair, std::size_t state) const {
     const double* a = w_.grid.centre(pair.a) + state;
     if (body(pair.b).link >= 0) {
@@ -182,7 +182,7 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
     return {s.index, parameter(from), parameter(to), s.plane.direction, least - slack_, chord_deviation(s.index)};
   }
 
-  // On an interval so short that a pair which nothing settles is within the tolerance all the way, it is refused.
+  // An interval is refused if it is so short that a pair which nothing settles is within the tolerance throughout.
   bool fail(PairState& s, std::size_t i) {
     const double way = w_.bounds[at(s.index)].speed * w_.grid.step();
     const bool is_short = way + chord_deviation(s.index) + 2 * slack_ <= tolerance_;

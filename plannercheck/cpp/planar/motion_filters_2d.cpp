@@ -3,7 +3,7 @@
 namespace plannercheck {
 namespace {
 
-// Chords shorter than this have no direction that doubles hold, m.
+// Chords shorter than this have no direction in doubles, m.
 constexpr double kShortestChord = 1e-100;
 
 constexpr unsigned kAllLanes = (1U << kLanes) - 1;
@@ -12,7 +12,7 @@ unsigned intervals_of(const PlanarGrid& grid) { return (1U << grid.intervals()) 
 
 }  // namespace
 
-// Neither the axes nor the normal of the chord separate the chord, widened, from the box.
+// An interval stays open if neither the axes nor the chord's normal separate the widened chord from the box.
 unsigned chords_meet_box(const PlanarGrid& grid, std::int32_t body, const std::array<double, 4>& box,
                          double max_distance) {
   const std::array<double, 4>& path = grid.box(body);

@@ -1,4 +1,4 @@
-// States along a piece of a planar motion, posed one a lane and kept by rows, as in motion_grid.hpp.
+// States along a piece of a planar motion, posed one in each lane and kept by rows, as in motion_grid.hpp.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace plannercheck {
 
-// The length of a row: room for all states, and whole lanes may be read from one state further.
+// The length of a row: room for all states, read in whole lanes from any of them.
 inline constexpr std::size_t kPlanarRow = 48;
 
 class PlanarGrid {
@@ -25,7 +25,7 @@ class PlanarGrid {
         centres_(2 * kPlanarRow * bodies.size()),
         boxes_(bodies.size()) {}
 
-  // intervals + 1 states from `from` to `to`, parameters of the piece.
+  // Poses intervals + 1 states from `from` to `to`, parameters of the piece.
   void place(const double* q0, const double* q1, const PlanarPiece& piece, double from, double to, int intervals);
   // A configuration for each of kLanes parameters of the piece.
   void configure(const double* q0, const double* q1, const PlanarPiece& piece, Lanes s);
@@ -33,7 +33,7 @@ class PlanarGrid {
 
   std::size_t intervals() const { return intervals_; }
   double parameter(std::size_t state) const { return s_[state]; }
-  // The longest interval, rounded up: parameters are rounded.
+  // The length of the longest interval, rounded up, since parameters are rounded.
   double step() const { return (s_[intervals_] - s_[0]) / static_cast<double>(intervals_) * (1 + 1e-9) + 0x1p-50; }
 
   // Rows x, y of a body's centre, and a box around them: least x, y, largest x, y.

@@ -12,8 +12,8 @@ using planar_detail::kSmallestSize;
 
 namespace {
 
-// The same polynomials in DoubleDouble, whose differences of coordinates are exact, take eight operations a term; a
-// difference of products of two sides is allowed twice as much.
+// The same polynomials in DoubleDouble, whose differences of coordinates are exact, take eight operations a term. Twice
+// that bound holds for a difference of products of two sides.
 constexpr double kSideDoubleDoubleBound = 64 * kDoubleDoubleError;
 
 int sign_of_side(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
@@ -67,7 +67,7 @@ Vec2<Number> turned(const PlanarPose& pose, const Vec2<Number>& v) {
           exactly<Number>(pose.m[3]) * v.x + exactly<Number>(pose.m[4]) * v.y};
 }
 
-// The guest's vertex from the host's origin.
+// The guest's vertex relative to the host's origin.
 template <class Number>
 Vec2<Number> place(const PosedPolygon& guest, const PosedPolygon& host, std::size_t k) {
   const Vec2<Number> offset{exact_difference<Number>(guest.pose.m[2], host.pose.m[2]),
@@ -83,7 +83,7 @@ Number side_of(const PosedPolygon& guest, const PosedPolygon& host, double turn,
   return turn > 0 ? side : -side;
 }
 
-// The side of a to a line less that of b.
+// The side of a relative to a line, less that of b.
 template <class Number>
 Number side_difference(const PosedPolygon& guest, const PosedPolygon& host, double turn, const HostLine& line,
                        std::size_t a, std::size_t b) {
@@ -130,8 +130,7 @@ int PlanarSigns::finer_mixed(const HostLine& i, const HostLine& j, const GuestPo
     };
     const DoubleDouble fia = finer_side(i, a), fjb = finer_side(j, b), fib = finer_side(i, b), fja = finer_side(j, a);
     const DoubleDouble finer = fia * fjb - fib * fja;
-    // Each side errs by at most kSideDoubleDoubleBound of its permanent; twice that leaves room for products and
-    // difference.
+    // Each side errs by at most kSideDoubleDoubleBound of its permanent; twice that covers products and difference.
     const double bound =
         2 * kSideDoubleDoubleBound *
         (std::fabs(fia.high) * size_jb + size_ia * (std::fabs(fjb.high) + kSideDoubleDoubleBound * size_jb) +
@@ -162,7 +161,7 @@ double PlanarSigns::meeting(std::size_t from, std::size_t ahead, std::size_t oth
   const bool usable = first_ == Precision::kDoubles && sine_error > kSmallestSize && reach_error > kSmallestSize &&
                       back_error > kSmallestSize && std::fabs(reach) < kLargestSize && std::fabs(back) < kLargestSize;
   const double sign = sine > 0 ? 1 : -1;
-  // Meeting points ahead of both: reach / sine > 0, back / sine > 0.
+  // The meeting point lies ahead on both lines: reach / sine > 0, back / sine > 0.
   if (!usable || std::fabs(sine) <= sine_error || sign * reach <= reach_error || sign * back <= back_error)
     return kInfinite;
   return planar_detail::kSlack * (std::fabs(reach) + reach_error) / (std::fabs(sine) - sine_error);
@@ -195,15 +194,15 @@ int PlanarSigns::finer_compare(const Slope& slope, std::size_t a, std::size_t b)
   return sum.sign();
 }
 
-// What is not finite fails every filter, so it is enough to look before exact arithmetic.
+// Numbers that are not finite fail every filter, so they are checked only before exact arithmetic.
 void PlanarSigns::check_finite(const HostLine& line, std::size_t point) const {
   plannercheck::check_finite(host_.shape, line.from);
   plannercheck::check_finite(host_.shape, line.to);
   plannercheck::check_finite(guest_.shape, point);
 }
 
-// Three vertices on a line: in a convex polygon the arc between the outer two that holds the middle one lies on that
-// line, too, so the rest of the boundary is the other arc. Its middle vertex is off the line, or takes an end's place.
+// Three vertices lie on a line. In a convex polygon the arc between the outer two that holds the middle one lies on
+// that line, too, so the rest of the boundary is the other arc. Its middle vertex is off the line, or replaces an end.
 int planar_turn(const PlanarPolygon& polygon, PlanarCounters& counters) {
   const std::size_t n = polygon.count;
   if (n < 3) return 0;
@@ -242,7 +241,7 @@ int planar_turn(const PlanarPolygon& polygon, PlanarCounters& counters) {
 
 namespace {
 
-// The outermost two vertices of a polygon on a line, in dyadic numbers of the world.
+// The outermost two vertices of a polygon on a line, as dyadic numbers of the world.
 std::array<Vec2<Dyadic>, 2> ends_of(const PosedPolygon& body, PlanarCounters& counters) {
   const PlanarPolygon& shape = body.shape;
   const auto before = [&](std::size_t a, std::size_t b) {

@@ -1,8 +1,8 @@
 // Exact signs about two posed polygons in the plane, for the algorithm of polygon_test.cpp.
 //
-// In: vertices as ordered arrays, poses x -> M x + t with the numbers that their doubles are. Out: signs of polynomials
-// of these numbers. Each sign is taken in doubles with a proven bound, where that leaves it open in double-double, and
-// where that does, in dyadic numbers. Nothing is prepared and no array is copied.
+// In: vertices as ordered arrays, poses x -> M x + t, all with the exact values of their doubles. Out: signs of
+// polynomials of these numbers. Each sign is computed in doubles with a proved bound; if that is inconclusive, in
+// double-double; if that is, too, in dyadic numbers. Nothing is prepared and no array is copied.
 #pragma once
 
 #include <array>
@@ -35,13 +35,13 @@ struct PosedPolygon {
   PlanarPose pose;
 };
 
-// The arithmetic that a sign starts with.
+// The arithmetic with which signs start.
 enum class Precision { kDoubles, kDoubleDouble, kExact };
 
 struct PlanarCounters {
   long rounds = 0;         // of the algorithm: each prunes one chain or ends
   long vertices = 0;       // read, with repetitions
-  long double_double = 0;  // signs that the filter left open
+  long double_double = 0;  // signs that the filter in doubles left open
   long exact = 0;          // signs that double-double left open, too
 };
 
@@ -55,34 +55,34 @@ struct NotFiniteError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-// A vertex of the guest, seen from the origin of the host's frame along the axes of the world, and the sums of the
-// absolute values of the terms of its coordinates; infinite where these are too large for a filter.
+// A vertex of the guest relative to the origin of the host's frame, along the axes of the world, with the sums of the
+// absolute values of its coordinates' terms; these are infinite if too large for a filter.
 struct GuestPoint {
   std::size_t index;
   double x, y, size_x, size_y;
 };
 
-// The line through two vertices of the host, with the direction that has the host on its left; sizes as above.
+// The line through two vertices of the host, directed so that the host is on its left; sizes as above.
 struct HostLine {
   std::size_t from, to;
   double dx, dy, size_dx, size_dy;  // M (to - from), turned round if the host runs clockwise
-  double x, y, size_x, size_y;      // M from
+  double x, y, size_x, size_y;      // M (to - from), reversed if the host runs clockwise
 };
 
-// How far a point is on the host's side of a line, times the line's length; infinite error where a filter in doubles
-// can't be trusted.
+// How far a point is on the host's side of a line, times the line's length; the error is infinite where a filter in
+// doubles cannot be trusted.
 struct Side {
   double value, error;
 };
 
-// Non-negative weights of two lines: along the mixed side function a guest is pruned.
+// Non-negative weights of two lines; a guest is pruned along their mixed side function.
 struct LineWeights {
   double first = 1, second = 0;
-  std::optional<std::array<Dyadic, 2>> exact;  // stands for both where no doubles could be certified
+  std::optional<std::array<Dyadic, 2>> exact;  // replaces both where no doubles could be certified
 };
 
-// How the mixed side function w_i i(p) + w_j j(p) grows along the guest's own axes, and the sums of the absolute values
-// of the terms; infinite or NaN where doubles can't be trusted.
+// The gradient of the mixed side function w_i i(p) + w_j j(p) along the guest's own axes, and the sums of the absolute
+// values of its terms; infinite or NaN where doubles cannot be trusted.
 struct Slope {
   const LineWeights& weights;
   const HostLine &i, &j;
@@ -91,10 +91,10 @@ struct Slope {
 
 namespace planar_detail {
 
-// A filter is trusted where the sum of the absolute values of all terms and their factors are in this range: then
-// products of four sides neither overflow nor lose to underflow what the bounds do not count.
+// A filter is trusted if the sum of the absolute values of all terms and their factors is in this range: products of
+// four sides then neither overflow nor lose to underflow what the bounds do not count.
 inline constexpr double kSmallestSize = 1e-100, kLargestSize = 1e45;
-// Nor where a coordinate is so large that the other factor of a product, of a trusted size, can have lost to underflow.
+// Larger coordinates are not trusted either: another factor of a trusted product may have lost bits to underflow.
 inline constexpr double kLargestCoordinate = 1e100;
 
 // A side is the cross product of D = M (to - from) and X - Y with X = M p + t, Y = M from. D: difference, product, sum,
@@ -179,13 +179,13 @@ class PlanarSigns {
     return {value, trusted ? side_bound_ * size : planar_detail::kInfinite};
   }
 
-  // Whether `point` is beyond a line, off the host's side; 1 or 0.
+  // 1 if `point` is beyond a line, off the host's side, else 0.
   unsigned is_beyond(const Side& side, const HostLine& line, const GuestPoint& point) const {
     if (std::fabs(side.value) > side.error) return side.value < 0;
     return finer_sign(line, point) < 0;
   }
 
-  // Sign of i(a) j(b) - i(b) j(a), of the sides of two points to two lines.
+  // Sign of i(a) j(b) - i(b) j(a), where i and j are the sides of two points relative to two lines.
   int mixed(const HostLine& i, const HostLine& j, const GuestPoint& a, const GuestPoint& b, const Side& ia,
             const Side& ib, const Side& ja, const Side& jb) const {
     const double plus = ia.value * jb.value, minus = ib.value * ja.value;
@@ -198,10 +198,10 @@ class PlanarSigns {
     return finer_mixed(i, j, a, b);
   }
 
-  // The mixed side function's value at a point, from its sides. Infinite error where doubles can't be trusted.
+  // The mixed side function at a point, from its sides. The error is infinite where doubles cannot be trusted.
   Side value(const LineWeights& weights, const Side& i, const Side& j) const;
 
-  // References stay in the slope.
+  // The slope keeps references to its arguments.
   Slope slope(const LineWeights& weights, const HostLine& i, const HostLine& j) const {
     const auto& m = guest_.pose.m;
     const double x = -(weights.first * i.dy + weights.second * j.dy), y = weights.first * i.dx + weights.second * j.dx;
@@ -217,7 +217,7 @@ class PlanarSigns {
             doubt * (std::fabs(m[1]) * size_x + std::fabs(m[4]) * size_y)};
   }
 
-  // The mixed side function at one of the guest's vertices less that at another.
+  // The mixed side function at one vertex of the guest less that at another.
   Side climb(const Slope& slope, std::size_t a, std::size_t b) const {
     const double vx = guest_.shape.x(a) - guest_.shape.x(b), vy = guest_.shape.y(a) - guest_.shape.y(b);
     const double size_x = std::fabs(vx), size_y = std::fabs(vy);
@@ -227,9 +227,8 @@ class PlanarSigns {
     return {slope.x * vx + slope.y * vy, trusted ? error : planar_detail::kInfinite};
   }
 
-  // How far along `ahead` - `from`, as a part of it, the line through these two vertices of the guest meets that
-  // through `other` and `behind`; both lines lead towards the meeting point. At least that, and infinite if there is
-  // none or it is not clear.
+  // Where the guest's line through `from` and `ahead` meets that through `other` and `behind`, as a part of `ahead` -
+  // `from`; both lines lead towards the meeting point. A lower bound; infinite if no such point is sure.
   double meeting(std::size_t from, std::size_t ahead, std::size_t other, std::size_t behind) const;
 
   // Sign of a climb.
@@ -247,7 +246,7 @@ class PlanarSigns {
   const PosedPolygon& host_;
   double turn_;
   Precision first_;
-  double side_bound_, compare_bound_;  // infinite where doubles are not to be used
+  double side_bound_, compare_bound_;  // infinite if doubles are not to be used
   double offset_x_, offset_y_;         // of the guest's origin from the host's, rounded
   PlanarCounters& counters_;
 
@@ -261,11 +260,11 @@ class PlanarSigns {
   void check_finite(const HostLine& line, std::size_t point) const;
 };
 
-// Which way round a polygon's vertices run: 1 counter-clockwise, -1 clockwise, 0 if it has no area. A few probes, also
-// where many vertices lie on one line: O(log n).
+// The orientation of a polygon's vertices: 1 counter-clockwise, -1 clockwise, 0 if it has no area. Takes a few probes,
+// O(log n) even if many vertices lie on one line.
 int planar_turn(const PlanarPolygon& polygon, PlanarCounters& counters);
 
-// Whether the segments (or points) between the ends of two polygons without area share a point, exactly.
+// Whether two polygons without area, as segments between their ends (or points), share a point; exact.
 bool flat_polygons_meet(const PosedPolygon& a, const PosedPolygon& b, PlanarCounters& counters);
 
 }  // namespace plannercheck

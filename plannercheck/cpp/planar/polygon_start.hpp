@@ -1,5 +1,4 @@
-// Where the walk in the plane starts: at the places of two polygons that face each other, as far as a few vertices
-// tell.
+// Where the walk in the plane starts: at the places where two polygons face each other, judged by a few vertices.
 #pragma once
 
 #include <bit>
@@ -11,9 +10,9 @@
 
 namespace plannercheck {
 
-// Vertices of a polygon that are looked at, evenly spread; a power of two. Where a polygon has few, some are repeated.
+// How many vertices of a polygon are probed, evenly spread; a power of two. Polygons with fewer repeat some.
 inline constexpr std::size_t kPlanarProbes = 16;
-// A polygon of fewer vertices starts at thirds: it takes a round or two from anywhere.
+// Polygons with fewer vertices start at thirds: they take a round or two from anywhere.
 inline constexpr std::size_t kFewestProbed = 6;
 
 namespace planar_detail {
@@ -39,8 +38,8 @@ inline std::array<double, 2> middle(const PosedPolygon& body) {
   return {m[0] * x + m[1] * y + m[2], m[3] * x + m[4] * y + m[5]};
 }
 
-// Which probe is furthest along a direction of the world. A product carries its probe in its last bits, so that a
-// maximum is all there is to take; what is not finite gives some probe.
+// The probe furthest along a direction of the world. Each product carries its probe's number in its last bits, so that
+// one maximum gives both; if products are not finite, the result is some probe.
 inline std::size_t furthest_probe(const PosedPolygon& body, double x, double y) {
   const auto& m = body.pose.m;
   const Pair along{m[0] * x + m[3] * y, m[1] * x + m[4] * y};
@@ -61,7 +60,7 @@ inline std::size_t furthest_probe(const PosedPolygon& body, double x, double y) 
   return std::bit_cast<std::uint64_t>(best) & (kPlanarProbes - 1);
 }
 
-// The probes, or where these are all vertices, the vertices on either side of one.
+// The probe and its neighbours; if all vertices are probes, the vertices on either side.
 inline std::array<std::size_t, 3> probes_around(const PlanarPolygon& polygon, std::size_t k) {
   const std::size_t n = polygon.count, here = probe(polygon, k);
   if (n < kPlanarProbes) return {(here == 0 ? n : here) - 1, here, here + 1 == n ? 0 : here + 1};
@@ -70,12 +69,12 @@ inline std::array<std::size_t, 3> probes_around(const PlanarPolygon& polygon, st
 
 }  // namespace planar_detail
 
-// Three places of a polygon, in order, from which the walk goes on: right for any three, and soon over for those around
-// the probe that is furthest towards the other polygon.
+// Three places of a polygon, in order, from which the walk starts. Any three are right; those around the probe furthest
+// towards the other polygon end it soonest.
 struct PlanarStart {
   std::array<std::size_t, 3> guest, host;
 
-  // Thirds where `first` leaves doubles out.
+  // Takes thirds if `first` rules out doubles.
   PlanarStart(const PosedPolygon& a, const PosedPolygon& b, Precision first, PlanarCounters& counters)
       : guest(thirds(a.shape.count)), host(thirds(b.shape.count)) {
     const bool has_guest = a.shape.count >= kFewestProbed, has_host = b.shape.count >= kFewestProbed;

@@ -9,20 +9,21 @@
 namespace plannercheck {
 namespace {
 
-// What is known about the triangles: a line apart, a common point, or that the host's triangle is within the guest's.
+// What is known of the triangles: a line separates them, they share a point, or the host's is inside the guest's.
 enum class Relation { kApart, kVertex, kCrossing, kInside };
 
 // Corners and lines are counted 0 to 2, as they are stored.
 struct Finding {
   Relation relation = Relation::kInside;
-  std::size_t a = 0, b = 0;  // kVertex: guest corner a. kCrossing: the way from corner a to b comes in over line i.
-  std::size_t i = 0, j = 0;  // kApart: over lines i and j, with the walk's weights.
+  std::size_t a = 0, b = 0;  // kVertex: guest corner a. kCrossing: the side from corner a to b enters over line i.
+  std::size_t i = 0, j = 0;  // kApart: by lines i and j, with the walk's weights.
 };
 
 // The paper's state: T_P is the triangle of three vertices of the guest, T_Q the intersection of the half-planes of
-// three edges of the host; between them are the chains that are left. The first round of either side keeps one of three
-// chains, all others one of two halves. Kept up (the paper's correctness invariant, in a form that also covers a guest
-// inside the host): the polygons share a point if and only if the hull of the guest's vertices that are left meets the
+// three edges of the host; the chains that are left lie between them. The first round of either side keeps one of three
+// chains, later rounds keep one of two halves. Correctness invariant (the paper's, in a form that also covers a guest
+// inside the host): the polygons share a point if and only if the hull of the guest's remaining vertices meets the
+// intersection of the half-planes of the host's remaining edges.
 // intersection of the half-planes of the host's edges that are left.
 class Walk {
  public:
@@ -102,7 +103,7 @@ class Walk {
     for (std::size_t k = 0; k < 3; ++k) {
       if (crosses(k, kNext[k], found)) return found;
     }
-    // By Helly's theorem triangles apart are so over two of the lines; else T_Q is inside T_P.
+    // By Helly's theorem, triangles that are apart are separated by two of the lines; otherwise T_Q is inside T_P.
     for (std::size_t i = 0; i < 3; ++i) {
       if (is_wedge_apart(i, kNext[i])) {
         found.relation = Relation::kApart;
@@ -115,10 +116,10 @@ class Walk {
     return found;
   }
 
-  // Whether the side of T_P from corner a to b, neither of which is in T_Q, meets T_Q, and over which line it comes in.
+  // Whether the side of T_P from corner a to b, both outside T_Q, meets T_Q, and over which line it enters.
   bool crosses(std::size_t a, std::size_t b, Finding& found) const {
     if ((beyond_[a] & beyond_[b]) != 0) return false;
-    // mixed <= 0: line i is crossed inwards no later than j outwards, or than j inwards.
+    // mixed <= 0: line i is entered no later than j is left, or than j is entered.
     std::size_t last_in = 3;
     for (std::size_t i = 0; i < 3; ++i) {
       if (!beyond(i, a)) continue;
@@ -148,8 +149,8 @@ class Walk {
     return true;
   }
 
-  // Weights with which the mixed side of lines i and j is negative at all corners: between the bounds that the corners
-  // within one half-plane set.
+  // Weights for which the mixed side of lines i and j is negative at all corners: between the bounds of those within
+  // one half-plane.
   void set_weights(std::size_t i, std::size_t j) {
     double steepest_i = -1, steepest_j = -1;
     std::array<double, 2> bound_i{}, bound_j{};
@@ -205,8 +206,8 @@ class Walk {
     return {bound_i[0] + bound_j[0], bound_i[1] + bound_j[1]};
   }
 
-  // Separation invariant: the host is where the mixed side is at least 0, T_P where it is negative. What the guest has
-  // of the former is beyond one side of T_P. False if there is nothing, so that the polygons are apart.
+  // Separation invariant: the mixed side is at least 0 on the host and negative on T_P. The part of the guest where it
+  // is at least 0 lies beyond one side of T_P. False if there is no such part: the polygons are apart.
   bool prune_guest(const Finding& apart) {
     const Slope slope = signs_.slope(weights_, edges_[apart.i], edges_[apart.j]);
     const std::size_t arc = arc_towards(slope);
@@ -217,9 +218,9 @@ class Walk {
     return true;
   }
 
-  // Whether an arc that rises above T_P surely stays where the mixed side is negative: it lies within the triangle that
-  // its first and last edge's lines make with its chord. This ends most queries of polygons apart after a few rounds;
-  // the walk does not need it.
+  // Whether an arc that rises above T_P surely stays where the mixed side is negative: it lies within the triangle of
+  // its chord and the lines of its first and last edge. This ends most queries of separated polygons after a few
+  // rounds; the walk is complete without it.
   bool is_pocket_apart(const Finding& apart, const Slope& slope, std::size_t arc) const {
     const std::size_t from = corner(arc), to = corner(kNext[arc]), stored = vertices_.order[arc];
     const std::size_t ahead = vertices_.after(from), behind = vertices_.before(to);
@@ -235,13 +236,13 @@ class Walk {
   // Index of the k-th corner.
   std::size_t corner(std::size_t k) const { return vertices_.at[vertices_.order[k]]; }
 
-  // Which arc of the guest, from which corner to the next, rises above T_P.
+  // The arc of the guest, from which corner to the next, that rises above T_P.
   std::size_t arc_towards(const Slope& slope) const {
-    std::array<int, 3> step;  // of the mixed side from each corner to the next
+    std::array<int, 3> step;  // change of the mixed side from each corner to the next
     for (std::size_t k = 0; k < 3; ++k) step[k] = signs_.compare(slope, corner(kNext[k]), corner(k));
     if (step[0] == 0 && step[1] == 0 && step[2] == 0) return arc_off_line();
     for (std::size_t k = 0; k < 3; ++k) {
-      // Two corners level above the third: only the arc between them can rise above both.
+      // If two corners are level above the third, only the arc between them can rise above both.
       if (step[k] == 0 && step[kPrevious[k]] > 0) return rises_after(slope, k) ? k : kNone;
     }
     for (std::size_t k = 0; k < 3; ++k) {
@@ -262,8 +263,7 @@ class Walk {
     return signs_.compare(slope, towards, from) > 0;
   }
 
-  // All corners are level: the arcs to the one between the others lie on that line, so whatever else is left is on the
-  // third arc.
+  // If all corners are level, the arcs to the middle one lie on that line, so all other vertices are on the third arc.
   std::size_t arc_off_line() const {
     const PlanarPolygon& shape = signs_.guest();
     const auto x = [&](std::size_t k) { return shape.x(corner(k)); };
@@ -278,9 +278,9 @@ class Walk {
     return kNone;
   }
 
-  // Intersection invariant: a point x of T_P in T_Q is given. If it is beyond the chord that joins two of the edges,
-  // the host's edges between these two are all that matter: who meets the rest of the host from x passes through it.
-  // False if x is beyond no chord: then it is in the host, or sees only edges that were dropped, so they share a point.
+  // Intersection invariant: x is a point of T_P in T_Q. If x is beyond the chord that joins two of the edges, only the
+  // host's edges between these two matter, as every segment from x to the rest of the host crosses the chord. False if
+  // x is beyond no chord: it is in the host, or sees only edges that were dropped, so the polygons share a point.
   bool prune_host(const Finding& common) {
     for (std::size_t k = 0; k < 3; ++k) {
       const HostLine &from = edges_[lines_.order[k]], &to = edges_[lines_.order[kNext[k]]];
@@ -306,7 +306,7 @@ class Walk {
 
 }  // namespace
 
-// A polygon without area has no half-planes, so it is the guest; two of those are segments or points.
+// A polygon without area has no half-planes, so it has to be the guest. Two such are segments or points.
 bool planar_intersect(const PosedPolygon& a, const PosedPolygon& b, Precision first, PlanarCounters& counters) {
   const int turn_b = planar_turn(b.shape, counters);
   if (turn_b != 0) return Walk(a, b, PlanarStart(a, b, first, counters), turn_b, first, counters).run();

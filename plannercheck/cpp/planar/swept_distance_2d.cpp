@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kPlanarRounds = 48;
 
-// A new difference that is nearer by less than this part does not count as progress.
+// A new difference that is nearer by less than this part is no progress.
 constexpr double kPlanarProgress = 1e-12;
 
 double planar_dot(PlanarVector a, PlanarVector b) { return a.x * b.x + a.y * b.y; }
@@ -43,7 +43,7 @@ PlanarDifference planar_difference(const PlanarHull& a, const PlanarHull& b, con
   return {places.frame.turned_back(w), planar_dot(d, w)};
 }
 
-// Up to three points, whose hull is made to hold the point nearest to the origin.
+// Up to three points, reduced to the corners of the face that holds the point nearest to the origin.
 struct PlanarSimplex {
   int count = 0;
   std::array<PlanarVector, 3> point;
@@ -58,7 +58,7 @@ PlanarVector nearest_of_two(PlanarSimplex& s, PlanarVector a, PlanarVector b) {
   return {a.x + t / square * ab.x, a.y + t / square * ab.y};
 }
 
-// The origin itself, with all corners kept, if it is inside.
+// If the origin is inside, the origin itself, and all corners are kept.
 PlanarVector nearest_of_three(PlanarSimplex& s) {
   const std::array<PlanarVector, 3> p = s.point;
   const auto area = [](PlanarVector a, PlanarVector b) { return a.x * b.y - a.y * b.x; };
@@ -99,7 +99,7 @@ SweptAnswer<PlanarDirection> planar_apart(const PlanarHull& a, const PlanarHull&
     if (round == 0 || lowest.along > answer.gap) answer.direction = d, answer.gap = lowest.along;
     answer.apart = lowest.along > limit;
     if (answer.apart) return answer;
-    // The vertex is no nearer to the origin than the simplex: as near as doubles tell.
+    // The new vertex is no nearer to the origin than the simplex: as near as doubles can tell.
     if (simplex.count > 0 && length - lowest.along <= kPlanarProgress * length) return answer;
     simplex.point[static_cast<std::size_t>(simplex.count++)] = lowest.point;
     const PlanarVector v = nearest_of(simplex);

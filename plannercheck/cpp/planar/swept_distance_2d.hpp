@@ -1,8 +1,8 @@
-// The distance of two convex polygons, or of what both sweep between two poses, against a limit.
+// The distance of two convex polygons, or of the sets that both sweep between two poses, against a limit.
 //
-// The same in the plane as swept_distance: Gilbert, Johnson and Keerthi's descent on the hull of the polygons'
-// differences at all poses, seen from a frame. Only the lower bound is relied on for "apart": the least product of the
-// direction with a difference, over all vertices.
+// The planar form of swept_distance: Gilbert, Johnson and Keerthi's descent on the hull of the polygons' differences at
+// all poses, seen from a frame. "Apart" relies only on the lower bound: the least product of the direction with a
+// difference, over all vertices.
 #pragma once
 
 #include <cmath>
@@ -16,14 +16,13 @@ struct PlanarVector {
   double x = 0, y = 0;
 };
 
-// A direction: of length 1 whatever it was made from, so that a product with it is in metres.
+// A direction. Its length is 1 whatever vector it was made from, so that products with it are in metres.
 //
 // Rounding of the square, the root and the quotients leaves the length within 8u of 1, u = 2^-53; turning it by a
-// link's computed sine and cosine adds as much. A gap of length g along it errs by 16u g, which kPlanarRounding has
-// room for.
+// link's computed sine and cosine adds as much. A gap of length g along it errs by 16u g, which kPlanarRounding covers.
 class PlanarDirection {
  public:
-  // Along x where doubles hold no length of the vector: it is 0, not finite, or beyond any scene.
+  // The x axis if doubles hold no length of the vector: it is 0, not finite, or beyond any scene.
   static PlanarDirection along(PlanarVector v) {
     const double square = v.x * v.x + v.y * v.y;
     PlanarDirection made;
@@ -37,7 +36,7 @@ class PlanarDirection {
   PlanarVector vector() const { return unit_; }
 
  private:
-  // Between these neither the squares overflow, nor does what they lose below the least double matter.
+  // In this range squares do not overflow, and what they lose below the least double is irrelevant.
   static constexpr double kLeastSquare = 1e-250, kLargestSquare = 1e250;
 
   PlanarVector unit_{1, 0};
@@ -54,12 +53,12 @@ struct PlanarPlace {
   PlanarVector turned_back(PlanarVector v) const { return {cos * v.x + sin * v.y, cos * v.y - sin * v.x}; }
 };
 
-// Both polygons and the frame at one parameter; of the frame only its turn counts.
+// Both polygons and the frame at one parameter; only the frame's rotation matters.
 struct PlanarPlaces {
   PlanarPlace a, b, frame;
 };
 
-// At `count` poses, 1 or 2, from a direction to begin with.
+// `count`: 1 or 2 poses; the descent starts from `hint`.
 SweptAnswer<PlanarDirection> planar_apart(const PlanarHull& a, const PlanarHull& b, const PlanarPlaces* places,
                                           int count, double limit, PlanarDirection hint);
 

@@ -1,4 +1,4 @@
-// How the poses of kinematics.hpp are computed: placements, then motions of joints, elementwise on Lanes.
+// Computes the poses of kinematics.hpp: placements, then motions of joints, elementwise on Lanes.
 #include "robots/kinematics.hpp"
 
 #include <algorithm>
@@ -67,7 +67,7 @@ inline void place(const Lanes* parent, const Rigid& placement, PlacementForm for
   }
 }
 
-// A placement on a posed joint, or in the world if there is none.
+// A placement on a posed joint, or in the world if the joint is null.
 inline void pose_on(const Lanes* joint, const Rigid& placement, PlacementForm form, Lanes* out) {
   if (joint == nullptr) return broadcast_pose(placement, out);
   place(joint, placement, form, out);
@@ -121,7 +121,7 @@ inline void turn_about(const double* axis, Lanes cos, Lanes sin, Lanes* pose) {
          pose);
 }
 
-// pose * rotation of a quaternion x, y, z, w, used as it is.
+// pose * rotation of a quaternion x, y, z, w, which is not normalised.
 inline void turn_by_quaternion(const Lanes* q, Lanes* pose) {
   const Lanes x2 = 2.0 * q[0], y2 = 2.0 * q[1], z2 = 2.0 * q[2];
   const Lanes wx = x2 * q[3], wy = y2 * q[3], wz = z2 * q[3];
@@ -153,7 +153,7 @@ constexpr int value_count(JointKind kind) {
   }
 }
 
-// Moves a pose by a joint. v: the joint's values, with cosine and sine in place of an angle.
+// Moves a pose by a joint. v: the joint's values, cosine and sine in place of an angle.
 inline void move(JointKind kind, const double* axis, const Lanes* v, Lanes* pose) {
   switch (kind) {
     case JointKind::kTurnX:
@@ -185,7 +185,7 @@ inline Lanes value_of(const JointValue& value, const Lanes* q) {
   return value.column < 0 ? broadcast(value.offset) : value.multiplier * q[value.column] + value.offset;
 }
 
-// Values of a joint as `move` wants them.
+// Reads a joint's values in the form that `move` takes.
 inline void read_values(JointKind kind, const JointValue* values, const Lanes* q, Lanes* v) {
   if (is_angle(kind)) {
     const SinCos turn = sincos(value_of(values[0], q));
@@ -205,7 +205,7 @@ Anchor anchor_of(int joint, const std::vector<Anchor>& anchors) {
   return joint < 0 ? Anchor{-1, false, {}} : anchors[static_cast<size_t>(joint)];
 }
 
-// A placement on something that moves as it is, on something static in the world.
+// A placement on a moving joint is returned as it is, one on something static in the world.
 Rigid placed(const Anchor& anchor, const Rigid& placement) {
   if (!anchor.posed) return placement;
   Rigid out;
@@ -213,7 +213,7 @@ Rigid placed(const Anchor& anchor, const Rigid& placement) {
   return out;
 }
 
-// The pose of a joint that nothing moves, by the operations of the moving ones.
+// The pose of a joint that nothing moves, by the same operations as for moving ones.
 Rigid moved_once(const JointSpec& joint, const Rigid& placement) {
   Lanes pose[kPose], values[7];
   broadcast_pose(placement, pose);

@@ -1,10 +1,10 @@
 // Forward kinematics of batches of configurations, from a flat table of joints.
 //
-// In: a table exported from Pinocchio's Model by plannercheck/robots/kinematics.py (joints with parents before
-// children, links posed on joints), then group configurations. Out: world poses of the links, row-major 3x4, in m.
-// Idea: what depends on no variable is posed once, at construction, by the very same operations; the rest is one pass
-// over the joints that some needed link hangs on. Elementwise operations only: a pose has the same bits for every lane
-// count, batch size and instruction set. Immutable, so any number of threads may share it.
+// In: a table exported from Pinocchio's Model by plannercheck/robots/kinematics.py (joints, parents before children;
+// links posed on joints), then group configurations. Out: world poses of the links, row-major 3x4, in m. Idea: what
+// depends on no variable is posed once, at construction, by the very same operations. The rest is one pass over the
+// joints that carry some needed link. All operations are elementwise, so a pose has the same bits for every lane count,
+// batch size and instruction set. Immutable, so threads may share it.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,7 @@ struct Rigid {
   double m[12];  // row-major 3x4
 };
 
-// How a joint moves its child. Angles are in rad, in URDF's sense; quaternions are x, y, z, w and are used as they are,
-// not normalised, which is what Pinocchio does.
+// How a joint moves its child. Angles: rad, URDF's sense; quaternions are x, y, z, w, not normalised, as in Pinocchio.
 enum class JointKind : int {
   kTurnX,         // angle
   kTurnY,         // angle
@@ -53,16 +52,14 @@ struct LinkSpec {
   Rigid placement;  // on that joint
 };
 
-// What a joint or link hangs on: a moving joint; else, if `posed`, something static at `pose`; else the
-// world.
+// Carries a joint or link: a moving joint; else, if `posed`, something static at `pose`; else the world.
 struct Anchor {
   int joint;  // among the moving joints, or -1
   bool posed;
   Rigid pose;
 };
 
-// What is known of a placement's rotation, to leave out products with exact zeros and ones; kTurnX, kTurnY and kTurnZ
-// keep that axis.
+// Forms of a placement's rotation that save products with exact zeros and ones; kTurnX, kTurnY, kTurnZ keep that axis.
 enum class PlacementForm : int { kTurnX, kTurnY, kTurnZ, kShift, kIdentity, kGeneral };
 
 class Kinematics {

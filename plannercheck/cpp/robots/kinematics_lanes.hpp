@@ -1,4 +1,4 @@
-// Forward kinematics of kLanes configurations at once: what kinematics.hpp is made of, for callers that keep lanes.
+// Forward kinematics of kLanes configurations at once: the kernel of kinematics.hpp, for callers that keep lanes.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace plannercheck {
 
-// Poses just the links that its caller needs. A workspace: it keeps its memory.
+// Poses only the links that its caller needs. A workspace: it keeps its memory.
 class LinkPoser {
  public:
-  // needed[link] != 0: of all links. The kinematics has to outlive the calls of `pose`.
+  // needed[link] != 0: for all links. The kinematics has to outlive the calls of `pose`.
   void begin(const Kinematics& kinematics, const unsigned char* needed);
 
   // q: width() Lanes; out: link_count() * 12 Lanes, row-major 3x4 each, of which only needed links are written.
@@ -20,9 +20,9 @@ class LinkPoser {
 
  private:
   const Kinematics* kinematics_ = nullptr;
-  std::vector<int> joints_;  // that some needed link hangs on, parents first
+  std::vector<int> joints_;  // that carry some needed link, parents first
   std::vector<int> home_;    // by joint: a needed link that is posed as the joint is, or −1
-  std::vector<int> links_;   // needed ones that are not a joint's home
+  std::vector<int> links_;   // needed links that are not a joint's home
   std::vector<Lanes> homeless_;
 
   Lanes* at_joint(int joint, Lanes* out);
