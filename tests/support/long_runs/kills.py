@@ -87,7 +87,9 @@ def run(folder: Path, kills: int, rng: np.random.Generator, rows: float = 1.0) -
 def _one(command: list[object], place: Path, usual: float, rng: np.random.Generator, stages: _Stages, most: int) -> int:
     """Starts a run until its output is there, and kills it on the way: how often."""
     done, patience = 0, 1.0  # which grows: an output may take longer to write than the first runs are given
-    while not place.exists():
+    journal = Path(f"{place}.progress")
+    # A kill between the output and the end of its journal leaves both: one more run resumes and takes the journal away.
+    while not place.exists() or journal.exists():
         process = subprocess.Popen(
             [*map(str, command), "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT
         )
@@ -95,7 +97,6 @@ def _one(command: list[object], place: Path, usual: float, rng: np.random.Genera
             process.wait(None if done >= most else rng.uniform(0.2, 1.0) * usual * patience)
         except subprocess.TimeoutExpired:
             chosen = KILLED_BY[int(rng.integers(len(KILLED_BY)))]
-            journal = Path(f"{place}.progress")
             size = journal.stat().st_size if journal.exists() else 0
             process.send_signal(chosen)
             if process.wait() in (0, 1):  # it had just finished
