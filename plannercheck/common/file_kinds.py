@@ -6,6 +6,7 @@ In: a file's content, or its path. Out: a clause for an error message, "it is a 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 # Of how much of a file its kind is told.
@@ -41,9 +42,7 @@ def file_kind(content: bytes) -> str:
     Returns:
         A clause; empty if nothing is known.
     """
-    if not content.strip():
-        return "it is empty"
-    found = next((words for magic, words in _MAGIC.items() if content.startswith(magic)), "")
+    found = _kind_unless_xml(content)
     root = None if found else _ROOT.match(content)
     if root is None:
         return found
@@ -56,9 +55,24 @@ def file_kind(content: bytes) -> str:
 
 def kind_of(path: Path) -> str:
     """`file_kind` of a file; a folder is one, too, and of what can't be read nothing is known."""
+    return _of_file(path, file_kind)
+
+
+def kind_unless_xml(path: Path) -> str:
+    """`kind_of` a file; empty also if it begins as XML does, which may then be broken."""
+    return _of_file(path, _kind_unless_xml)
+
+
+def _kind_unless_xml(content: bytes) -> str:
+    if not content.strip():
+        return "it is empty"
+    return next((words for magic, words in _MAGIC.items() if content.startswith(magic)), "")
+
+
+def _of_file(path: Path, kind: Callable[[bytes], str]) -> str:
     try:
         with path.open("rb") as file:
-            return file_kind(file.read(_START))
+            return kind(file.read(_START))
     except IsADirectoryError:
         return "it is a folder"
     except (OSError, ValueError):

@@ -22,12 +22,13 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.robots.decomposed_links import decomposed
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.mjcf import ROOT_TAG, excluded_pairs, of_meeting_masks
+from plannercheck.robots.mjcf import excluded_pairs, of_meeting_masks
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
 from plannercheck.robots.reference_configuration import given_values
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, group_state, warn_about_ignored_elements
 from plannercheck.robots.urdf import Mimic, bodies_of, link_tree, read_geometry, read_model
+from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.robots.urdf_hints import warn_of_odd_numbers
 
 Reference: TypeAlias = Mapping[str, Any] | Sequence[float] | NDArray[np.float64] | str | None
@@ -106,7 +107,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     geometry = read_geometry(model, urdf, description.package_dirs)
     warn_of_odd_numbers(urdf)
     tree = link_tree(model)
-    with error_context(f"{'MJCF' if urdf.kind == ROOT_TAG else 'URDF'} {urdf.path}"):
+    with error_context(f"{'MJCF' if urdf.kind == MJCF_ROOT else 'URDF'} {urdf.path}"):
         bodies = bodies_of(model, geometry)
     mimics = usable_mimics(model, urdf)
     srdf = description.semantics
@@ -115,9 +116,9 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     if isinstance(reference, str):
         reference = group_state(None if srdf is None else srdf.root, reference, model.names)
     joints = _group(description, model, tree, mimics)
-    disabled = (*description.disabled_pairs, *(excluded_pairs(urdf.root) if urdf.kind == ROOT_TAG else ()))
+    disabled = (*description.disabled_pairs, *(excluded_pairs(urdf.root) if urdf.kind == MJCF_ROOT else ()))
     pairs = self_pairs(geometry, bodies, srdf, tree, disabled)
-    if urdf.kind == ROOT_TAG:
+    if urdf.kind == MJCF_ROOT:
         pairs = of_meeting_masks(pairs, model, geometry, urdf.root)
     pieces: Mapping[str, Pieces] = {}
     if description.decomposition is not None:

@@ -22,8 +22,6 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.srdf import DisabledPair
 
-ROOT_TAG = "mujoco"
-
 # Elements that stand for bodies or files, and that Pinocchio passes over.
 _PASSED_OVER = ("include", "frame", "replicate", "composite", "flexcomp", "attach")
 

@@ -28,10 +28,7 @@ from plannercheck.common.package_files import folders_above, package_file, where
 from plannercheck.common.silence import urdf_silence
 from plannercheck.robots import mjcf
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.urdf_file import UrdfFile
-
-# The root element of SDF files.
-_SDF = "sdf"
+from plannercheck.robots.urdf_file import MJCF_ROOT, SDF_ROOT, UrdfFile
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
 _BOUNDS = coal.NODE_TYPE.BV_OBB
@@ -63,9 +60,9 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
         The model, mimic joints as joints of their own.
     """
     file = _file(urdf)
-    if file.kind == mjcf.ROOT_TAG:
+    if file.kind == MJCF_ROOT:
         return mjcf.mjcf_model(file.path, file.root, floating)
-    if file.kind == _SDF:
+    if file.kind == SDF_ROOT:
         raise PlannercheckError(
             f"robot {file.path} is an SDF file, which Pinocchio's wheels do not read: convert it into a URDF"
         )
@@ -118,7 +115,7 @@ def read_geometry(model: pin.Model, urdf: Path | UrdfFile, package_dirs: Sequenc
         Pinocchio's geometry model, without pairs.
     """
     file = _file(urdf)
-    if file.kind == mjcf.ROOT_TAG:
+    if file.kind == MJCF_ROOT:
         return mjcf.mjcf_geometry(model, file.path, file.root)
     # Also relative to the URDF, and to what lies above it: a package's folder often does.
     above = folders_above(file.path)

@@ -18,7 +18,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.file_kinds import file_kind, kind_of
+from plannercheck.common.file_kinds import file_kind, kind_unless_xml
 from plannercheck.common.input_limits import check_xml_text
 from plannercheck.common.package_data import is_file
 from plannercheck.robots.urdf_messages import native_messages
@@ -34,8 +34,8 @@ _NO_TEXT = re.compile("[\ud800-\udfff]")
 _BLANK = " \t\r\n\0"  # some files end in a zero byte
 _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
 
-# Roots of robots in other formats: MuJoCo's and Gazebo's.
-OTHER_ROOTS = ("mujoco", "sdf")
+# Roots of robots in other formats: MuJoCo's, which mjcf.py reads, and Gazebo's, which nothing here reads.
+MJCF_ROOT, SDF_ROOT = "mujoco", "sdf"
 
 # Every XML reader knows these.
 _KNOWN_PREFIXES = frozenset({"xml", "xmlns"})
@@ -117,12 +117,7 @@ class UrdfFile:
         """Says so if the file is no XML; else empty."""
         if not self.fault:
             return ""
-        kind = kind_of(self.path)
-        return (
-            kind
-            if kind and "XML" not in kind and not kind.endswith(("RDF", "xacro"))
-            else f"it is no XML ({self.fault})"
-        )
+        return kind_unless_xml(self.path) or f"it is no XML ({self.fault})"
 
     def with_meshes(self, files: dict[str, Path]) -> UrdfFile:
         """The same URDF with other files for some of its collision meshes, by the name that it gives them."""
@@ -174,8 +169,8 @@ def _check_expanded(root: Element, path: Path) -> None:
 
 
 def _check_named(root: Element, path: Path) -> None:
-    """Raises for a robot without a name, which urdfdom does not take, and for what is none; others read OTHER_ROOTS."""
-    if root.tag in OTHER_ROOTS:
+    """Raises for a robot without a name, which urdfdom does not take, and for what is no robot."""
+    if root.tag in (MJCF_ROOT, SDF_ROOT):
         return
     if root.tag != "robot":
         kind = file_kind(ElementTree.tostring(root))

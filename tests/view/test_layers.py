@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from browser import BROWSER, browser_flags
 
 from plannercheck.cli.main import main
 from plannercheck.motions.checker import Checker
@@ -22,12 +22,7 @@ from plannercheck.scenes.scene import Scene
 from plannercheck.view import picture, visual_meshes, write_page
 from plannercheck.view.page import data_of, page_of
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
-# WebGL without a graphics card.
-BROWSER_FLAGS = (
-    *("--headless", "--no-sandbox", "--hide-scrollbars", "--window-size=900,600", "--virtual-time-budget=2000"),
-    *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-)
+BROWSER_FLAGS = browser_flags(900, 600)
 
 
 @pytest.fixture(scope="module")

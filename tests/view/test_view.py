@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import re
-import shutil
 import subprocess
 import sys
 import urllib.request
@@ -13,6 +12,7 @@ import urllib.request
 import numpy as np
 import pinocchio as pin
 import pytest
+from browser import BROWSER, browser_flags
 
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
@@ -30,12 +30,7 @@ from plannercheck.view.model import COLLIDING, COLOURS
 from plannercheck.view.page import data_of, page_of
 
 SAMPLES = shipped_folder("configs") / "bookshelf_panda.npy"
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
-# WebGL without a graphics card.
-BROWSER_FLAGS = (
-    *("--headless", "--no-sandbox", "--hide-scrollbars", "--window-size=500,400", "--virtual-time-budget=2000"),
-    *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-)
+BROWSER_FLAGS = browser_flags(500, 400)
 
 
 @pytest.fixture(scope="module")
