@@ -10,6 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.model_comparisons import Comparison, set_model_comparison
 from plannercheck.common.version import __version__
 
 if TYPE_CHECKING:
@@ -66,6 +67,18 @@ _HOMES = {
     "intersects": "bodies.intersection",
 }
 _MODULES = ("ndim", "ompl", "planar", "view")
+
+
+def _comparison(home: str) -> Comparison:
+    def compare(model: Any, robot: Any, scene: str | None) -> None:
+        importlib.import_module(f"plannercheck.{home}").confirm_model(model, robot, scene)
+
+    return compare
+
+
+# `Proof.verify` with a robot compares the proof's model with files, which takes folders above `proofs`.
+set_model_comparison("space", _comparison("motions.proof_confirmation"))
+set_model_comparison("plane", _comparison("planar.proof_confirmation"))
 
 __all__ = [
     "Box",
