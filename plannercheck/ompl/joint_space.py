@@ -36,6 +36,7 @@ class JointSpace:
     Attributes:
         continuous: (nq,) which columns are angles that a whole turn does not change.
         is_straight: True: motions are straight, joint by joint.
+        depends_on_ends: Whether the bounds of some joint depend on the configurations that they have to include.
     """
 
     is_straight: Literal[True] = True
@@ -57,6 +58,7 @@ class JointSpace:
             self._lower, self._upper = self._lower.copy(), self._upper.copy()
             self._lower[self._free] = np.min([self._lower, *held], axis=0)[self._free]
             self._upper[self._free] = np.max([self._upper, *held], axis=0)[self._free]
+        self.depends_on_ends = bool(self._free)
         self._names = robot.joint_names
         self._turns: list[bool] = self.continuous.tolist()
         self._turning = any(self._turns)

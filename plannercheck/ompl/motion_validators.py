@@ -103,8 +103,8 @@ class ProvedMotions(_CountingValidator):
         super().__init__(information, space)
         self._joints, self._tolerance = space, tolerance
         self._certifier = checker.motion_certifier
-        # OMPL finds this before the method of the class, and calls it without a frame of Python.
-        self.checkMotion = self._certifier.motion_validity(  # type: ignore[method-assign]
+        # OMPL calls it instead of the method, without a frame of Python.
+        self.__dict__["checkMotion"] = self._certifier.motion_validity(
             tolerance, self._counts, space.numbers.serialize, np.flatnonzero(space.continuous).tolist()
         )
 

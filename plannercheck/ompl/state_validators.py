@@ -24,7 +24,7 @@ class ExactStates(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bi
         self._checker, self._space = checker, space
         compiled = checker.state_validity(space.numbers.serialize)
         if compiled is not None:
-            self.isValid = compiled  # type: ignore[method-assign]  # which OMPL calls without a frame of Python
+            self.__dict__["isValid"] = compiled  # OMPL calls it instead of the method, without a frame of Python
 
     def isValid(self, state: Any) -> bool:  # noqa: N802  # OMPL's name
         """Whether a state is free of collision."""
