@@ -249,13 +249,17 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             known = self._judge_row(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
-    def state_validity(self) -> Callable[[Any], bool] | None:
-        """A compiled function that judges states of an OMPL RealVectorStateSpace of nq numbers; None if there is none.
+    def state_validity(self, serialize: Callable[[Any, Any], None] | None = None) -> Callable[[Any], bool] | None:
+        """A compiled function that judges states of an OMPL space of nq numbers; None if there is none.
 
         Its verdicts are those of `is_valid`. There is none where Pinocchio itself poses the robot, nor for
         configurations with quaternions, or cosines and sines, whose length has to be checked.
+
+        Args:
+            serialize: The space's function of this name, which copies all numbers of a state; without it, `state[k]` is
+                the k-th number, as in a RealVectorStateSpace.
         """
-        return self._tables.state_validity(self._kernel, self.is_valid)
+        return self._tables.state_validity(self._kernel, serialize)
 
     def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
         """Whether each configuration of a set is free of collision.
@@ -271,9 +275,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return np.asarray(self._tables.all.core.first_of_poses(self._link_poses(rows), threads) < 0)
-        return self._tables.judged(
-            lambda table, part: table.core.check_states(self._kernel, part, threads).view(bool), rows
-        )
+        return self._tables.check_states(self._kernel, rows, threads)
 
     def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
         """The first colliding pair of each configuration, in the order of `pairs`.

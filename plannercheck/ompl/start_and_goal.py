@@ -43,9 +43,14 @@ class EndState:
         return "; ".join(parts + ([f"{name} collides: {collisions}"] if self.pairs else []))
 
 
+_ACCEPTED = EndState((), ())
+
+
 def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
     """Judges a configuration (nq,)."""
     robot = checker.robot
+    if ((q >= robot.lower) & (q <= robot.upper)).all() and checker.is_valid(q):
+        return _ACCEPTED
     beyond = [
         f"{_column_name(robot, k)} is {q[k]:.6g}, not in [{robot.lower[k]:.6g}, {robot.upper[k]:.6g}]"
         for k in np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()

@@ -14,6 +14,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl import planning
 from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.motion_validators import motion_validator
 from plannercheck.ompl.plans import Plan
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
@@ -44,7 +45,7 @@ def kinova() -> Checker:
 def validator_of(checker: Checker, resolution: float | None = None):
     space = JointSpace(checker.robot)
     information = planning.setup(checker, resolution).getSpaceInformation()
-    return planning.motion_validator(information, checker, space, resolution), space, information
+    return motion_validator(information, checker, space, resolution), space, information
 
 
 def test_the_space_has_the_limits_of_the_robot(checker):
@@ -119,7 +120,7 @@ def test_a_validator_proves_with_its_own_tolerance(tmp_path):
     space, information = JointSpace(checker.robot), planning.setup(checker).getSpaceInformation()
     for tolerance, free in ((1e-4, False), (4e-5, True)):
         assert checker.check_motion([-1.0], [1.0], tolerance=tolerance) == free
-        validator = planning.motion_validator(information, checker, space, None, tolerance)
+        validator = motion_validator(information, checker, space, None, tolerance)
         ends = [space.state(information, q) for q in ([-1.0], [1.0])]
         assert validator.checkMotion(*ends) == free
         assert validator.checkMotionWithLastValid(*ends)[0] == free
@@ -228,7 +229,7 @@ def test_every_planner_asks_for_proofs(checker, ends, name):
     assert name in planning.planner_names()
     setup = planning.setup(checker)
     information, space = setup.getSpaceInformation(), JointSpace(checker.robot)
-    validator = planning.motion_validator(information, checker, space)
+    validator = motion_validator(information, checker, space)
     information.setMotionValidator(validator)
     setup.setStartAndGoalStates(*(space.state(information, q) for q in ends))
     planner = getattr(geometric, name)(information)

@@ -106,13 +106,15 @@ nb::object row_validity(nb::object checker, nb::object kinematics) {
   return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
 }
 
-// A function that OMPL calls with states of a RealVectorStateSpace (ompl_states.hpp). It passes states beyond the
-// limits to `elsewhere`, a function of a list.
-nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere) {
+// A function that OMPL calls with states (ompl_states.hpp). It passes states beyond the limits to `elsewhere`, a function
+// of a list.
+nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere, nb::object serialize) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<std::size_t>(kernel->width());
-  const auto is_free = [checker, kinematics, elsewhere, judge, kernel, states = PlannerStates(width)](nb::handle s) {
+  const auto is_free = [checker, kinematics, elsewhere, judge, kernel,
+                        states = PlannerStates(width, serialize)](nb::handle s) {
+    heed_signals();
     StateNumbers q(states.width());
     states.read(s, q);
     for (const double value : q) {
@@ -212,6 +214,7 @@ void bind_checker(nb::module_& m) {
   m.def("placed_on_links", &placed_on_links, plain_floats);
   m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
+        nb::arg("serialize").none() = nb::none(),
         plain_floats);
 }
 

@@ -10,6 +10,7 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   m.attr("lanes") = plannercheck::kLanes;
   plannercheck::bind_polytope(m);
   plannercheck::bind_kinematics(m);
+  plannercheck::bind_ompl_states(m);
   plannercheck::bind_checker(m);
   plannercheck::bind_sphere_model(m);
   plannercheck::bind_planar(m);

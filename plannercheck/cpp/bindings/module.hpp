@@ -7,6 +7,7 @@ namespace plannercheck {
 
 void bind_kinematics(nanobind::module_& m);
 void bind_polytope(nanobind::module_& m);
+void bind_ompl_states(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);
 void bind_sphere_model(nanobind::module_& m);
 void bind_planar(nanobind::module_& m);
