@@ -17,4 +17,5 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_motion(m);
   plannercheck::bind_distance(m);
   plannercheck::bind_game(m);
+  plannercheck::bind_reach(m);
 }

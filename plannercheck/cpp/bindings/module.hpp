@@ -15,5 +15,6 @@ void bind_planar_motion(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
 void bind_distance(nanobind::module_& m);
 void bind_game(nanobind::module_& m);
+void bind_reach(nanobind::module_& m);
 
 }  // namespace plannercheck
