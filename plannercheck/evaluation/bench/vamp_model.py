@@ -11,7 +11,7 @@ off, it leaves what VAMP takes in C++.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -57,7 +57,7 @@ class VampModel:
             PlannercheckError: If VAMP is not installed, or lacks the robot.
         """
         self._vamp = load_vamp()
-        self._robot = _robot(self._vamp, checker)
+        self._name, self._robot = checker.robot.name, _robot(self._vamp, checker)
         self.states_a_radian = int(self._robot.resolution())
         self.environment = self._vamp.Environment()
         obstacles = zip(checker.bodies, checker.polytopes, strict=True)
@@ -87,25 +87,28 @@ class VampModel:
         judge, environment = self._robot.validate, self.environment
         return np.array([judge(row, environment) for row in rows], dtype=bool)
 
-    def plan(self, start: Floats, goal: Floats, seed: int) -> VampPlan:
-        """A plan by VAMP's RRT-Connect with the settings that VAMP has for the robot.
+    def search(self, start: Floats, goal: Floats, seed: int) -> Callable[[], VampPlan]:
+        """A search by VAMP's RRT-Connect with the settings that VAMP has for the robot.
 
         Args:
             start: (nq,) rad.
             goal: (nq,) rad.
             seed: 1 is the first run of VAMP's Halton sampler; others skip ahead.
+
+        Returns:
+            Searches, once.
         """
         _, planner, settings, _ = self._vamp.configure_robot_and_planner_with_kwargs(self._name, "rrtc")
         sampler = self._robot.halton()
         sampler.skip((seed - 1) * _SKIP)
-        first, last = (row.tolist() for row in self.rows(np.array([start, goal])))
-        found = planner(first, last, self.environment, settings, sampler)
-        path = np.array(found.path.numpy(), dtype=np.float64) if found.solved else None
-        return VampPlan(path, 1e-9 * found.nanoseconds)
+        first, last = self.rows(np.array([start, goal]))
 
-    @property
-    def _name(self) -> str:
-        return str(self._robot.__name__).rsplit(".", 1)[-1]
+        def plan() -> VampPlan:
+            found = planner(first, last, self.environment, settings, sampler)
+            path = np.array(found.path.numpy(), dtype=np.float64) if found.solved else None
+            return VampPlan(path, 1e-9 * found.nanoseconds)
+
+        return plan
 
     def _path(self, states: Iterable[State]) -> Path:
         path = self._robot.Path()
