@@ -31,9 +31,9 @@ from plannercheck.evaluation.bench.truncated_hierarchies import inner_levels, ou
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 
-Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl", "vamp"]
+Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "coal loop", "fcl", "vamp"]
 
-# All kinds except the exact ones, which are always compared.
+# All kinds except the exact ones, which are always compared, and coal's loop, which comes with coal.
 KINDS: tuple[Kind, ...] = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl", "vamp")
 
 # Balls a body.
@@ -247,7 +247,7 @@ def _coal(checker: Checker) -> Iterator[Method]:
             yield Method(title, "coal", note, built, partial(_stated, tolerance), _by_call, _COAL_STATES)
     yield Method(
         COAL_AT_BEST,
-        "coal",
+        "coal loop",
         "",
         partial(CoalAtBest, checker),
         partial(_stated, other_libraries.COAL_TOLERANCES[0]),
