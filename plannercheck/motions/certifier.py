@@ -35,7 +35,7 @@ from plannercheck.motions.certifier_answers import (
     proofs_of,
     verdicts,
 )
-from plannercheck.motions.certifier_pairs import ChainedPairs
+from plannercheck.motions.certifier_pairs import ChainedPairs, MotionSwitches
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
@@ -60,7 +60,7 @@ class MotionCertifier:
         pairs: Ints,
         tables: CompiledTables,
         excess: float,
-        hints: bool,
+        switches: MotionSwitches,
     ) -> None:
         """Prepares the chains of joints.
 
@@ -70,7 +70,7 @@ class MotionCertifier:
             pairs: (k, 2) indices into bodies.
             tables: These pairs, compiled: those that can meet within the limits, and all of them.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
-            hints: Whether planes of earlier motions are tried; verdicts do not depend on it.
+            switches: Ways to save work.
 
         Raises:
             PlannercheckError: If Pinocchio itself poses the robot.
@@ -81,9 +81,9 @@ class MotionCertifier:
                 "motions by resolution=, in m"
             )
         self._robot, self._limits = robot, tables.limits
-        self._pairs_within_limits = ChainedPairs(robot, bodies, pairs, tables.within_limits, excess, hints)
+        self._pairs_within_limits = ChainedPairs(robot, bodies, pairs, tables.within_limits, excess, switches)
         self._compile_all_pairs: Callable[[], ChainedPairs] = lambda: ChainedPairs(
-            robot, bodies, pairs, tables.all, excess, hints
+            robot, bodies, pairs, tables.all, excess, switches
         )
         self._errors = errors = robot.remembered("rounding bounds", lambda: RoundingBounds(robot))
         self._range = errors.low, errors.high

@@ -6,6 +6,7 @@ In: a robot, its bodies, some of a checker's pairs. Out: `ChainedPairs`, a core 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,20 @@ from plannercheck.robots.robot import Robot
 # Two bodies that never move relative to each other and are further apart than this, m, are apart at every
 # configuration: it is far above the rounding of kinematics.
 _PERMANENT_GAP = 1e-9
+
+
+class MotionSwitches(NamedTuple):
+    """Ways to save work; verdicts depend on none of them.
+
+    Attributes:
+        hints: Planes of earlier motions are tried.
+        bounds: Pairs that are far apart at one state are left out by bounds of speed.
+        overlaps: A ball inside one body that meets a box inside the other refuses a motion.
+    """
+
+    hints: bool = True
+    bounds: bool = True
+    overlaps: bool = True
 
 
 class ChainedPairs:
@@ -43,7 +58,7 @@ class ChainedPairs:
         pairs: Ints,
         part: CompiledPairs,
         excess: float,
-        hints: bool,
+        switches: MotionSwitches,
     ) -> None:
         """Prepares the chains of joints.
 
@@ -53,7 +68,7 @@ class ChainedPairs:
             pairs: (n, 2) indices into bodies: all pairs of the checker.
             part: The rows of pairs to take.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
-            hints: Whether planes of earlier motions are tried.
+            switches: Ways to save work.
         """
         links, placements = body_placements(robot, bodies, robot.kinematics)
         table = _ordered(pairs[part.rows], links)
@@ -85,7 +100,7 @@ class ChainedPairs:
             of_robot.leverage,
             of_robot.depth,
             *of_robot.spread,
-            hints,
+            *switches,
         )
 
 

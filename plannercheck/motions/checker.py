@@ -19,6 +19,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, MotionCertifier
+from plannercheck.motions.certifier_pairs import MotionSwitches
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.motion_ends import checked_ends, with_given_ends
 from plannercheck.motions.proof_builder import Builder
@@ -179,8 +180,9 @@ class Checker(StateChecker):
                 f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
                 "here: choose sampled motions by resolution=, in m"
             )
-        hints = self._settings.switches.pair.cached_plane
-        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, hints)
+        chosen = self._settings.switches
+        switches = MotionSwitches(chosen.pair.cached_plane, chosen.bounds, chosen.overlaps)
+        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, switches)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Starts and ends (n, nq); continuous joints take the short way."""

@@ -189,8 +189,8 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
     return leave(s, i, is_short ? w_.grid.parameter(i) : end_within(s, i));
   }
 
-  bool touches(PairState& s, std::size_t state) { return !sweep_at(s, state, slack_); }
-  bool proves_clear(PairState& s, std::size_t state) { return sweep_at(s, state, tolerance_ - 2 * slack_); }
+  bool touches(PairState& s, std::size_t state) { return !sweep_at(s, state, slack_).apart; }
+  bool proves_clear(PairState& s, std::size_t state) { return sweep_at(s, state, tolerance_ - 2 * slack_).apart; }
 };
 
 std::shared_ptr<PlanarCertifier::Workspace> PlanarCertifier::new_workspace() const {
