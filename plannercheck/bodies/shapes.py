@@ -38,6 +38,8 @@ _MAX_CAPSULE_RATIO = 1e6
 # The largest Frobenius norm of M^T M - 1 that counts as the rounding of a rotation (the project's contract).
 RIGID_TOLERANCE = 1e-6
 
+_LAST_ROW = [0.0, 0.0, 0.0, 1.0]
+
 # The same for a body on a link, whose pose may itself be not exactly rigid (robots/unit_lengths.py).
 POSED_TOLERANCE = 3.6e-6
 
@@ -272,8 +274,10 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
         A read-only float64 copy (4, 4).
     """
     if pose is None:
-        return _frozen(np.eye(4))
+        return _IDENTITY
     matrix = _array(pose, f"pose of {what}")
+    if matrix.shape == (4, 4) and _is_surely_rigid(matrix.ravel().tolist(), tolerance):
+        return _frozen(matrix)
     if matrix.shape != (4, 4):
         raise PlannercheckError(f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}")
     if not np.isfinite(matrix).all():
@@ -282,6 +286,21 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
         raise PlannercheckError(f"pose of {what}: last row must be 0 0 0 1, not {matrix[3].tolist()}")
     _check_rotation(matrix[:3, :3], what, tolerance)
     return _frozen(matrix)
+
+
+# A pose whose error is below this part of the tolerance is rigid, whatever the order in which the error is summed up.
+_SURELY = 0.99
+
+
+def _is_surely_rigid(m: list[float], tolerance: float) -> bool:
+    """Whether a homogeneous matrix (16 numbers) passes all checks by far; they are made by NumPy if not."""
+    a, b, c, x, d, e, f, y, g, h, i, z, *last = m
+    if last != _LAST_ROW or not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
+        return False
+    squares = (a * a + d * d + g * g - 1) ** 2 + (b * b + e * e + h * h - 1) ** 2 + (c * c + f * f + i * i - 1) ** 2
+    products = (a * b + d * e + g * h) ** 2 + (a * c + d * f + g * i) ** 2 + (b * c + e * f + h * i) ** 2
+    is_rotation = squares + 2 * products <= (_SURELY * tolerance) ** 2  # False for NaN
+    return is_rotation and a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) > 0
 
 
 def _check_rotation(rotation: Points, what: str, tolerance: float) -> None:
@@ -304,6 +323,9 @@ def _array(values: ArrayLike, what: str) -> Points:
 def _frozen(array: Points) -> Points:
     array.setflags(write=False)
     return array
+
+
+_IDENTITY = _frozen(np.eye(4))
 
 
 def _numbers(values: Sequence[float], what: str) -> tuple[float, ...]:
