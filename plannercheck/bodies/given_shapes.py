@@ -115,10 +115,17 @@ def are_poses(poses: ArrayLike | None) -> bool:
 
 def in_frame(frame: Floats, pose: ArrayLike | None, what: str) -> Floats:
     """The product of two poses; of an identity with a pose, exactly that pose."""
-    if pose is None or np.array_equal(frame, np.eye(4)):
+    if pose is None or _is_identity(frame):
         return frame if pose is None else checked_pose(pose, what)
     local = checked_pose(pose, what)
-    return frame if np.array_equal(local, np.eye(4)) else checked_pose(frame @ local, what)
+    return frame if _is_identity(local) else checked_pose(frame @ local, what)
+
+
+_IDENTITY = np.eye(4).tolist()
+
+
+def _is_identity(pose: Floats) -> bool:
+    return bool(pose.tolist() == _IDENTITY)
 
 
 def _library(value: object) -> str | None:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
+from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource, body_placements
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
@@ -52,6 +52,11 @@ class CompiledTables:
                 if self._all_pairs is None:
                     self._all_pairs = CompiledPairs(self._source, self._pairs)
         return self._all_pairs
+
+    def mounts(self, kernel: Any) -> tuple[Ints, Floats]:
+        """The links that all bodies hang on, and their poses there, if the kernel poses the links."""
+        source = self._source
+        return source.mounts if source.kernel is kernel else body_placements(source.robot, source.bodies, kernel)
 
     def judged(self, judge: Callable[..., NDArray[Any]], *rows: NDArray[Any]) -> NDArray[Any]:
         """Judges each row by the table that counts for it.

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.prepared_bodies import Preparation
-from plannercheck.checking.reach_bounds import boxes_of
 from plannercheck.checking.robot_reach import RobotReach, reach_of
 from plannercheck.checking.unreachable_pairs import UnreachablePairs, stays_apart, unreachable_pairs
 from plannercheck.common.array_types import Bools, Floats, Ints
@@ -63,7 +62,7 @@ class MeetingProofs:
         self._reach = reach_of(
             self._robot,
             tuple(self._bodies[:own]),
-            preparation.hulls[:own],
+            preparation.hulls,
             preparation.paddings[:own],
             preparation.excess,
         )
@@ -85,7 +84,7 @@ class MeetingProofs:
             self._facts = np.zeros((own, len(sides)), dtype=np.uint8)
         new = np.flatnonzero(places < 0)
         if len(new):
-            boxes = boxes_of([preparation.hulls[own + k] for k in new.tolist()])
+            boxes = preparation.boxes((new + own).tolist())
             poses = np.array([obstacles[k].pose for k in new.tolist()])
             self._facts[:, new] = self._reach.clear_of(boxes, poses)
 
@@ -153,5 +152,5 @@ class MeetingProofs:
         """By unreachable_pairs.py, which lists bodies on links first."""
         order = sorted(range(len(self._bodies)), key=lambda k: self._bodies[k].link is None)
         place = np.argsort(order).astype(np.int32)
-        bodies, hulls = [self._bodies[k] for k in order], [self._preparation.hulls[k] for k in order]
+        bodies, hulls = [self._bodies[k] for k in order], [self._preparation.hull(k) for k in order]
         return unreachable_pairs(self._robot, bodies, place[pairs], hulls)

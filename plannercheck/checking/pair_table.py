@@ -69,7 +69,9 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
 def _with_obstacles(chosen: Bools) -> NDArray[np.int32]:
     """Rows of pairs, given which of them (bodies, obstacles) are chosen; bodies first, then obstacles."""
     body, obstacle = np.nonzero(chosen)
-    return np.stack([body, obstacle + len(chosen)], axis=1).astype(np.int32)
+    rows = np.empty((len(body), 2), dtype=np.int32)
+    rows[:, 0], rows[:, 1] = body, obstacle + len(chosen)
+    return rows
 
 
 def _on_fixed_links(robot: Robot) -> Bools:

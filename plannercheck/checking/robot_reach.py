@@ -7,7 +7,7 @@ The proofs are those of unreachable_pairs.py, whose functions are the plain way 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -122,14 +122,18 @@ class RobotReach:
 
 
 def reach_of(
-    robot: Robot, bodies: tuple[GeometryObject, ...], hulls: Sequence[InflatedHull], paddings: Floats, excess: float
+    robot: Robot,
+    bodies: tuple[GeometryObject, ...],
+    hulls: Callable[[int], Sequence[InflatedHull]],
+    paddings: Floats,
+    excess: float,
 ) -> RobotReach | None:
     """The proofs about a robot's bodies, computed when a checker of it first asks.
 
     Args:
         robot: The robot.
         bodies: The bodies on its links, or stand-ins for them.
-        hulls: Of these bodies.
+        hulls: A function that gives those of the first so many bodies; called only if something is computed.
         paddings: (bodies,) the part of each inflation radius that is padding, m.
         excess: How far polytopes of curved shapes stick out, as a part of the radius.
 
@@ -144,7 +148,7 @@ def reach_of(
         own = sum(body.carried is None for body in bodies)
         carrier = None
         if own < len(bodies):
-            carrier = reach_of(robot.carrying(()), bodies[:own], hulls[:own], paddings[:own], excess)
-        return RobotReach(robot, table, bodies, hulls, carrier)
+            carrier = reach_of(robot.carrying(()), bodies[:own], hulls, paddings[:own], excess)
+        return RobotReach(robot, table, bodies, hulls(len(bodies)), carrier)
 
     return robot.remembered(("reach", bodies, paddings.tobytes(), excess), compute)

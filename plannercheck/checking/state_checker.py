@@ -28,7 +28,7 @@ from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.padding import Padding
 from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.pair_table import Acm
-from plannercheck.checking.prepared_bodies import Preparation, preparation_of_robot
+from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.scene_placement import place_objects
 from plannercheck.checking.settings import CheckerSwitches, Settings, without_attached
 from plannercheck.checking.touching_pairs import warn_of_touching
@@ -138,10 +138,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         padded = settings.padded(self.robot, self.scene, is_first=earlier is None)
         self.bodies, self._labels, paddings, (pairs, at_rest) = padded
         self.paddings, self.pairs = read_only(paddings), read_only(pairs)
-        if earlier is None:
-            known = preparation_of_robot(self.robot, self.bodies, self.excess, self.paddings)
-        else:
-            known = earlier._preparation
+        known = None if earlier is None else earlier._preparation
         self._preparation = Preparation(self.bodies, self.excess, self.paddings, known)
         at_rest = self._prove(at_rest, earlier)
         self._compile()

@@ -81,9 +81,10 @@ class MotionCertifier:
                 "motions by resolution=, in m"
             )
         self._robot, self._limits = robot, tables.limits
-        self._pairs_within_limits = ChainedPairs(robot, bodies, pairs, tables.within_limits, excess, switches)
+        mounts = tables.mounts(robot.kinematics)
+        self._pairs_within_limits = ChainedPairs(robot, bodies, pairs, tables.within_limits, mounts, excess, switches)
         self._compile_all_pairs: Callable[[], ChainedPairs] = lambda: ChainedPairs(
-            robot, bodies, pairs, tables.all, excess, switches
+            robot, bodies, pairs, tables.all, mounts, excess, switches
         )
         self._errors = errors = robot.remembered("rounding bounds", lambda: RoundingBounds(robot))
         self._range = errors.low, errors.high

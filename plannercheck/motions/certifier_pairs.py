@@ -9,13 +9,12 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.certificates import Separation
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
-from plannercheck.checking.compiled_pairs import CompiledPairs, body_placements
+from plannercheck.checking.compiled_pairs import CompiledPairs
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.core import core
 from plannercheck.motions.robot_chains import chains_of_robot
@@ -57,6 +56,7 @@ class ChainedPairs:
         bodies: Sequence[GeometryObject],
         pairs: Ints,
         part: CompiledPairs,
+        mounts: tuple[Ints, Floats],
         excess: float,
         switches: MotionSwitches,
     ) -> None:
@@ -67,17 +67,20 @@ class ChainedPairs:
             bodies: The robot's bodies, then the scene's.
             pairs: (n, 2) indices into bodies: all pairs of the checker.
             part: The rows of pairs to take.
+            mounts: The links that bodies hang on, and their poses there, see `compiled_pairs.body_placements`.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
             switches: Ways to save work.
         """
-        links, placements = body_placements(robot, bodies, robot.kinematics)
+        links, placements = mounts
         table = _ordered(pairs[part.rows], links)
         moving = links[table[:, 0]] >= 0
         polytopes = part.polytopes
         self.rows = part.rows[moving]
         self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
         static = np.flatnonzero(~moving).tolist()
-        self.touching = [int(part.rows[k]) for k in static if not _permanently_apart(table[k], polytopes, placements)]
+        self.touching = [
+            int(part.rows[k]) for k in static if not _permanently_apart(robot, table[k], polytopes, placements)
+        ]
         of_robot = chains_of_robot(robot, bodies, links, excess)
         chains = of_robot.of(table[moving].astype(np.int64))
         self.frames = chains.pairs[:, 2].tolist()
@@ -112,7 +115,13 @@ def _ordered(pairs: Ints, links: Ints) -> Ints:
     return table
 
 
-def _permanently_apart(pair: NDArray[np.int32], polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
+def _permanently_apart(robot: Robot, pair: Ints, polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
+    """Whether two bodies at rest are apart; kept with the robot, as most of them are its own."""
     a, b = pair.tolist()
-    certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
-    return isinstance(certificate, Separation) and certificate.gap > _PERMANENT_GAP
+    key = "permanently apart", polytopes[a], polytopes[b], poses[a].tobytes(), poses[b].tobytes()
+
+    def compute() -> bool:
+        certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
+        return isinstance(certificate, Separation) and certificate.gap > _PERMANENT_GAP
+
+    return robot.remembered(key, compute)

@@ -121,12 +121,14 @@ class RobotChains:
 
 def _by_first_use(chains: Ints) -> tuple[Ints64, Ints]:
     """The chains (m,) that pairs (k, 2) use, in the order in which they first do, and the pairs by places in it."""
-    numbers, first, place = np.unique(chains.ravel(), return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    order = order[numbers[order] >= 0]
-    new = np.full(len(numbers), -1, dtype=np.int32)
+    used = chains.ravel()
+    first = np.full(used.max(initial=-1) + 2, -1, dtype=np.int64)  # by chain; the last is that of no chain
+    first[used[::-1]] = np.arange(len(used))[::-1]  # of several numbers for one chain, the last one stays
+    numbers = np.flatnonzero(first[:-1] >= 0)
+    order = numbers[np.argsort(first[numbers])]
+    new = np.full(len(first), -1, dtype=np.int32)
     new[order] = np.arange(len(order))
-    return numbers[order].astype(np.int64), new[place].reshape(-1, 2)
+    return order, new[used].reshape(-1, 2)
 
 
 def chains_of_robot(robot: Robot, bodies: Sequence[GeometryObject], links: Ints, excess: float) -> RobotChains:

@@ -33,8 +33,9 @@ WorldBox world_box(const GeometryObject& object) {
 }  // namespace
 
 BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-                       const std::vector<bool>& permanent, std::size_t links, const SampledPoses& sampled)
-    : links_(links), pairs_(pairs), obstacles_(0), tree_({}) {
+                       const std::vector<bool>& permanent, std::size_t links,
+                       std::shared_ptr<const SampledPoses> sampled)
+    : links_(links), pairs_(pairs), obstacles_(0), tree_({}), sampled_(std::move(sampled)) {
   // The index of a body among the movers or among the obstacles, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
   std::vector<bool> used(bodies.size(), false);
@@ -78,7 +79,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   std::vector<SingleStateFilter::Partner> with_boxes;
   if (obstacles_ <= kFewObstacles) {
     for (const WorldBox& box : boxes) spread_.push_back(spread(box));
-    mover_groups_ = mover_groups(movers_, boxes, pair_of_, sampled);
+    world_boxes_ = boxes;
     for (const std::int32_t mover : movers_with_obstacles_) {
       for (const std::int32_t o : indices_below(obstacles_)) {
         const std::int32_t pair = pair_with(at(mover), o);
@@ -169,7 +170,8 @@ void BroadPhase::find_for_block(int count, Workspace& w) const {
   pose_balls(w);
   find_among_movers(count, w);
   if (obstacles_ <= kFewObstacles) {
-    for (const MoverGroup& group : mover_groups_) find_listed(group, count, w);
+    const auto groups = [&] { return mover_groups(movers_, world_boxes_, pair_of_, *sampled_); };
+    for (const MoverGroup& group : mover_groups_.get(groups)) find_listed(group, count, w);
   } else {
     for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, count, w);
   }

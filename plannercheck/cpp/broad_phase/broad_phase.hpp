@@ -9,8 +9,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "bodies/lazy_value.hpp"
 #include "broad_phase/bounding_sphere.hpp"
 #include "broad_phase/box_filter.hpp"
 #include "broad_phase/float_link_poses.hpp"
@@ -28,7 +30,7 @@ class BroadPhase {
  public:
   // `permanent`: for each pair, whether both bodies stand still and share a point. Other such pairs are apart.
   BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-             const std::vector<bool>& permanent, std::size_t links, const SampledPoses& sampled);
+             const std::vector<bool>& permanent, std::size_t links, std::shared_ptr<const SampledPoses> sampled);
 
   // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
   struct Balls {
@@ -83,7 +85,9 @@ class BroadPhase {
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;                // pair_of_[mover * obstacles_ + obstacle], or −1
   std::vector<std::int32_t> movers_with_obstacles_;  // movers that have a pair with an obstacle
-  std::vector<MoverGroup> mover_groups_;             // where obstacles are few
+  std::vector<WorldBox> world_boxes_;                // of all obstacles, where they are few
+  std::shared_ptr<const SampledPoses> sampled_;
+  LazyValue<std::vector<MoverGroup>> mover_groups_;  // where obstacles are few; chosen when a block first needs them
   std::vector<FloatBox> spread_;                     // of all obstacles, where they are few
   ObstacleTree tree_;
   SingleStateFilter single_state_filter_;

@@ -49,7 +49,7 @@ struct CheckerCore::Workspace {
 };
 
 CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
-                         std::int32_t links, CheckerOptions options, const SampledPoses& sampled)
+                         std::int32_t links, CheckerOptions options, std::shared_ptr<const SampledPoses> sampled)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
@@ -59,7 +59,7 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
     }
   }
   broad_phase_ = std::make_shared<const BroadPhase>(
-      bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), sampled);
+      bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), std::move(sampled));
 }
 
 std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {

@@ -48,7 +48,7 @@ class CheckerCore {
  public:
   // `sampled`: states that determine which bodies are tested together; they have no effect on verdicts.
   CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
-              CheckerOptions options, const SampledPoses& sampled);
+              CheckerOptions options, std::shared_ptr<const SampledPoses> sampled);
 
   // The poses, bounds, learnt order and counts of one thread.
   struct Workspace;

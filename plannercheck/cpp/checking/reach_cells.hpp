@@ -32,8 +32,8 @@ struct ReachObstacle {
 class ReachCells {
  public:
   // `centres`: sets of them, in the order in which cells are looked at; `cuts`: those of all bodies, one body's after
-  // the other's, `first_cut` of which begins each body's. `margin`, `relative`: how far apart, in m and as a part of all
-  // lengths, counts as clear.
+  // the other's, `first_cut` of which begins each body's. `margin`, `relative`: how far apart, in m and as a part of
+  // all lengths, counts as clear.
   ReachCells(const std::vector<std::vector<Vec3>>& centres, std::vector<ReachCut> cuts,
              std::vector<std::size_t> first_cut, double margin, double relative);
 
