@@ -123,7 +123,7 @@ class Cone:
     """A cone along z, its apex at z = +length/2 and its base at z = -length/2.
 
     Attributes:
-        radius: Of the base, in m.
+        radius: Radius of the base, in m.
         length: Full length in m.
     """
 
@@ -152,7 +152,7 @@ class Capsule:
 
     Attributes:
         radius: In m.
-        length: Of the segment (the cylindrical part), in m.
+        length: Length of the segment (the cylindrical part), in m.
     """
 
     radius: float

@@ -40,8 +40,8 @@ def time_against_error(rows: Sequence[StateRow], path: Path) -> list[Path]:
     """Draws time a state against the geometric error, and against the share of wrong states, scene by scene.
 
     Args:
-        rows: Of `plannercheck bench states`.
-        path: Where to, without suffix.
+        rows: Rows of `plannercheck bench states`.
+        path: Path of the files that are written, without suffix.
 
     Returns:
         The files.
@@ -79,8 +79,8 @@ def time_against_vertices(rows: Sequence[PairRow], path: Path) -> list[Path]:
     """Draws time a pair against the vertices of its bodies, a panel a gap.
 
     Args:
-        rows: Of `plannercheck bench pairs`.
-        path: Where to, without suffix.
+        rows: Rows of `plannercheck bench pairs`.
+        path: Path of the files that are written, without suffix.
 
     Returns:
         The files.
@@ -108,8 +108,8 @@ def visited_against_vertices(rows: Sequence[ComplexityRow], path: Path) -> list[
     """Draws the worst query's visited vertices and rounds against n, a column an algorithm, one more for hard bodies.
 
     Args:
-        rows: Of `plannercheck bench complexity`.
-        path: Where to, without suffix.
+        rows: Rows of `plannercheck bench complexity`.
+        path: Path of the files that are written, without suffix.
 
     Returns:
         The files.
@@ -139,9 +139,9 @@ def against_size(
     """Draws curves on logarithmic axes: a row for each quantity, panels side by side, a colour a name.
 
     Args:
-        rows: By what y is: by title and name of the curve its points (x, y), both positive.
-        across: What x is.
-        path: Where to, without suffix.
+        rows: For each label of the y axis, title and name of a curve, its points (x, y), both positive.
+        across: The label of the x axis.
+        path: Path of the files that are written, without suffix.
 
     Returns:
         The files.

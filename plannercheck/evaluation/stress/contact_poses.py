@@ -31,7 +31,7 @@ class Solid:
     """A convex body whose features can be laid upon each other.
 
     Attributes:
-        name: What it is, e.g. "cone 100".
+        name: Name of the body, e.g. "cone 100".
         vertices: Hull vertices, (n, 3), m.
         faces: Outward triangles, (m, 3) indices.
     """
@@ -99,7 +99,7 @@ def contact_poses(p: Solid, r: Solid, gaps: Points, rng: np.random.Generator) ->
         p: The first body.
         r: The second body.
         gaps: Wished gaps, (k,), m; below 0 the bodies overlap.
-        rng: Random numbers.
+        rng: Random number generator.
 
     Returns:
         Poses of p and of r, (k, 4, 4) each; r is up to 1 m away from the origin.

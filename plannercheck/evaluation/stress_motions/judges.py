@@ -54,7 +54,7 @@ def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, pr
         draw: The draw.
         build: Makes a new checker of the draw.
         rng: Random numbers: orders, and states to be looked at.
-        proofs: How many of the accepted motions to prove and verify.
+        proofs: Number of accepted motions to prove and verify.
 
     Returns:
         The outcome.
