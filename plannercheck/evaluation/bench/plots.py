@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.common.atomic_files import write_atomically
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.optional_imports import extra_module
 from plannercheck.evaluation.bench.complexity import ComplexityRow
 from plannercheck.evaluation.bench.pairs import GAPS, PairRow
 from plannercheck.evaluation.bench.states import StateRow
@@ -168,12 +168,7 @@ def against_size(
 
 def _figure(width: float, height: float) -> Any:
     """An empty figure of a size in inches."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise PlannercheckError(
-            "plots need matplotlib, which is not installed: pip install 'plannercheck[bench]'"
-        ) from error
+    Figure = extra_module("matplotlib.figure", "bench", "plots").Figure
     return Figure(figsize=(width, height), layout="constrained")
 
 
