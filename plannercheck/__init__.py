@@ -14,10 +14,10 @@ from plannercheck.common.model_comparisons import Comparison, set_model_comparis
 from plannercheck.common.version import __version__
 
 if TYPE_CHECKING:
-    import plannercheck.ndim as ndim
-    import plannercheck.ompl as ompl
-    import plannercheck.planar as planar
-    import plannercheck.view as view
+    from plannercheck import ndim as ndim
+    from plannercheck import ompl as ompl
+    from plannercheck import planar as planar
+    from plannercheck import view as view
     from plannercheck.bodies.certificates import Separation as Separation
     from plannercheck.bodies.certificates import SharedPoint as SharedPoint
     from plannercheck.bodies.convex_decomposition import Decomposition as Decomposition

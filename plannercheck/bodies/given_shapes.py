@@ -186,20 +186,12 @@ def shape_of_coal(value: Any) -> Shape:
     import coal
 
     radius = float(value.getSweptSphereRadius()) if hasattr(value, "getSweptSphereRadius") else 0.0
-    match value:
-        case coal.Sphere():
-            return Sphere(value.radius + radius)
-        case coal.Capsule():
-            return Capsule(value.radius + radius, 2 * value.halfLength)
-    if radius:
+    shape = sized_shape_of_coal(value, radius)
+    if radius and not isinstance(shape, Sphere | Capsule):
         raise PlannercheckError(f"coal's swept_sphere_radius {radius} is not supported: give the checker a padding")
+    if shape is not None:
+        return shape
     match value:
-        case coal.Box():
-            return _box(2 * np.asarray(value.halfSide))
-        case coal.Cylinder():
-            return Cylinder(value.radius, 2 * value.halfLength)
-        case coal.Cone():
-            return Cone(value.radius, 2 * value.halfLength)
         case coal.ConvexBase():
             return Hull(np.array(value.points(), dtype=np.float64))
         case coal.TriangleP():
@@ -208,6 +200,24 @@ def shape_of_coal(value: Any) -> Shape:
     if mesh is None:
         raise PlannercheckError(f"a body must be {_KNOWN}, not coal's {type(value).__name__}")
     return hull_of_triangles(mesh.points, mesh.triangles)
+
+
+def sized_shape_of_coal(value: Any, radius: float = 0.0) -> Shape | None:
+    """Our shape for one of coal's that sizes describe, spheres and capsules larger by a radius, m; None for others."""
+    import coal
+
+    match value:
+        case coal.Box():
+            return _box(2 * np.asarray(value.halfSide))
+        case coal.Sphere():
+            return Sphere(value.radius + radius)
+        case coal.Cylinder():
+            return Cylinder(value.radius, 2 * value.halfLength)
+        case coal.Capsule():
+            return Capsule(value.radius + radius, 2 * value.halfLength)
+        case coal.Cone():
+            return Cone(value.radius, 2 * value.halfLength)
+    return None
 
 
 def _of_fcl(value: Any) -> PlacedShape:

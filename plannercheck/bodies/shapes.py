@@ -92,22 +92,28 @@ class Sphere:
         return self.radius * ball.points, list(ball.triangles)
 
 
+@dataclass(frozen=True)
+class _AlongZ:
+    """A radius and a length along z, in m."""
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__.lower()
+        object.__setattr__(self, "radius", _length(self.radius, f"{kind} radius"))
+        object.__setattr__(self, "length", _length(self.length, f"{kind} length"))
+
+
 @set_module("plannercheck")
 @dataclass(frozen=True)
-class Cylinder:
+class Cylinder(_AlongZ):
     """A cylinder along z about its centre.
 
     Attributes:
         radius: In m.
         length: Full length in m.
     """
-
-    radius: float
-    length: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "cylinder radius"))
-        object.__setattr__(self, "length", _length(self.length, "cylinder length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A prism (2 k, 3) in m over a polygon around the circle, and its faces."""
@@ -120,20 +126,13 @@ class Cylinder:
 
 @set_module("plannercheck")
 @dataclass(frozen=True)
-class Cone:
+class Cone(_AlongZ):
     """A cone along z, its apex at z = +length/2 and its base at z = -length/2.
 
     Attributes:
-        radius: Of the base, in m.
+        radius: Radius of the base, in m.
         length: Full length in m.
     """
-
-    radius: float
-    length: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "cone radius"))
-        object.__setattr__(self, "length", _length(self.length, "cone length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A pyramid (k + 1, 3) in m over a polygon around the base circle, and its faces."""
@@ -148,20 +147,13 @@ class Cone:
 
 @set_module("plannercheck")
 @dataclass(frozen=True)
-class Capsule:
+class Capsule(_AlongZ):
     """All points within a radius of a segment along z.
 
     Attributes:
         radius: In m.
-        length: Of the segment (the cylindrical part), in m.
+        length: Length of the segment (the cylindrical part), in m.
     """
-
-    radius: float
-    length: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "capsule radius"))
-        object.__setattr__(self, "length", _length(self.length, "capsule length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A polytope (n, 3) in m around the capsule; faces are None only for lengths over a million radii."""

@@ -43,7 +43,7 @@ class MeetingProofs:
         Args:
             robot: The robot.
             bodies: Its bodies, then the obstacles, then copies of them with another padding.
-            preparation: Of these bodies.
+            preparation: The prepared polytopes of these bodies.
             is_compiled: Whether the compiled kinematics poses the robot; nothing is proved for other kinematics.
             earlier: The proofs of a checker of the same settings.
         """

@@ -265,7 +265,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
 
         Args:
             q: (n, nq) rad and m.
-            threads: How many to use.
+            threads: Number of threads to use.
 
         Returns:
             (n,), True means valid.
@@ -281,7 +281,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
 
         Args:
             q: (n, nq) rad and m.
-            threads: How many to use.
+            threads: Number of threads to use.
 
         Returns:
             (n,) rows of `pairs`, -1 where the configuration is valid.

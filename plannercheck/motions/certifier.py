@@ -102,7 +102,7 @@ class MotionCertifier:
             q0: Starts, validated.
             q1: Ends; all numbers move linearly, except unit vectors such as quaternions.
             tolerance: m.
-            threads: How many to use.
+            threads: Number of threads to use.
             given: (n, nq) the ends before whole turns were taken off, if any were: their poses are rounded more.
 
         Returns:

@@ -93,7 +93,7 @@ class Checker(StateChecker):
             q1: (n, nq) ends.
             resolution: As for `check_motion`.
             tolerance: As for `check_motion`.
-            threads: How many to use for proofs.
+            threads: Number of threads to use for proofs.
 
         Returns:
             (n,), True means free.
@@ -145,7 +145,7 @@ class Checker(StateChecker):
             q0: (n, nq) starts, rad and m.
             q1: (n, nq) ends.
             tolerance: As for `check_motion`.
-            threads: How many to use to find the motions that are free.
+            threads: Number of threads to use to find the motions that are free.
 
         Returns:
             One for each motion. None where the motion is not free, and where it is free but rounding takes nearly all

@@ -40,7 +40,7 @@ class PlanarSpace:
         Args:
             robot: The robot, with limits of x and y if its root is free.
             curve: How the root moves.
-            turning_radius: Of curves, m.
+            turning_radius: Turning radius of curves, m.
         """
         _check(robot, curve, turning_radius)
         self._curve, self._radius = curve, turning_radius

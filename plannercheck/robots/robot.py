@@ -169,7 +169,7 @@ class Robot:
         """Samples uniformly within the limits.
 
         Args:
-            n: How many.
+            n: Number of configurations.
             seed: A seed, or a generator.
 
         Returns:
@@ -294,7 +294,7 @@ class Robot:
         """The same robot with joints held at other values (or, for joints of the group, with another reference).
 
         Args:
-            values: By joint name, rad or m, also beyond limits. Followers are moved with them, unless they are given.
+            values: Values by joint name, rad or m, also beyond limits. Followers not given move with their leaders.
 
         Returns:
             A new robot with the same bodies and group.

@@ -49,8 +49,8 @@ def picture(
         animated: Whether the frames follow each other in time, as those of `along_path` do.
         planes: Separating planes a frame, of the nearest pairs; default: 3 for one frame, 1 for several; in the plane
             none are drawn.
-        meshes: Of `delivered_meshes`, to be drawn inside their hulls.
-        visuals: Of `visual_meshes`, what the links look like, to be drawn inside the hulls, too.
+        meshes: Meshes that `delivered_meshes` gives, to be drawn inside their hulls.
+        visuals: Visual meshes of the links, as `visual_meshes` gives them, to be drawn inside the hulls, too.
 
     Returns:
         The picture.

@@ -20,7 +20,8 @@ class SingleStateFilter {
  public:
   // A pair of a ball with another one, or with a box.
   struct Partner {
-    std::int32_t ball, other, pair;
+    std::size_t ball, other;
+    std::int32_t pair;
   };
 
   SingleStateFilter() = default;

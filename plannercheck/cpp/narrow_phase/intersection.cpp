@@ -18,10 +18,18 @@ PairVerdict exact_verdict(const PosedPolytope& guest, const PosedPolytope& host,
 }
 
 PairVerdict near_verdict(const Proximity& proximity, Stage stage) {
-  return {.shared = proximity.answer == Answer::kShared, .stage = stage, .proximity = proximity};
+  PairVerdict verdict;
+  verdict.proximity = proximity;
+  verdict.shared = proximity.answer == Answer::kShared;
+  verdict.stage = stage;
+  return verdict;
 }
 
-Proximity along(Vec3 direction) { return {.direction = direction}; }
+Proximity along(Vec3 direction) {
+  Proximity start;
+  start.direction = direction;
+  return start;
+}
 
 // The stages that need no polar: nearest points in doubles, then in double-double, then exact arithmetic.
 PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const PairOptions& options,
@@ -74,8 +82,11 @@ Certificate by_facets(const PairFrame& frame, const CentreAxis& axis, const Pair
 }
 
 PairVerdict cached(const CachedPlane& plane) {
-  const Certificate certificate{.answer = Answer::kSeparated, .stage = Stage::kCachedPlane, .q = plane.q};
-  return certified(certificate, nullptr);
+  PairVerdict verdict;
+  verdict.stage = verdict.certificate.stage = Stage::kCachedPlane;
+  verdict.certificate.answer = Answer::kSeparated;
+  verdict.certificate.q = plane.q;
+  return verdict;
 }
 
 double conditioning(const Polytope& body) {
@@ -85,9 +96,12 @@ double conditioning(const Polytope& body) {
 }  // namespace
 
 PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
-  const bool shared = certificate.answer == Answer::kShared;
-  if (cache != nullptr && !shared) *cache = {true, certificate.q, certificate.mixtures};
-  return {.shared = shared, .stage = certificate.stage, .certificate = certificate};
+  PairVerdict verdict;
+  verdict.certificate = certificate;
+  verdict.shared = certificate.answer == Answer::kShared;
+  verdict.stage = certificate.stage;
+  if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q, certificate.mixtures};
+  return verdict;
 }
 
 // A certificate is undecided if the gap is too small for the polar's bound, or within the inflation radius of separated

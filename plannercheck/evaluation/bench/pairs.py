@@ -38,7 +38,7 @@ class PairRow:
     """What one method did on pairs of one size at one gap.
 
     Attributes:
-        vertices: Of each body.
+        vertices: Number of vertices of each body.
         gap: Relative to the bodies' size.
         method: Its name.
         microseconds: The least time a pair.
@@ -71,7 +71,7 @@ def measure(
 
     Args:
         sizes: Numbers of vertices, each at least 4.
-        pairs: How many of each size and gap.
+        pairs: Number of pairs of each size and gap.
         rounds: How often each method runs.
         skipped: Is told why a method is left out.
         ellipsoids: Whether points are on ellipsoids, which balls bound less closely, instead of on spheres.
