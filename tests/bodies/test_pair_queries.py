@@ -123,7 +123,9 @@ def test_poses_in_any_form_give_the_verdict_of_their_numbers(form):
     rng = np.random.default_rng(1)
     for P, R in itertools.product(BODIES.values(), repeat=2):
         for _ in range(5):
-            a, b = (FORMS[form](random_pose(rng)) for _ in range(2))
+            turned, b = random_pose(rng), FORMS[form](random_pose(rng))
+            turned[:3, 3] *= rng.integers(2)  # a rotation alone is rigid by columns, too
+            a = FORMS[form](turned)
             expected = shared_plainly(P, R, a, b)
             assert pc.intersects(P, R, a, b) is expected
             assert intersects_checked(P, R, a, b) is expected
@@ -135,7 +137,7 @@ def test_what_the_core_takes_at_once():
     """Speed: that these forms are looked at by the core, and that no other is."""
     pose, P = random_pose(np.random.default_rng(2)), BODIES["cube"]
     at_once = {form for form, make in FORMS.items() if queries.intersects(P, P, make(pose), None, 1) is not None}
-    assert at_once == {"as it is", "Fortran", "backwards", "every other", "read only"}
+    assert at_once == {"as it is", "Fortran", "backwards", "every other", "read only", "odd address"}
     assert {form for form, make in FORMS.items() if core.is_surely_rigid(make(pose), RIGID_TOLERANCE)} == at_once
 
 
@@ -301,6 +303,8 @@ def test_many_poses_get_the_verdicts_of_single_calls(form, first, second):
     assert pc.intersects(P, pc.Placed(R, b[3]), a).tolist() == alone
     assert pc.intersects(R, P, b[3], a).tolist() == alone
     assert pc.intersects(P, R, a).tolist() == [pc.intersects(P, R, x) for x in a]
+    assert pc.intersects(P, R, a[::2], b[::2]).tolist() == expected[::2]
+    assert pc.intersects(P, R, a[::-1], b[::-1]).tolist() == expected[::-1]
 
 
 def test_many_poses_of_large_bodies_get_the_verdicts_of_single_calls():

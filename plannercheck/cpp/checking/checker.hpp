@@ -94,6 +94,7 @@ class CheckerCore {
   template <class Judge>
   void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
 
+  void begin_posing(const Kinematics& kinematics, Workspace& workspace) const;
   void pose_links(std::size_t width, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
   void find_near(int count, Query query, Workspace& workspace) const;
