@@ -162,8 +162,9 @@ def test_a_state_that_is_read_within_the_reading_of_another():
             assert numbers.numbers(second) == [second[k] for k in range(7)]
 
     copying.something = within
-    for _ in range(3):
+    for i in range(4):
         deep.clear()
+        first[0:7] = (100.0 * i + np.arange(7.0)).tolist()  # others each time, or memory might hold them from before
         assert numbers.numbers(first) == [first[k] for k in range(7)]
     copying.something = None  # or numbers would keep themselves alive
 
