@@ -14,8 +14,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.meshes import hull_of_triangles
+from plannercheck.bodies.placed import Placed
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose, inflated_hull
+from plannercheck.bodies.shapes import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    Hull,
+    Shape,
+    Sphere,
+    checked_pose,
+    checked_poses,
+    inflated_hull,
+)
 from plannercheck.bodies.triangle_meshes import triangles_of_coal
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
@@ -25,6 +37,8 @@ from plannercheck.common.errors import PlannercheckError, shortened
 GeometryObject: TypeAlias = Any
 GivenShape: TypeAlias = Shape | ArrayLike | GeometryObject
 PlacedShape: TypeAlias = tuple[Shape, Floats | None]
+# What a query on a pair takes as one of its bodies.
+GivenBody: TypeAlias = Polytope | Placed | GivenShape
 
 _KNOWN = (
     "a shape such as Box, points (n, 3) in m, a trimesh.Trimesh, or a box, sphere, capsule, cylinder, cone, convex or "
@@ -57,14 +71,19 @@ def given_shape(value: GivenShape, what: str) -> PlacedShape:
         return (Hull(_points(value)), None) if library is None else _READERS[library](value)
 
 
-def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
+def given_polytope(value: GivenBody, pose: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
     """A prepared body and its pose (4, 4) in the world, m; a `Polytope` is taken as it is.
 
     Args:
-        value: A `Polytope`, or what `given_shape` takes; cylinders and cones are the polytopes around them.
+        value: A `Polytope`, or what `given_shape` takes; cylinders and cones are the polytopes around them. Or a
+            `Placed`, which has its pose.
         pose: The body's pose in the world; None is the identity.
         name: The argument's name in errors: "P", whose pose is called "pose_p".
     """
+    if isinstance(value, Placed):
+        if pose is not None:
+            raise PlannercheckError(f"{name} is a Placed, which has its pose: leave pose_{name.lower()} out")
+        return value.polytope, value.pose
     placed = checked_pose(pose, f"pose_{name.lower()}")
     if isinstance(value, Polytope):
         return value, placed
@@ -74,6 +93,24 @@ def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: s
         return Polytope(points, name=name), placed
     shape, own = given_shape(value, name)
     return Polytope(*inflated_hull(shape), name=name), in_frame(placed, own, name)
+
+
+def given_polytope_at_poses(value: GivenBody, poses: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
+    """The same for many poses (n, 4, 4), m, which come back in C order; or for one pose, and n is 1."""
+    if poses is None or not are_poses(poses):
+        polytope, pose = given_polytope(value, poses, name)
+        return polytope, np.ascontiguousarray(pose[None])
+    polytope, own = given_polytope(value, poses if isinstance(value, Placed) else None, name)
+    rows = checked_poses(poses, f"pose_{name.lower()}")
+    return polytope, np.array([in_frame(row, own, name) for row in rows], dtype=np.float64).reshape(-1, 4, 4)
+
+
+def are_poses(poses: ArrayLike | None) -> bool:
+    """Whether these are many poses, not one: an array of three dimensions, whatever its numbers."""
+    try:
+        return poses is not None and np.ndim(poses) == 3
+    except (TypeError, ValueError):  # e.g. lists of different lengths
+        return False
 
 
 def in_frame(frame: Floats, pose: ArrayLike | None, what: str) -> Floats:

@@ -28,7 +28,7 @@ from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.padding import Padding
 from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.pair_table import Acm
-from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.checking.prepared_bodies import Preparation, preparation_of_robot
 from plannercheck.checking.scene_placement import place_objects
 from plannercheck.checking.settings import CheckerSwitches, Settings, without_attached
 from plannercheck.checking.touching_pairs import warn_of_touching
@@ -138,16 +138,18 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         padded = settings.padded(self.robot, self.scene, is_first=earlier is None)
         self.bodies, self._labels, paddings, (pairs, at_rest) = padded
         self.paddings, self.pairs = read_only(paddings), read_only(pairs)
-        self._preparation = Preparation(
-            self.bodies, self.excess, self.paddings, None if earlier is None else earlier._preparation
-        )
+        if earlier is None:
+            known = preparation_of_robot(self.robot, self.bodies, self.excess, self.paddings)
+        else:
+            known = earlier._preparation
+        self._preparation = Preparation(self.bodies, self.excess, self.paddings, known)
         at_rest = self._prove(at_rest, earlier)
         self._compile()
         self._scene_taken(earlier)
         carried = np.array([body.carried is not None for body in self.bodies], dtype=bool)
         never_moving = self.pairs[self.static & ~self.unreachable & carried[self.pairs].any(axis=1)]
-        known = set() if earlier is None else set(earlier.bodies)
-        warn_of_touching(self._pair_source(), self._labels, at_rest, never_moving, self._link_poses, known)
+        warned = set() if earlier is None else set(earlier.bodies)
+        warn_of_touching(self._pair_source(), self._labels, at_rest, never_moving, self._link_poses, warned)
 
     def _prove(self, at_rest: Ints, earlier: StateChecker | None) -> Ints:
         """Proves pairs apart where it can; returns the pairs (m, 2) fixed to the world that are not proved apart."""

@@ -6,28 +6,36 @@ In: a subcommand and its options. Out: a table on the terminal and, with --outpu
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
 
+from plannercheck.cli import bench_planning
+from plannercheck.cli.bench_options import (
+    Subcommand,
+    add_scenes,
+    add_seed,
+    add_states,
+    checker_in,
+    keep,
+    note,
+    positive,
+    show_how,
+    sizes,
+)
 from plannercheck.cli.common import table
-from plannercheck.cli.robot_options import add_urdf_arguments, robot_of
+from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.package_data import is_folder
 from plannercheck.evaluation.bench import ablation, complexity, pairs, plots, states
 from plannercheck.evaluation.bench import scene_size as scale
 from plannercheck.evaluation.bench import tables as output
 from plannercheck.evaluation.bench.ablation import SwitchRow
 from plannercheck.evaluation.bench.complexity import ComplexityRow
 from plannercheck.evaluation.bench.methods import KINDS, methods
+from plannercheck.evaluation.bench.motion_sets import along_motions
+from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
 from plannercheck.evaluation.bench.pairs import PairRow
-from plannercheck.evaluation.bench.records import write_record
 from plannercheck.evaluation.bench.scene_size import ScaleRow
 from plannercheck.evaluation.bench.states import StateRow
-from plannercheck.motions.checker import Checker
-from plannercheck.robots.robot import Robot
-from plannercheck.scenes.motion_bench_maker import load_problems
 from plannercheck.scenes.scene import Scene
 
 _EPILOG = """\
@@ -38,28 +46,14 @@ Examples:
   plannercheck bench states --robot panda --scene bookshelf cage --output results
   plannercheck bench states --robot talos --scene none --methods coal
   plannercheck bench pairs --vertices 8,150,10000
+  plannercheck bench motions --scene bookshelf --problems bookshelf_small_panda.tar.bz2
+  plannercheck bench setup --robot panda --scene bookshelf
+  plannercheck bench plans --problems cage_panda.tar.bz2 --every 10
 """
-# What is asked for in `bench states`, as the peer's time over ours: with coal's tree, one by one with it, all pairs.
-_ASKED = {"tree": 18, "one by one": 6, "all pairs": 50}
-_ASKED_WITHOUT_SCENE = {"tree": 15}
-
-
-class Subcommand(NamedTuple):
-    """One measurement.
-
-    Attributes:
-        summary: For the help.
-        add_arguments: Adds its options, beyond those that all have.
-        run: Measures, and prints.
-    """
-
-    summary: str
-    add_arguments: Callable[[argparse.ArgumentParser], None]
-    run: Callable[[argparse.Namespace], None]
-
-
-# Of what is so short that the machine may be slow for all of a few rounds.
-_ROUNDS = {"pairs": 31}
+# What is asked for in `bench states`, as the peer's time over ours.
+_ASKED = {"coal's tree / batch": 18, "coal's tree / one by one": 6, "all pairs / batch": 50}
+_ASKED_WITHOUT_SCENE = {"coal's tree / batch": 15}
+_ASKED_ALONG_MOTIONS = {"coal at its best / batch": 8, "coal at its best / one by one": 2}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -69,10 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, subcommand in SUBCOMMANDS.items():
         sub = subcommands.add_parser(name, help=subcommand.summary, description=subcommand.summary)
         subcommand.add_arguments(sub)
-        rounds = _ROUNDS.get(name, 11)
-        sub.add_argument(
-            "--rounds", type=_positive, default=rounds, help=f"turns of each contender (default: {rounds})"
-        )
+        rounds = subcommand.rounds
+        sub.add_argument("--rounds", type=positive, default=rounds, help=f"turns of each contender (default: {rounds})")
         sub.add_argument("--output", type=Path, metavar="FOLDER", help="write CSV, JSON and plots there")
         sub.set_defaults(measure=subcommand.run)
 
@@ -84,32 +76,10 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not at least 1")
-    return value
-
-
-def _sizes(text: str) -> list[int]:
-    return [_positive(part) for part in text.split(",")]
-
-
-def _add_robot(parser: argparse.ArgumentParser, states: int) -> None:
-    parser.add_argument("--robot", default="panda", help="name or file (default: %(default)s)")
-    add_urdf_arguments(parser)
-    parser.add_argument("--states", type=_positive, default=states, help="uniformly random (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
-
-
 def _add_states(parser: argparse.ArgumentParser) -> None:
-    _add_robot(parser, 10_000)
-    parser.add_argument(
-        "--scene",
-        nargs="+",
-        default=["bookshelf"],
-        help="names, files, or sets of MotionBenchMaker problems (their first scene); none for no obstacles",
-    )
+    add_states(parser, 10_000)
+    add_scenes(parser)
+    parser.add_argument("--along-motions", action="store_true", help="states along motions as well, 64 a motion")
     parser.add_argument(
         "--methods", nargs="+", choices=KINDS, default=KINDS, help="beside the exact ones (default: all)"
     )
@@ -117,55 +87,49 @@ def _add_states(parser: argparse.ArgumentParser) -> None:
 
 def _add_pairs(parser: argparse.ArgumentParser) -> None:
     listed = ",".join(map(str, pairs.SIZES))
-    parser.add_argument("--vertices", type=_sizes, default=list(pairs.SIZES), help=f"of the bodies (default: {listed})")
-    parser.add_argument("--pairs", type=_positive, default=1000, help="of each kind (default: %(default)s)")
+    parser.add_argument("--vertices", type=sizes, default=list(pairs.SIZES), help=f"of the bodies (default: {listed})")
+    parser.add_argument("--pairs", type=positive, default=1000, help="of each kind (default: %(default)s)")
     parser.add_argument("--ellipsoids", action="store_true", help="points on ellipsoids 1 : 0.7 : 0.5, not on spheres")
 
 
 def _add_switches(parser: argparse.ArgumentParser) -> None:
-    _add_robot(parser, 10_000)
+    add_states(parser, 10_000)
     parser.add_argument("--scene", default="bookshelf", help="name or file; none for no obstacles")
 
 
 def _add_scale(parser: argparse.ArgumentParser) -> None:
-    _add_robot(parser, 10_000)
-    parser.add_argument("--boxes", type=_sizes, default=[100, 10_000], help="in each scene (default: 100,10000)")
+    add_states(parser, 10_000)
+    parser.add_argument("--boxes", type=sizes, default=[100, 10_000], help="in each scene (default: 100,10000)")
 
 
 def _add_complexity(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--most", type=_positive, default=10_000, help="vertices of a body (default: %(default)s)")
-    parser.add_argument("--queries", type=_positive, default=100, help="of each body and size (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
-
-
-def _note(text: str) -> None:
-    print(f"plannercheck: note: {text}", file=sys.stderr, flush=True)
+    parser.add_argument("--most", type=positive, default=10_000, help="vertices of a body (default: %(default)s)")
+    parser.add_argument("--queries", type=positive, default=100, help="of each body and size (default: %(default)s)")
+    add_seed(parser)
 
 
 def _run_states(options: argparse.Namespace) -> None:
     rows: list[StateRow] = []
     for scene in options.scene:
-        checker = _checker(robot_of(options), scene)
-        q = checker.robot.random_configurations(options.states, options.seed)
-        found = states.measure(checker, list(methods(checker, options.methods)), q, options.rounds, _note)
-        _print_states(found)
-        rows += found
-    _keep(options.output, "states", rows, plots.time_against_error)
+        checker = checker_in(robot_of(options), scene)
+        random = checker.robot.random_configurations(options.states, options.seed)
+        kinds = {"random": random} | ({"along motions": along_motions(random)} if options.along_motions else {})
+        for which, q in kinds.items():
+            found = states.measure(checker, list(methods(checker, options.methods)), q, options.rounds, note, which)
+            _print_states(found)
+            rows += found
+    keep(options.output, "states", rows, _draw_random)
 
 
-def _checker(loaded: Robot, scene: str) -> Checker:
-    if scene == "none":
-        return Checker(loaded)
-    path = Path(scene)
-    if is_folder(path) or ".tar" in path.suffixes:
-        problem = next(iter(load_problems(path)))
-        return Checker(loaded.with_group(problem.joint_names, problem.group).holding(problem.held), problem.scene)
-    return Checker(loaded, Scene.load(scene))
+def _draw_random(rows: Sequence[StateRow], path: Path) -> None:
+    plots.time_against_error([row for row in rows if row.which == "random"], path)
 
 
 def _print_states(rows: Sequence[StateRow]) -> None:
     first = rows[0]
-    print(f"\n{first.robot} in {first.scene}: {first.pairs} pairs, {first.states} states, {first.valid:.0%} valid")
+    kind = "random states" if first.which == "random" else f"states {first.which}"
+    counts = f"{first.pairs} pairs, {first.states} {kind}, {first.valid:.0%} valid"
+    print(f"\n{first.robot} in {first.scene}: {counts}")
     header = ("method", "µs a state", "x", "false free %", "false coll. %", "error mm", "kB", "prepared s", "states")
     print(
         table(
@@ -186,6 +150,7 @@ def _print_states(rows: Sequence[StateRow]) -> None:
             ],
         )
     )
+    show_how(rows)
     for name, ratio, asked in _asked(rows):
         print(f"{name}: {ratio:.1f} times (asked for: {asked})")
 
@@ -196,12 +161,19 @@ def _asked(rows: Sequence[StateRow]) -> list[tuple[str, float, int]]:
     coal = [row for row in rows if row.kind == "coal" and row.error == 1e-6]
     tree = next((row.microseconds for row in coal if "tree" in row.method), None)
     every = next((row.microseconds for row in coal if "all pairs" in row.method), None)
+    best = spent.get(COAL_AT_BEST)
     batch, single = (spent.get(f"plannercheck, {name}") for name in ("batch", "one by one"))
-    measured = {"tree": (tree, batch), "one by one": (tree, single), "all pairs": (every, batch)}
-    asked = _ASKED_WITHOUT_SCENE if rows[0].scene == "empty" else _ASKED
-    words = {"tree": "coal's tree / batch", "one by one": "coal's tree / one by one", "all pairs": "all pairs / batch"}
+    measured = {
+        "coal's tree / batch": (tree, batch),
+        "coal's tree / one by one": (tree, single),
+        "all pairs / batch": (every, batch),
+        "coal at its best / batch": (best, batch),
+        "coal at its best / one by one": (best, single),
+    }
+    asked = _ASKED_ALONG_MOTIONS if rows[0].which != "random" else _ASKED_WITHOUT_SCENE
+    asked = _ASKED if rows[0].which == "random" and rows[0].scene != "empty" else asked
     return [
-        (words[name], theirs / ours, asked[name])
+        (name, theirs / ours, asked[name])
         for name, (theirs, ours) in measured.items()
         if name in asked and theirs is not None and ours is not None
     ]
@@ -210,14 +182,15 @@ def _asked(rows: Sequence[StateRow]) -> list[tuple[str, float, int]]:
 def _run_pairs(options: argparse.Namespace) -> None:
     if min(options.vertices) < 4:
         raise PlannercheckError("--vertices must be at least 4 each")
-    rows = pairs.measure(options.vertices, options.pairs, options.rounds, _note, options.ellipsoids)
+    rows = pairs.measure(options.vertices, options.pairs, options.rounds, note, options.ellipsoids)
     header = ("vertices", "gap", "method", "µs a pair", "coal's time over it", "asked for", "wrong", "of")
     print(table(header, [_pair_cells(row) for row in rows]))
+    show_how(rows)
     for method in dict.fromkeys(row.method for row in rows):
         grown = pairs.growth(rows, method)
         if grown is not None:
             print(f"{method}: near contact, from 150 to {max(options.vertices)} vertices time grows {grown:.1f}-fold")
-    _keep(options.output, "pairs", rows, plots.time_against_vertices)
+    keep(options.output, "pairs", rows, plots.time_against_vertices)
 
 
 def _pair_cells(row: PairRow) -> tuple[object, ...]:
@@ -231,7 +204,7 @@ def _run_switches(options: argparse.Namespace) -> None:
     rows: list[SwitchRow] = ablation.measure(robot, scene, options.states, options.rounds, options.seed)
     cells = [(row.states, row.off, f"{row.microseconds:.2f}", f"{row.ratio:.2f}", row.wrong) for row in rows]
     print(table(("states", "off", "µs a state", "x", "wrong"), cells))
-    _keep(options.output, "switches", rows)
+    keep(options.output, "switches", rows)
 
 
 def _run_scale(options: argparse.Namespace) -> None:
@@ -239,7 +212,7 @@ def _run_scale(options: argparse.Namespace) -> None:
     header = ("boxes", "pairs", "µs a state", "x", "prepared s", "kB", "bodies kB", "bytes a vertex", "process kB")
     print(table(header, [_scale_cells(row) for row in rows]))
     print(f"asked for: at most {scale.ASKED:g} times the first")
-    _keep(options.output, "scale", rows)
+    keep(options.output, "scale", rows)
 
 
 def _scale_cells(row: ScaleRow) -> tuple[object, ...]:
@@ -251,7 +224,7 @@ def _scale_cells(row: ScaleRow) -> tuple[object, ...]:
 def _run_complexity(options: argparse.Namespace) -> None:
     if options.most < min(complexity.SIZES):
         raise PlannercheckError(f"--most must be at least {min(complexity.SIZES)}")
-    rows = list(complexity.measure(options.most, options.queries, options.seed, _note))
+    rows = list(complexity.measure(options.most, options.queries, options.seed, note))
     header = ("where", "bodies", "method", "vertices", "rounds: mean", "worst", "visited: mean", "worst", "shared")
     print(table(header, [_complexity_cells(row) for row in rows]))
     grown = complexity.growth(rows)
@@ -271,8 +244,8 @@ def _run_complexity(options: argparse.Namespace) -> None:
             for row in grown
         ]
         print(table(("where", "bodies", "method", "a doubling", "exponent", "of the worst"), cells))
-        _keep(options.output, "complexity_growth", grown)
-    _keep(options.output, "complexity", rows, plots.visited_against_vertices)
+        keep(options.output, "complexity_growth", grown)
+    keep(options.output, "complexity", rows, plots.visited_against_vertices)
 
 
 def _complexity_cells(row: ComplexityRow) -> tuple[object, ...]:
@@ -281,25 +254,11 @@ def _complexity_cells(row: ComplexityRow) -> tuple[object, ...]:
     return row.where, row.family, row.method, row.vertices, *counts
 
 
-def _keep(
-    folder: Path | None, name: str, rows: Sequence[Any], draw: Callable[[Sequence[Any], Path], object] | None = None
-) -> None:
-    """Writes the rows and, if they have one, their plot."""
-    if folder is None:
-        return
-    output.write_csv(folder / f"{name}.csv", rows)
-    write_record(folder / f"{name}.json", rows)
-    try:
-        if draw is not None:
-            draw(rows, folder / name)
-    except PlannercheckError as error:
-        _note(str(error))
-
-
 # A further measurement is a further entry.
 SUBCOMMANDS = {
     "states": Subcommand("run time against error on states of a robot in scenes", _add_states, _run_states),
-    "pairs": Subcommand("time a pair of bodies against their vertices", _add_pairs, _run_pairs),
+    "pairs": Subcommand("time a pair of bodies against their vertices", _add_pairs, _run_pairs, 31),
+    **bench_planning.SUBCOMMANDS,
     "switches": Subcommand("what each stage of a check brings", _add_switches, _run_switches),
     "scale": Subcommand("a scene of 10,000 boxes against one of 100; memory", _add_scale, _run_scale),
     "complexity": Subcommand("rounds and visited vertices against n", _add_complexity, _run_complexity),

@@ -65,3 +65,11 @@ def pose_of(position: Sequence[float], rotation: Matrix | None = None) -> Matrix
     if rotation is not None:
         pose[:3, :3] = rotation
     return pose
+
+
+def inverse(pose: Matrix) -> Matrix:
+    """The inverse of a rigid transform (4, 4)."""
+    out = np.eye(4)
+    out[:3, :3] = pose[:3, :3].T
+    out[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return out

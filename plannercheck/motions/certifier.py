@@ -85,7 +85,7 @@ class MotionCertifier:
         self._compile_all_pairs: Callable[[], ChainedPairs] = lambda: ChainedPairs(
             robot, bodies, pairs, tables.all, excess, hints
         )
-        self._errors = errors = RoundingBounds(robot)
+        self._errors = errors = robot.remembered("rounding bounds", lambda: RoundingBounds(robot))
         self._range = errors.low, errors.high
         if self._limits is not None:
             self._range = np.maximum(self._limits[0], errors.low), np.minimum(self._limits[1], errors.high)

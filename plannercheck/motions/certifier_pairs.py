@@ -17,7 +17,7 @@ from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.compiled_pairs import CompiledPairs, body_placements
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.core import core
-from plannercheck.motions.joint_chains import motion_chains
+from plannercheck.motions.robot_chains import chains_of_robot
 from plannercheck.robots.robot import Robot
 
 # Two bodies that never move relative to each other and are further apart than this, m, are apart at every
@@ -55,52 +55,44 @@ class ChainedPairs:
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
             hints: Whether planes of earlier motions are tried.
         """
-        assert robot.joint_table is not None
-        mounts, placements = body_placements(robot, bodies, robot.kinematics)
-        links: list[int] = mounts.tolist()
+        links, placements = body_placements(robot, bodies, robot.kinematics)
         table = _ordered(pairs[part.rows], links)
-        moving = np.array([links[a] >= 0 for a, _ in table.tolist()], dtype=bool)
+        moving = links[table[:, 0]] >= 0
         polytopes = part.polytopes
         self.rows = part.rows[moving]
         self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
         static = np.flatnonzero(~moving).tolist()
         self.touching = [int(part.rows[k]) for k in static if not _permanently_apart(table[k], polytopes, placements)]
-        chains = motion_chains(
-            robot.model,
-            robot.configuration_map,
-            robot.joint_table,
-            robot.frames,
-            bodies,
-            links,
-            table[moving].astype(np.int64),
-            excess,
-        )
-        self.frames = [pair.frame for pair in chains.pairs]
+        of_robot = chains_of_robot(robot, bodies, links, excess)
+        chains = of_robot.of(table[moving].astype(np.int64))
+        self.frames = chains.pairs[:, 2].tolist()
         live = sorted(polytopes)
         position = np.full(len(bodies), -1, dtype=np.int32)
         position[live] = np.arange(len(live))
-        rows, *arrays = chains.arrays()
-        rows[:, :2] = position[rows[:, :2].astype(np.int64)]
+        rows = chains.pairs.copy()
+        rows[:, :2] = position[rows[:, :2]]
         self.core = core.MotionCertifier(
             [polytopes[k].core for k in live],
-            np.array([links[k] for k in live], dtype=np.int32),
+            links[live],
             np.ascontiguousarray(placements[live]),
             rows,
-            *arrays,
+            *of_robot.drives[:2],
+            *chains[1:5],
+            of_robot.drives[2],
             robot.nq,
             len(robot.link_names),
-            chains.defect,
-            chains.leverage,
-            chains.depth,
-            *chains.spread,
+            of_robot.defect,
+            of_robot.leverage,
+            of_robot.depth,
+            *of_robot.spread,
             hints,
         )
 
 
-def _ordered(pairs: NDArray[np.int32], links: Sequence[int]) -> NDArray[np.int32]:
+def _ordered(pairs: Ints, links: Ints) -> Ints:
     """Pairs in which the first body moves, if either does."""
     table = pairs.copy()
-    swapped = np.array([links[a] < 0 <= links[b] for a, b in pairs.tolist()], dtype=bool)
+    swapped = (links[pairs[:, 0]] < 0) & (links[pairs[:, 1]] >= 0)
     table[swapped] = table[swapped][:, ::-1]
     return table
 

@@ -42,8 +42,9 @@ class Checker(StateChecker):
     def _scene_taken(self, earlier: StateChecker | None) -> None:
         for name in ("motion_certifier", "_prover"):  # cached for the earlier scene
             self.__dict__.pop(name, None)
-        if not isinstance(earlier, Checker) or earlier.robot is not self.robot:
-            self.motion_sampler = MotionSampler(self.robot, self.excess)
+        self.motion_sampler = self.robot.remembered(
+            ("motion sampler", self.excess), lambda: MotionSampler(self.robot, self.excess)
+        )
 
     def check_motion(
         self,

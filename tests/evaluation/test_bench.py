@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import itertools
-import sys
 import time
 from functools import partial
 
@@ -15,7 +14,7 @@ from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import bounding_volumes, complexity, pairs, truncated_hierarchies
+from plannercheck.evaluation.bench import bounding_volumes, complexity, truncated_hierarchies
 from plannercheck.evaluation.bench import hausdorff as distances
 from plannercheck.evaluation.bench.methods import methods
 from plannercheck.evaluation.bench.sphere_model import SphereModel
@@ -142,24 +141,6 @@ def test_stand_ins_are_out_of_reach_only_where_they_are(checker):
     assert np.array_equal(found.check_states(q), ~found.colliding_pairs(q).any(axis=1))
 
 
-def test_missing_libraries_are_left_out_with_a_note(checker, monkeypatch):
-    monkeypatch.setitem(sys.modules, "fcl", None)
-    notes = []
-    rows = measure(
-        checker, list(methods(checker, ["fcl"])), checker.robot.random_configurations(20, 0), 1, notes.append
-    )
-    assert {row.kind for row in rows} == {"exact"}
-    assert len(notes) == 1
-    assert "python-fcl is left out" in notes[0]
-    notes.clear()
-    monkeypatch.setitem(sys.modules, "coal", None)
-    assert {row.method for row in pairs.measure([8], 3, 1, notes.append, ellipsoids=True)} == {
-        "plannercheck, oracle",
-        "plannercheck, walk",
-    }
-    assert len(notes) == 2
-
-
 def worked(order, name, least):
     """Takes so many seconds of this thread at least."""
     order.append(name)
@@ -201,7 +182,8 @@ def test_states_command(tmp_path, capsys):
     assert main(["bench", "states", *arguments, *chosen, "--output", str(tmp_path / "new")]) == 0
     rows = read(tmp_path / "new" / "states.csv")
     assert {row["scene"] for row in rows} == {"table", "empty"}
-    assert {row["kind"] for row in rows} == {"exact", "boxes", "coal"}
+    assert {row["kind"] for row in rows} - {"coal loop"} == {"exact", "boxes", "coal"}
+    assert {row["which"] for row in rows} == {"random"}
     assert {path.name for path in (tmp_path / "new").iterdir()} == {
         "states.csv",
         "states.json",

@@ -15,6 +15,8 @@ void bind_planar_checker(nanobind::module_& m);
 void bind_planar_motion(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
 void bind_distance(nanobind::module_& m);
+void bind_pair_queries(nanobind::module_& m);
 void bind_game(nanobind::module_& m);
+void bind_reach(nanobind::module_& m);
 
 }  // namespace plannercheck

@@ -1,7 +1,5 @@
 #include "broad_phase/broad_phase.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -77,21 +75,20 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   for (std::size_t m = 0; m < movers_.size(); ++m) {
     if (has_obstacle[m]) movers_with_obstacles_.push_back(static_cast<std::int32_t>(m));
   }
-  std::vector<SingleStateFilter::Partner> with_movers, with_boxes;
-  for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
+  std::vector<SingleStateFilter::Partner> with_boxes;
   if (obstacles_ <= kFewObstacles) {
     for (const WorldBox& box : boxes) spread_.push_back(spread(box));
     mover_groups_ = mover_groups(movers_, boxes, pair_of_, sampled);
     for (const std::int32_t mover : movers_with_obstacles_) {
-      for (std::size_t o = 0; o < obstacles_; ++o) {
-        const std::int32_t pair = pair_with(at(mover), static_cast<std::int32_t>(o));
-        if (pair >= 0) with_boxes.push_back({at(mover), o, pair});
+      for (const std::int32_t o : indices_below(obstacles_)) {
+        const std::int32_t pair = pair_with(at(mover), o);
+        if (pair >= 0) with_boxes.push_back({mover, o, pair});
       }
     }
   } else {
     boxes.clear();
   }
-  single_state_filter_ = SingleStateFilter(movers_, links_, boxes, with_movers, with_boxes);
+  single_state_filter_ = SingleStateFilter(movers_, links_, boxes, moving_pairs_, with_boxes);
   std::vector<BodyBox> body_boxes;
   for (const GeometryObject& object : bodies) body_boxes.push_back(body_box(object));
   boxes_ = BlockBoxes(std::move(body_boxes));
@@ -198,20 +195,15 @@ void BroadPhase::find_for_state(const Lanes* links, std::size_t state, Workspace
 void BroadPhase::pose_balls(Workspace& w) const {
   for (std::size_t i = 0; i < movers_.size(); ++i) {
     const BoundingBall& mover = movers_[i];
-    const FloatPose& link = w.links.of(at(mover.link));
-    const auto [x, y, z] = mover.centre;
-    Balls& balls = w.balls[i];
-    balls.x = link.turned(0, x, y, z) + link.m[3];
-    balls.y = link.turned(1, x, y, z) + link.m[7];
-    balls.z = link.turned(2, x, y, z) + link.m[11];
-    balls.radius = mover.radius_at(balls.x, balls.y, balls.z);
+    const auto [x, y, z] = w.links.of(at(mover.link)).placed(mover.centre);
+    w.balls[i] = {x, y, z, mover.radius_at(x, y, z)};
   }
 }
 
 void BroadPhase::find_among_movers(int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
-  for (const MovingPair& pair : moving_pairs_) {
-    const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
+  for (const SingleStateFilter::Partner& pair : moving_pairs_) {
+    const Balls &a = w.balls[at(pair.ball)], &b = w.balls[at(pair.other)];
     const Floats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
     const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(a.radius + b.radius)) & states;
     if (near != 0) w.candidates.push_back({pair.pair, near});

@@ -70,11 +70,6 @@ class BroadPhase {
   void take_all(int count, Workspace& workspace) const;
 
  private:
-  struct MovingPair {
-    std::int32_t a, b;  // movers
-    std::int32_t pair;
-  };
-
   // A box in each state: around an obstacle (the same in all states), or around some movers.
   struct FloatBox {
     std::array<Floats, 3> low, high;
@@ -83,7 +78,7 @@ class BroadPhase {
   std::size_t links_;
   std::vector<std::array<std::int32_t, 2>> pairs_;
   std::vector<BoundingBall> movers_;  // around bodies that hang on links
-  std::vector<MovingPair> moving_pairs_;
+  std::vector<SingleStateFilter::Partner> moving_pairs_;
   std::vector<std::int32_t> permanent_pairs_;  // these collide in every state
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;                // pair_of_[mover * obstacles_ + obstacle], or −1

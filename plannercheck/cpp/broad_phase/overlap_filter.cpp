@@ -74,13 +74,9 @@ BlockOverlaps::Box BlockOverlaps::box_of(const Polytope& body) {
 
 void BlockOverlaps::pose(const FloatPose& link, const Balls& balls, PosedBalls& out) {
   for (std::size_t k = 0; k < balls.count; ++k) {
-    const auto [x, y, z] = balls.ball[k].centre;
-    PosedBall& p = out[k];
-    p.x = link.turned(0, x, y, z) + link.m[3];
-    p.y = link.turned(1, x, y, z) + link.m[7];
-    p.z = link.turned(2, x, y, z) + link.m[11];
-    const Floats size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
-    p.radius = balls.ball[k].radius - (size * static_cast<float>(kPosingError) + balls.room);
+    const auto [x, y, z] = link.placed(balls.ball[k].centre);
+    const Floats size = (absolute(x) + absolute(y)) + absolute(z);
+    out[k] = {x, y, z, balls.ball[k].radius - (size * static_cast<float>(kPosingError) + balls.room)};
   }
 }
 

@@ -1,6 +1,5 @@
 #include "broad_phase/single_state_filter.hpp"
 
-#include <limits>
 #include <utility>
 
 namespace plannercheck {
@@ -31,10 +30,10 @@ std::vector<SingleStateFilter::Row> SingleStateFilter::rows(const std::vector<Pa
                                                             std::size_t others) {
   std::vector<std::vector<unsigned>> paired(balls, std::vector<unsigned>(eights_of(others)));
   std::vector<std::vector<std::int32_t>> pairs(balls);
-  for (const Partner& partner : partners) {
-    paired[partner.ball][partner.other / kFloats] |= 1U << partner.other % kFloats;
-    pairs[partner.ball].resize(others, -1);
-    pairs[partner.ball][partner.other] = partner.pair;
+  for (const auto& [ball, other, pair] : partners) {
+    paired[at(ball)][at(other) / kFloats] |= 1U << at(other) % kFloats;
+    pairs[at(ball)].resize(others, -1);
+    pairs[at(ball)][at(other)] = pair;
   }
   std::vector<Row> out;
   for (std::size_t b = 0; b < balls; ++b) {

@@ -20,8 +20,7 @@ class SingleStateFilter {
  public:
   // A pair of a ball with another one, or with a box.
   struct Partner {
-    std::size_t ball, other;
-    std::int32_t pair;
+    std::int32_t ball, other, pair;
   };
 
   SingleStateFilter() = default;

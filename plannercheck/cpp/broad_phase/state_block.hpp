@@ -21,6 +21,11 @@ inline std::size_t pose_index(std::size_t links, std::size_t group, std::size_t 
 struct FloatPose {
   std::array<Floats, 12> m;
 
+  // A point on the link, posed.
+  std::array<Floats, 3> placed(const std::array<float, 3>& p) const {
+    return {turned(0, p[0], p[1], p[2]) + m[3], turned(1, p[0], p[1], p[2]) + m[7],
+            turned(2, p[0], p[1], p[2]) + m[11]};
+  }
   // Row i times a vector.
   Floats turned(std::size_t i, float x, float y, float z) const {
     return (m[4 * i] * x + m[4 * i + 1] * y) + m[4 * i + 2] * z;

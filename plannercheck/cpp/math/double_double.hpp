@@ -55,28 +55,13 @@ inline bool positive(DoubleDouble x) { return x.high > 0; }
 struct DoubleDoubleVec3 {
   DoubleDouble x, y, z;
 };
+template <>
+inline constexpr bool is_vector<DoubleDoubleVec3> = true;
 
 inline DoubleDoubleVec3 difference(Vec3 a, Vec3 b) {
   return {two_sum(a.x, -b.x), two_sum(a.y, -b.y), two_sum(a.z, -b.z)};
 }
 inline DoubleDoubleVec3 widen(Vec3 a) { return {{a.x, 0}, {a.y, 0}, {a.z, 0}}; }
 inline Vec3 rounded(const DoubleDoubleVec3& v) { return {v.x.high, v.y.high, v.z.high}; }
-
-inline DoubleDoubleVec3 operator+(const DoubleDoubleVec3& a, const DoubleDoubleVec3& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline DoubleDoubleVec3 operator-(const DoubleDoubleVec3& a, const DoubleDoubleVec3& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline DoubleDoubleVec3 operator-(const DoubleDoubleVec3& a) { return {-a.x, -a.y, -a.z}; }
-inline DoubleDoubleVec3 operator*(DoubleDouble s, const DoubleDoubleVec3& a) { return {s * a.x, s * a.y, s * a.z}; }
-
-inline DoubleDoubleVec3 cross(const DoubleDoubleVec3& a, const DoubleDoubleVec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-inline DoubleDouble dot(const DoubleDoubleVec3& a, const DoubleDoubleVec3& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 
 }  // namespace plannercheck

@@ -156,14 +156,6 @@ Dyadic operator*(const Dyadic& a, const Dyadic& b) {
   return out;
 }
 
-DyadicVec3 operator+(const DyadicVec3& a, const DyadicVec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-DyadicVec3 operator-(const DyadicVec3& a, const DyadicVec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-DyadicVec3 operator-(const DyadicVec3& a) { return {-a.x, -a.y, -a.z}; }
-DyadicVec3 operator*(const Dyadic& s, const DyadicVec3& a) { return {s * a.x, s * a.y, s * a.z}; }
-Dyadic dot(const DyadicVec3& a, const DyadicVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-DyadicVec3 cross(const DyadicVec3& a, const DyadicVec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 bool is_zero(const DyadicVec3& v) { return v.x.sign() == 0 && v.y.sign() == 0 && v.z.sign() == 0; }
 
 DyadicVec3 apply_exactly(const Pose& pose, Vec3 v) {

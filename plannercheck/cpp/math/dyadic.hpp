@@ -64,12 +64,9 @@ struct DyadicVec3 {
         z(Dyadic(v.z.high) + Dyadic(v.z.low)) {}
 };
 
-DyadicVec3 operator+(const DyadicVec3& a, const DyadicVec3& b);
-DyadicVec3 operator-(const DyadicVec3& a, const DyadicVec3& b);
-DyadicVec3 operator-(const DyadicVec3& a);
-DyadicVec3 operator*(const Dyadic& s, const DyadicVec3& a);
-Dyadic dot(const DyadicVec3& a, const DyadicVec3& b);
-DyadicVec3 cross(const DyadicVec3& a, const DyadicVec3& b);
+template <>
+inline constexpr bool is_vector<DyadicVec3> = true;
+
 bool is_zero(const DyadicVec3& v);
 // M v + t, exactly.
 DyadicVec3 apply_exactly(const Pose& pose, Vec3 v);

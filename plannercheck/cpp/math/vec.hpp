@@ -5,11 +5,20 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <vector>
 
 namespace plannercheck {
 
 // Indices are kept in 32 bits.
 inline std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+// 0 … count − 1
+inline std::vector<std::int32_t> indices_below(std::size_t count) {
+  std::vector<std::int32_t> indices(count);
+  std::iota(indices.begin(), indices.end(), 0);
+  return indices;
+}
 
 struct Vec3 {
   double x = 0, y = 0, z = 0;
@@ -17,13 +26,40 @@ struct Vec3 {
   double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
 };
 
-inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
-inline Vec3 operator*(double s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+// Of doubles, or of finer numbers (double_double.hpp, dyadic.hpp).
+template <class T>
+inline constexpr bool is_vector = false;
+template <>
+inline constexpr bool is_vector<Vec3> = true;
+template <class T>
+concept Vector = is_vector<T>;
+
+template <Vector V>
+V operator+(const V& a, const V& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <Vector V>
+V operator-(const V& a, const V& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <Vector V>
+V operator-(const V& a) {
+  return {-a.x, -a.y, -a.z};
+}
+template <Vector V>
+V operator*(const decltype(V::x)& s, const V& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <Vector V>
+auto dot(const V& a, const V& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <Vector V>
+V cross(const V& a, const V& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
 inline bool operator==(Vec3 a, Vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-inline double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
 // std::fmax is a function call, as it has to handle NaN.
 inline double larger(double a, double b) { return a > b ? a : b; }

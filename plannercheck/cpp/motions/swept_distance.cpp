@@ -1,7 +1,5 @@
 #include "motions/swept_distance.hpp"
 
-#include <algorithm>
-
 namespace plannercheck {
 namespace {
 

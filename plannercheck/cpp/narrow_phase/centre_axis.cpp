@@ -29,21 +29,15 @@ bool CentreAxis::separates(Vec3 direction, double defect, PairCounters& counters
 }
 
 Certificate CentreAxis::separated(bool scaled) const {
-  Certificate out;
-  out.answer = Answer::kSeparated;
-  out.stage = Stage::kCentreAxis;
-  out.q = scaled ? touching_ball(axis_) : host_.pose.rotate_back(axis_);
-  return out;
+  const Vec3 q = scaled ? touching_ball(axis_) : host_.pose.rotate_back(axis_);
+  return {.answer = Answer::kSeparated, .stage = Stage::kCentreAxis, .q = q};
 }
 
 // `between` leads from a point of the host's hull to one of the guest's; the shared point divides it as the inflation
 // radii do.
 Certificate CentreAxis::shared(Vec3 on_host, Vec3 between) const {
-  Certificate out;
-  out.answer = Answer::kShared;
-  out.stage = Stage::kCentreAxis;
-  out.x = host_.pose.rotate_back(on_host + (host_.body->inflation_radius / inflation_radius_) * between - host_centre_);
-  return out;
+  const Vec3 point = on_host + (host_.body->inflation_radius / inflation_radius_) * between;
+  return {.answer = Answer::kShared, .stage = Stage::kCentreAxis, .x = host_.pose.rotate_back(point - host_centre_)};
 }
 
 }  // namespace plannercheck

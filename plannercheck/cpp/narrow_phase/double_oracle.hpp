@@ -203,12 +203,7 @@ inline Vec3 first_point(const PairFrame& frame, std::int32_t guest_vertex) {
   return frame.guest().is_box != 0 ? frame.guest_box_point() : frame.guest_vertex(guest_vertex);
 }
 
-inline Certificate shared_at(Vec3 x) {
-  Certificate certificate;
-  certificate.answer = Answer::kShared;
-  certificate.x = x;
-  return certificate;
-}
+inline Certificate shared_at(Vec3 x) { return {.answer = Answer::kShared, .x = x}; }
 
 // The whole search from a guest's vertex, each query answered at once.
 Certificate double_oracle(const PairFrame& frame, std::int32_t guest_vertex, PairCounters& counters);

@@ -79,13 +79,7 @@ Facet furthest_facet(const Levels& polar, const Corners& corners) {
   return {polar.top_cursors[static_cast<std::size_t>(block[lane])].point(lane), best[lane]};
 }
 
-Certificate separated_by(Vec3 q) {
-  Certificate out;
-  out.answer = Answer::kSeparated;
-  out.stage = Stage::kFacetPlane;
-  out.q = q;
-  return out;
-}
+Certificate separated_by(Vec3 q) { return {.answer = Answer::kSeparated, .stage = Stage::kFacetPlane, .q = q}; }
 
 }  // namespace
 

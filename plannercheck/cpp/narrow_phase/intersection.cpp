@@ -18,18 +18,10 @@ PairVerdict exact_verdict(const PosedPolytope& guest, const PosedPolytope& host,
 }
 
 PairVerdict near_verdict(const Proximity& proximity, Stage stage) {
-  PairVerdict verdict;
-  verdict.proximity = proximity;
-  verdict.shared = proximity.answer == Answer::kShared;
-  verdict.stage = stage;
-  return verdict;
+  return {.shared = proximity.answer == Answer::kShared, .stage = stage, .proximity = proximity};
 }
 
-Proximity along(Vec3 direction) {
-  Proximity start;
-  start.direction = direction;
-  return start;
-}
+Proximity along(Vec3 direction) { return {.direction = direction}; }
 
 // The stages that need no polar: nearest points in doubles, then in double-double, then exact arithmetic.
 PairVerdict without_polar(const PosedPolytope& guest, const PosedPolytope& host, Vec3 hint, const PairOptions& options,
@@ -82,11 +74,8 @@ Certificate by_facets(const PairFrame& frame, const CentreAxis& axis, const Pair
 }
 
 PairVerdict cached(const CachedPlane& plane) {
-  PairVerdict verdict;
-  verdict.stage = verdict.certificate.stage = Stage::kCachedPlane;
-  verdict.certificate.answer = Answer::kSeparated;
-  verdict.certificate.q = plane.q;
-  return verdict;
+  const Certificate certificate{.answer = Answer::kSeparated, .stage = Stage::kCachedPlane, .q = plane.q};
+  return certified(certificate, nullptr);
 }
 
 double conditioning(const Polytope& body) {
@@ -96,12 +85,9 @@ double conditioning(const Polytope& body) {
 }  // namespace
 
 PairVerdict certified(const Certificate& certificate, CachedPlane* cache) {
-  PairVerdict verdict;
-  verdict.certificate = certificate;
-  verdict.shared = certificate.answer == Answer::kShared;
-  verdict.stage = certificate.stage;
-  if (cache != nullptr && !verdict.shared) *cache = {true, certificate.q, certificate.mixtures};
-  return verdict;
+  const bool shared = certificate.answer == Answer::kShared;
+  if (cache != nullptr && !shared) *cache = {true, certificate.q, certificate.mixtures};
+  return {.shared = shared, .stage = certificate.stage, .certificate = certificate};
 }
 
 // A certificate is undecided if the gap is too small for the polar's bound, or within the inflation radius of separated

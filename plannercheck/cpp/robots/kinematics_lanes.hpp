@@ -1,7 +1,6 @@
 // Forward kinematics of kLanes configurations at once: the kernel of kinematics.hpp, for callers that keep lanes.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "math/simd.hpp"

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from plannercheck.common.array_types import Floats
+from plannercheck.evaluation.bench.motion_sets import along_motions
 from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
@@ -36,8 +35,6 @@ SWITCHES = (
 )
 ALL_ON = "all on"
 WALK = "walk for oracle"
-# States of each motion, about as far apart as a planner's.
-_STATES_A_MOTION = 64
 
 
 @dataclass(frozen=True)
@@ -76,7 +73,7 @@ def measure(robot: Robot, scene: Scene, states: int, rounds: int, seed: int) -> 
     random = robot.random_configurations(states, seed)
     return [
         *_rows("random", checkers, random, rounds),
-        *_rows("along motions", checkers, _motions(random), rounds),
+        *_rows("along motions", checkers, along_motions(random), rounds),
     ]
 
 
@@ -85,14 +82,6 @@ def _variants() -> dict[str, dict[str, Any]]:
     variants: dict[str, dict[str, Any]] = {ALL_ON: {}}
     variants |= {switch: {switch: False} for switch in SWITCHES if switch in known}
     return variants | {WALK: {"method": "walk"}}
-
-
-def _motions(random: Floats) -> Floats:
-    """As many states on straight motions between random ones."""
-    motions = max(1, len(random) // _STATES_A_MOTION)
-    t = np.linspace(0, 1, _STATES_A_MOTION)[:, None]
-    ends = zip(random[:motions], random[::-1][:motions], strict=True)
-    return np.concatenate([(1 - t) * start + t * end for start, end in ends])[: len(random)]
 
 
 def _rows(states: str, checkers: Mapping[str, Checker], q: Floats, rounds: int) -> list[SwitchRow]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -21,16 +22,19 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import other_libraries
 from plannercheck.evaluation.bench.bounding_volumes import balls_around, box_around, capsule_around
+from plannercheck.evaluation.bench.coal_loop import library
 from plannercheck.evaluation.bench.hausdorff import furthest, furthest_of_balls
+from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
+from plannercheck.evaluation.bench.peer_methods import CoalAtBest, VampFromPython, VampInside
 from plannercheck.evaluation.bench.sphere_model import SphereModel
 from plannercheck.evaluation.bench.truncated_hierarchies import inner_levels, outer_levels
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 
-Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl"]
+Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "coal loop", "fcl", "vamp"]
 
-# All kinds except the exact ones, which are always compared.
-KINDS: tuple[Kind, ...] = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl")
+# All kinds except the exact ones, which are always compared, and coal's loop, which comes with coal.
+KINDS: tuple[Kind, ...] = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl", "vamp")
 
 # Balls a body.
 BALL_COUNTS = (1, 4, 16, 64)
@@ -50,7 +54,9 @@ class Method:
         error: How far the bodies are off at most, m, of what `build` returned; None where nothing is known.
         judge: Judges states by what `build` returned.
         states: Most states to judge in a round; None for all.
-        prepare: Makes of configurations what `judge` takes, outside the timing.
+        prepare: Makes of what `build` returned and of configurations what `judge` takes, outside the timing.
+        overhead: Work on what `prepare` returned whose time is taken off; None for none.
+        described: What was timed, where only what `build` returned knows; None where `note` says it.
     """
 
     name: str
@@ -60,7 +66,9 @@ class Method:
     error: Callable[[Any], float | None]
     judge: Callable[[Any, Any], Bools]
     states: int | None = None
-    prepare: Callable[[Floats], Any] = np.asarray
+    prepare: Callable[[Any, Floats], Any] = lambda built, q: q
+    overhead: Callable[[Any, Any], object] | None = None
+    described: Callable[[Any], str] | None = None
 
 
 def methods(checker: Checker, kinds: Iterable[Kind] = KINDS) -> Iterator[Method]:
@@ -80,6 +88,8 @@ def methods(checker: Checker, kinds: Iterable[Kind] = KINDS) -> Iterator[Method]
                 yield from _coal(checker)
             case "fcl":
                 yield _fcl(checker)
+            case "vamp":
+                yield from _vamp(checker)
 
 
 def _exact(checker: Checker) -> Iterator[Method]:
@@ -91,7 +101,7 @@ def _exact(checker: Checker) -> Iterator[Method]:
         name="plannercheck, one by one",
         note="is_valid, called from Python",
         judge=lambda built, rows: np.array([built.is_valid(row) for row in rows], dtype=bool),
-        prepare=list,
+        prepare=lambda built, q: list(q),
         states=_ONE_BY_ONE_STATES,
     )
     if checker.state_validity() is not None and (states := _ompl_states(checker)) is not None:
@@ -101,7 +111,7 @@ def _exact(checker: Checker) -> Iterator[Method]:
             note="state_validity() on OMPL states, called from Python",
             build=lambda: build().state_validity(),
             judge=lambda built, rows: np.array([built(state) for state in rows], dtype=bool),
-            prepare=states,
+            prepare=lambda built, q: states(q),
             states=_ONE_BY_ONE_STATES,
         )
 
@@ -224,6 +234,8 @@ def _product(a: Floats, b: Floats) -> Floats:
 
 
 def _coal(checker: Checker) -> Iterator[Method]:
+    with suppress(PlannercheckError):  # which the method itself raises again
+        library()  # compiled now, not while building is timed
     note = "computeCollisions from Python, stopping at the first collision; the error is the tolerance"
     for tolerance in other_libraries.COAL_TOLERANCES:
         for name, build in (
@@ -233,11 +245,39 @@ def _coal(checker: Checker) -> Iterator[Method]:
             title = f"Pinocchio + coal, {name}, tolerance {tolerance:g}"
             built = partial(build, checker, tolerance)
             yield Method(title, "coal", note, built, partial(_stated, tolerance), _by_call, _COAL_STATES)
+    yield Method(
+        COAL_AT_BEST,
+        "coal loop",
+        "",
+        partial(CoalAtBest, checker),
+        partial(_stated, other_libraries.COAL_TOLERANCES[0]),
+        CoalAtBest.check,
+        prepare=CoalAtBest.states,
+        described=lambda built: str(built.note),
+    )
 
 
 def _fcl(checker: Checker) -> Method:
     note = "loop in Python over the pairs whose boxes meet"
     return Method("python-fcl", "fcl", note, partial(other_libraries.fcl, checker), _unknown, _by_call, _FCL_STATES)
+
+
+def _vamp(checker: Checker) -> Iterator[Method]:
+    """VAMP's balls are its own: how far they are off is not known."""
+    yield Method(
+        "VAMP, in C++",
+        "vamp",
+        VampInside.note,
+        partial(VampInside, checker),
+        _unknown,
+        VampInside.check,
+        _ONE_BY_ONE_STATES,
+        VampInside.paths,
+        VampInside.copying,
+    )
+    python = partial(VampFromPython, checker)
+    judge, rows = VampFromPython.check, VampFromPython.rows
+    yield Method("VAMP, from Python", "vamp", VampFromPython.note, python, _unknown, judge, _ONE_BY_ONE_STATES, rows)
 
 
 def _by_call(built: other_libraries.Judge, q: Any) -> Bools:

@@ -1,32 +1,27 @@
-"""Time for a pair of bodies against its vertices and gap, beside coal's own C++ loop and python-fcl.
+"""Time for a pair of bodies against its vertices and gap, beside coal, python-fcl and MuJoCo.
 
 In: numbers of vertices. Out: a row for each method, size and gap. Bodies are round (all points are vertices). Poses are
 random: a random feature of one body at the gap from one of the other. plannercheck is timed by the core's batch call,
-each pair cold (no cached plane). coal is timed by `computeCollisions` of a Pinocchio geometry model with as many pairs,
-without early stop, so that no Python is timed, each pair cold as well. FCL is called from Python.
+each pair cold (no cached plane), and one by one from Python. coal is timed by `computeCollisions` of a Pinocchio
+geometry model with as many pairs, without early stop, so that no Python is timed, each pair cold as well; and by a C++
+loop that asks it as well as it can be asked. FCL and MuJoCo are called from Python.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from plannercheck.bodies.fcl_bodies import load_fcl
-from plannercheck.bodies.intersection import Method, pair_options
+from plannercheck.bodies.intersection import Method, intersects, pair_options
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench.other_libraries import coal_hull
+from plannercheck.evaluation.bench.pair_peers import COAL, PEERS, Bodies, Judge, JudgeMaker, Posed
 from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.evaluation.stress.body_families import family
 from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
-
-Posed = tuple[Floats, Floats]
 
 SIZES = (8, 32, 150, 1000, 10_000, 100_000)
 # Relative to the bodies' size of 1 m: far apart, near contact, deep inside each other.
@@ -35,24 +30,7 @@ GAPS = (0.5, 1e-4, -0.3)
 ASKED = {8: (4, 2), 32: (8, 3), 150: (10, 4), 1000: (15, 5), 10_000: (30, 10), 100_000: (70, 25)}
 _HALF_AXES = np.array([1.0, 0.7, 0.5])
 OURS: tuple[Method, ...] = ("oracle", "walk")
-COAL = "coal, C++ loop"
-
-
-@dataclass(frozen=True)
-class Judge:
-    """Pairs at given poses, ready to be judged by one method.
-
-    Attributes:
-        work: What is timed.
-        verdicts: Reads, from what `work` returned, which pairs share a point.
-    """
-
-    work: Callable[[], Any]
-    verdicts: Callable[[Any], Bools]
-
-    def __call__(self) -> Bools:
-        """The verdicts."""
-        return self.verdicts(self.work())
+FROM_PYTHON = "plannercheck, intersects from Python"
 
 
 @dataclass(frozen=True)
@@ -68,6 +46,7 @@ class PairRow:
         asked: The ratio that is asked for; None where none is.
         wrong: Verdicts that differ from the exact ones.
         pairs: Pairs in a round.
+        note: How it was asked, where that differs from run to run.
     """
 
     vertices: int
@@ -78,6 +57,7 @@ class PairRow:
     asked: int | None
     wrong: int
     pairs: int
+    note: str
 
 
 def measure(
@@ -121,19 +101,18 @@ def growth(rows: Sequence[PairRow], method: str, smallest: int = 150) -> float |
 class _Shapes:
     """The two bodies in other libraries, where these are installed and take them."""
 
-    def __init__(self, bodies: tuple[Polytope, Polytope], skipped: Callable[[str], None]) -> None:
-        self.judges: dict[str, Callable[[Posed], Judge]] = {}
-        for name, make in ((COAL, _coal), ("python-fcl", _fcl)):
+    def __init__(self, bodies: Bodies, skipped: Callable[[str], None]) -> None:
+        self.judges: dict[str, JudgeMaker] = {}
+        for name, make in PEERS:
             try:
                 self.judges[name] = make(bodies)
             except (PlannercheckError, ImportError) as error:
                 skipped(f"{name} is left out at {len(bodies[0].vertices)} vertices: {error}")
 
 
-def _measured(
-    bodies: tuple[Polytope, Polytope], shapes: _Shapes, posed: Posed, gap: float, rounds: int
-) -> list[PairRow]:
+def _measured(bodies: Bodies, shapes: _Shapes, posed: Posed, gap: float, rounds: int) -> list[PairRow]:
     judges = {f"plannercheck, {method}": _ours(bodies, posed, method) for method in OURS}
+    judges[FROM_PYTHON] = _from_python(bodies, posed)
     judges |= {name: make(posed) for name, make in shapes.judges.items()}
     truth = _ours(bodies, posed, "exact")()
     wrong = {name: int((judge() != truth).sum()) for name, judge in judges.items()}
@@ -149,6 +128,7 @@ def _measured(
             ASKED[vertices][GAPS.index(gap)] if name in _BEST and vertices in ASKED and gap > 0 else None,
             wrong[name],
             pairs,
+            judges[name].note,
         )
         for name, spent in seconds.items()
     ]
@@ -157,7 +137,7 @@ def _measured(
 _BEST = f"plannercheck, {OURS[0]}"
 
 
-def _ours(bodies: tuple[Polytope, Polytope], posed: Posed, method: Method) -> Judge:
+def _ours(bodies: Bodies, posed: Posed, method: Method) -> Judge:
     options = pair_options(method, cached_plane=False)
     p, r = (body.core for body in bodies)
     return Judge(
@@ -166,59 +146,12 @@ def _ours(bodies: tuple[Polytope, Polytope], posed: Posed, method: Method) -> Ju
     )
 
 
-def _coal(bodies: tuple[Polytope, Polytope]) -> Callable[[Posed], Judge]:
-    """Pairs of posed bodies in a geometry model without a robot."""
-    import coal
-    import pinocchio as pin
-
-    shapes = [coal_hull(body, "a round body") for body in bodies]
-
-    def posed_judge(posed: Posed) -> Judge:
-        model, geometry = pin.Model(), pin.GeometryModel()
-        for k, poses in enumerate(zip(*posed, strict=True)):
-            pair = [
-                geometry.addGeometryObject(pin.GeometryObject(f"{k} {i}", 0, pin.SE3(pose), shape))
-                for i, (pose, shape) in enumerate(zip(poses, shapes, strict=True))
-            ]
-            geometry.addCollisionPair(pin.CollisionPair(*pair))
-        data, geometry_data = model.createData(), geometry.createData()
-        for request in geometry_data.collisionRequests:
-            request.enable_contact = False
-            request.gjk_initial_guess = coal.GJKInitialGuess.DefaultGuess
-            _start_cold(request)
-        pin.updateGeometryPlacements(model, data, geometry, geometry_data, pin.neutral(model))
-
-        return Judge(
-            lambda: pin.computeCollisions(geometry, geometry_data, False),
-            lambda found: np.array([result.isCollision() for result in geometry_data.collisionResults], dtype=bool),
-        )
-
-    return posed_judge
-
-
-def _start_cold(request: Any) -> None:
-    """Pinocchio keeps each pair's last answer as its next guess: in rounds of the same pairs, that is the answer."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # coal keeps the old switch, and Pinocchio sets it
-        request.enable_cached_gjk_guess = False
-
-
-def _fcl(bodies: tuple[Polytope, Polytope]) -> Callable[[Posed], Judge]:
-    fcl = load_fcl()
-    shapes = []
-    for body in bodies:
-        flat = np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel().tolist()
-        shapes.append(fcl.Convex(body.vertices, len(body.faces), flat))
-    request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
-
-    def posed_judge(posed: Posed) -> Judge:
-        pairs = [
-            [fcl.CollisionObject(s, fcl.Transform(m[:3, :3], m[:3, 3])) for s, m in zip(shapes, poses, strict=True)]
-            for poses in zip(*posed, strict=True)
-        ]
-        return Judge(
-            lambda: [fcl.collide(p, r, request, fcl.CollisionResult()) > 0 for p, r in pairs],
-            lambda found: np.array(found, dtype=bool),
-        )
-
-    return posed_judge
+def _from_python(bodies: Bodies, posed: Posed) -> Judge:
+    """As a user calls it, pair by pair, with poses as arrays."""
+    p, r = bodies
+    poses = list(zip(*posed, strict=True))
+    return Judge(
+        lambda: [intersects(p, r, a, b) for a, b in poses],
+        lambda found: np.array(found, dtype=bool),
+        "pc.intersects, poses as arrays",
+    )

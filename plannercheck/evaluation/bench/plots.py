@@ -32,7 +32,9 @@ _STYLES: Mapping[str, tuple[str, str, bool, str]] = {
     "capsules": ("P", "#8d69b8", False, "bounding capsules"),
     "boxes": ("s", "#84584e", False, "bounding boxes"),
     "coal": ("D", "#555555", False, "Pinocchio + coal"),
+    "coal loop": ("d", "#999999", False, "coal at its best"),
     "fcl": ("X", "#111111", False, "python-fcl"),
+    "vamp": ("h", "#2a9d8f", False, "VAMP"),
 }
 
 

@@ -16,7 +16,7 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.build_cost import built
 from plannercheck.evaluation.bench.methods import Method
-from plannercheck.evaluation.bench.timing import least_seconds, seconds_of
+from plannercheck.evaluation.bench.timing import Work, least_seconds, seconds_of
 from plannercheck.motions.checker import Checker
 
 Report = Callable[[str], None]
@@ -34,6 +34,7 @@ class StateRow:
         robot: Its name.
         scene: Its name.
         pairs: Pairs of bodies a state.
+        which: "random" states, or states "along motions".
         method: Its name.
         kind: What it is (methods.py).
         states: States judged in a round.
@@ -51,6 +52,7 @@ class StateRow:
     robot: str
     scene: str
     pairs: int
+    which: str
     method: str
     kind: str
     states: int
@@ -72,24 +74,33 @@ class _Ready:
     Attributes:
         method: Which.
         works: Judge its states, in parts.
+        overheads: What is taken off, part by part; none for most.
         states: How many.
         verdicts: Of them.
         error: See `StateRow`, as the following.
         resident: Bytes.
         preparation: Seconds.
+        note: What was timed.
     """
 
     method: Method
     works: Sequence[Callable[[], Bools]]
+    overheads: Sequence[Callable[[], object]]
     states: int
     verdicts: Bools
     error: float | None
     resident: int | None
     preparation: float
+    note: str
 
 
 def measure(
-    checker: Checker, methods: Sequence[Method], q: Floats, rounds: int, skipped: Report = lambda reason: None
+    checker: Checker,
+    methods: Sequence[Method],
+    q: Floats,
+    rounds: int,
+    skipped: Report = lambda reason: None,
+    which: str = "random",
 ) -> list[StateRow]:
     """Times all methods by turns.
 
@@ -99,30 +110,41 @@ def measure(
         q: Configurations (n, nq); slow methods judge the first of them.
         rounds: How often each runs.
         skipped: Is told why a method is left out: a library is not installed, or has no shape for a body.
+        which: What the configurations are, for the rows.
 
     Returns:
         A row for each method that could be built.
     """
     ready = [found for method in methods if (found := _ready(method, q, skipped)) is not None]
-    seconds = least_seconds({item.method.name: item.works for item in ready}, rounds)
+    contenders: dict[str, Work | Sequence[Work]] = {item.method.name: item.works for item in ready}
+    contenders |= {_less(item.method.name): item.overheads for item in ready if item.overheads}
+    seconds = least_seconds(contenders, rounds)
     truth = checker.check_states(q)
-    each = [seconds[item.method.name] / item.states for item in ready]
-    return [_row(checker, item, truth, spent, each[0]) for item, spent in zip(ready, each, strict=True)]
+    each = [(seconds[item.method.name] - seconds.get(_less(item.method.name), 0.0)) / item.states for item in ready]
+    return [_row(checker, which, item, truth, spent, each[0]) for item, spent in zip(ready, each, strict=True)]
+
+
+def _less(name: str) -> str:
+    return f"{name}, taken off"
 
 
 def _ready(method: Method, q: Floats, skipped: Report) -> _Ready | None:
     try:
         made = built(method.build)
         rows = np.ascontiguousarray(q[: method.states])
-        prepared = method.prepare(rows)
+        prepared = method.prepare(made.value, rows)
         verdicts = method.judge(made.value, prepared)
         spent = seconds_of(lambda: method.judge(made.value, prepared))
     except (PlannercheckError, ImportError) as error:
         skipped(f"{method.name} is left out: {error}")
         return None
 
-    works = [partial(method.judge, made.value, method.prepare(part)) for part in _parts(rows, spent)]
-    return _Ready(method, works, len(rows), verdicts, method.error(made.value), made.resident, made.seconds)
+    parts = [method.prepare(made.value, part) for part in _parts(rows, spent)]
+    works = [partial(method.judge, made.value, part) for part in parts]
+    overheads = [partial(method.overhead, made.value, part) for part in parts] if method.overhead else []
+    note = method.note if method.described is None else method.described(made.value)
+    off = method.error(made.value)
+    return _Ready(method, works, overheads, len(rows), verdicts, off, made.resident, made.seconds, note)
 
 
 def _parts(rows: Floats, seconds: float) -> list[Floats]:
@@ -130,12 +152,13 @@ def _parts(rows: Floats, seconds: float) -> list[Floats]:
     return np.array_split(rows, int(np.clip(round(seconds / _PART), 1, min(_MOST_PARTS, len(rows)))))
 
 
-def _row(checker: Checker, item: _Ready, truth: Bools, seconds: float, first: float) -> StateRow:
+def _row(checker: Checker, which: str, item: _Ready, truth: Bools, seconds: float, first: float) -> StateRow:
     right = truth[: item.states]
     return StateRow(
         checker.robot.name,
         checker.scene.name,
         len(checker.pairs),
+        which,
         item.method.name,
         item.method.kind,
         item.states,
@@ -147,5 +170,5 @@ def _row(checker: Checker, item: _Ready, truth: Bools, seconds: float, first: fl
         item.error,
         item.resident,
         item.preparation,
-        item.method.note,
+        item.note,
     )

@@ -1,0 +1,223 @@
+"""`plannercheck bench motions`, `setup` and `plans`: what planners and their users wait for.
+
+In: options. Out: tables on the terminal and, with --output, CSV and JSON in a folder.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+
+from plannercheck.cli.bench_options import (
+    Subcommand,
+    add_problems,
+    add_robot,
+    add_scenes,
+    add_seed,
+    checker_in,
+    keep,
+    note,
+    positive,
+    positive_number,
+    show_how,
+)
+from plannercheck.cli.common import table
+from plannercheck.cli.robot_options import robot_of
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench import from_files, motions, plans, set_up
+from plannercheck.evaluation.bench.motion_sets import MotionSet, random_sets, recorded_set
+from plannercheck.evaluation.bench.motions import MotionRow
+from plannercheck.evaluation.bench.planners import Settings
+from plannercheck.evaluation.bench.plans import PlanRow, Tally
+from plannercheck.evaluation.bench.problems import name_of_set, tasks
+from plannercheck.evaluation.bench.set_up import SetUpRow
+from plannercheck.evaluation.bench.tables import number
+from plannercheck.ompl import LONGEST_MOTION
+from plannercheck.robots.robot import Robot
+
+# Lengths of random motions, and ranges of recorded searches, rad.
+_LENGTHS = (0.4, 1.0)
+_RANGES = (0.5, 1.0)
+
+
+def _add_motions(parser: argparse.ArgumentParser) -> None:
+    add_robot(parser)
+    add_scenes(parser)
+    add_problems(parser, ", whose RRTConnect searches are recorded")
+    parser.add_argument("--motions", type=positive, default=400, help="of each kind (default: %(default)s)")
+    _add_lengths(parser, "--lengths", _LENGTHS, "of random motions, rad")
+    _add_lengths(parser, "--ranges", _RANGES, "of recorded searches, rad")
+    add_seed(parser)
+
+
+def _add_lengths(parser: argparse.ArgumentParser, name: str, default: Sequence[float], what: str) -> None:
+    listed = " ".join(f"{value:g}" for value in default)
+    parser.add_argument(
+        name, type=positive_number, nargs="+", default=default, metavar="RAD", help=f"{what} (default: {listed})"
+    )
+
+
+def _add_setup(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--robot", default="panda", help="name or file (default: %(default)s)")
+    parser.add_argument(
+        "--scene", nargs="+", default=["bookshelf"], help="names or files; none for no obstacles (default: bookshelf)"
+    )
+    add_problems(parser, ", done from scene file and request to a path")
+    _add_limit(parser)
+    add_seed(parser)
+
+
+def _add_plans(parser: argparse.ArgumentParser) -> None:
+    add_robot(parser)
+    add_problems(parser, "", required=True)
+    parser.add_argument("--seeds", type=positive, nargs="+", default=[1], help="of each problem (default: 1)")
+    parser.add_argument(
+        "--range",
+        type=positive_number,
+        default=LONGEST_MOTION,
+        metavar="RAD",
+        help="longest motion that planners of OMPL try at once (default: %(default)s)",
+    )
+    _add_limit(parser)
+
+
+def _add_limit(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--time", type=positive_number, default=10.0, metavar="S", help="for each search, s (default: 10)"
+    )
+
+
+def _run_motions(options: argparse.Namespace) -> None:
+    robot = robot_of(options)
+    if robot.nq != len(robot.joint_names):
+        raise PlannercheckError(
+            f"{robot.name} has joints of several numbers: random motions need one each; choose a planning group"
+        )
+    rows: list[MotionRow] = []
+    for motion_set in _motion_sets(robot, options):
+        found = motions.measure(motion_set, options.rounds, note)
+        _print_motions(found)
+        rows += found
+    keep(options.output, "motions", rows)
+
+
+def _motion_sets(robot: Robot, options: argparse.Namespace) -> Iterator[MotionSet]:
+    for scene in options.scene:
+        checker = checker_in(robot, scene)
+        for length in options.lengths:
+            yield from random_sets(checker, checker.scene.name, length, options.motions, options.seed)
+    for path in options.problems:
+        ready = list(tasks(path, robot, options.every, options.first))
+        if not ready:
+            note(f"{name_of_set(path)} is left out: no start and goal of its problems are free")
+            continue
+        for longest in options.ranges:
+            yield recorded_set(name_of_set(path), ready, longest, options.motions)
+
+
+def _print_motions(rows: Sequence[MotionRow]) -> None:
+    first = rows[0]
+    print(f"\n{first.robot}, {first.where}, {first.kind}: {first.motions} motions, {first.free:.0%} free")
+    header = ("method", "µs a motion", "x", "false free %", "false coll. %", "motions")
+    cells = [
+        (
+            row.method,
+            f"{row.microseconds:.2f}",
+            f"{row.ratio:.2f}",
+            f"{100 * row.false_free:.2f}",
+            f"{100 * row.false_collision:.2f}",
+            row.motions,
+        )
+        for row in rows
+    ]
+    print(table(header, cells))
+    show_how(rows)
+
+
+def _run_setup(options: argparse.Namespace) -> None:
+    rows: list[SetUpRow] = []
+    for scene in options.scene:
+        found = set_up.measure(options.robot, None if scene == "none" else scene, options.rounds, options.seed, note)
+        _print_setup(found)
+        rows += found
+    keep(options.output, "setup", rows)
+    if options.problems:
+        robot = Robot.load(options.robot)
+        solved = [
+            from_files.measure(path, robot, options.every, options.first, options.time) for path in options.problems
+        ]
+        header = ("from files to a path", "solved", "read ms", "checker ms", "plan ms", "median ms", "mean ms")
+        cells = [
+            (
+                row.set,
+                f"{row.solved} of {row.problems}",
+                *(number(value) for value in (row.read, row.checker, row.plan, row.total, row.total_mean)),
+            )
+            for row in solved
+        ]
+        print(f"\n{table(header, cells)}")
+        keep(options.output, "from_files", solved)
+
+
+def _print_setup(rows: Sequence[SetUpRow]) -> None:
+    first = rows[0]
+    print(f"\n{first.robot} in {first.scene}: {first.pairs} pairs")
+    header = ("step", "ms", "first verdict ms", "first motion ms", "prepared again")
+    cells = [
+        (
+            row.what,
+            *(number(value) for value in (row.milliseconds, row.first_verdict, row.first_motion)),
+            "-" if row.prepared is None else row.prepared,
+        )
+        for row in rows
+    ]
+    print(table(header, cells))
+
+
+def _run_plans(options: argparse.Namespace) -> None:
+    robot, settings = robot_of(options), Settings(options.range, options.time)
+    rows: list[PlanRow] = []
+    everything: dict[str, Tally] = {}
+    for path in options.problems:
+        ready = tasks(path, robot, options.every, options.first)
+        tallies = plans.measure(ready, options.seeds, settings, options.rounds, note)
+        if not tallies:
+            note(f"{name_of_set(path)} is left out: no start and goal of its problems are free")
+        found = [tally.row(name_of_set(path), planner) for planner, tally in tallies.items()]
+        _print_plans(found)
+        rows += found
+        for planner, tally in tallies.items():
+            everything.setdefault(planner, Tally()).merge(tally)
+    if len(options.problems) > 1:
+        found = [tally.row("all", planner) for planner, tally in everything.items()]
+        _print_plans(found)
+        rows += found
+    keep(options.output, "plans", rows)
+
+
+def _print_plans(rows: Sequence[PlanRow]) -> None:
+    header = (
+        *("set", "planner", "solved", "median ms", "mean ms", "95 % ms", "whole call ms", "refused", "colliding"),
+        *("deepest mm: median", "most"),
+    )
+    cells = [
+        (
+            row.set,
+            row.planner,
+            f"{row.solved} of {row.tried}",
+            *(number(value) for value in (row.median_ms, row.mean_ms, row.p95_ms, row.call_median_ms)),
+            row.refused,
+            row.colliding,
+            *(number(value) for value in (row.deepest_median_mm, row.deepest_mm)),
+        )
+        for row in rows
+    ]
+    if cells:
+        print(f"\n{table(header, cells)}", flush=True)
+
+
+SUBCOMMANDS = {
+    "motions": Subcommand("proved motions beside motions that others sample", _add_motions, _run_motions),
+    "setup": Subcommand("loading, building a checker, changing its scene", _add_setup, _run_setup),
+    "plans": Subcommand("searches and whole plans on MotionBenchMaker problems", _add_plans, _run_plans, 3),
+}

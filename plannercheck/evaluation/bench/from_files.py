@@ -1,0 +1,81 @@
+"""From a planning-scene file and a motion request to a proved path: what a user waits for in all.
+
+In: a problem set, a robot that is loaded. Out: medians over the problems, step by step, of processor time. Each problem
+is done once: a scene that was seen before would be faster. The disk cache of prepared bodies is used.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.problems import checker_of, name_of_set
+from plannercheck.ompl import plan
+from plannercheck.robots.robot import Robot
+from plannercheck.scenes.motion_bench_maker import load_problems
+
+
+@dataclass(frozen=True)
+class FromFilesRow:
+    """Medians over the problems of a set that were solved.
+
+    Attributes:
+        set: Its name.
+        problems: How many were tried.
+        solved: How many of them.
+        read: Milliseconds to read scene and request.
+        checker: To give the robot the request's group and build the checker.
+        plan: From start and goal to the path, without shortening.
+        total: All of it.
+        total_mean: The mean of that.
+    """
+
+    set: str
+    problems: int
+    solved: int
+    read: float
+    checker: float
+    plan: float
+    total: float
+    total_mean: float
+
+
+def measure(path: Path, robot: Robot, every: int, first: int | None, limit: float) -> FromFilesRow:
+    """Does every so-many-th problem of a set.
+
+    Args:
+        path: The set's folder or archive.
+        robot: Any robot with the problems' joints.
+        every: Take every so-many-th problem.
+        first: At most so many of these; None for all.
+        limit: Of a search, s.
+
+    Raises:
+        PlannercheckError: If no problem is solved.
+    """
+    problems = load_problems(path)
+    numbers = list(islice(islice(problems.members, 0, None, every), first))
+    spent = []
+    for number in numbers:
+        clock = [time.thread_time()]
+        problem = problems.problem(number)
+        clock.append(time.thread_time())
+        checker = checker_of(problem, robot)
+        clock.append(time.thread_time())
+        found = plan(checker, problem.start, problem.goal, time_limit=limit, simplify=False, seed=1)
+        clock.append(time.thread_time())
+        if found.solved:
+            spent.append(1e3 * np.diff(clock))
+    if not spent:
+        raise PlannercheckError(f"no problem of {name_of_set(path)} was solved: nothing can be timed")
+    steps = np.array(spent)
+    total = steps.sum(axis=1)
+    read, built, planned = np.median(steps, axis=0).tolist()
+    return FromFilesRow(
+        name_of_set(path), len(numbers), len(steps), read, built, planned, float(np.median(total)), float(total.mean())
+    )

@@ -1,0 +1,109 @@
+"""Proved motions beside motions that other libraries sample.
+
+In: a set of motions. Out: a row for each method of motion_methods.py. A motion that the checker proves free is free.
+One that it refuses counts as colliding: a peer that calls it free is wrong, unless the motion only comes within the
+proof's tolerance of a collision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from plannercheck.common.array_types import Bools
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.motion_methods import METHODS, MotionMethod, Ready
+from plannercheck.evaluation.bench.motion_sets import MotionSet
+from plannercheck.evaluation.bench.timing import Work, least_seconds
+
+
+@dataclass(frozen=True)
+class MotionRow:
+    """What one method did on motions of one kind.
+
+    Attributes:
+        robot: Its name.
+        where: The scene, or the problem set.
+        kind: Of the motions.
+        method: Its name.
+        motions: Judged in a round.
+        free: Part of them that is proved free.
+        microseconds: The least time a motion.
+        ratio: That time over that of `check_motions`.
+        false_free: Part of the motions that it calls free though they are refused.
+        false_collision: Part of the motions that it calls colliding though they are proved free.
+        note: What was timed.
+    """
+
+    robot: str
+    where: str
+    kind: str
+    method: str
+    motions: int
+    free: float
+    microseconds: float
+    ratio: float
+    false_free: float
+    false_collision: float
+    note: str
+
+
+def measure(
+    motions: MotionSet,
+    rounds: int,
+    skipped: Callable[[str], None] = lambda reason: None,
+    methods: Sequence[MotionMethod] = METHODS,
+) -> list[MotionRow]:
+    """Times all methods by turns.
+
+    Args:
+        motions: What to judge.
+        rounds: How often each runs.
+        skipped: Is told why a method is left out.
+        methods: The first is what others' ratios are to.
+
+    Returns:
+        A row for each method that could be built.
+    """
+    ready: dict[str, Ready] = {}
+    counts: dict[str, list[int]] = {}
+    for method in methods:
+        cases = motions.cases if method.most is None else motions.first(method.most)
+        try:
+            ready[method.name] = method.ready(cases)
+        except (PlannercheckError, ImportError) as error:
+            skipped(f"{method.name} is left out: {error}")
+        else:
+            counts[method.name] = [len(case.starts) for case in cases]
+    contenders: dict[str, Work | Sequence[Work]] = {name: found.works for name, found in ready.items()}
+    contenders |= {_less(name): found.overheads for name, found in ready.items() if found.overheads}
+    seconds = least_seconds(contenders, rounds)
+    each = {name: (seconds[name] - seconds.get(_less(name), 0.0)) / sum(counts[name]) for name in ready}
+    truth = [case.checker.check_motions(case.starts, case.ends) for case in motions.cases]
+    return [_row(motions, name, found, truth, counts[name], each) for name, found in ready.items()]
+
+
+def _less(name: str) -> str:
+    return f"{name}, taken off"
+
+
+def _row(
+    motions: MotionSet, name: str, found: Ready, truth: Sequence[Bools], counts: Sequence[int], each: dict[str, float]
+) -> MotionRow:
+    right = np.concatenate([verdicts[:n] for verdicts, n in zip(truth, counts, strict=True)])
+    said = np.concatenate([work() for work in found.works])
+    return MotionRow(
+        motions.cases[0].checker.robot.name,
+        motions.where,
+        motions.kind,
+        name,
+        len(right),
+        float(right.mean()),
+        1e6 * each[name],
+        each[name] / next(iter(each.values())),
+        float((said & ~right).mean()),
+        float((~said & right).mean()),
+        found.note,
+    )
