@@ -105,7 +105,7 @@ class JointSpace:
                     "as large as its start and goal need"
                 )
         if not self._turning:
-            state[0 : self._width] = [float(value) for value in q]
+            state[0 : self._width] = np.asarray(q, dtype=np.float64).tolist()
             return
         for k, turning in enumerate(self.continuous.tolist()):
             if turning:

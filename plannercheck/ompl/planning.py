@@ -15,11 +15,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from ompl import base, geometric, util
 
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.silence import Silence
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
@@ -116,8 +116,8 @@ def _is_planner(item: Any) -> bool:
 
 def plan(
     checker: AnyChecker,
-    start: ArrayLike,
-    goal: ArrayLike,
+    start: Configuration,
+    goal: Configuration,
     planner: str = "RRTConnect",
     time_limit: float = 10.0,
     simplify: bool = True,
@@ -131,8 +131,8 @@ def plan(
 
     Args:
         checker: The checker that judges states and motions.
-        start: (nq,) rad and m.
-        goal: (nq,) rad and m.
+        start: (nq,) rad and m, or each joint's value by its name.
+        goal: (nq,) rad and m, or by names.
         planner: One of `planner_names()`.
         time_limit: The time limit of the search, s; shortening takes up to about `SIMPLIFICATION_TIME` more.
         simplify: Whether to shorten the path.

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import read_only
+from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import unknown_name
 from plannercheck.common.public_names import set_module
@@ -205,16 +205,18 @@ class Robot:
         full = self._map.expand(self._map.checked(q))
         return full[0] if np.ndim(q) == 1 else full
 
-    def link_poses(self, q: ArrayLike) -> Floats:
+    def link_poses(self, q: Configuration) -> Floats:
         """World poses of all links.
 
         Args:
-            q: (nq,) or (n, nq) configurations of the group.
+            q: (nq,) or (n, nq) configurations of the group, or each joint's value of one by its name.
 
         Returns:
             (links, 4, 4) or (n, links, 4, 4), m, in the order of link_names. A configuration gets the same doubles
             alone and in a batch, on every instruction set.
         """
+        if isinstance(q, Mapping):
+            return self.link_poses(self.joint_values.named(q)[0])
         rows = self._map.checked(q)
         poses = self._forward.poses(rows)
         return poses[0] if np.ndim(q) == 1 else poses

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from ompl import base, geometric
 
+import plannercheck as pc
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl import planning
@@ -358,3 +359,25 @@ def test_a_script_leaves_no_leaks_and_no_chatter():
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
     assert done.stdout == ""
     assert done.stderr == ""
+
+
+def test_ends_by_names_of_joints(checker, ends):
+    named = [dict(zip(checker.robot.joint_names[::-1], q[::-1], strict=True)) for q in ends]
+    for start, goal in (named, (ends[0], named[1])):
+        found = planning.plan(checker, start, goal, seed=2, simplify=False)
+        assert np.array_equal(found.path, planning.plan(checker, *ends, seed=2, simplify=False).path)
+    with pytest.raises(PlannercheckError, match=r"goal: .*missing: panda_joint1$"):
+        planning.plan(checker, ends[0], {name: value for name, value in named[1].items() if name != "panda_joint1"})
+    with pytest.raises(PlannercheckError, match=r"start: unknown joint 'panda_joint8'"):
+        planning.plan(checker, {**named[0], "panda_joint8": 0.0}, ends[1])
+    with pytest.raises(PlannercheckError, match=r"start: .*finite"):
+        planning.plan(checker, {**named[0], "panda_joint1": np.nan}, ends[1])
+
+
+def test_planar_ends_by_names():
+    checker = pc.planar.Checker(pc.planar.Robot.load("forklift"), pc.planar.Scene.load("parking"))
+    ends = checker.scene.start("forklift"), checker.scene.goal("forklift")
+    named = [dict(zip(checker.robot.joint_names, q, strict=True)) for q in ends]
+    found = [planning.plan(checker, *pair, seed=2, simplify=False) for pair in (ends, named)]
+    assert found[0].solved
+    assert np.array_equal(found[0].path, found[1].path)

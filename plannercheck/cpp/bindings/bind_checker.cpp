@@ -111,8 +111,8 @@ nb::object row_validity(nb::object checker, nb::object kinematics) {
   return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
 }
 
-// A function that OMPL calls with states (ompl_states.hpp). It passes states beyond the limits to `elsewhere`, a function
-// of a list.
+// A function that OMPL calls with states (ompl_states.hpp). It passes states beyond the limits to `elsewhere`, which
+// takes a list.
 nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere, nb::object serialize) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
@@ -221,8 +221,7 @@ void bind_checker(nb::module_& m) {
   m.def("placed_on_links", &placed_on_links, plain_floats);
   m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
-        nb::arg("serialize").none() = nb::none(),
-        plain_floats);
+        nb::arg("serialize").none() = nb::none(), plain_floats);
 }
 
 }  // namespace plannercheck

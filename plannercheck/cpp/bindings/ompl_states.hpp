@@ -1,5 +1,5 @@
-// States of OMPL's spaces in Python, as rows of numbers. OMPL's Python classes have no headers to build against, so this
-// calls them as Python would, without Python's overhead.
+// States of OMPL's spaces in Python, as rows of numbers. OMPL's Python classes have no headers to build against, so
+// this calls them as Python would, without Python's overhead.
 //
 // In: a state, and the space's `serialize`, which copies all numbers of a state at once: bounded joints, angles, and
 // compounds of them, part by part. Out: the numbers. Without `serialize`, `state[k]` is the k-th number, as in a
