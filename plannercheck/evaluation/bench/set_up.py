@@ -38,6 +38,8 @@ _MOST_PROCESSES = 5
 _PATIENCE = 600
 
 _FROM_SCRATCH = "Checker(...)"
+# Begins the names of our own objects, which no scene has.
+_OWN = "plannercheck bench:"
 
 # Prints milliseconds of each step as JSON; given the robot, the scene, a state and a motion from it.
 _FRESH = """
@@ -140,14 +142,14 @@ def _steps(checker: Checker, rng: np.random.Generator) -> Iterator[tuple[str, St
     yield "with_scene, one box more", _changed(checker, lambda scene: _add(scene, rng))
     if checker.scene.object_names:
         last = checker.scene.object_names[-1]
-        carrying = checker.attach("can", Cylinder(0.03, 0.1), link, _at(0, 0, 0.2))
+        carrying = checker.attach(f"{_OWN} can", Cylinder(0.03, 0.1), link, _at(0, 0, 0.2))
         yield "with_scene, one object moved", _changed(checker, lambda scene: scene.move(last, _anywhere(rng)))
         yield "with_scene, one object gone", _changed(checker, lambda scene: scene.remove(last))
         yield (
             "with_scene while another is attached, one moved",
             _changed(carrying, lambda scene: scene.move(last, _anywhere(rng))),
         )
-    yield "attach", lambda: checker.attach("tin", Cylinder(0.03, 0.1), link, _at(0, 0, 0.2))
+    yield "attach", lambda: checker.attach(f"{_OWN} tin", Cylinder(0.03, 0.1), link, _at(0, 0, 0.2))
 
 
 def _changed(checker: Checker, change: Callable[[Scene], object]) -> Step:
@@ -160,7 +162,7 @@ def _changed(checker: Checker, change: Callable[[Scene], object]) -> Step:
 
 
 def _add(scene: Scene, rng: np.random.Generator) -> None:
-    scene.add_box("new", rng.uniform(0.05, 0.2, 3).tolist(), _anywhere(rng))
+    scene.add_box(f"{_OWN} box", rng.uniform(0.05, 0.2, 3).tolist(), _anywhere(rng))
 
 
 def _anywhere(rng: np.random.Generator) -> Floats:
