@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from plannercheck.cli.main import main
-from plannercheck.evaluation.bench import plans
+from plannercheck.evaluation.bench import plans, set_up
 from plannercheck.evaluation.bench.motion_methods import METHODS, OURS
 from plannercheck.evaluation.bench.motion_sets import along_motions, random_sets, recorded_set
 from plannercheck.evaluation.bench.motions import measure
@@ -137,17 +137,27 @@ def test_motions_command(problems, tmp_path, capsys):
     assert "plannercheck, OMPL validator" in printed
 
 
-def test_setup_command(problems, tmp_path, capsys):
-    options = ["--robot", "ur5", "--scene", "table", "none", "--rounds", "1", "--output", str(tmp_path / "out")]
+def test_setup_command(tmp_path, capsys):
+    options = ["--robot", "ur5", "--scene", "table", "--rounds", "1", "--output", str(tmp_path / "out")]
     assert main(["bench", "setup", *options]) == 0
     rows = read(tmp_path / "out" / "setup.csv")
-    assert {row["scene"] for row in rows} == {"table", "empty"}
-    steps = {row["what"] for row in rows if row["scene"] == "table"}
+    assert {row["scene"] for row in rows} == {"table"}
+    steps = {row["what"] for row in rows}
     assert {"Scene.load", "Checker(...)", "attach", "fresh process: Checker(...), nothing cached"} <= steps
     assert {f"with_scene, one {change}" for change in ("box more", "object moved", "object gone")} <= steps
     assert all(row["prepared"] in ("", "0") for row in rows)
     assert all(float(row["first_motion"]) > 0 for row in rows if row["what"].startswith(("with_scene", "Checker")))
     assert "first verdict ms" in capsys.readouterr().out
+
+
+def test_setup_without_a_scene_has_nothing_to_load_or_move(monkeypatch):
+    monkeypatch.setattr(set_up, "_fresh_rows", lambda *arguments: [])
+    notes = []
+    steps = [
+        row.what for row in set_up.measure("ur5", None, 1, 0, notes.append) if row.what.startswith(("S", "C", "w"))
+    ]
+    assert steps == ["Checker(...)", "with_scene, one box more"]
+    assert any("VAMP" in note for note in notes)
 
 
 def test_setup_from_files_to_a_path(problems, tmp_path, monkeypatch, capsys):
