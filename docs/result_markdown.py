@@ -87,5 +87,16 @@ def number(value: float | None) -> str:
 
 
 def times(value: float, ours: float) -> str:
-    """A time, and how many times ours it is."""
-    return f"{number(value)} ({number(value / ours)} ×)"
+    """A time, and how many times ours it is; bold where it is shorter."""
+    text = f"{number(value)} ({number(value / ours)} ×)"
+    return f"**{text}**" if value < ours else text
+
+
+def faster(found: Iterable[tuple[str, str, float]]) -> str:
+    """Who is faster than ours where, and the ratios, in plain words; given names, cases and ratios below 1."""
+    cases: dict[str, list[str]] = {}
+    for name, case, ratio in found:
+        cases.setdefault(name, []).append(f"{case} ({number(ratio)} ×)")
+    if not cases:
+        return paragraph("No other library is faster here.")
+    return "\n".join(paragraph(f"{name} is faster than ours: {'; '.join(where)}.") for name, where in cases.items())

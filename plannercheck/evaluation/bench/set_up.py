@@ -32,6 +32,8 @@ from plannercheck.scenes.scene import Scene
 
 # The motion that is proved first after each step, rad.
 _LENGTH = 0.4
+# Motions that are drawn at once in search of a free one.
+_DRAWS = 200
 # A first process fills the disk cache, and as many more are timed as there are rounds, but not more than these.
 _MOST_PROCESSES = 5
 # Seconds until a fresh process is given up.
@@ -127,8 +129,8 @@ def _scene(name: str | None) -> Scene:
 
 
 def _first_motion(checker: Checker, seed: int) -> MotionCase:
-    """A free motion."""
-    sets = random_sets(checker, "", _LENGTH, 1, seed)
+    """A free motion, the first of some that are drawn."""
+    sets = random_sets(checker, "", _LENGTH, _DRAWS, seed)
     found = next((motions for motions in sets if motions.kind.endswith("free")), None)
     if found is None:
         raise PlannercheckError(f"{checker.robot.name} has no free motion in scene {checker.scene.name!r}")
