@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-import result_tables as beside
+import result_tables as peers
 import result_tables_inside as inside
 import result_tables_planning as planning
 from result_markdown import ROOT, older, record
@@ -24,8 +24,8 @@ _MARKED = re.compile(r"(<!-- table: (?P<name>[\w/]+) -->\n).*?(<!-- end of table
 TABLES: dict[str, Callable[[], str]] = {
     make.__name__: make
     for make in (
-        *(beside.overview, beside.overview_sources, beside.states, beside.states_along_motions, beside.vamp_verdicts),
-        *(beside.set_up, beside.pairs, planning.motions, planning.plans, planning.waiting, planning.from_files),
+        *(peers.overview, peers.overview_sources, peers.states, peers.states_along_motions, peers.vamp_verdicts),
+        *(peers.set_up, peers.pairs, planning.motions, planning.plans, planning.waiting, planning.from_files),
         *(planning.changing_scenes, inside.motions_cost, inside.hierarchies, inside.preparation),
         *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
         *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from result_markdown import faster, number, provenance, record, table, times
+from result_markdown import beside, faster, number, provenance, record, table
 
 Row = dict[str, Any]
 
 OURS = "plannercheck, batch"
-SET_UPS = ("setup_panda", "setup_ur5", "setup_baxter", "setup_talos")
+SET_UPS = ("setup_panda", "setup_ur5", "setup_baxter", "setup_pr2", "setup_talos")
 
 
 def motions() -> str:
@@ -26,8 +26,8 @@ def motions() -> str:
     lines = [[name, *(_motion_cell(by_method, *kind, name) for kind in kinds)] for name in names]
     wrong = [[name, *(_wrong_cell(by_method, *kind, name) for kind in kinds)] for name in names if _is_peer(name)]
     heads = [f"{where}: {kind}" for where, kind in kinds]
-    best = [row for row in rows if _is_peer(row["method"]) and row["ratio"] < 1]
-    told = faster((row["method"], f"{row['where']}, {row['kind']}", row["ratio"]) for row in best)
+    peers = [row for row in rows if _is_peer(row["method"])]
+    told = faster((row["method"], f"{row['where']}, {row['kind']}", row["ratio"]) for row in peers)
     return (
         table(["µs a motion", *heads], lines)
         + f"\n{told}\n"
@@ -45,7 +45,7 @@ def _motion_cell(rows: dict[tuple[str, str, str], Row], where: str, kind: str, n
     row, ours = rows.get((where, kind, name)), rows[where, kind, OURS]
     if row is None:
         return "–"
-    return times(row["microseconds"], ours["microseconds"]) if _is_peer(name) else number(row["microseconds"])
+    return beside(row["microseconds"], ours["microseconds"]) if _is_peer(name) else number(row["microseconds"])
 
 
 def _wrong_cell(rows: dict[tuple[str, str, str], Row], where: str, kind: str, name: str) -> str:
@@ -61,7 +61,7 @@ def plans() -> str:
     lines = []
     for (name, planner), row in by_planner.items():
         mine = ours[name]
-        show = (lambda value, other: number(value)) if row is mine else times
+        show = (lambda value, other: number(value)) if row is mine else beside
         call = "–" if row["call_median_ms"] is None else show(row["call_median_ms"], mine["call_median_ms"])
         lines.append(
             (
@@ -77,9 +77,7 @@ def plans() -> str:
             )
         )
     told = faster(
-        (planner, name, row["median_ms"] / ours[name]["median_ms"])
-        for (name, planner), row in by_planner.items()
-        if row["median_ms"] < ours[name]["median_ms"]
+        (planner, name, row["median_ms"] / ours[name]["median_ms"]) for (name, planner), row in by_planner.items()
     )
     header = ("set", "planner", "median ms", "mean ms", "whole call, median ms", "solved", "plans that collide")
     return table((*header, "deepest, median mm", "at most"), lines) + f"\n{told}\n" + provenance(found)

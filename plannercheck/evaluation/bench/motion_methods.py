@@ -155,7 +155,7 @@ def _vamp(taken_off: bool, cases: Sequence[MotionCase]) -> Ready:
     if not taken_off:
         return Ready(works, note=f"Path.validate, {STATES_A_RADIAN} states a rad; each call copies the obstacles")
     overheads = [partial(model.copying, len(case.starts)) for model, case in pairs]
-    return Ready(works, overheads, "the same, less what a call with nothing to judge takes")
+    return Ready(works, overheads, "Path.validate, less what a call with nothing to judge takes")
 
 
 OURS = "plannercheck, batch"

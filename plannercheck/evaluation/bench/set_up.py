@@ -224,7 +224,8 @@ def _fresh_rows(checker: Checker, names: tuple[str, str | None], case: MotionCas
         if cached:
             rows.append(_row(checker, "fresh process: import pinocchio", [pinocchio]))
         rows.append(_row(checker, f"fresh process: import, Robot.load{suffix}", [pinocchio + load]))
-        rows.append(_row(checker, f"fresh process: Scene.load{suffix}", [scene]))
+        if names[1] is not None:
+            rows.append(_row(checker, f"fresh process: Scene.load{suffix}", [scene]))
         rows.append(_row(checker, f"fresh process: Checker(...){suffix}", built))
     return rows
 
