@@ -5,14 +5,17 @@ from __future__ import annotations
 import csv
 import json
 import sys
+import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
 
 from plannercheck.cli.main import main
-from plannercheck.evaluation.bench import plans, set_up
-from plannercheck.evaluation.bench.motion_methods import METHODS, OURS
+from plannercheck.evaluation.bench import plans, set_up, states
+from plannercheck.evaluation.bench.methods import methods
+from plannercheck.evaluation.bench.motion_methods import METHODS, OURS, MotionMethod, Ready
 from plannercheck.evaluation.bench.motion_sets import along_motions, random_sets, recorded_set
 from plannercheck.evaluation.bench.motions import measure
 from plannercheck.evaluation.bench.planners import Found, Settings
@@ -117,6 +120,36 @@ def test_methods_that_judge_motions_agree_where_nothing_is_near(checker):
             elif not row.method.startswith("VAMP"):
                 assert row.false_collision == 0, row.method  # sampled on the same hulls: only collisions are missed
         assert {row.method for row in rows} <= {method.name for method in METHODS}
+
+
+def spin(seconds, verdicts):
+    """Takes so long in this thread."""
+    end = time.thread_time() + seconds
+    while time.thread_time() < end:
+        pass
+    return verdicts
+
+
+def test_what_a_call_takes_with_nothing_to_judge_is_taken_off(checker):
+    free, _ = random_sets(checker, "bookshelf", 0.4, 4, 1)
+    said = np.array([True, True, False, True])
+    slow = Ready([lambda: spin(8e-3, said)], [lambda: spin(4e-3, said)], "how")
+    rows = measure(free, 2, methods=[METHODS[0], MotionMethod("slow", lambda cases: slow)])
+    assert rows[1].microseconds == pytest.approx(1000, rel=0.2)
+    assert (rows[1].false_free, rows[1].false_collision, rows[1].note) == (0, 0.25, "how")
+
+
+def test_the_same_is_taken_off_states(checker):
+    exact = next(methods(checker, []))
+    slow = replace(
+        exact,
+        name="slow",
+        judge=lambda built, q: spin(8e-3, np.ones(len(q), bool)),
+        overhead=lambda built, q: spin(4e-3, 0),
+    )
+    q = checker.robot.random_configurations(4, 1)
+    rows = states.measure(checker, [exact, slow], q, 2)
+    assert rows[1].microseconds == pytest.approx(4000, rel=0.2)  # each state is a part of its own
 
 
 def test_motions_command(problems, tmp_path, capsys):
