@@ -3,8 +3,8 @@
 In: `docs/results/*.json`, written by `plannercheck bench ... --output` and by `tests/benchmarks/*.py --output`, and
 `docs/results/older/*.json`, figures that pages stated before and that no run has replaced yet. Out: README.md and the
 pages of docs/, in which the lines between `<!-- table: NAME -->` and `<!-- end of table -->` are rendered again. A test
-holds that every page is what this script renders. `result_tables.py` and `result_tables_inside.py` say
-what each table shows.
+holds that every page is what this script renders. `result_tables.py`, `result_tables_planning.py`
+and `result_tables_inside.py` say what each table shows.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-import result_tables as beside
+import result_tables as peers
 import result_tables_inside as inside
+import result_tables_planning as planning
 from result_markdown import ROOT, older, record
 
 _MARKED = re.compile(r"(<!-- table: (?P<name>[\w/]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
@@ -23,8 +24,9 @@ _MARKED = re.compile(r"(<!-- table: (?P<name>[\w/]+) -->\n).*?(<!-- end of table
 TABLES: dict[str, Callable[[], str]] = {
     make.__name__: make
     for make in (
-        *(beside.overview, beside.overview_sources, beside.states, beside.set_up, beside.motions, beside.plans),
-        *(beside.pairs, inside.motions_cost, inside.changing_scenes, inside.hierarchies, inside.preparation),
+        *(peers.overview, peers.overview_sources, peers.states, peers.states_along_motions, peers.vamp_verdicts),
+        *(peers.set_up, peers.pairs, planning.motions, planning.plans, planning.waiting, planning.from_files),
+        *(planning.changing_scenes, inside.motions_cost, inside.hierarchies, inside.preparation),
         *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
         *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
         *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games),

@@ -89,3 +89,29 @@ def number(value: float | None) -> str:
 def times(value: float, ours: float) -> str:
     """A time, and how many times ours it is."""
     return f"{number(value)} ({number(value / ours)} ×)"
+
+
+def beside(value: float, ours: float) -> str:
+    """A peer's time, and how many times ours it is; bold where it is shorter."""
+    return f"**{times(value, ours)}**" if value < ours else times(value, ours)
+
+
+def faster(found: Iterable[tuple[str, str, float]]) -> str:
+    """Who is faster than ours where, in plain words; given names, cases and ratios, of which those below 1 are told."""
+    cases: dict[str, dict[str, list[float]]] = {}
+    for name, case, ratio in found:
+        if ratio < 1:
+            cases.setdefault(name, {}).setdefault(case, []).append(ratio)
+    if not cases:
+        return paragraph("No other library is faster here.")
+    return "\n".join(
+        paragraph(
+            f"{name} is faster than ours: {'; '.join(f'{case} ({_span(ratios)} ×)' for case, ratios in where.items())}."
+        )
+        for name, where in cases.items()
+    )
+
+
+def _span(ratios: Sequence[float]) -> str:
+    low, high = number(min(ratios)), number(max(ratios))
+    return low if low == high else f"{low} to {high}"

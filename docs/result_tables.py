@@ -6,11 +6,13 @@ machine that its figures come from.
 
 from __future__ import annotations
 
+from statistics import median
 from typing import Any
 
-from result_markdown import items, number, provenance, record, source, table, times
+from result_markdown import beside, faster, items, number, paragraph, provenance, record, source, table, times
 
 Row = dict[str, Any]
+Faster = tuple[str, str, float]
 
 OURS, ONE_BY_ONE = "plannercheck, batch", "plannercheck, one by one"
 TREE, ALL_PAIRS, FCL = (
@@ -18,86 +20,157 @@ TREE, ALL_PAIRS, FCL = (
     "Pinocchio + coal, all pairs, tolerance 1e-06",
     "python-fcl",
 )
+AT_BEST, MOTION_TREE = "coal at its best", "Pinocchio + coal, AABB tree"
+VAMP, MUJOCO, FROM_PYTHON = "VAMP, in C++", "MuJoCo, mj_geomDistance", "plannercheck, intersects from Python"
 PAIR_METHODS = {"plannercheck, oracle": "ours", "plannercheck, walk": "the paper's walk"}
-PAIR_METHODS |= {"coal, C++ loop": "coal", "python-fcl": "FCL"}
+PAIR_METHODS |= {FROM_PYTHON: "ours from Python"}
+PAIR_METHODS |= {AT_BEST: AT_BEST, "coal, C++ loop": "coal by Pinocchio", "python-fcl": "FCL from Python"}
+PAIR_METHODS |= {MUJOCO: "MuJoCo from Python"}
+STATE_FILES = ("states_panda", "states_ur5", "states_baxter", "states_talos")
 
 
 def overview() -> str:
     """One table of all that matters: ours, coal, FCL, VAMP."""
-    states, motions = chosen("states_panda", scene="bookshelf"), chosen("motions_against_peers", scene="bookshelf")
+    random, along = (chosen("states_panda", scene="bookshelf", which=which) for which in ("random", "along motions"))
     pairs = {row["method"]: row for row in record("pairs")["rows"] if row["vertices"] == 150 and row["gap"] == 1e-4}
-    plans = {row["side"]: row for row in record("plans")["rows"] if row["set"] == "all"}
-    vamp = {row["what"]: row["vamp"] for row in record("older/vamp")["rows"]}
-    every = states[OURS]["pairs"]
+    plans = {row["planner"]: row for row in record("plans")["rows"] if row["set"] == "all"}
+    steps = {row["what"]: row for row in record("setup_panda")["rows"] if row["scene"] == "bookshelf"}
+    every = random[OURS]["pairs"]
+    motion_kinds = [row["kind"] for row in record("motions")["rows"] if row["method"] == OURS]
+    files = record("from_files")["rows"]
     lines = [
-        (f"a state of a Panda in a bookshelf ({every} pairs), µs", *three(states, "microseconds"), vamp["state"]),
-        (
-            "a motion of 1 rad there, µs: ours proved, theirs 32 states",
-            *three(motions, "microseconds", "coal, AABB tree"),
-            vamp["motion"],
+        (f"a random state of a Panda in a bookshelf ({every} pairs), µs", *contenders(random, OURS, TREE)),
+        ("a state along motions there, µs", *contenders(along, OURS, TREE)),
+        *(
+            (
+                f"a motion, µs, ours proved, theirs sampled: {kind}",
+                *contenders(chosen("motions", kind=kind), OURS, MOTION_TREE),
+            )
+            for kind in dict.fromkeys(motion_kinds)
         ),
-        (
-            "a plan by RRTConnect, median of a search, ms",
-            number(plans["ours"]["median_ms"]),
-            times(plans["peer"]["median_ms"], plans["ours"]["median_ms"]),
-            "–",
-            vamp["plan"],
-        ),
+        ("a plan by RRTConnect, median of a search, ms", *of_plans(plans, "median_ms")),
+        ("a whole plan, median of a call, ms", *of_plans(plans, "call_median_ms")),
         (
             "a pair of hulls of 150 vertices near contact, µs",
-            *three(pairs, "microseconds", "coal, C++ loop", "plannercheck, oracle"),
-            "–",
+            *contenders(pairs, "plannercheck, oracle", "coal, C++ loop"),
         ),
-        (
-            "set-up of robot and scene, nothing cached, ms",
-            *prepared(list(states.values())),
-            "–",
-        ),
+        ("a checker of a loaded robot and scene, until the first proved motion, ms", *of_steps(steps, "Checker(...)")),
+        ("a box more, until the first proved motion, ms", *of_steps(steps, "with_scene, one box more")),
+        ("scene file and request to a proved path, ms", number(median([row["total"] for row in files])), "–", "–", "–"),
     ]
-    return table(("", "ours", "coal", "FCL", "VAMP"), lines)
+    return table(("", "ours", "coal", "FCL", "VAMP"), lines) + "\n" + paragraph(_BOLD)
 
 
-def three(rows: dict[str, Row], field: str, coal: str = TREE, ours: str = OURS) -> tuple[str, str, str]:
-    """Ours, coal's and FCL's."""
-    mine = rows[ours][field]
-    return number(mine), times(rows[coal][field], mine), times(rows[FCL][field], mine)
+_BOLD = (
+    "Bold is faster than ours. Coal at its best is a C++ loop over poses that it is given for nothing. VAMP judges "
+    "balls of its own in floats, and samples motions. Their set-up ends with the first verdict."
+)
+
+
+def contenders(rows: dict[str, Row], ours: str, coal: str) -> tuple[str, str, str, str]:
+    """µs of ours, coal at its best and otherwise, FCL's and VAMP's."""
+    mine = rows[ours]["microseconds"]
+    spent = {name: beside(row["microseconds"], mine) for name, row in rows.items()}
+    cells = [f"{spent[AT_BEST]} at its best"] if AT_BEST in spent else []
+    cells += [f"{spent[coal]} by Pinocchio"] if coal in spent else []
+    return number(mine), ", ".join(cells) or "–", spent.get(FCL, "–"), spent.get(VAMP, "–")
+
+
+def of_plans(rows: dict[str, Row], field: str) -> tuple[str, str, str, str]:
+    """Milliseconds of ours, coal's and VAMP's plans."""
+    mine = rows["plannercheck"][field]
+    spent = {name: beside(row[field], mine) for name, row in rows.items() if row[field] is not None}
+    return number(mine), spent.get("Pinocchio + coal", "–"), "–", spent.get("VAMP", "–")
+
+
+def of_steps(rows: dict[str, Row], step: str) -> tuple[str, str, str, str]:
+    """Milliseconds of a step with the first verdict and motion; of coal's and VAMP's builds with the first verdict."""
+    spent = {
+        what: sum(row[name] or 0 for name in ("milliseconds", "first_verdict", "first_motion"))
+        for what, row in rows.items()
+    }
+    mine = spent[step]
+    peers = (spent.get("Pinocchio + coal: geometry and AABB tree"), spent.get("VAMP: its environment"))
+    coal, vamp = ("–" if value is None else beside(value, mine) for value in peers)
+    return number(mine), coal, "–", vamp
 
 
 def chosen(name: str, **wanted: str) -> dict[str, Row]:
-    """Rows of a record with some values, by method."""
+    """Rows of a record with some values, by method; where there are several, the first."""
     rows = record(name)["rows"]
-    return {row["method"]: row for row in rows if all(row[key] == value for key, value in wanted.items())}
+    found = [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+    return {row["method"]: row for row in reversed(found)}
 
 
 def overview_sources() -> str:
     """Where the overview's figures come from."""
-    names = ("states_panda", "motions_against_peers", "plans", "pairs")
-    return items([*(source(record(name)) for name in names), record("older/vamp")["note"]])
+    names = ("states_panda", "motions", "plans", "pairs", "setup_panda", "from_files")
+    return items(source(record(name)) for name in names)
 
 
 def states() -> str:
-    """µs a state, by method, a column for each robot and scene."""
-    files = ("states_panda", "states_ur5", "states_baxter", "states_talos")
-    rows = [row for name in files for row in record(name)["rows"]]
+    """µs a random state, by method, a column for each robot and scene."""
+    return _states("random") + "".join("\n" + provenance(record(name)) for name in STATE_FILES)
+
+
+def states_along_motions() -> str:
+    """The same along motions, from the same runs, and how coal was asked."""
+    asked = dict.fromkeys(
+        f"{row['robot']}, {row['scene']}, {row['which']}: {row['note'].partition(': ')[2]}"
+        for name in STATE_FILES
+        for row in record(name)["rows"]
+        if row["method"] == AT_BEST
+    )
+    return _states("along motions") + "\nHow coal is asked at its best:\n\n" + items(asked)
+
+
+def vamp_verdicts() -> str:
+    """Shares of states in which VAMP differs from the hulls."""
+    rows = [row for name in STATE_FILES for row in record(name)["rows"] if row["method"] == VAMP]
+    lines = [
+        (
+            row["robot"],
+            row["scene"],
+            row["which"],
+            number(100 * row["false_free"]),
+            number(100 * row["false_collision"]),
+        )
+        for row in rows
+    ]
+    return table(("robot", "scene", "states", "free, but colliding, %", "colliding, but free, %"), lines)
+
+
+def _states(which: str) -> str:
+    rows = [row for name in STATE_FILES for row in record(name)["rows"] if row["which"] == which]
     cases = list(dict.fromkeys((row["robot"], row["scene"], row["pairs"]) for row in rows))
     spent = {(row["robot"], row["scene"], row["method"]): row["microseconds"] for row in rows}
-    names = [OURS, ONE_BY_ONE, "plannercheck, OMPL callback", TREE, ALL_PAIRS, FCL]
+    names = [OURS, ONE_BY_ONE, "plannercheck, OMPL callback", AT_BEST, TREE, ALL_PAIRS, FCL, VAMP, "VAMP, from Python"]
     lines = []
     for name in names:
         cells = []
         for robot, scene, _ in cases:
             value, ours = spent.get((robot, scene, name)), spent[robot, scene, OURS]
             peer = not name.startswith("plannercheck")
-            cells.append("–" if value is None else times(value, ours) if peer else number(value))
+            cells.append("–" if value is None else beside(value, ours) if peer else number(value))
         lines.append([name.replace(", tolerance 1e-06", ""), *cells])
-    header = ["µs a state", *(f"{robot}, {scene} ({pairs:,} pairs)" for robot, scene, pairs in cases)]
-    return table(header, lines) + "".join("\n" + provenance(record(name)) for name in files)
+    header = [f"µs a state, {which}", *(f"{robot}, {scene} ({pairs:,} pairs)" for robot, scene, pairs in cases)]
+    return table(header, lines) + f"\n{faster(_single_calls(spent, cases))}"
+
+
+def _single_calls(spent: dict[tuple[str, str, str], float], cases: list[tuple[str, str, int]]) -> list[Faster]:
+    """Where a peer's state takes less than ours in a batch, or than one call of ours."""
+    found = []
+    for ours, said in ((OURS, "in a batch"), (ONE_BY_ONE, "one by one")):
+        for (robot, scene, name), value in spent.items():
+            mine = spent[robot, scene, ours]
+            if not name.startswith("plannercheck") and "0.001" not in name:
+                found.append((name, f"{robot}, {scene}, {said}", value / mine))
+    return found
 
 
 def set_up() -> str:
     """Milliseconds until the first state can be judged, by library."""
-    files = ("states_panda", "states_ur5", "states_baxter", "states_talos")
-    rows = [row for name in files for row in record(name)["rows"]]
+    rows = [row for name in STATE_FILES for row in record(name)["rows"] if row["which"] == "random"]
     cases = list(dict.fromkeys((row["robot"], row["scene"]) for row in rows))
     lines = []
     for robot, scene in cases:
@@ -112,48 +185,6 @@ def prepared(rows: list[Row]) -> tuple[str, ...]:
     return tuple(number(1e3 * min(seconds)) if seconds else "–" for seconds in least.values())
 
 
-def motions() -> str:
-    """µs a motion of 1 rad, ours proved, the peers' sampled."""
-    found = record("motions_against_peers")
-    ours = {row["scene"]: row["microseconds"] for row in found["rows"] if row["method"] == OURS}
-    lines = [
-        (
-            row["scene"],
-            row["method"],
-            number(row["microseconds"])
-            if row["method"].startswith("plannercheck")
-            else times(row["microseconds"], ours[row["scene"]]),
-            f"{row['differ']} of {row['motions']}",
-        )
-        for row in found["rows"]
-    ]
-    return table(("scene", "method", "µs a motion", "verdicts that differ"), lines) + "\n" + provenance(found)
-
-
-def plans() -> str:
-    """Searches of RRTConnect: ours proved, the peer's sampled as OMPL samples by default."""
-    found = record("plans")
-    sets = list(dict.fromkeys(row["set"] for row in found["rows"]))
-    by_side = {(row["set"], row["side"]): row for row in found["rows"]}
-    lines = []
-    for name in sets:
-        ours, peer = by_side[name, "ours"], by_side[name, "peer"]
-        lines.append(
-            (
-                name,
-                number(ours["median_ms"]),
-                times(peer["median_ms"], ours["median_ms"]),
-                number(ours["mean_ms"]),
-                times(peer["mean_ms"], ours["mean_ms"]),
-                f"{ours['solved']} of {ours['tried']}",
-                f"{peer['solved']} of {peer['tried']}",
-                f"{peer['colliding']} of {peer['solved']}",
-            )
-        )
-    header = ("set", "median ms, ours", "peer", "mean ms, ours", "peer", "solved, ours", "peer", "peer's that collide")
-    return table(header, lines) + "\n" + provenance(found)
-
-
 def pairs() -> str:
     """µs a pair, by vertices and gap."""
     found = record("pairs")
@@ -165,6 +196,21 @@ def pairs() -> str:
         cells = [number(ours)]
         for name in present[1:]:
             value = spent.get((vertices, gap, name))
-            cells.append("–" if value is None else times(value, ours))
+            show = times if name.startswith("plannercheck") else beside
+            cells.append("–" if value is None else show(value, ours))
         lines.append((f"{vertices:,}", f"{gap:+g}", *cells))
-    return table(("vertices", "gap", *(PAIR_METHODS[name] for name in present)), lines) + "\n" + provenance(found)
+    told = faster(_faster_pairs(spent))
+    header = ("vertices", "gap", *(PAIR_METHODS[name] for name in present))
+    return table(header, lines) + f"\n{told}\n" + provenance(found)
+
+
+def _faster_pairs(spent: dict[tuple[int, float, str], float]) -> list[Faster]:
+    """Where a library takes less than ours asked alike: from C++ or from Python."""
+    found = []
+    for (vertices, gap, name), value in spent.items():
+        ours = FROM_PYTHON if name in (FCL, MUJOCO) else "plannercheck, oracle"
+        mine = spent.get((vertices, gap, ours))
+        if not name.startswith("plannercheck") and mine is not None:
+            asked = ", both from Python" if ours == FROM_PYTHON else ""
+            found.append((name, f"{vertices:,} vertices{asked}", value / mine))
+    return found

@@ -36,13 +36,6 @@ def motions_cost() -> str:
     return first + "\n" + second + "\n" + provenance(found)
 
 
-def changing_scenes() -> str:
-    """CPU ms of a changed scene."""
-    found = record("changing_scenes")
-    columns = list(found["rows"][0])
-    return table(columns, [[row[name] for name in columns] for row in found["rows"]]) + "\n" + provenance(found)
-
-
 def hierarchies() -> str:
     """Vertex blocks visited, worst of 1,000 queries, and the cost of preparation."""
     found = record("hierarchies")

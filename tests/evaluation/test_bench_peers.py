@@ -10,7 +10,7 @@ import pytest
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Sphere
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import coal_loop, pairs
+from plannercheck.evaluation.bench import compiled_coal_loop, pairs
 from plannercheck.evaluation.bench.coal_loop import COLD_VARIANTS, VARIANTS, CoalLoop, PosedBodies
 from plannercheck.evaluation.bench.methods import methods
 from plannercheck.evaluation.bench.motion_sets import along_motions
@@ -31,7 +31,7 @@ def checker():
 @pytest.fixture(scope="module")
 def loop(checker):
     try:
-        coal_loop.library()
+        compiled_coal_loop.library()
     except PlannercheckError as error:
         pytest.skip(str(error))
     return CoalLoop.of_checker(checker)
@@ -67,9 +67,9 @@ def test_the_fastest_variant_is_one_of_those_asked_for(checker, loop):
 def test_coals_shapes_are_those_of_the_bodies(loop):
     bodies = (Polytope(np.zeros((1, 3)), inflation_radius=1.0), Polytope(Box((2, 2, 2)).vertices_and_faces()[0]))
     pair = PosedBodies(bodies, (Sphere(1.0), Box((2, 2, 2))), np.array([True, False]), np.array([[1, 0]]), ("a", "b"))
-    placed = np.tile(np.eye(4), (3, 2, 1, 1))
+    placed = np.tile(np.eye(4), (3, 1, 1, 1))
     placed[:, 0, :3, 3] = [[2.01, 0, 0], [1.99, 0, 0], [1.8, 1.8, 0]]  # the ball misses the box's edge, not its cube
-    ball = CoalLoop(pair, placed[0])
+    ball = CoalLoop(pair, np.tile(np.eye(4), (2, 1, 1)))
     assert ball.check(ball.posed(placed), VARIANTS[0]).tolist() == [True, False, True]
 
 
@@ -81,7 +81,7 @@ def test_coal_refuses_a_flat_hull(loop):
 
 
 def test_without_a_compiler_coals_loop_is_left_out_with_a_note(checker, monkeypatch):
-    coal_loop.library.cache_clear()
+    compiled_coal_loop.library.cache_clear()
     monkeypatch.setenv("CXX", "no-such-compiler")
     notes = []
     chosen = [method for method in methods(checker, ["coal"]) if method.kind != "coal"]
@@ -91,13 +91,13 @@ def test_without_a_compiler_coals_loop_is_left_out_with_a_note(checker, monkeypa
 
 
 def test_a_loop_that_does_not_compile_says_why(tmp_path, monkeypatch):
-    coal_loop.library.cache_clear()
+    compiled_coal_loop.library.cache_clear()
     broken = tmp_path / "coal_loop.cpp"
     broken.write_text("#error broken on purpose")
-    monkeypatch.setattr(coal_loop, "_SOURCE", broken)
+    monkeypatch.setattr(compiled_coal_loop, "_SOURCE", broken)
     monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path))
     with pytest.raises(PlannercheckError, match=r"does not compile: .*broken on purpose"):
-        coal_loop.library()
+        compiled_coal_loop.library()
     assert not list((tmp_path / "bench").iterdir())
 
 
@@ -111,7 +111,7 @@ def test_missing_libraries_are_left_out_with_notes(checker, monkeypatch):
     assert [note.split(" is left out")[0] for note in notes] == ["python-fcl", "VAMP, in C++", "VAMP, from Python"]
     notes.clear()
     monkeypatch.setitem(sys.modules, "coal", None)
-    coal_loop.library.cache_clear()
+    compiled_coal_loop.library.cache_clear()
     found = {row.method for row in pairs.measure([8], 3, 1, notes.append, ellipsoids=True)}
     assert found == {"plannercheck, oracle", "plannercheck, walk", "plannercheck, intersects from Python"}
     assert len(notes) == 4

@@ -1,10 +1,10 @@
-// coal as fast as a careful user gets it: a loop over posed states without Python, built by coal_loop.py.
+// coal as fast as a careful user gets it: a loop over posed states without Python, built by compiled_coal_loop.py.
 //
-// In: convex shapes, pairs of bodies, poses of all bodies in many states (coal's transforms are made beforehand, so
-// that kinematics cost nothing). Out: which groups of states are free; a group ends at its first collision. The idea:
-// boxes along the world's axes first, tested over all partners of a body at once; boxes in the bodies' frames where
-// asked for; then coal's narrow phase without contacts, which stops as soon as it has a separating plane, each pair
-// with a solver of its own and, where asked for, the guess that its last call left. The pair that collided last is
+// In: convex shapes, pairs of bodies, poses of the moving bodies in many states (coal's transforms are made beforehand,
+// so that kinematics cost nothing). Out: which groups of states are free; a group ends at its first collision. The
+// idea: boxes along the world's axes first, tested over all partners of a body at once; boxes in the bodies' frames
+// where asked for; then coal's narrow phase without contacts, which stops as soon as it has a separating plane, each
+// pair with a solver of its own and, where asked for, the guess that its last call left. The pair that collided last is
 // asked first: successive states of a motion mostly collide alike.
 #include <coal/BV/OBB.h>
 #include <coal/collision.h>
@@ -119,13 +119,12 @@ class CoalLoop {
     near_.resize(most_);
   }
 
+  // States with the poses (count, movers, 4, 4) of all bodies that move.
   States* posed(const double* poses, std::size_t count) const {
     auto states = std::make_unique<States>();
     states->count = count;
     states->poses.reserve(count * movers_.size());
-    for (std::size_t s = 0; s < count; ++s)
-      for (const Mover& mover : movers_)
-        states->poses.push_back(transform(poses + 16 * (s * shape_of_.size() + mover.body)));
+    for (std::size_t k = 0; k < count * movers_.size(); ++k) states->poses.push_back(transform(poses + 16 * k));
     return states.release();
   }
 

@@ -22,7 +22,7 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import other_libraries
 from plannercheck.evaluation.bench.bounding_volumes import balls_around, box_around, capsule_around
-from plannercheck.evaluation.bench.coal_loop import library
+from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.hausdorff import furthest, furthest_of_balls
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
 from plannercheck.evaluation.bench.peer_methods import CoalAtBest, VampFromPython, VampInside

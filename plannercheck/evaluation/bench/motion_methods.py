@@ -1,6 +1,6 @@
 """Who judges motions in `bench motions`: the checker in three ways, and other libraries.
 
-In: the cases of a set of motions. Out: for each case the work to time. The checker proves every state on a motion. The
+In: the cases of a set of motions. Out: the work to time, case by case. The checker proves every state on a motion. The
 others judge states: coal and FCL as many as VAMP would, from coarse to fine or one after the other, until one collides.
 """
 
@@ -28,6 +28,8 @@ from plannercheck.ompl.joint_space import JointSpace
 STATES_A_RADIAN, LANES = 32, 8
 # A sampled motion in calls of libraries that judge some states at once: both ends, then up to here, then the rest.
 _SPLITS = (2, 9)
+# States whose poses, about 1 kB each, stay in a processor's second cache.
+_CACHED_STATES = 1024
 # Motions that slow libraries judge in a round.
 _FEW = 40
 
@@ -36,8 +38,8 @@ class Ready(NamedTuple):
     """Motions that one method is ready to judge.
 
     Attributes:
-        works: For each case: judges its motions, True meaning free.
-        overheads: For each case what is timed apart and taken off; empty for most.
+        works: For each case, or part of one, in order: judges its motions, True meaning free.
+        overheads: For each of these what is timed apart and taken off; empty for most.
         note: What is timed.
     """
 
@@ -89,12 +91,10 @@ def _by_ompl(cases: Sequence[MotionCase]) -> Ready:
 
 def _coal_at_best(cases: Sequence[MotionCase]) -> Ready:
     """Tries all variants in both orders on all cases."""
-    loops = [CoalLoop.of_checker(case.checker) for case in cases]
     orders = {"coarse to fine": coarse_to_fine, "one after the other": _in_order}
-    posed = {
-        name: [_posed(loop, case, order) for loop, case in zip(loops, cases, strict=True)]
-        for name, order in orders.items()
-    }
+    parts = [(loop, part) for case in cases for loop in [CoalLoop.of_checker(case.checker)] for part in _parts(case)]
+    loops = [loop for loop, _ in parts]
+    posed = {name: [_posed(loop, part, order) for loop, part in parts] for name, order in orders.items()}
     spent: dict[tuple[str, Variant], float] = {}
     for name, variant in ((name, variant) for name in orders for variant in VARIANTS):
         items = zip(loops, posed[name], strict=True)
@@ -102,6 +102,14 @@ def _coal_at_best(cases: Sequence[MotionCase]) -> Ready:
     order, variant = min(spent, key=spent.__getitem__)
     works = [partial(loop.check, given[0], variant, given[1]) for loop, given in zip(loops, posed[order], strict=True)]
     return Ready(works, note=f"C++ loop over poses given beforehand: {variant}, states {order}")
+
+
+def _parts(case: MotionCase) -> list[MotionCase]:
+    """Motions whose poses stay in the processor's cache, as they would if each motion were posed on its own."""
+    states = sum(len(_sampled(a, b)) for a, b in zip(case.starts, case.ends, strict=True))
+    n = min(len(case.starts), -(-states // _CACHED_STATES))
+    starts, ends = np.array_split(case.starts, n), np.array_split(case.ends, n)
+    return [MotionCase(case.checker, *part) for part in zip(starts, ends, strict=True)]
 
 
 def _posed(loop: CoalLoop, case: MotionCase, order: Callable[[int], Floats]) -> tuple[CoalStates, NDArray[np.int64]]:
@@ -147,7 +155,7 @@ def _vamp(taken_off: bool, cases: Sequence[MotionCase]) -> Ready:
     if not taken_off:
         return Ready(works, note=f"Path.validate, {STATES_A_RADIAN} states a rad; each call copies the obstacles")
     overheads = [partial(model.copying, len(case.starts)) for model, case in pairs]
-    return Ready(works, overheads, "the same, less what a call with nothing to judge takes")
+    return Ready(works, overheads, "Path.validate, less what a call with nothing to judge takes")
 
 
 OURS = "plannercheck, batch"
