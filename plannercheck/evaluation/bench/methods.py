@@ -104,14 +104,14 @@ def _exact(checker: Checker) -> Iterator[Method]:
         prepare=lambda built, q: list(q),
         states=_ONE_BY_ONE_STATES,
     )
-    if checker.state_validity() is not None and (states := _ompl_states(checker)) is not None:
+    if checker.state_validity() is not None and (space := _ompl_space(checker)) is not None:
         yield replace(
             batch,
             name="plannercheck, OMPL callback",
             note="state_validity() on OMPL states, called from Python",
-            build=lambda: build().state_validity(),
+            build=lambda: build().state_validity(space.numbers.serialize),
             judge=lambda built, rows: np.array([built(state) for state in rows], dtype=bool),
-            prepare=lambda built, q: states(q),
+            prepare=lambda built, q: _ompl_states(space, q),
             states=_ONE_BY_ONE_STATES,
         )
 
@@ -124,18 +124,20 @@ def _by_batch(built: Any, q: Any) -> Bools:
     return np.asarray(built.check_states(q))
 
 
-def _ompl_states(checker: Checker) -> Callable[[Floats], Any] | None:
-    """Makes OMPL states of configurations; None for robots that OMPL has no vector space for."""
-    from ompl import base
-
+def _ompl_space(checker: Checker) -> JointSpace | None:
+    """The space in which OMPL plans for a robot; None where it has none."""
     try:
-        space = JointSpace(checker.robot)
+        return JointSpace(checker.robot)
     except PlannercheckError:
         return None
-    if space.continuous.any():
-        return None
+
+
+def _ompl_states(space: JointSpace, q: Floats) -> list[Any]:
+    """OMPL states of configurations (n, nq)."""
+    from ompl import base
+
     information = base.SpaceInformation(space.ompl_space())
-    return lambda q: [space.state(information, row) for row in q]
+    return [space.state(information, row) for row in q]
 
 
 def _cut_off(checker: Checker, side: Literal["inner", "outer"]) -> Iterator[Method]:
