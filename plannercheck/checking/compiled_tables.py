@@ -100,9 +100,9 @@ class CompiledTables:
         return self.judged(lambda table, part: table.core.check_states(kernel, part, threads).view(bool), rows)
 
     def state_validity(
-        self, kernel: Any | None, serialize: Callable[[Any, Any], None] | None = None
+        self, kernel: Any | None, serialize: Callable[[Any, Any], None] | None = None, failure: Any = None
     ) -> Callable[[Any], bool] | None:
-        """A compiled judge of OMPL's states, None if there is none; `serialize` as for `StateChecker.state_validity`.
+        """A compiled judge of OMPL's states, None if there is none; arguments as for `StateChecker.state_validity`.
 
         It refers to these tables but not to a checker, so that a checker may keep what refers to the judge.
         """
@@ -113,7 +113,9 @@ class CompiledTables:
         def beyond_limits(row: list[float]) -> bool:
             return bool(self.check_states(kernel, robot.check_configurations(row), 1)[0])
 
-        judge: Callable[[Any], bool] = core.state_validity(self.within_limits.core, kernel, beyond_limits, serialize)
+        judge: Callable[[Any], bool] = core.state_validity(
+            self.within_limits.core, kernel, beyond_limits, serialize, failure
+        )
         return judge
 
     def statistics(self) -> dict[str, Any]:

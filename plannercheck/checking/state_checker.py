@@ -248,7 +248,9 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             known = self._judge_row(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
-    def state_validity(self, serialize: Callable[[Any, Any], None] | None = None) -> Callable[[Any], bool] | None:
+    def state_validity(
+        self, serialize: Callable[[Any, Any], None] | None = None, failure: Any = None
+    ) -> Callable[[Any], bool] | None:
         """A compiled function that judges states of an OMPL space of nq numbers; None if there is none.
 
         Its verdicts are those of `is_valid`. There is none where Pinocchio itself poses the robot, nor for
@@ -257,8 +259,10 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         Args:
             serialize: The space's function of this name, which copies all numbers of a state; without it, `state[k]` is
                 the k-th number, as in a RealVectorStateSpace.
+            failure: The core's PlannerFailure, which keeps exceptions while a planner runs; without it, they pass
+                through the planner.
         """
-        return self._tables.state_validity(self._kernel, serialize)
+        return self._tables.state_validity(self._kernel, serialize, failure)
 
     def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
         """Whether each configuration of a set is free of collision.

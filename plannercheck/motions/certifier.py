@@ -173,6 +173,7 @@ class MotionCertifier:
         counts: Any = None,
         serialize: Callable[[Any, Any], None] | None = None,
         angles: Sequence[int] = (),
+        failure: Any = None,
     ) -> Callable[[Any, Any], bool]:
         """`is_free` as a compiled function of two states of an OMPL space of nq numbers.
 
@@ -181,6 +182,7 @@ class MotionCertifier:
             counts: The core's MotionCounts, which counts the answers.
             serialize: As for `StateChecker.state_validity`.
             angles: Columns of angles that whole turns do not change; they take the short way, as in OMPL's SO2.
+            failure: As for `StateChecker.state_validity`.
 
         Returns:
             The function; True means proved free.
@@ -201,6 +203,7 @@ class MotionCertifier:
             counts,
             serialize,
             list(angles),
+            failure,
         )
         return judge
 

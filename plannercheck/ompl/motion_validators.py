@@ -51,7 +51,12 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
 
     def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
         """Whether the motion between two states is free, both ends included."""
-        free = self._is_free(s1, s2)
+        try:
+            free = self._is_free(s1, s2)
+        except BaseException as error:
+            if self._space.numbers.failure.keep(error):
+                return False
+            raise
         self._counts.add(free)
         return free
 
@@ -105,7 +110,11 @@ class ProvedMotions(_CountingValidator):
         self._certifier = checker.motion_certifier
         # OMPL calls it instead of the method, without a frame of Python.
         self.__dict__["checkMotion"] = self._certifier.motion_validity(
-            tolerance, self._counts, space.numbers.serialize, np.flatnonzero(space.continuous).tolist()
+            tolerance,
+            self._counts,
+            space.numbers.serialize,
+            np.flatnonzero(space.continuous).tolist(),
+            space.numbers.failure,
         )
 
     def _ends(self, s1: Any, s2: Any) -> tuple[list[float], list[float]]:

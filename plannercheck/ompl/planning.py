@@ -80,7 +80,8 @@ def setup(
     if util.getLogLevel().value < util.LOG_WARN.value:
         util.setLogLevel(util.LOG_WARN)
     space = space_of(checker, curve, turning_radius)
-    return SimpleSetup(space_information(checker, space, resolution, tolerance), not space.is_straight)
+    information = space_information(checker, space, resolution, tolerance)
+    return SimpleSetup(information, not space.is_straight, space.numbers.failure)
 
 
 def clearance_objective(checker: AnyChecker, setup: Any, resolution: float = CLEARANCE_RESOLUTION) -> Any:
@@ -163,11 +164,12 @@ def plan(
     with OMPL_SILENCE():
         prepared = lent(checker, planner, resolution, curve, turning_radius, tuple(ends.values()))
         seed_ompl(seed)
-        setup = SimpleSetup(prepared.information, not prepared.space.is_straight)
+        space = prepared.space
+        setup = SimpleSetup(prepared.information, not space.is_straight, space.numbers.failure)
         setup.setStartAndGoalStates(*prepared.end_states(tuple(ends.values())))
         setup.setPlanner(made_planner(planner, prepared.information, longest_motion))
         prepared.draw_seeds()
-        found = _search(setup, prepared.space, checker, planner, time_limit, simplify, resolution)
+        found = _search(setup, space, checker, planner, time_limit, simplify, resolution)
         given_back(checker, prepared)
         return found
 

@@ -137,4 +137,13 @@ def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
     if isinstance(checker, Checker):
         assert isinstance(space, JointSpace)
         return ExactStates(information, checker, space)
-    return lambda state: checker.is_valid(np.array(space.read(state)))
+
+    def is_valid(state: Any) -> bool:
+        try:
+            return checker.is_valid(np.array(space.read(state)))
+        except BaseException as error:
+            if space.numbers.failure.keep(error):
+                return False
+            raise
+
+    return is_valid

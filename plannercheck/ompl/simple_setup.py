@@ -27,9 +27,13 @@ _NO_SAMPLER = "PathLengthDirectInfSampler only supports"
 class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindings are untyped
     """OMPL's SimpleSetup; only the differences are documented here."""
 
-    def __init__(self, information: Any, checks_found_paths: bool = False) -> None:
-        """Takes OMPL's SpaceInformation, and whether a motion that is free may collide the other way round."""
+    def __init__(self, information: Any, checks_found_paths: bool = False, failure: Any = None) -> None:
+        """Takes OMPL's SpaceInformation, and whether a motion that is free may collide the other way round.
+
+        `failure` is the core's PlannerFailure of the validators; without it, exceptions pass through the planner.
+        """
         super().__init__(information)
+        self._failure = failure
         self.checks_found_paths = checks_found_paths
         self.refused_path = False  # that was found last
         _MADE.add(self)
@@ -52,7 +56,7 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
             )
         self.refused_path = False
         try:
-            status = super().solve(*arguments, **named)
+            status = self._solved(*arguments, **named)
             if self.checks_found_paths and self.haveExactSolutionPath() and not self.getSolutionPath().check():
                 self.getProblemDefinition().clearSolutionPaths()
                 self.refused_path = True
@@ -66,6 +70,22 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
             f"{', '.join(INFORMED_PLANNERS)} serve bounded joints and planar robots without joints, "
             "all others serve every space (RRTstar and PRMstar look for short paths, too)"
         )
+
+    def _solved(self, *arguments: Any, **named: Any) -> Any:
+        """OMPL's `solve`, ended by the first exception of a validator, which is raised when the planner has ended."""
+        if self._failure is None:
+            return super().solve(*arguments, **named)
+        condition: Any = next(iter((*arguments, *named.values())), 1.0)  # OMPL's default, s
+        if not isinstance(condition, base.PlannerTerminationCondition):
+            condition = base.timedPlannerTerminationCondition(float(condition))
+        self._failure.arm(condition.terminate)
+        try:
+            status = super().solve(condition)
+        finally:
+            error = self._failure.disarm()
+        if error is not None:
+            raise error
+        return status
 
     def simplifySolution(self, *arguments: Any, **named: Any) -> None:  # noqa: N802  # OMPL's name
         """Simplifies the found path; keeps it unchanged if a motion of the simpler one collides."""

@@ -23,14 +23,16 @@ class StateNumbers:
 
     Attributes:
         serialize: The space's own function (place in memory, state), which copies a state's numbers there.
+        failure: The core's PlannerFailure of validators on this space.
     """
 
     serialize: Callable[[Any, Any], None]
+    failure: Any
 
     def __init__(self, space: Any, width: int) -> None:
         """Takes an OMPL space whose states have so many numbers."""
         assert space.getSerializationLength() == _BYTES * width  # or other memory would be overwritten
-        self.serialize = space.serialize
+        self.serialize, self.failure = space.serialize, core.PlannerFailure()
         self._states = core.PlannerStates(width, self.serialize)
 
     def read(self, state: Any) -> list[float]:

@@ -22,7 +22,7 @@ class ExactStates(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bi
         """Keeps the space, but not the SpaceInformation, which keeps this object."""
         super().__init__(information)
         self._checker, self._space = checker, space
-        compiled = checker.state_validity(space.numbers.serialize)
+        compiled = checker.state_validity(space.numbers.serialize, space.numbers.failure)
         if compiled is not None:
             self.__dict__["isValid"] = compiled  # OMPL calls it instead of the method, without a frame of Python
 

@@ -184,11 +184,11 @@ def _alarm_as_ctrl_c():
 
 
 @pytest.mark.usefixtures("_alarm_as_ctrl_c")
-@pytest.mark.parametrize("planner", ["RRTstar", "InformedRRTstar", "BITstar"])
+@pytest.mark.parametrize("planner", ["RRTstar", "InformedRRTstar", "BITstar", "PRMstar"])
 def test_ctrl_c_ends_a_search_of_compiled_calls(checker, ends, planner):
     """No line of Python runs while a planner searches; these look for shorter paths until their time is over.
 
-    OMPL's PRM searches with a thread of its own, which no exception gets past: the process ends.
+    PRMstar has a thread of its own: an exception that passed through it would end the process.
     """
     made = pc.Checker(checker.robot, checker.scene)
     began = time.perf_counter()
@@ -197,6 +197,45 @@ def test_ctrl_c_ends_a_search_of_compiled_calls(checker, ends, planner):
         pc.ompl.plan(made, ends[0], ends[1], planner, time_limit=20.0)
     assert time.perf_counter() - began < 5.0
     assert kept_of(made) == []
+
+
+@pytest.mark.usefixtures("_alarm_as_ctrl_c")
+@pytest.mark.parametrize("options", [{}, {"resolution": 0.02}])
+def test_ctrl_c_ends_a_search_in_the_plane(options):
+    made = forklift()
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    with pytest.raises(KeyboardInterrupt):
+        pc.ompl.plan(
+            made, made.scene.start("forklift"), made.scene.goal("forklift"), "PRMstar", time_limit=20.0, **options
+        )
+    assert kept_of(made) == []
+
+
+def test_an_exception_beyond_the_limits_ends_the_search(checker, ends, monkeypatch):
+    """A space wider than the limits: states beyond them are judged in Python, which fails."""
+    made = pc.Checker(checker.robot, checker.scene)
+    setup, space = pc.ompl.setup(made), space_of(made)
+    information, bounds = setup.getSpaceInformation(), base.RealVectorBounds(7)
+    bounds.setLow(-6.0)
+    bounds.setHigh(6.0)
+    setup.getStateSpace().setBounds(bounds)
+    tables, asked = type(made._tables), []
+
+    def fail(*arguments):
+        asked.append(None)
+        raise ZeroDivisionError(f"call {len(asked)}")
+
+    beyond = space.state(information, made.robot.upper + 0.1)
+    setup.setStartAndGoalStates(*(space.state(information, q) for q in ends[:2]))
+    setup.setPlanner(geometric.RRTConnect(information))
+    expected = information.isValid(beyond)
+    monkeypatch.setattr(tables, "check_states", fail)
+    with pytest.raises(ZeroDivisionError, match="call 1"):
+        setup.solve(20.0)
+    with pytest.raises(ZeroDivisionError, match="call"):  # no planner runs
+        information.isValid(beyond)
+    monkeypatch.undo()
+    assert information.isValid(beyond) == expected
 
 
 PROGRAM = """

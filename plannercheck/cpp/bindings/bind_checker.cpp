@@ -113,12 +113,13 @@ nb::object row_validity(nb::object checker, nb::object kinematics) {
 
 // A function that OMPL calls with states (ompl_states.hpp). It passes states beyond the limits to `elsewhere`, which
 // takes a list.
-nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere, nb::object serialize) {
+nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere, nb::object serialize,
+                          std::shared_ptr<PlannerFailure> failure) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<std::size_t>(kernel->width());
-  const auto is_free = [checker, kinematics, elsewhere, judge, kernel,
-                        states = PlannerStates(width, serialize)](nb::handle s) {
+  const auto answer = [checker, kinematics, elsewhere, judge, kernel,
+                       states = PlannerStates(width, serialize)](nb::handle s) {
     heed_signals();
     StateNumbers q(states.width());
     states.read(s, q);
@@ -130,6 +131,7 @@ nb::object state_validity(nb::object checker, nb::object kinematics, nb::object 
     judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
     return valid != 0;
   };
+  const auto is_free = [answer, failure](nb::handle s) { return judged_or_failed(failure, [&] { return answer(s); }); };
   return nb::cpp_function(is_free, plain_floats);
 }
 
@@ -221,7 +223,7 @@ void bind_checker(nb::module_& m) {
   m.def("placed_on_links", &placed_on_links, plain_floats);
   m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
-        nb::arg("serialize").none() = nb::none(), plain_floats);
+        nb::arg("serialize").none() = nb::none(), nb::arg("failure").none() = nb::none(), plain_floats);
 }
 
 }  // namespace plannercheck

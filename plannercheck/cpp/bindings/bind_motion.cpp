@@ -116,7 +116,7 @@ int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std:
 nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
                            InputArray<double, -1> high, double tolerance, double kinematic_error, nb::object elsewhere,
                            std::shared_ptr<MotionCounts> counts, nb::object serialize,
-                           const std::vector<std::size_t>& angles) {
+                           const std::vector<std::size_t>& angles, std::shared_ptr<PlannerFailure> failure) {
   auto* bound = nb::cast<BoundCertifier*>(certifier);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto answer = [elsewhere, bound, kernel, tolerance, angles, range = error_range(low, high, kinematic_error)](
@@ -128,7 +128,7 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
     if (found <= static_cast<int>(MotionAnswer::kRefused)) return found == static_cast<int>(MotionAnswer::kFree);
     return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
   };
-  const auto is_free = [certifier, kinematics, answer, counts, states = PlannerStates(low.shape(0), serialize)](
+  const auto counted = [certifier, kinematics, answer, counts, states = PlannerStates(low.shape(0), serialize)](
                            nb::handle s0, nb::handle s1) {
     heed_signals();
     StateNumbers q0(states.width()), q1(states.width());
@@ -137,6 +137,9 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
     const bool free = answer(q0, q1);
     counts->add(free);
     return free;
+  };
+  const auto is_free = [counted, failure](nb::handle s0, nb::handle s1) {
+    return judged_or_failed(failure, [&] { return counted(s0, s1); });
   };
   return nb::cpp_function(is_free, plain_floats);
 }
@@ -202,7 +205,8 @@ void bind_motion(nb::module_& m) {
       .def("statistics", &BoundCertifier::statistics, plain_floats);
   m.def("motion_validity", &motion_validity, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"),
         nb::arg("high"), nb::arg("tolerance"), nb::arg("kinematic_error"), nb::arg("elsewhere"), nb::arg("counts"),
-        nb::arg("serialize").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(), plain_floats);
+        nb::arg("serialize").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(),
+        nb::arg("failure").none() = nb::none(), plain_floats);
 }
 
 }  // namespace plannercheck

@@ -39,6 +39,11 @@ void bind_ompl_states(nb::module_& m) {
       .def(nb::init<std::size_t, nb::object>(), nb::arg("width"), nb::arg("serialize").none(), plain_floats)
       .def("numbers", &numbers_of, plain_floats)
       .def("rows", &rows_of, plain_floats);
+  nb::class_<PlannerFailure>(m, "PlannerFailure")
+      .def(nb::init<>(), plain_floats)
+      .def("arm", &PlannerFailure::arm, plain_floats)
+      .def("disarm", &PlannerFailure::disarm, plain_floats)
+      .def("keep", &PlannerFailure::keep, plain_floats);
   nb::class_<MotionCounts>(m, "MotionCounts")
       .def(nb::init<>(), plain_floats)
       .def("add", &MotionCounts::add, plain_floats)

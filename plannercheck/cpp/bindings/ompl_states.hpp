@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -104,6 +105,48 @@ struct MotionCounts {
   void add(bool is_free) { ++(is_free ? free : refused); }
   void reset() { *this = {}; }
 };
+
+// Python's exceptions while a planner asks. Most planners let them pass, but some have threads of their own by then, or
+// memory that nobody else frees. So the first one is kept here, and the planner is told to stop.
+class PlannerFailure {
+ public:
+  // Before a planner runs: `stop` ends its search.
+  void arm(nanobind::object stop) {
+    stop_ = std::move(stop);
+    error_.reset();
+  }
+
+  // When it has ended: the exception, or None.
+  nanobind::object disarm() {
+    stop_.reset();
+    const nanobind::object error = std::exchange(error_, nanobind::object());
+    return error.is_valid() ? error : nanobind::none();
+  }
+
+  // Whether `disarm` will give this exception or an earlier one; false if no planner runs.
+  bool keep(nanobind::handle error) {
+    if (!stop_.is_valid()) return false;
+    if (!error_.is_valid()) error_ = nanobind::borrow(error);
+    const nanobind::object stop = stop_;
+    stop();
+    return true;
+  }
+
+ private:
+  nanobind::object stop_, error_;
+};
+
+// judge(), or false if it fails and the failure is kept. Without `failure`, or if no planner runs, the exception
+// passes.
+template <class Judge>
+bool judged_or_failed(const std::shared_ptr<PlannerFailure>& failure, Judge judge) {
+  try {
+    return judge();
+  } catch (const nanobind::python_error& error) {
+    if (failure && failure->keep(error.value())) return false;
+    throw;
+  }
+}
 
 // Ctrl-C while a planner runs: it calls compiled functions only, so no line of Python would ever look for signals.
 inline void heed_signals() {
