@@ -144,9 +144,20 @@ def _states(which: str) -> str:
     rows = [row for name in STATE_FILES for row in record(name)["rows"] if row["which"] == which]
     cases = list(dict.fromkeys((row["robot"], row["scene"], row["pairs"]) for row in rows))
     spent = {(row["robot"], row["scene"], row["method"]): row["microseconds"] for row in rows}
-    names = [OURS, ONE_BY_ONE, "plannercheck, OMPL callback", AT_BEST, TREE, ALL_PAIRS, FCL, VAMP, "VAMP, from Python"]
+    names = [
+        OURS,
+        ONE_BY_ONE,
+        "plannercheck, lists",
+        "plannercheck, OMPL callback",
+        AT_BEST,
+        TREE,
+        ALL_PAIRS,
+        FCL,
+        VAMP,
+        "VAMP, from Python",
+    ]
     lines = []
-    for name in names:
+    for name in (name for name in names if any(method == name for *_, method in spent)):
         cells = []
         for robot, scene, _ in cases:
             value, ours = spent.get((robot, scene, name)), spent[robot, scene, OURS]

@@ -91,7 +91,7 @@ def random_sets(checker: Checker, where: str, length: float, n: int, seed: int) 
     rng = np.random.default_rng(seed)
     found: dict[bool, list[tuple[Floats, Floats]]] = {True: [], False: []}
     for _ in range(_MOST_DRAWS):
-        starts, ends = _drawn(checker, length, n, rng)
+        starts, ends = random_motions(checker, length, n, rng)
         free = checker.check_motions(starts, ends)
         for verdict, parts in found.items():
             parts.append((starts[free == verdict], ends[free == verdict]))
@@ -106,8 +106,8 @@ def random_sets(checker: Checker, where: str, length: float, n: int, seed: int) 
     return sets
 
 
-def _drawn(checker: Checker, length: float, n: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """About n motions from valid states to states within the limits."""
+def random_motions(checker: Checker, length: float, n: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """At most n random motions of a length, rad, from valid states to states within the limits: (k, nq) each."""
     robot = checker.robot
     starts = robot.random_configurations(n, rng)
     starts = starts[checker.check_states(starts)]
