@@ -21,9 +21,10 @@ TREE, ALL_PAIRS, FCL = (
     "python-fcl",
 )
 AT_BEST, MOTION_TREE = "coal at its best", "Pinocchio + coal, AABB tree"
-VAMP, MUJOCO, FROM_PYTHON = "VAMP, in C++", "MuJoCo, mj_geomDistance", "plannercheck, intersects from Python"
+VAMP, MUJOCO = "VAMP, in C++", "MuJoCo, mj_geomDistance"
+FROM_PYTHON, IN_ONE_CALL = "plannercheck, intersects from Python", "plannercheck, intersects in one call"
 PAIR_METHODS = {"plannercheck, oracle": "ours", "plannercheck, walk": "the paper's walk"}
-PAIR_METHODS |= {FROM_PYTHON: "ours from Python"}
+PAIR_METHODS |= {IN_ONE_CALL: "ours, a call for all", FROM_PYTHON: "ours from Python"}
 PAIR_METHODS |= {AT_BEST: AT_BEST, "coal, C++ loop": "coal by Pinocchio", "python-fcl": "FCL from Python"}
 PAIR_METHODS |= {MUJOCO: "MuJoCo from Python"}
 STATE_FILES = ("states_panda", "states_ur5", "states_baxter", "states_talos")

@@ -69,7 +69,7 @@ class ExactPlane:
     """An exact separating plane: each body's vertices are beyond it by more than length times the body's radius.
 
     Attributes:
-        normal: Of any length, from the second body to the first.
+        normal: Normal of any length, from the second body to the first.
         length: At least the normal's length, and larger by at most a part of 2^-63.
         offset: The plane is normal · x = offset.
         gap: A positive lower bound of the bodies' distance, m.

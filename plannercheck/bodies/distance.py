@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.given_shapes import GivenShape, given_polytope
-from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.given_shapes import GivenBody, given_polytope
+from plannercheck.bodies.pair_queries import queries
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
 from plannercheck.common.public_names import set_module
@@ -47,8 +47,8 @@ class Distance:
 
 @set_module("plannercheck")
 def distance(
-    P: Polytope | GivenShape,
-    R: Polytope | GivenShape,
+    P: GivenBody,
+    R: GivenBody,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
 ) -> Distance:
@@ -66,6 +66,17 @@ def distance(
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
     """
+    known = queries.distance(P, R, pose_p, pose_r)
+    if known is None:
+        return distance_checked(P, R, pose_p, pose_r)
+    apart, lower_bound, (point_p, point_r, direction) = known
+    return Distance(apart, point_p, point_r, lower_bound, direction)
+
+
+def distance_checked(
+    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None
+) -> Distance:
+    """`distance` for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
     overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None])

@@ -14,8 +14,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.meshes import hull_of_triangles
+from plannercheck.bodies.placed import Placed
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose, inflated_hull
+from plannercheck.bodies.shapes import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    Hull,
+    Shape,
+    Sphere,
+    checked_pose,
+    checked_poses,
+    inflated_hull,
+)
 from plannercheck.bodies.triangle_meshes import triangles_of_coal
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import error_context
@@ -25,6 +37,8 @@ from plannercheck.common.errors import PlannercheckError, shortened
 GeometryObject: TypeAlias = Any
 GivenShape: TypeAlias = Shape | ArrayLike | GeometryObject
 PlacedShape: TypeAlias = tuple[Shape, Floats | None]
+# What a query on a pair takes as one of its bodies.
+GivenBody: TypeAlias = Polytope | Placed | GivenShape
 
 _KNOWN = (
     "a shape such as Box, points (n, 3) in m, a trimesh.Trimesh, or a box, sphere, capsule, cylinder, cone, convex or "
@@ -57,14 +71,19 @@ def given_shape(value: GivenShape, what: str) -> PlacedShape:
         return (Hull(_points(value)), None) if library is None else _READERS[library](value)
 
 
-def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
+def given_polytope(value: GivenBody, pose: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
     """A prepared body and its pose (4, 4) in the world, m; a `Polytope` is taken as it is.
 
     Args:
-        value: A `Polytope`, or what `given_shape` takes; cylinders and cones are the polytopes around them.
+        value: A `Polytope`, or what `given_shape` takes; cylinders and cones are the polytopes around them. Or a
+            `Placed`, which has its pose.
         pose: The body's pose in the world; None is the identity.
         name: The argument's name in errors: "P", whose pose is called "pose_p".
     """
+    if isinstance(value, Placed):
+        if pose is not None:
+            raise PlannercheckError(f"{name} is a Placed, which has its pose: leave pose_{name.lower()} out")
+        return value.polytope, value.pose
     placed = checked_pose(pose, f"pose_{name.lower()}")
     if isinstance(value, Polytope):
         return value, placed
@@ -76,12 +95,37 @@ def given_polytope(value: Polytope | GivenShape, pose: ArrayLike | None, name: s
     return Polytope(*inflated_hull(shape), name=name), in_frame(placed, own, name)
 
 
+def given_polytope_at_poses(value: GivenBody, poses: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
+    """The same for many poses (n, 4, 4), m, which come back in C order; or for one pose, and n is 1."""
+    if poses is None or not are_poses(poses):
+        polytope, pose = given_polytope(value, poses, name)
+        return polytope, np.ascontiguousarray(pose[None])
+    polytope, own = given_polytope(value, poses if isinstance(value, Placed) else None, name)
+    rows = checked_poses(poses, f"pose_{name.lower()}")
+    return polytope, np.array([in_frame(row, own, name) for row in rows], dtype=np.float64).reshape(-1, 4, 4)
+
+
+def are_poses(poses: ArrayLike | None) -> bool:
+    """Whether these are many poses, not one: an array of three dimensions, whatever its numbers."""
+    try:
+        return poses is not None and np.ndim(poses) == 3
+    except (TypeError, ValueError):  # e.g. lists of different lengths
+        return False
+
+
 def in_frame(frame: Floats, pose: ArrayLike | None, what: str) -> Floats:
     """The product of two poses; of an identity with a pose, exactly that pose."""
-    if pose is None or np.array_equal(frame, np.eye(4)):
+    if pose is None or _is_identity(frame):
         return frame if pose is None else checked_pose(pose, what)
     local = checked_pose(pose, what)
-    return frame if np.array_equal(local, np.eye(4)) else checked_pose(frame @ local, what)
+    return frame if _is_identity(local) else checked_pose(frame @ local, what)
+
+
+_IDENTITY = np.eye(4).tolist()
+
+
+def _is_identity(pose: Floats) -> bool:
+    return bool(pose.tolist() == _IDENTITY)
 
 
 def _library(value: object) -> str | None:
@@ -142,20 +186,12 @@ def shape_of_coal(value: Any) -> Shape:
     import coal
 
     radius = float(value.getSweptSphereRadius()) if hasattr(value, "getSweptSphereRadius") else 0.0
-    match value:
-        case coal.Sphere():
-            return Sphere(value.radius + radius)
-        case coal.Capsule():
-            return Capsule(value.radius + radius, 2 * value.halfLength)
-    if radius:
+    shape = sized_shape_of_coal(value, radius)
+    if radius and not isinstance(shape, Sphere | Capsule):
         raise PlannercheckError(f"coal's swept_sphere_radius {radius} is not supported: give the checker a padding")
+    if shape is not None:
+        return shape
     match value:
-        case coal.Box():
-            return _box(2 * np.asarray(value.halfSide))
-        case coal.Cylinder():
-            return Cylinder(value.radius, 2 * value.halfLength)
-        case coal.Cone():
-            return Cone(value.radius, 2 * value.halfLength)
         case coal.ConvexBase():
             return Hull(np.array(value.points(), dtype=np.float64))
         case coal.TriangleP():
@@ -164,6 +200,24 @@ def shape_of_coal(value: Any) -> Shape:
     if mesh is None:
         raise PlannercheckError(f"a body must be {_KNOWN}, not coal's {type(value).__name__}")
     return hull_of_triangles(mesh.points, mesh.triangles)
+
+
+def sized_shape_of_coal(value: Any, radius: float = 0.0) -> Shape | None:
+    """Our shape for one of coal's that sizes describe, spheres and capsules larger by a radius, m; None for others."""
+    import coal
+
+    match value:
+        case coal.Box():
+            return _box(2 * np.asarray(value.halfSide))
+        case coal.Sphere():
+            return Sphere(value.radius + radius)
+        case coal.Cylinder():
+            return Cylinder(value.radius, 2 * value.halfLength)
+        case coal.Capsule():
+            return Capsule(value.radius + radius, 2 * value.halfLength)
+        case coal.Cone():
+            return Cone(value.radius, 2 * value.halfLength)
+    return None
 
 
 def _of_fcl(value: Any) -> PlacedShape:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal, TypeAlias
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.certificates import (
@@ -24,12 +25,15 @@ from plannercheck.bodies.certificates import (
     separation,
     shared_point,
 )
-from plannercheck.bodies.given_shapes import GivenShape, given_polytope
+from plannercheck.bodies.given_shapes import GivenBody, are_poses, given_polytope, given_polytope_at_poses
+from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
+from plannercheck.common.array_types import Bools
 from plannercheck.common.core import core
-from plannercheck.common.errors import unknown_name
+from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.public_names import set_module
+from plannercheck.common.threads import MOST_THREADS, checked_threads
 
 Method: TypeAlias = Literal["oracle", "walk", "exact"]
 
@@ -90,38 +94,73 @@ def pair_options(method: Method = "oracle", *switches: bool, **named: bool) -> A
 
 @set_module("plannercheck")
 def intersects(
-    P: Polytope | GivenShape,
-    R: Polytope | GivenShape,
+    P: GivenBody,
+    R: GivenBody,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
     method: Method = "oracle",
-) -> bool:
-    """Whether two posed bodies share a point; touching counts.
+    *,
+    threads: int = 1,
+) -> bool | Bools:
+    """Whether two posed bodies share a point; touching counts. One pair of poses, or many in one call.
 
     Args:
         P: A body: a `Polytope`; or a shape such as `Box`, points (n, 3) in m, a trimesh.Trimesh, or a geometry of coal
             or python-fcl, from which a `Polytope` is made (points and meshes become hulls). For many tests, make it
-            once yourself.
+            once yourself. Or a `Placed`, which has its pose.
         R: Another body.
         pose_p: Pose (4, 4) of P in the world, m; None is the identity. Used as the affine map that its doubles give.
-        pose_r: Pose (4, 4) of R in the world, m.
+            Or n poses (n, 4, 4).
+        pose_r: Pose (4, 4) of R in the world, m; or as many as of P; one pose goes with all of the other body's.
         method: See `Switches`.
+        threads: How many to use for many poses.
 
     Returns:
-        The exact verdict for the given numbers.
+        The exact verdict for the given numbers, True or False; (n,) verdicts where n poses are given.
 
     Raises:
-        PlannercheckError: If a pose is not finite or not rigid.
+        PlannercheckError: If a pose is not finite or not rigid (of many, the error names the first such row), or both
+            bodies have many poses, but not equally many.
     """
+    count = 1 if threads == 1 else checked_threads(threads, MOST_THREADS)
+    known: bool | Bools | None = queries.intersects(P, R, pose_p, pose_r, count) if method == "oracle" else None
+    return intersects_checked(P, R, pose_p, pose_r, method) if known is None else known
+
+
+def intersects_checked(
+    P: GivenBody,
+    R: GivenBody,
+    pose_p: ArrayLike | None = None,
+    pose_r: ArrayLike | None = None,
+    method: Method = "oracle",
+) -> bool | Bools:
+    """`intersects` for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
+    if are_poses(pose_p) or are_poses(pose_r):
+        return _intersects_at_poses(P, R, pose_p, pose_r, method)
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
     return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), False)["shared"])
 
 
+def _intersects_at_poses(
+    P: GivenBody, R: GivenBody, pose_p: ArrayLike | None, pose_r: ArrayLike | None, method: Method
+) -> Bools:
+    (p, poses_p), (r, poses_r) = given_polytope_at_poses(P, pose_p, "P"), given_polytope_at_poses(R, pose_r, "R")
+    counts = {len(poses) for poses, given in ((poses_p, pose_p), (poses_r, pose_r)) if are_poses(given)}
+    if len(counts) > 1:
+        raise PlannercheckError(
+            f"pose_p and pose_r must be one pose or equally many, not {len(poses_p)} and {len(poses_r)}"
+        )
+    if counts == {0}:
+        return np.zeros(0, dtype=bool)
+    shared, _, _ = core.intersect_batch(p.core, poses_p, r.core, poses_r, pair_options(method))
+    return np.asarray(shared).view(bool)
+
+
 @set_module("plannercheck")
 def certify(
-    P: Polytope | GivenShape,
-    R: Polytope | GivenShape,
+    P: GivenBody,
+    R: GivenBody,
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
     method: Method = "oracle",

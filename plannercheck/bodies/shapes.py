@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies.circumscribed import ROUNDING_MARGIN, ball_around, capsule_faces, prism_faces, ring_around
+from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
@@ -91,22 +92,28 @@ class Sphere:
         return self.radius * ball.points, list(ball.triangles)
 
 
+@dataclass(frozen=True)
+class _AlongZ:
+    """A radius and a length along z, in m."""
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__.lower()
+        object.__setattr__(self, "radius", _length(self.radius, f"{kind} radius"))
+        object.__setattr__(self, "length", _length(self.length, f"{kind} length"))
+
+
 @set_module("plannercheck")
 @dataclass(frozen=True)
-class Cylinder:
+class Cylinder(_AlongZ):
     """A cylinder along z about its centre.
 
     Attributes:
         radius: In m.
         length: Full length in m.
     """
-
-    radius: float
-    length: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "cylinder radius"))
-        object.__setattr__(self, "length", _length(self.length, "cylinder length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A prism (2 k, 3) in m over a polygon around the circle, and its faces."""
@@ -119,20 +126,13 @@ class Cylinder:
 
 @set_module("plannercheck")
 @dataclass(frozen=True)
-class Cone:
+class Cone(_AlongZ):
     """A cone along z, its apex at z = +length/2 and its base at z = -length/2.
 
     Attributes:
-        radius: Of the base, in m.
+        radius: Radius of the base, in m.
         length: Full length in m.
     """
-
-    radius: float
-    length: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "cone radius"))
-        object.__setattr__(self, "length", _length(self.length, "cone length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A pyramid (k + 1, 3) in m over a polygon around the base circle, and its faces."""
@@ -147,20 +147,13 @@ class Cone:
 
 @set_module("plannercheck")
 @dataclass(frozen=True)
-class Capsule:
+class Capsule(_AlongZ):
     """All points within a radius of a segment along z.
 
     Attributes:
         radius: In m.
-        length: Of the segment (the cylindrical part), in m.
+        length: Length of the segment (the cylindrical part), in m.
     """
-
-    radius: float
-    length: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "capsule radius"))
-        object.__setattr__(self, "length", _length(self.length, "capsule length"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A polytope (n, 3) in m around the capsule; faces are None only for lengths over a million radii."""
@@ -273,6 +266,13 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
     """
     if pose is None:
         return _frozen(np.eye(4))
+    if core.is_surely_rigid(pose, tolerance):  # most of all; what follows takes 10 µs
+        return _frozen(np.array(pose, dtype=np.float64))
+    return _frozen(_checked_matrix(pose, what, tolerance))
+
+
+def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:
+    """The same without the core: converts, and says what is wrong."""
     matrix = _array(pose, f"pose of {what}")
     if matrix.shape != (4, 4):
         raise PlannercheckError(f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}")
@@ -281,7 +281,17 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
     if matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
         raise PlannercheckError(f"pose of {what}: last row must be 0 0 0 1, not {matrix[3].tolist()}")
     _check_rotation(matrix[:3, :3], what, tolerance)
-    return _frozen(matrix)
+    return matrix
+
+
+def checked_poses(poses: ArrayLike, what: str) -> Points:
+    """Validates rigid transforms (n, 4, 4), m, as `checked_pose` does; an error names the first row that is wrong.
+
+    Returns:
+        A float64 copy (n, 4, 4) in C order.
+    """
+    rows = [checked_pose(row, f"{what}[{i}]") for i, row in enumerate(_array(poses, f"poses of {what}"))]
+    return np.array(rows, dtype=np.float64, order="C").reshape(-1, 4, 4)
 
 
 def _check_rotation(rotation: Points, what: str, tolerance: float) -> None:

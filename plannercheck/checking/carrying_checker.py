@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies.objects import Parts
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.robots.objects_in_frames import inverse
+from plannercheck.common.transforms import inverse
 from plannercheck.scenes.scene import Scene
 
 Same = TypeVar("Same", bound="CarryingChecker")

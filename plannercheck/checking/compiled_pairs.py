@@ -7,7 +7,9 @@ the bodies in them, and nothing else.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +17,14 @@ from numpy.typing import NDArray
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.robot import Robot
 
 
-class PairSource(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class PairSource:
     """The inputs from which tables of a checker's pairs are compiled.
 
     Attributes:
@@ -37,6 +41,11 @@ class PairSource(NamedTuple):
     preparation: Preparation
     options: Sequence[Any]
     kernel: Any | None = None
+
+    @cached_property
+    def mounts(self) -> tuple[Ints, Floats]:
+        """The links that bodies hang on, and their poses there, see `body_placements`."""
+        return body_placements(self.robot, self.bodies, self.kernel)
 
 
 class CompiledPairs:
@@ -68,10 +77,12 @@ class CompiledPairs:
         self.rows = np.arange(len(pairs)) if rows is None else rows
         table = pairs[self.rows]
         self._count = len(source.bodies)
-        self._used = np.unique(table)
+        is_used = np.zeros(self._count, dtype=bool)
+        is_used[table.ravel()] = True
+        self._used = np.flatnonzero(is_used)
         self.polytopes = {k: source.preparation.polytope(k) for k in self._used.tolist()}
-        links, placements = body_placements(robot, [source.bodies[k] for k in self._used], source.kernel)
-        places = np.searchsorted(self._used, table).astype(np.int32).reshape(-1, 2)
+        links, placements = (array[self._used] for array in source.mounts)
+        places = (np.cumsum(is_used, dtype=np.int32) - 1)[table]
         self.is_still = (links < 0)[places].all(axis=1)
         anything = np.full(robot.nq, LARGEST_VALUE)
         lower, upper = (np.clip(limit, -anything, anything) for limit in limits or (-anything, anything))
@@ -84,7 +95,7 @@ class CompiledPairs:
             lower,
             upper,
             *source.options,
-            robot.sampled_link_poses,
+            robot.remembered("sampled poses", lambda: core.sampled_poses(robot.sampled_link_poses)),
         )
 
     def to_table_rows(self, first: Ints) -> Ints:
@@ -109,18 +120,30 @@ def body_placements(robot: Robot, bodies: Sequence[GeometryObject], kernel: Any 
 
     Args:
         robot: The robot.
-        bodies: Bodies of the robot or of a scene.
+        bodies: Bodies of the robot or of a scene; those of the robot, which come first, are placed once a robot.
         kernel: The kinematics that will pose the links; links that it never moves count as the world. None: all links
             may move.
 
     Returns:
         (n,) indices of links, -1 for the world, and (n, 4, 4) poses in these, m: the very doubles that verdicts use.
     """
+    count = len(robot.bodies)
+    own, others = tuple(bodies[:count]), bodies[count:]
+    links, placements = robot.remembered(("placements", own, kernel), lambda: _placed(robot, own, kernel))
+    if not others:
+        return links, placements
+    more_links, more = _placed(robot, others, kernel)
+    return np.concatenate([links, more_links]), np.concatenate([placements, more])
+
+
+def _placed(robot: Robot, bodies: Sequence[GeometryObject], kernel: Any | None) -> tuple[Ints, Floats]:
+    placements = np.concatenate([np.zeros((0, 4)), *(body.pose for body in bodies)]).reshape(-1, 4, 4)
+    if all(body.link is None for body in bodies):
+        return np.full(len(bodies), -1, dtype=np.int32), placements
     links = np.array([-1 if b.link is None else robot.link_index(b.link) for b in bodies], dtype=np.int32)
-    placements = np.array([body.pose for body in bodies], dtype=np.float64).reshape(-1, 4, 4)
     if kernel is not None:
         still = np.array([link >= 0 and kernel.link_is_constant(link) for link in links.tolist()], dtype=bool)
         poses = np.ascontiguousarray(robot.link_poses(robot.reference)[links[still]])
         placements[still] = core.placed_on_links(poses, placements[still])
         links[still] = -1
-    return links, placements
+    return read_only(links), read_only(placements)

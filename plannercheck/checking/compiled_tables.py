@@ -12,10 +12,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource
-from plannercheck.common.array_types import Bools, Ints
+from plannercheck.checking.compiled_pairs import CompiledPairs, PairSource, body_placements
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
@@ -52,6 +52,11 @@ class CompiledTables:
                 if self._all_pairs is None:
                     self._all_pairs = CompiledPairs(self._source, self._pairs)
         return self._all_pairs
+
+    def mounts(self, kernel: Any) -> tuple[Ints, Floats]:
+        """The links that all bodies hang on, and their poses there, if the kernel poses the links."""
+        source = self._source
+        return source.mounts if source.kernel is kernel else body_placements(source.robot, source.bodies, kernel)
 
     def judged(self, judge: Callable[..., NDArray[Any]], *rows: NDArray[Any]) -> NDArray[Any]:
         """Judges each row by the table that counts for it.
@@ -90,13 +95,25 @@ class CompiledTables:
         judge: Callable[[Configuration], bool | None] = core.row_validity(self.within_limits.core, kernel)
         return judge
 
+    def check_states(self, kernel: Any, rows: Floats, threads: int) -> Bools:
+        """(n,) whether each configuration (n, nq) is free of collision; `kernel` poses the links."""
+        return self.judged(lambda table, part: table.core.check_states(kernel, part, threads).view(bool), rows)
+
     def state_validity(
-        self, kernel: Any | None, elsewhere: Callable[[ArrayLike], bool]
+        self, kernel: Any | None, serialize: Callable[[Any, Any], None] | None = None
     ) -> Callable[[Any], bool] | None:
-        """A compiled judge of OMPL's states, None if there is none; it calls `elsewhere` where a row needs checks."""
-        if kernel is None or self._source.robot.configuration_map.units:
+        """A compiled judge of OMPL's states, None if there is none; `serialize` as for `StateChecker.state_validity`.
+
+        It refers to these tables but not to a checker, so that a checker may keep what refers to the judge.
+        """
+        robot = self._source.robot
+        if kernel is None or robot.configuration_map.units:
             return None
-        judge: Callable[[Any], bool] = core.state_validity(self.within_limits.core, kernel, elsewhere)
+
+        def beyond_limits(row: list[float]) -> bool:
+            return bool(self.check_states(kernel, robot.check_configurations(row), 1)[0])
+
+        judge: Callable[[Any], bool] = core.state_validity(self.within_limits.core, kernel, beyond_limits, serialize)
         return judge
 
     def statistics(self) -> dict[str, Any]:

@@ -34,7 +34,7 @@ class FillingCount:
     """What hulls refuse of a set of states.
 
     Attributes:
-        states: How many were asked about.
+        states: Number of configurations that were judged.
         refused: Those in which some hulls collide.
         only_filling: Those of them in which no meshes intersect.
     """
@@ -49,7 +49,7 @@ def refused_by_filling(checker: StateChecker, meshes: Meshes, q: Floats) -> Fill
 
     Args:
         checker: Its verdicts are of hulls.
-        meshes: Of bodies as they are in their files, by the body's name; other bodies are what they are.
+        meshes: Meshes of bodies as they are in their files, by the body's name; other bodies are what they are.
         q: (n, nq) rad and m.
     """
     refused = q[~checker.check_states(q)]
@@ -119,7 +119,7 @@ def largest_filling(polytope: Polytope, mesh: TriangleMesh, seed: int = 0) -> fl
     Args:
         polytope: The hull.
         mesh: In the hull's frame.
-        seed: Of the points.
+        seed: Seed of the points.
     """
     corners = polytope.vertices[np.asarray(polytope.faces)]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

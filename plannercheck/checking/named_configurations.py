@@ -20,7 +20,7 @@ def named_configuration(robot: AnyRobot, values: Mapping[str, ArrayLike]) -> NDA
 
     Args:
         robot: Whose it is.
-        values: Of each joint by its name, rad or m.
+        values: Values of each joint by its name, rad or m.
 
     Raises:
         PlannercheckError: If a joint is missing or not one of the robot's, or a value is no number.

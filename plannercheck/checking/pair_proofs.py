@@ -1,13 +1,14 @@
-"""Proofs about pairs, kept from one checker to the next: which never meet within the limits, and which are at rest.
+"""Proofs about a checker's pairs: which never meet within the limits, and which are at rest.
 
-In: a robot, bodies, their preparation, and the proofs of an earlier checker of the same robot. Out: `MeetingProofs`. A
-proof about a pair holds as long as neither body is moved. A moved obstacle is a new `GeometryObject`, so only pairs of
-bodies that were moved, added or attached are proved again (see unreachable_pairs.py).
+In: a robot, bodies, their preparation, and the proofs of an earlier checker. Out: `MeetingProofs`. What concerns the
+robot alone is proved once a robot (robot_reach.py). What concerns an obstacle holds as long as neither the obstacle nor
+the robot changes; a moved obstacle is a new `GeometryObject`, so a changed scene costs the obstacles that were moved or
+added. Where pairs have a padding of their own, copies of bodies follow the obstacles; then all is proved the plain way
+(unreachable_pairs.py).
 """
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,15 +16,15 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.prepared_bodies import Preparation
-from plannercheck.checking.reach_bounds import Chains
-from plannercheck.checking.unreachable_pairs import UnreachablePairs, chains_of, stays_apart, unreachable_pairs
+from plannercheck.checking.robot_reach import RobotReach, reach_of
+from plannercheck.checking.unreachable_pairs import UnreachablePairs, stays_apart, unreachable_pairs
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.robots.robot import Robot
 
-_Side = tuple[GeometryObject, float]  # and its padding, m
+_Side = tuple[GeometryObject, float]  # an obstacle and its padding, m
 
-# In a pair's number, the bits of the second body's number.
-_HALF = 32
+# What is known of a body and an obstacle.
+_MAY_MEET, _APART, _MEET_AT_REST = 0, 1, 2
 
 
 class MeetingProofs:
@@ -37,72 +38,119 @@ class MeetingProofs:
         is_compiled: bool,
         earlier: MeetingProofs | None = None,
     ) -> None:
-        """Starts with what an earlier checker has proved.
+        """Starts with what is known of the robot, and with what an earlier checker has proved.
 
         Args:
             robot: The robot.
             bodies: Its bodies, then the obstacles, then copies of them with another padding.
-            preparation: Of these bodies.
+            preparation: The prepared polytopes of these bodies.
             is_compiled: Whether the compiled kinematics poses the robot; nothing is proved for other kinematics.
-            earlier: The proofs of a checker of the same robot and paddings.
+            earlier: The proofs of a checker of the same settings.
         """
         self._robot, self._bodies, self._preparation, self._is_compiled = robot, bodies, preparation, is_compiled
-        # Chains list bodies on links first. Where there are copies, nothing is taken over, since indices differ.
-        self._order = sorted(range(len(bodies)), key=lambda k: bodies[k].link is None)
-        self._has_copies = self._order != list(range(len(bodies)))
-        if earlier is not None and (self._has_copies or earlier._has_copies):
-            earlier = None
-        self._numbers: dict[_Side, int] = {} if earlier is None else earlier._numbers
-        self._known: NDArray[np.int64] = np.zeros(0, dtype=np.int64) if earlier is None else earlier._known  # ascending
-        self._facts: Bools = np.zeros((0, 2), dtype=bool) if earlier is None else earlier._facts
-        self._chains: Chains | None = earlier._chains if earlier is not None else None
+        self._own = len(robot.bodies)
+        self._has_copies = any(body.link is not None for body in bodies[self._own :])
+        self._reach: RobotReach | None = None
+        self._facts: NDArray[np.uint8] = np.zeros((self._own, 0), dtype=np.uint8)  # of bodies and obstacles
+        self._columns: dict[_Side, int] = {}
+        if not self._has_copies:
+            self._find_reach()
+            self._find_facts(earlier)
+
+    def _find_reach(self) -> None:
+        own, preparation = self._own, self._preparation
+        self._reach = reach_of(
+            self._robot,
+            tuple(self._bodies[:own]),
+            preparation.hulls,
+            preparation.paddings[:own],
+            preparation.excess,
+        )
+
+    def _find_facts(self, earlier: MeetingProofs | None) -> None:
+        """What is known of the obstacles: by the earlier checker, and by cells for those that it did not have."""
+        own, preparation = self._own, self._preparation
+        obstacles = self._bodies[own:]
+        sides = list(zip(obstacles, preparation.paddings[own:].tolist(), strict=True))
+        self._columns = {side: k for k, side in enumerate(sides)}
+        if self._reach is None or not self._is_compiled:
+            return
+        places = np.full(len(sides), -1, dtype=np.int64)
+        if earlier is not None and earlier._reach is self._reach:
+            known = earlier._columns
+            places = np.array([known.get(side, -1) for side in sides], dtype=np.int64)
+            self._facts = np.where(places >= 0, earlier._facts[:, places], 0) if len(known) else self._facts
+        if self._facts.shape[1] != len(sides):
+            self._facts = np.zeros((own, len(sides)), dtype=np.uint8)
+        new = np.flatnonzero(places < 0)
+        if len(new):
+            boxes = preparation.boxes((new + own).tolist())
+            poses = np.array([obstacles[k].pose for k in new.tolist()])
+            self._facts[:, new] = self._reach.clear_of(boxes, poses)
 
     def of(self, pairs: Ints) -> tuple[Bools, Bools]:
         """Which pairs (k, 2) never meet within the limits, and which are at rest relative to each other."""
-        keys = self._keys(pairs)
-        place = np.searchsorted(self._known, keys)
-        known = np.zeros(len(keys), dtype=bool)
-        inside = place < len(self._known)
-        known[inside] = self._known[place[inside]] == keys[inside]
-        facts = np.zeros((len(keys), 2), dtype=bool)
-        facts[known] = self._facts[place[known]]
-        if not known.all():
-            facts[~known] = np.stack(self._proved(pairs[~known]), axis=1)
-        self._known, first = np.unique(keys, return_index=True)  # pairs that are gone are forgotten
-        self._facts = facts[first]
-        return facts[:, 0], facts[:, 1]
+        if self._has_copies:
+            return self._proved_plainly(pairs)
+        apart, static = np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool)
+        if self._reach is None or not self._reach.is_proved:
+            return apart, static
+        with_obstacle = pairs[:, 1] >= self._own
+        own, others = pairs[~with_obstacle], pairs[with_obstacle]
+        apart[~with_obstacle], static[~with_obstacle] = self._of_own(own)
+        static[with_obstacle] = self._reach.at_rest[others[:, 0]]
+        if self._is_compiled:
+            apart[with_obstacle] = self._of_obstacles(others, static[with_obstacle])
+        return (apart if self._is_compiled else np.zeros_like(apart)), static
 
-    def _keys(self, pairs: Ints) -> NDArray[np.int64]:
-        """(k,) a number for each pair: equal if and only if both bodies and their paddings are the same."""
-        sides = list(zip(self._bodies, self._preparation.paddings.tolist(), strict=True))
-        fresh = itertools.count(max(self._numbers.values(), default=-1) + 1)
-        numbers = {side: self._numbers[side] if side in self._numbers else next(fresh) for side in sides}
-        self._numbers = numbers
-        of_body = np.array([numbers[side] for side in sides], dtype=np.int64)
-        return np.asarray(of_body[pairs[:, 0]] << _HALF | of_body[pairs[:, 1]])
+    def _of_own(self, pairs: Ints) -> tuple[Bools, Bools]:
+        """Of pairs (k, 2) of bodies on links."""
+        assert self._reach is not None
+        apart, static = self._reach.own_pairs(pairs)
+        near = np.flatnonzero(static & ~apart)
+        if not len(near) or not self._is_compiled:
+            return apart, static
+        what = ("apart at rest", tuple(self._bodies[: self._own]), self._preparation.paddings[: self._own].tobytes())
+        key = (*what, self._preparation.excess, pairs[near].tobytes())
+        at_rest = self._robot.remembered(key, lambda: self._stay_apart(pairs[near]))
+        apart = apart.copy()
+        apart[near] = at_rest
+        return apart, static
 
-    def _proved(self, pairs: Ints) -> tuple[Bools, Bools]:
-        found = self._reach(pairs)
+    def _of_obstacles(self, pairs: Ints, static: Bools) -> Bools:
+        """Of pairs (k, 2) of a body on a link and an obstacle."""
+        rows, columns = pairs[:, 0], pairs[:, 1] - self._own
+        near = np.flatnonzero(static & (self._facts[rows, columns] == _MAY_MEET))
+        if len(near):
+            found = self._stay_apart(pairs[near])
+            self._facts[rows[near], columns[near]] = np.where(found, _APART, _MEET_AT_REST)
+        return np.asarray(self._facts[rows, columns] == _APART)
+
+    def _stay_apart(self, pairs: Ints) -> Bools:
+        """(k,) whether pairs (k, 2) that are at rest relative to each other are apart."""
+        prepared, robot = self._preparation.polytope, self._robot
+        links = robot.link_poses(robot.reference)
+
+        def pose(k: int) -> Floats:
+            body = self._bodies[k]
+            return body.pose if body.link is None else np.asarray(links[robot.link_index(body.link)] @ body.pose)
+
+        return np.array(
+            [stays_apart(prepared(a), prepared(b), pose(a), pose(b)) for a, b in pairs.tolist()], dtype=bool
+        )
+
+    def _proved_plainly(self, pairs: Ints) -> tuple[Bools, Bools]:
+        found = self._in_order_of_chains(pairs)
         if not self._is_compiled or not found.is_proved:
             return np.zeros(len(pairs), dtype=bool), found.static
-        apart, prepared = found.apart.copy(), self._preparation.polytope
+        apart = found.apart.copy()
         near = np.flatnonzero(found.static & ~apart)
-        poses = self._poses_at_reference() if len(near) else None
-        for k in near.tolist():
-            assert poses is not None
-            a, b = pairs[k].tolist()
-            apart[k] = stays_apart(prepared(a), prepared(b), poses[a], poses[b])
+        apart[near] = self._stay_apart(pairs[near])
         return apart, found.static
 
-    def _reach(self, pairs: Ints) -> UnreachablePairs:
-        place = np.argsort(self._order).astype(np.int32)
-        bodies = [self._bodies[k] for k in self._order]
-        hulls = [self._preparation.hulls[k] for k in self._order]
-        self._chains = chains_of(self._robot, bodies, hulls, self._chains)
-        return unreachable_pairs(self._robot, bodies, place[pairs], hulls, self._chains)
-
-    def _poses_at_reference(self) -> Floats:
-        """(bodies, 4, 4) up to rounding, m."""
-        links = self._robot.link_poses(self._robot.reference)
-        worlds = (np.eye(4) if b.link is None else links[self._robot.link_index(b.link)] for b in self._bodies)
-        return np.array([world @ body.pose for world, body in zip(worlds, self._bodies, strict=True)])
+    def _in_order_of_chains(self, pairs: Ints) -> UnreachablePairs:
+        """By unreachable_pairs.py, which lists bodies on links first."""
+        order = sorted(range(len(self._bodies)), key=lambda k: self._bodies[k].link is None)
+        place = np.argsort(order).astype(np.int32)
+        bodies, hulls = [self._bodies[k] for k in order], [self._preparation.hull(k) for k in order]
+        return unreachable_pairs(self._robot, bodies, place[pairs], hulls)

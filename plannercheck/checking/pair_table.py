@@ -14,6 +14,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Bools
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots.robot import Robot
@@ -59,15 +60,24 @@ def pair_table(robot: Robot, scene: Scene, self_collision: bool, acm: Acm) -> Pa
         asked = np.flatnonzero(judged[own[:, 1]])
         allowed = [scene.is_allowed(labels[a], labels[b]) for a, b in own[asked].tolist()]
         own = np.delete(own, asked[np.array(allowed, dtype=bool)], axis=0)
-    obstacles: list[tuple[int, int]] = []
-    static: list[tuple[int, int]] = []
+    kept = ~scene.allowed.table(labels, scene.body_objects)
+    fixed = robot.remembered("fixed", lambda: _on_fixed_links(robot))
+    obstacles, static = _with_obstacles(kept & ~fixed[:, None]), _with_obstacles(kept & fixed[:, None])
+    return PairTable(read_only(np.concatenate([own, obstacles])), read_only(static), len(own))
+
+
+def _with_obstacles(chosen: Bools) -> NDArray[np.int32]:
+    """Rows of pairs, given which of them (bodies, obstacles) are chosen; bodies first, then obstacles."""
+    body, obstacle = np.nonzero(chosen)
+    rows = np.empty((len(body), 2), dtype=np.int32)
+    rows[:, 0], rows[:, 1] = body, obstacle + len(chosen)
+    return rows
+
+
+def _on_fixed_links(robot: Robot) -> Bools:
+    """(bodies,) whether no joint can move a body's link."""
     fixed = fixed_links(robot)
-    for a, body in enumerate(robot.bodies):
-        for k, name in enumerate(scene.body_objects):
-            if scene.is_allowed(labels[a], name):
-                continue
-            (static if body.link in fixed else obstacles).append((a, len(robot.bodies) + k))
-    return PairTable(read_only(np.concatenate([own, _rows(obstacles)])), _rows(static), len(own))
+    return np.array([body.link in fixed for body in robot.bodies], dtype=bool)
 
 
 def fixed_links(robot: Robot) -> frozenset[str]:

@@ -1,88 +1,133 @@
 """The bodies of a checker, prepared when a pair first needs them.
 
-In: bodies and their paddings. Out: `Preparation`, which makes the `Polytope` of a body when it is first asked for, so
-that bodies which no configuration within the limits can touch cost nothing. Equal shapes share one polytope, across
-checkers as well.
+In: bodies and their paddings. Out: `Preparation`, which makes the hull and the `Polytope` of a body when they are first
+asked for, so that bodies which no configuration within the limits can touch cost nothing. What has been made of a shape
+stays as long as the shape: checkers of the same robot, and of scenes that share objects, prepare nothing twice. Equal
+hulls share one polytope.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
-from weakref import WeakValueDictionary
+from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
 from plannercheck.bodies.polytope import Polytope, prepared
-from plannercheck.bodies.shapes import GeometryObject, InflatedHull, inflated_hull
+from plannercheck.bodies.shapes import Box, GeometryObject, InflatedHull, Shape, inflated_hull
+from plannercheck.checking.reach_bounds import Boxes, boxes_of
 from plannercheck.common.array_types import Floats
 
 # Up to this many points, preparing a body is faster than finding, reading and checking a cached file.
 _FEW_POINTS = 32
 
 
+class _PreparedShape:
+    """A shape with one padding: its hull and its polytope, once they are needed."""
+
+    __slots__ = ("_hull", "polytope")
+
+    def __init__(self) -> None:
+        self._hull: InflatedHull | None = None
+        self.polytope: Polytope | None = None
+
+    def hull(self, shape: Shape, excess: float, padding: float) -> InflatedHull:
+        """Points, faces and inflation radius, the padding included."""
+        if self._hull is None:
+            points, faces, inflation_radius = inflated_hull(shape, excess)
+            self._hull = points, faces, inflation_radius + padding
+        return self._hull
+
+
+# By shape, then by excess and padding. Shapes that compare equal are the same shape.
+_PREPARED: WeakKeyDictionary[Shape, dict[tuple[float, float], _PreparedShape]] = WeakKeyDictionary()
+
+# By inflation radius and points.
+_POLYTOPES: WeakValueDictionary[bytes, Polytope] = WeakValueDictionary()
+
+
 class Preparation:
     """The bodies of a checker, prepared one by one as they are needed.
 
     Attributes:
-        hulls: Points, faces and inflation radius of each body, its padding included.
         paddings: (bodies,) the part of each inflation radius that is padding, m.
+        excess: How far polytopes of curved shapes may stick out, as a part of the radius.
     """
 
     def __init__(
         self, bodies: Sequence[GeometryObject], excess: float, paddings: Floats, earlier: Preparation | None = None
     ) -> None:
-        """Computes points and faces of shapes that are new.
+        """Looks up what is known of the shapes.
 
         Args:
             bodies: All bodies.
             excess: How far polytopes of curved shapes may stick out, as a part of the radius.
             paddings: (bodies,) m.
-            earlier: The preparation of another checker with the same excess: its prepared bodies are taken over.
+            earlier: The preparation of another checker with the same excess; it only saves look-ups.
         """
-        self._bodies = bodies
-        self.paddings = paddings
-        self.hulls: list[InflatedHull] = []
-        self._polytopes: list[Polytope | None] = []
-        self._known: WeakValueDictionary[bytes, Polytope] = WeakValueDictionary() if earlier is None else earlier._known
-        before = {} if earlier is None else earlier._by_shape()
+        self._bodies = bodies  # they keep the shapes alive, whose ids are keys
+        self.paddings, self.excess = paddings, excess
+        before = {} if earlier is None else earlier._by_shape
+        self._by_shape: dict[tuple[int, float], _PreparedShape] = {}
+        self._entries: list[_PreparedShape] = []
         for body, part in zip(bodies, paddings.tolist(), strict=True):
-            known = before.get((id(body.shape), part))
-            hull, polytope = known if known else (_padded(inflated_hull(body.shape, excess), part), None)
-            self.hulls.append(hull)
-            self._polytopes.append(polytope)
-
-    def _by_shape(self) -> dict[tuple[int, float], tuple[InflatedHull, Polytope | None]]:
-        """What is known, by shape (`_bodies` keeps the shapes alive) and padding."""
-        keys = ((id(body.shape), part) for body, part in zip(self._bodies, self.paddings.tolist(), strict=True))
-        return dict(zip(keys, zip(self.hulls, self._polytopes, strict=True), strict=True))
+            key = id(body.shape), part
+            entry = self._by_shape[key] = before.get(key) or _known(body.shape, excess, part)
+            self._entries.append(entry)
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_known": None}  # shared with other checkers, so not pickled
+        return {
+            "bodies": self._bodies,
+            "excess": self.excess,
+            "paddings": self.paddings,
+            "polytopes": self.prepared_bodies(),
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._known = WeakValueDictionary()
+        Preparation.__init__(self, state["bodies"], state["excess"], state["paddings"])
+        for entry, polytope in zip(self._entries, state["polytopes"], strict=True):
+            entry.polytope = entry.polytope or polytope
+
+    def hull(self, body: int) -> InflatedHull:
+        """Points, faces and inflation radius of a body, its padding included."""
+        return self._entries[body].hull(self._bodies[body].shape, self.excess, float(self.paddings[body]))
+
+    def hulls(self, count: int) -> list[InflatedHull]:
+        """Those of the first bodies."""
+        return [self.hull(body) for body in range(count)]
+
+    def boxes(self, bodies: Sequence[int]) -> Boxes:
+        """The boxes and balls around some bodies' hulls; those that are boxes need no hull."""
+        shapes = [self._bodies[body].shape for body in bodies]
+        if not all(type(shape) is Box for shape in shapes):
+            return boxes_of([self.hull(body) for body in bodies])
+        high = np.array([shape.size for shape in shapes if isinstance(shape, Box)]).reshape(-1, 3) / 2
+        radius = np.sqrt((high**2).sum(axis=1))
+        return Boxes(-high, high, np.zeros_like(high), radius, self.paddings[np.asarray(bodies, dtype=np.int64)])
 
     def polytope(self, body: int) -> Polytope:
         """The prepared body."""
-        found = self._polytopes[body]
-        if found is None:
-            points, faces, inflation_radius = self.hulls[body]
+        entry = self._entries[body]
+        if entry.polytope is None:
+            points, faces, inflation_radius = self.hull(body)
             key = np.float64(inflation_radius).tobytes() + points.tobytes()
-            found = self._known.get(key)
+            found = _POLYTOPES.get(key)
             if found is None:
                 prepare = Polytope if len(points) <= _FEW_POINTS else prepared
                 found = prepare(points, faces, inflation_radius, f"body {self._bodies[body].name!r}")
-                self._known[key] = found
-            self._polytopes[body] = found
-        return found
+                _POLYTOPES[key] = found
+            entry.polytope = found
+        return entry.polytope
 
     def prepared_bodies(self) -> tuple[Polytope | None, ...]:
         """The prepared bodies, None for those not needed so far."""
-        return tuple(self._polytopes)
+        return tuple(entry.polytope for entry in self._entries)
 
 
-def _padded(hull: InflatedHull, padding: float) -> InflatedHull:
-    points, faces, inflation_radius = hull
-    return points, faces, inflation_radius + padding
+def _known(shape: Shape, excess: float, padding: float) -> _PreparedShape:
+    """What is known of a shape with a padding, to be added to."""
+    of_shape = _PREPARED.get(shape)
+    if of_shape is None:
+        of_shape = _PREPARED.setdefault(shape, {})
+    return of_shape.setdefault((excess, padding), _PreparedShape())

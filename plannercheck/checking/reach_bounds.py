@@ -9,7 +9,6 @@ point.
 
 from __future__ import annotations
 
-import copy
 import itertools
 import math
 from collections.abc import Iterable, Sequence
@@ -83,11 +82,6 @@ class Boxes(NamedTuple):
         return Boxes(*(array[chosen] for array in self))
 
 
-def joined(first: Boxes, second: Boxes) -> Boxes:
-    """The boxes of the first, then those of the second."""
-    return Boxes(*(np.concatenate(both) for both in zip(first, second, strict=True)))
-
-
 def boxes_of(hulls: Sequence[InflatedHull]) -> Boxes:
     """The boxes and balls around hulls, see `shapes.inflated_hull`."""
     low = np.array([points.min(axis=0) for points, _, _ in hulls]).reshape(-1, 3)
@@ -140,31 +134,13 @@ class Chains:
         self._proved: bool | None = None
 
     def inherit(self, earlier: Chains) -> None:
-        """Takes over results for bodies that are the same and on the same joints, e.g. after another one was attached.
+        """Takes over results of the robot without what it carries.
 
         Args:
-            earlier: Chains of the same robot and paddings; only carried objects, which come last among its bodies, may
-                differ.
+            earlier: Chains of the same robot and paddings; its bodies are the first of these.
         """
-        same = [a is b for a, b in zip(self._own, earlier._own, strict=False)]
-        common = same.index(False) if False in same else len(same)
-        self._ends |= {key: end for key, end in earlier._ends.items() if key[0] < common}
-        self._middles |= {key: middle for key, middle in earlier._middles.items() if key[0] < common}
-
-    def among(self, bodies: Sequence[GeometryObject], hulls: Sequence[InflatedHull]) -> Chains:
-        """The same chains, with all their results, among other obstacles.
-
-        Args:
-            bodies: The robot's bodies, the same as here, then the obstacles.
-            hulls: Their hulls.
-
-        Returns:
-            Chains that share all results of the robot with these.
-        """
-        other, own = copy.copy(self), len(self._own)
-        other.boxes = joined(self.boxes.of(slice(own)), boxes_of(hulls[own:]))
-        other.poses_in_world = np.array([body.pose for body in bodies])
-        return other
+        self._ends |= earlier._ends
+        self._middles |= earlier._middles
 
     def _chain(self, joint: int) -> Joints:
         """The moving joints from the world to this one."""
@@ -212,6 +188,11 @@ class Chains:
         while common < min(len(first), len(second)) and first[common] == second[common]:
             common += 1
         return first[common:], second[common:]
+
+    @property
+    def count(self) -> int:
+        """How many of the bodies are on links."""
+        return len(self._own)
 
     def chain(self, body: int) -> Joints:
         """The moving joints from the world to a body."""

@@ -138,16 +138,15 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         padded = settings.padded(self.robot, self.scene, is_first=earlier is None)
         self.bodies, self._labels, paddings, (pairs, at_rest) = padded
         self.paddings, self.pairs = read_only(paddings), read_only(pairs)
-        self._preparation = Preparation(
-            self.bodies, self.excess, self.paddings, None if earlier is None else earlier._preparation
-        )
+        known = None if earlier is None else earlier._preparation
+        self._preparation = Preparation(self.bodies, self.excess, self.paddings, known)
         at_rest = self._prove(at_rest, earlier)
         self._compile()
         self._scene_taken(earlier)
         carried = np.array([body.carried is not None for body in self.bodies], dtype=bool)
         never_moving = self.pairs[self.static & ~self.unreachable & carried[self.pairs].any(axis=1)]
-        known = set() if earlier is None else set(earlier.bodies)
-        warn_of_touching(self._pair_source(), self._labels, at_rest, never_moving, self._link_poses, known)
+        warned = set() if earlier is None else set(earlier.bodies)
+        warn_of_touching(self._pair_source(), self._labels, at_rest, never_moving, self._link_poses, warned)
 
     def _prove(self, at_rest: Ints, earlier: StateChecker | None) -> Ints:
         """Proves pairs apart where it can; returns the pairs (m, 2) fixed to the world that are not proved apart."""
@@ -249,20 +248,24 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             known = self._judge_row(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
-    def state_validity(self) -> Callable[[Any], bool] | None:
-        """A compiled function that judges states of an OMPL RealVectorStateSpace of nq numbers; None if there is none.
+    def state_validity(self, serialize: Callable[[Any, Any], None] | None = None) -> Callable[[Any], bool] | None:
+        """A compiled function that judges states of an OMPL space of nq numbers; None if there is none.
 
         Its verdicts are those of `is_valid`. There is none where Pinocchio itself poses the robot, nor for
         configurations with quaternions, or cosines and sines, whose length has to be checked.
+
+        Args:
+            serialize: The space's function of this name, which copies all numbers of a state; without it, `state[k]` is
+                the k-th number, as in a RealVectorStateSpace.
         """
-        return self._tables.state_validity(self._kernel, self.is_valid)
+        return self._tables.state_validity(self._kernel, serialize)
 
     def check_states(self, q: ArrayLike, threads: int = 1) -> Bools:
         """Whether each configuration of a set is free of collision.
 
         Args:
             q: (n, nq) rad and m.
-            threads: How many to use.
+            threads: Number of threads to use.
 
         Returns:
             (n,), True means valid.
@@ -271,16 +274,14 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:
             return np.asarray(self._tables.all.core.first_of_poses(self._link_poses(rows), threads) < 0)
-        return self._tables.judged(
-            lambda table, part: table.core.check_states(self._kernel, part, threads).view(bool), rows
-        )
+        return self._tables.check_states(self._kernel, rows, threads)
 
     def first_colliding_pair(self, q: ArrayLike, threads: int = 1) -> Ints:
         """The first colliding pair of each configuration, in the order of `pairs`.
 
         Args:
             q: (n, nq) rad and m.
-            threads: How many to use.
+            threads: Number of threads to use.
 
         Returns:
             (n,) rows of `pairs`, -1 where the configuration is valid.

@@ -68,7 +68,6 @@ def unreachable_pairs(
     bodies: Sequence[GeometryObject],
     pairs: Ints,
     hulls: Sequence[InflatedHull],
-    chains: Chains | None = None,
 ) -> UnreachablePairs:
     """Proves which pairs can never meet.
 
@@ -77,53 +76,27 @@ def unreachable_pairs(
         bodies: Bodies on links, then obstacles.
         pairs: (k, 2) indices into bodies; an obstacle is second.
         hulls: The hull of each body, see `shapes.inflated_hull`.
-        chains: Chains of the robot and these bodies if they exist already, see `chains_of`.
 
     Returns:
         Masks over the pairs. Nothing is proved if Pinocchio itself poses the robot, if rounding has no bound (a base
         that floats without limits), or if placements are no rotations.
     """
     apart, static = np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool)
-    if not len(pairs):
+    table = robot.joint_table
+    if not len(pairs) or table is None or robot.kinematics is None:
         return UnreachablePairs(apart, static, False)
-    if chains is None:
-        chains = chains_of(robot, bodies, hulls)
-    if chains is None or not chains.is_proved():
+    chains = Chains(robot, table, bodies, hulls)
+    if not chains.is_proved():
         return UnreachablePairs(apart, static, False)
     with_obstacle = pairs[:, 1] >= sum(body.link is not None for body in bodies)
     own = np.flatnonzero(~with_obstacle)
-    apart[own] = _apart_among_links(chains, pairs[own])
+    apart[own] = apart_among_links(chains, pairs[own])
     static[own] = chains.screen.static(pairs[own].astype(np.int64))
     for body in np.unique(pairs[with_obstacle, 0]).tolist():
         rows = np.flatnonzero(with_obstacle & (pairs[:, 0] == body))
         apart[rows] = _apart_from_obstacles(chains, body, pairs[rows, 1])
         static[rows] = not chains.chain(body)
     return UnreachablePairs(apart, static, True)
-
-
-def chains_of(
-    robot: Robot, bodies: Sequence[GeometryObject], hulls: Sequence[InflatedHull], earlier: Chains | None = None
-) -> Chains | None:
-    """The lengths and poses that `unreachable_pairs` needs; None if Pinocchio itself poses the robot.
-
-    Args:
-        robot: As for `unreachable_pairs`.
-        bodies: As for `unreachable_pairs`.
-        hulls: As for `unreachable_pairs`.
-        earlier: Chains of the same robot and paddings; obstacles and carried objects may differ.
-
-    Returns:
-        The chains.
-    """
-    table = robot.joint_table
-    if table is None or robot.kinematics is None:
-        return None
-    if earlier is not None and earlier.robot is robot:
-        return earlier.among(bodies, hulls)
-    chains = Chains(robot, table, bodies, hulls)
-    if earlier is not None:
-        chains.inherit(earlier)
-    return chains
 
 
 def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> bool:
@@ -145,7 +118,7 @@ def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> boo
     return gap > p.inflation_radius + r.inflation_radius + MARGIN + RELATIVE * extent
 
 
-def _apart_among_links(chains: Chains, pairs: Ints) -> Bools:
+def apart_among_links(chains: Chains, pairs: Ints) -> Bools:
     """Which pairs (k, 2) of the robot's bodies never meet."""
     promising = chains.screen.may_be_proved(pairs.astype(np.int64), MOST_COLUMNS)
     apart = np.zeros(len(pairs), dtype=bool)
@@ -260,16 +233,19 @@ def _clear_in_cells(chains: Chains, body: int, chain: Joints, cut: Cut, obstacle
     centres, sway = chains.centres_in_cells(body, chain, cut)
     extent = end.radius + sway + np.linalg.norm(centres, axis=1).max()
     box, pose = chains.boxes.of(obstacles), chains.poses_in_world[obstacles]
-    size = (
-        np.linalg.norm(pose[:, :3, 3], axis=1) + np.linalg.norm(box.centre, axis=1) + box.radius + box.inflation_radius
-    )
-    room = end.radius + sway + box.inflation_radius + MARGIN + RELATIVE * (extent + size)
+    room = end.radius + sway + box.inflation_radius + MARGIN + RELATIVE * (extent + sizes_of(box, pose))
     clear = np.isfinite(room)
     for part in np.split(centres, _BATCHES) if len(obstacles) > _FEW_OBSTACLES else [centres]:
         left = np.flatnonzero(clear)
         if len(left) and len(part):
             clear[left] = (_squared_distances(part, box.of(left), pose[left]) > room[left] ** 2).all(axis=0)
     return np.asarray(clear)
+
+
+def sizes_of(box: Boxes, poses: Floats) -> Floats:
+    """(n,) the lengths of n obstacles at poses (n, 4, 4) on which rounding depends, m."""
+    lengths = np.linalg.norm(poses[:, :3, 3], axis=1) + np.linalg.norm(box.centre, axis=1)
+    return np.asarray(lengths + box.radius + box.inflation_radius)
 
 
 def _squared_distances(points: Floats, box: Boxes, poses: Floats) -> Floats:

@@ -228,8 +228,8 @@ class ValidityReport:
 
     Attributes:
         states: How many configurations were checked.
-        valid: How many of them have no colliding pair, within the limits or beyond.
-        beyond_limits: How many are beyond a joint limit, valid or not.
+        valid: How many configurations have no colliding pair, within the limits or beyond.
+        beyond_limits: How many configurations are beyond a joint limit, valid or not.
         pairs: Colliding links and obstacles, most frequent first.
         all_pairs: Whether a configuration counts for all its colliding pairs; else for the first found.
         duration: Time spent on checking, s.

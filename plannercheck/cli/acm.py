@@ -57,9 +57,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_urdf_arguments(parser)
     parser.add_argument("--audit", action="store_true", help="say which pairs are disabled, yet collide")
     parser.add_argument("--output", type=Path, help="write the proposal: .srdf, or a robot's .yaml")
-    parser.add_argument("--states", type=int, default=10_000, help="random configurations; default: 10000")
-    parser.add_argument("--seed", type=int, default=0, help="of the random configurations; default: 0")
-    parser.add_argument("--always", type=float, default=ALWAYS, help="share that counts as always; default: 0.95")
+    parser.add_argument("--states", type=int, default=10_000, help="number of random configurations; default: 10000")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random configurations; default: 0")
+    parser.add_argument(
+        "--always",
+        type=float,
+        default=ALWAYS,
+        help="share of colliding configurations that counts as always; default: 0.95",
+    )
     parser.add_argument(
         "--meshes", type=int, default=0, metavar="N", help="with --audit: also test up to N states a pair as meshes"
     )

@@ -58,7 +58,7 @@ def load_checker(options: argparse.Namespace, own_joints: bool = False) -> AnyCh
     """The checker of --robot in --scene, in space or, if the robot's file says so, in the plane.
 
     Args:
-        options: Of the command.
+        options: The command's options.
         own_joints: A robot without a group gets one of all joints that move on their own, as planning needs it.
 
     Returns:

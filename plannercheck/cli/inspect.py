@@ -74,16 +74,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_robot_argument(parser)
     add_scene_argument(parser)
     add_checker_arguments(parser)
-    parser.add_argument("--states", type=int, default=10_000, help="random configurations to check; default: 10000")
+    parser.add_argument(
+        "--states", type=int, default=10_000, help="number of random configurations to check; default: 10000"
+    )
     parser.add_argument(
         "--without", action="store_true", help="also time the states without each way of skipping work, one at a time"
     )
     parser.add_argument(
         "--fidelity",
         action="store_true",
-        help="also how far hulls are from their meshes, and the share of states that only the hulls' filling refuses",
+        help="also show how far hulls are from their meshes, and the share of states that only filled hulls refuse",
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the random configurations; default: 0")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random configurations; default: 0")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -10,16 +10,14 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
-import signal
 import sys
-import threading
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, redirect_stdout, suppress
-from types import FrameType
+from contextlib import contextmanager, nullcontext, redirect_stdout, suppress
 from typing import Any, NoReturn, TextIO, cast
 
+from plannercheck.cli.ending_signals import Terminated, ended_by_signals
 from plannercheck.cli.suggestions import SuggestingParser
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.escaping import TerminalText, on_terminal
@@ -64,18 +62,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     arguments = _joined_vectors(list(sys.argv[1:] if argv is None else argv))
     try:
-        options = parser_for(arguments).parse_args(arguments)
-        with warnings.catch_warnings(), _interrupted_by_sigterm(), _safe_output():
-            warnings.showwarning = _show_warning
-            return _run(options)
+        with ended_by_signals() as signals:
+            is_program = argv is None
+            with signals.ending_the_process(_interrupted) if is_program else nullcontext():
+                options = parser_for(arguments).parse_args(arguments)
+            with warnings.catch_warnings(), _safe_output():
+                warnings.showwarning = _show_warning
+                return _run(options)
     except SystemExit as stop:  # argparse has said why
         return int(stop.code or 0)
     except KeyboardInterrupt as stop:
         return _interrupted(stop)
-
-
-class Terminated(KeyboardInterrupt):
-    """SIGTERM: handled as Ctrl-C is, so that what is kept for later is said."""
 
 
 @contextmanager
@@ -86,23 +83,6 @@ def _safe_output() -> Iterator[None]:
         return
     with redirect_stdout(cast(TextIO, TerminalText(sys.stdout))):
         yield
-
-
-@contextmanager
-def _interrupted_by_sigterm() -> Iterator[None]:
-    """Raises `Terminated` where SIGTERM comes; only the main thread may ask for that."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, _terminate)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-def _terminate(number: int, frame: FrameType | None) -> None:
-    raise Terminated
 
 
 def _run(options: argparse.Namespace) -> int:

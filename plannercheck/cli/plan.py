@@ -55,8 +55,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_robot_argument(parser)
     add_scene_argument(parser, "needed for one problem")
     add_checker_arguments(parser)
-    parser.add_argument("--start", metavar="A,B,...", help="rad and m; default: the scene file's")
-    parser.add_argument("--goal", metavar="A,B,...", help="rad and m; default: the scene file's")
+    parser.add_argument("--start", metavar="A,B,...", help="start, rad and m; default: the scene file's")
+    parser.add_argument("--goal", metavar="A,B,...", help="goal, rad and m; default: the scene file's")
     parser.add_argument(
         "--problems",
         nargs="+",
@@ -64,10 +64,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SET",
         help="folders or tar archives of MotionBenchMaker problems, instead of scene, start and goal",
     )
-    parser.add_argument("--first", type=int, metavar="N", help="only the first N problems of each set")
-    parser.add_argument("--each", action="store_true", help="a line for each problem of a set")
+    parser.add_argument("--first", type=int, metavar="N", help="plan only the first N problems of each set")
+    parser.add_argument("--each", action="store_true", help="print a line for each problem of a set")
     parser.add_argument("--planner", default="RRTConnect", help=f"{', '.join(planner_names())}; default: RRTConnect")
-    parser.add_argument("--time", type=float, default=10.0, metavar="S", help="for each search, s; default: 10")
+    parser.add_argument("--time", type=float, default=10.0, metavar="S", help="time of each search, s; default: 10")
     parser.add_argument(
         "--range",
         type=float,
@@ -75,10 +75,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"longest motion the planner tries at once; 0: OMPL's choice; default: {LONGEST_MOTION} rad in space, "
         "OMPL's choice in the plane",
     )
-    parser.add_argument("--curve", choices=CURVES, default="straight", help="of a planar robot; default: straight")
-    parser.add_argument("--turning-radius", type=float, metavar="M", help="of dubins and reeds_shepp curves, m")
+    parser.add_argument(
+        "--curve", choices=CURVES, default="straight", help="curve that a planar robot's root drives; default: straight"
+    )
+    parser.add_argument(
+        "--turning-radius", type=float, metavar="M", help="turning radius of dubins and reeds_shepp curves, m"
+    )
     parser.add_argument("--no-simplify", action="store_true", help="leave paths as the planner found them")
-    parser.add_argument("--seed", type=int, help="at least 1, for a search that can be repeated")
+    parser.add_argument("--seed", type=int, help="seed of at least 1: the same seed gives the same search")
     parser.add_argument(
         "--verify",
         choices=("fcl",),

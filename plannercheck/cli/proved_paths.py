@@ -36,8 +36,8 @@ class PathProof:
     """The result of proving a path.
 
     Attributes:
-        file: Where the proof is, or would have been.
-        motions: How many are proved.
+        file: Path of the proof, or the path that it would have.
+        motions: Number of motions that are proved.
         entries: In all proofs.
         fault: What stopped it; None if the file is written.
     """

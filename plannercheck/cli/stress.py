@@ -33,13 +33,13 @@ MOST_PROCESSES = 1024
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
-    parser.add_argument("--pairs", type=int, default=10_000, help="how many at least (default: %(default)s)")
+    parser.add_argument("--pairs", type=int, default=10_000, help="judge at least this many (default: %(default)s)")
     parser.add_argument("--motions", type=int, metavar="N", help="judge at least N motions instead of pairs")
     parser.add_argument("--verified", type=int, default=0, metavar="M", help="prove and verify about M of the motions")
-    parser.add_argument("--families", default="", metavar="NAME,...", help="of motions (default: all)")
-    parser.add_argument("--case", type=Path, metavar="FILE", help="judge a kept motion again")
-    parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
-    parser.add_argument("--processes", type=int, default=1, help="how many to use (default: %(default)s)")
+    parser.add_argument("--families", default="", metavar="NAME,...", help="families of motions to draw (default: all)")
+    parser.add_argument("--case", type=Path, metavar="FILE", help="judge the motion in this file again")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random numbers (default: %(default)s)")
+    parser.add_argument("--processes", type=int, default=1, help="number of processes (default: %(default)s)")
     parser.add_argument("--peers", action="store_true", help="count the errors of python-fcl and coal, too")
     parser.add_argument("--cases", type=Path, metavar="FOLDER", help="keep failures, shrunk, as JSON files here")
 

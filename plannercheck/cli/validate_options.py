@@ -56,7 +56,7 @@ def _add_input_arguments(parser: argparse.ArgumentParser) -> None:
         "--columns",
         type=_names,
         metavar="NAME,NAME,…",
-        help="names of the joints' columns, in the robot's order, where files do not call them as the robot does",
+        help="names of the joints' columns in the files, in the robot's order, if they differ from the joints' names",
     )
     group.add_argument(
         "--ignore-columns",
@@ -74,7 +74,7 @@ def _add_question_arguments(parser: argparse.ArgumentParser) -> None:
         "--limits",
         choices=("error", "warn", "ignore"),
         default="error",
-        help="configurations beyond the joint limits make the exit code 1, or a warning, or are not looked for; they "
+        help="configurations beyond the joint limits make the exit code 1, or a warning, or are ignored; they "
         "are judged all the same; default: error",
     )
     group.add_argument(
@@ -101,21 +101,21 @@ def _add_output_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("what is written")
     group.add_argument("--output", type=Path, metavar="FILE", help="verdicts of all files in order: npz, csv, parquet")
     group.add_argument(
-        "--only-invalid", action="store_true", help="of configurations that fail alone, with their file and row"
+        "--only-invalid", action="store_true", help="write only configurations that fail, with their file and row"
     )
     group.add_argument(
         "--explain",
         action="store_true",
-        help="with a certificate each: a point that the first colliding pair shares, or a plane between the two bodies "
-        "that are nearest to each other (slow: some 1 ms a configuration)",
+        help="write a certificate of each, too: a point that the first colliding pair shares, or a plane between the "
+        "two bodies that are nearest to each other (slow: some 1 ms a configuration)",
     )
     group.add_argument("--summary", type=Path, metavar="FILE.json", help="write the summary, too")
-    group.add_argument("--format", choices=("table", "json"), default="table", help="of what is printed")
+    group.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
 
 def _add_run_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("how it is done")
-    group.add_argument("--threads", type=int, default=1, help="of this process, or of each worker; default: 1")
+    group.add_argument("--threads", type=int, default=1, help="threads of this process, or of each worker; default: 1")
     group.add_argument(
         "--resume",
         action="store_true",
@@ -128,10 +128,15 @@ def _add_run_arguments(parser: argparse.ArgumentParser) -> None:
         help="a bar, a line every 10 s, or nothing; default: a bar on a terminal, else lines",
     )
     group.add_argument(
-        "--engine", choices=("local", "dask"), default="local", help="this process, or a dask.distributed cluster"
+        "--engine",
+        choices=("local", "dask"),
+        default="local",
+        help="judge in this process, or on a dask.distributed cluster",
     )
-    group.add_argument("--scheduler", metavar="ADDRESS", help="of the cluster, e.g. tcp://10.0.0.1:8786")
-    group.add_argument("--workers", type=int, help="processes of a cluster on this machine; default: one a core")
+    group.add_argument("--scheduler", metavar="ADDRESS", help="address of the cluster, e.g. tcp://10.0.0.1:8786")
+    group.add_argument(
+        "--workers", type=int, help="number of processes of a cluster on this machine; default: one for each core"
+    )
 
 
 def _add_path_arguments(parser: argparse.ArgumentParser) -> None:

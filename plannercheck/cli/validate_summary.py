@@ -28,7 +28,7 @@ class Outcome:
 
     Attributes:
         checker: The checker.
-        report: Of all rows.
+        report: Report of all rows.
         limits: What limits mean.
         elapsed: From the first row that was read to the last output that was written, s.
         checking: Time of that in checkers, all workers together, s.

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_urdf_arguments(parser)
     parser.add_argument("--scene", help="with --robot: confirm the obstacles, too; default: the empty scene")
-    parser.add_argument("--format", choices=("table", "json"), default="table", help="of what is printed")
+    parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
 
 def run(options: argparse.Namespace) -> int:

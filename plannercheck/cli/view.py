@@ -62,26 +62,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_robot_argument(parser)
     add_scene_argument(parser)
     add_checker_arguments(parser)
-    parser.add_argument("file", nargs="?", metavar="FILE", type=Path, help="a set, one configuration after another")
-    parser.add_argument("--q", metavar="A,B,...", help="one configuration, rad and m")
-    parser.add_argument("--path", type=Path, metavar="PATH", help="a plan or another path, animated")
-    parser.add_argument("--frames", type=int, default=DEFAULT_FRAMES, help="of a path; default: %(default)s")
     parser.add_argument(
-        "--first", type=int, default=_DEFAULT_STATES, metavar="N", help="of a set; default: %(default)s"
+        "file", nargs="?", metavar="FILE", type=Path, help="set to show, one configuration after another"
     )
-    parser.add_argument("--only-invalid", action="store_true", help="of a set, only what collides")
+    parser.add_argument("--q", metavar="A,B,...", help="configuration to show, rad and m")
+    parser.add_argument("--path", type=Path, metavar="PATH", help="plan or other path to animate")
+    parser.add_argument(
+        "--frames", type=int, default=DEFAULT_FRAMES, help="number of frames of a path; default: %(default)s"
+    )
+    parser.add_argument(
+        "--first",
+        type=int,
+        default=_DEFAULT_STATES,
+        metavar="N",
+        help="show the first N of a set; default: %(default)s",
+    )
+    parser.add_argument("--only-invalid", action="store_true", help="show only what collides of a set")
     parser.add_argument(
         "--planes",
         type=int,
         metavar="N",
-        help="separating planes a frame, of the nearest pairs; default: 3 for one configuration, else 1",
+        help="planes of the nearest pairs in each frame; default: 3 for one configuration, else 1",
     )
     parser.add_argument(
         "--meshes", action="store_true", help="also draw the robot's visual and collision meshes as delivered"
     )
     parser.add_argument("--html", type=Path, metavar="FILE", help="write one page that needs no network, and stop")
-    parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="to serve at; default: %(default)s")
-    parser.add_argument("--host", default="localhost", help="to serve on; default: %(default)s, this machine alone")
+    parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="port to serve at; default: %(default)s")
+    parser.add_argument(
+        "--host", default="localhost", help="address to serve on; default: %(default)s, this machine alone"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

@@ -23,6 +23,7 @@ import yaml
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.file_kinds import file_kind
 from plannercheck.common.input_limits import check_yaml
+from plannercheck.common.plain_yaml import load_yaml
 
 Node: TypeAlias = dict[str, Any]
 
@@ -45,9 +46,6 @@ BROKEN_FILE = (
     zlib.error,
     lzma.LZMAError,
 )
-
-# libyaml's loader is ten times faster; PyYAML comes without it on some platforms.
-_LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 @contextmanager
@@ -75,7 +73,7 @@ def parse_yaml(text: bytes | str) -> Node:
     if kind and text.strip():
         raise PlannercheckError(f"no valid YAML: {kind}")
     try:
-        document = yaml.load(text, Loader=_LOADER)  # a safe one, chosen above
+        document = load_yaml(text)
     except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none
         raise PlannercheckError(f"no valid YAML: {' '.join(str(error).split())}") from None
     return mapping(document, "the document")

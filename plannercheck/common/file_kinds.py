@@ -37,7 +37,7 @@ def file_kind(content: bytes) -> str:
     """What a file is, told by how it begins.
 
     Args:
-        content: Of the file, or its first part.
+        content: Content of the file, or its first part.
 
     Returns:
         A clause; empty if nothing is known.

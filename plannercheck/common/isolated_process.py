@@ -29,7 +29,7 @@ def run_isolated(
     Args:
         module: Full name, e.g. "plannercheck.bodies.coacd_worker".
         arguments: What it is called with.
-        content: Of its standard input.
+        content: Content of its standard input.
         time_limit: s; None waits for ever.
 
     Returns:

@@ -34,7 +34,7 @@ def package_file(address: str, folders: Sequence[Path], above: Sequence[Path] = 
 
     Args:
         address: package://NAME/..., model://NAME/..., file://..., or a path.
-        folders: Where packages are, or which are packages.
+        folders: Folders that contain packages, or are packages.
         above: The folders above the file that names it.
 
     Returns:

@@ -10,8 +10,7 @@ import ctypes
 import ctypes.util
 import importlib.metadata
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -34,21 +33,22 @@ class Silence:
         self._get, self._put, self._none = get, put, none
         self._lock, self._wanted, self._level = threading.Lock(), 0, None
 
-    @contextmanager
-    def __call__(self) -> Iterator[None]:
+    def __call__(self) -> Silence:
         """A context within which nothing is written."""
+        return self
+
+    def __enter__(self) -> None:
         with self._lock:
             if self._wanted == 0:
                 self._level = self._get()
                 self._put(self._none)
             self._wanted += 1
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._wanted -= 1
-                if self._wanted == 0:
-                    self._put(self._level)
+
+    def __exit__(self, *_: object) -> None:
+        with self._lock:
+            self._wanted -= 1
+            if self._wanted == 0:
+                self._put(self._level)
 
 
 @lru_cache(maxsize=1)

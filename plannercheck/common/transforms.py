@@ -16,6 +16,8 @@ from plannercheck.common.errors import PlannercheckError
 
 Matrix = NDArray[np.float64]
 
+_IDENTITY = np.eye(4)
+
 
 def rotation_of_quaternion(quaternion: Sequence[float]) -> Matrix:
     """Rotation (3, 3) of a quaternion x, y, z, w, which is normalised first."""
@@ -60,8 +62,16 @@ def rotation_of_rpy(rpy: Sequence[float]) -> Matrix:
 
 def pose_of(position: Sequence[float], rotation: Matrix | None = None) -> Matrix:
     """Pose (4, 4) of a position and a rotation (3, 3), by default none."""
-    pose = np.eye(4)
+    pose = _IDENTITY.copy()
     pose[:3, 3] = position
     if rotation is not None:
         pose[:3, :3] = rotation
     return pose
+
+
+def inverse(pose: Matrix) -> Matrix:
+    """The inverse of a rigid transform (4, 4)."""
+    out = np.eye(4)
+    out[:3, :3] = pose[:3, :3].T
+    out[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
+    return out

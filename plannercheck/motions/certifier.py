@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.compiled_tables import CompiledTables
+from plannercheck.common.angles import nearest_turn
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
@@ -34,7 +35,7 @@ from plannercheck.motions.certifier_answers import (
     proofs_of,
     verdicts,
 )
-from plannercheck.motions.certifier_pairs import ChainedPairs
+from plannercheck.motions.certifier_pairs import ChainedPairs, MotionSwitches
 from plannercheck.motions.rounding_bounds import RoundingBounds
 from plannercheck.robots.robot import Robot
 
@@ -59,7 +60,7 @@ class MotionCertifier:
         pairs: Ints,
         tables: CompiledTables,
         excess: float,
-        hints: bool,
+        switches: MotionSwitches,
     ) -> None:
         """Prepares the chains of joints.
 
@@ -69,7 +70,7 @@ class MotionCertifier:
             pairs: (k, 2) indices into bodies.
             tables: These pairs, compiled: those that can meet within the limits, and all of them.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
-            hints: Whether planes of earlier motions are tried; verdicts do not depend on it.
+            switches: Ways to save work.
 
         Raises:
             PlannercheckError: If Pinocchio itself poses the robot.
@@ -80,11 +81,12 @@ class MotionCertifier:
                 "motions by resolution=, in m"
             )
         self._robot, self._limits = robot, tables.limits
-        self._pairs_within_limits = ChainedPairs(robot, bodies, pairs, tables.within_limits, excess, hints)
+        mounts = tables.mounts(robot.kinematics)
+        self._pairs_within_limits = ChainedPairs(robot, bodies, pairs, tables.within_limits, mounts, excess, switches)
         self._compile_all_pairs: Callable[[], ChainedPairs] = lambda: ChainedPairs(
-            robot, bodies, pairs, tables.all, excess, hints
+            robot, bodies, pairs, tables.all, mounts, excess, switches
         )
-        self._errors = errors = RoundingBounds(robot)
+        self._errors = errors = robot.remembered("rounding bounds", lambda: RoundingBounds(robot))
         self._range = errors.low, errors.high
         if self._limits is not None:
             self._range = np.maximum(self._limits[0], errors.low), np.minimum(self._limits[1], errors.high)
@@ -100,7 +102,7 @@ class MotionCertifier:
             q0: Starts, validated.
             q1: Ends; all numbers move linearly, except unit vectors such as quaternions.
             tolerance: m.
-            threads: How many to use.
+            threads: Number of threads to use.
             given: (n, nq) the ends before whole turns were taken off, if any were: their poses are rounded more.
 
         Returns:
@@ -165,11 +167,28 @@ class MotionCertifier:
         starts, ends = self._robot.check_configurations([q0]), self._robot.check_configurations([q1])
         return bool(self.check(starts, ends, tolerance, 1)[0])
 
-    def motion_validity(self, tolerance: float) -> Callable[[Any, Any], bool]:
-        """`is_free` as a compiled function of two states of an OMPL RealVectorStateSpace of nq numbers."""
+    def motion_validity(
+        self,
+        tolerance: float,
+        counts: Any = None,
+        serialize: Callable[[Any, Any], None] | None = None,
+        angles: Sequence[int] = (),
+    ) -> Callable[[Any, Any], bool]:
+        """`is_free` as a compiled function of two states of an OMPL space of nq numbers.
+
+        Args:
+            tolerance: m.
+            counts: The core's MotionCounts, which counts the answers.
+            serialize: As for `StateChecker.state_validity`.
+            angles: Columns of angles that whole turns do not change; they take the short way, as in OMPL's SO2.
+
+        Returns:
+            The function; True means proved free.
+        """
         check_tolerance(tolerance)
+        counts = core.MotionCounts() if counts is None else counts
         if self._pairs_within_limits.touching:
-            return lambda s1, s2: False
+            return partial(_refused, counts)
         kinematics, low, high = self._robot.kinematics, *self._range
         judge: Callable[[Any, Any], bool] = core.motion_validity(
             self._pairs_within_limits.core,
@@ -178,12 +197,17 @@ class MotionCertifier:
             high,
             tolerance,
             self._errors.usual,
-            partial(self._elsewhere, tolerance),
+            partial(self._elsewhere, tolerance, tuple(angles)),
+            counts,
+            serialize,
+            list(angles),
         )
         return judge
 
-    def _elsewhere(self, tolerance: float, q0: list[float], q1: list[float]) -> bool:
-        return self._is_free_anywhere(q0, q1, tolerance)
+    def _elsewhere(self, tolerance: float, angles: tuple[int, ...], q0: list[float], q1: list[float]) -> bool:
+        for k in angles:
+            q1[k] = nearest_turn(q0[k], q1[k])
+        return self.is_free(q0, q1, tolerance)
 
     def motion_result(
         self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False, given: Floats | None = None
@@ -243,6 +267,11 @@ class MotionCertifier:
         if "_all_pairs" in vars(self) and self._all_pairs is not self._pairs_within_limits:
             parts.append(self._all_pairs)
         return sum_counters(part.core.statistics() for part in parts)
+
+
+def _refused(counts: Any, _start: Any, _end: Any) -> bool:
+    counts.add(False)
+    return False
 
 
 def _proofs(part: ChainedPairs, arrays: Sequence[Any]) -> list[Proof]:

@@ -6,23 +6,37 @@ In: a robot, its bodies, some of a checker's pairs. Out: `ChainedPairs`, a core 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.certificates import Separation
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
-from plannercheck.checking.compiled_pairs import CompiledPairs, body_placements
+from plannercheck.checking.compiled_pairs import CompiledPairs
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.core import core
-from plannercheck.motions.joint_chains import motion_chains
+from plannercheck.motions.robot_chains import chains_of_robot
 from plannercheck.robots.robot import Robot
 
 # Two bodies that never move relative to each other and are further apart than this, m, are apart at every
 # configuration: it is far above the rounding of kinematics.
 _PERMANENT_GAP = 1e-9
+
+
+class MotionSwitches(NamedTuple):
+    """Ways to save work; verdicts depend on none of them.
+
+    Attributes:
+        hints: Planes of earlier motions are tried.
+        bounds: Pairs that are far apart at one state are left out by bounds of speed.
+        overlaps: A ball inside one body that meets a box inside the other refuses a motion.
+    """
+
+    hints: bool = True
+    bounds: bool = True
+    overlaps: bool = True
 
 
 class ChainedPairs:
@@ -42,8 +56,9 @@ class ChainedPairs:
         bodies: Sequence[GeometryObject],
         pairs: Ints,
         part: CompiledPairs,
+        mounts: tuple[Ints, Floats],
         excess: float,
-        hints: bool,
+        switches: MotionSwitches,
     ) -> None:
         """Prepares the chains of joints.
 
@@ -52,60 +67,61 @@ class ChainedPairs:
             bodies: The robot's bodies, then the scene's.
             pairs: (n, 2) indices into bodies: all pairs of the checker.
             part: The rows of pairs to take.
+            mounts: The links that bodies hang on, and their poses there, see `compiled_pairs.body_placements`.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
-            hints: Whether planes of earlier motions are tried.
+            switches: Ways to save work.
         """
-        assert robot.joint_table is not None
-        mounts, placements = body_placements(robot, bodies, robot.kinematics)
-        links: list[int] = mounts.tolist()
+        links, placements = mounts
         table = _ordered(pairs[part.rows], links)
-        moving = np.array([links[a] >= 0 for a, _ in table.tolist()], dtype=bool)
+        moving = links[table[:, 0]] >= 0
         polytopes = part.polytopes
         self.rows = part.rows[moving]
         self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
         static = np.flatnonzero(~moving).tolist()
-        self.touching = [int(part.rows[k]) for k in static if not _permanently_apart(table[k], polytopes, placements)]
-        chains = motion_chains(
-            robot.model,
-            robot.configuration_map,
-            robot.joint_table,
-            robot.frames,
-            bodies,
-            links,
-            table[moving].astype(np.int64),
-            excess,
-        )
-        self.frames = [pair.frame for pair in chains.pairs]
+        self.touching = [
+            int(part.rows[k]) for k in static if not _permanently_apart(robot, table[k], polytopes, placements)
+        ]
+        of_robot = chains_of_robot(robot, bodies, links, excess)
+        chains = of_robot.of(table[moving].astype(np.int64))
+        self.frames = chains.pairs[:, 2].tolist()
         live = sorted(polytopes)
         position = np.full(len(bodies), -1, dtype=np.int32)
         position[live] = np.arange(len(live))
-        rows, *arrays = chains.arrays()
-        rows[:, :2] = position[rows[:, :2].astype(np.int64)]
+        rows = chains.pairs.copy()
+        rows[:, :2] = position[rows[:, :2]]
         self.core = core.MotionCertifier(
             [polytopes[k].core for k in live],
-            np.array([links[k] for k in live], dtype=np.int32),
+            links[live],
             np.ascontiguousarray(placements[live]),
             rows,
-            *arrays,
+            *of_robot.drives[:2],
+            *chains[1:5],
+            of_robot.drives[2],
             robot.nq,
             len(robot.link_names),
-            chains.defect,
-            chains.leverage,
-            chains.depth,
-            *chains.spread,
-            hints,
+            of_robot.defect,
+            of_robot.leverage,
+            of_robot.depth,
+            *of_robot.spread,
+            *switches,
         )
 
 
-def _ordered(pairs: NDArray[np.int32], links: Sequence[int]) -> NDArray[np.int32]:
+def _ordered(pairs: Ints, links: Ints) -> Ints:
     """Pairs in which the first body moves, if either does."""
     table = pairs.copy()
-    swapped = np.array([links[a] < 0 <= links[b] for a, b in pairs.tolist()], dtype=bool)
+    swapped = (links[pairs[:, 0]] < 0) & (links[pairs[:, 1]] >= 0)
     table[swapped] = table[swapped][:, ::-1]
     return table
 
 
-def _permanently_apart(pair: NDArray[np.int32], polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
+def _permanently_apart(robot: Robot, pair: Ints, polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
+    """Whether two bodies at rest are apart; kept with the robot, as most of them are its own."""
     a, b = pair.tolist()
-    certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
-    return isinstance(certificate, Separation) and certificate.gap > _PERMANENT_GAP
+    key = "permanently apart", polytopes[a], polytopes[b], poses[a].tobytes(), poses[b].tobytes()
+
+    def compute() -> bool:
+        certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
+        return isinstance(certificate, Separation) and certificate.gap > _PERMANENT_GAP
+
+    return robot.remembered(key, compute)

@@ -19,6 +19,7 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, MotionCertifier
+from plannercheck.motions.certifier_pairs import MotionSwitches
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.motion_ends import checked_ends, with_given_ends
 from plannercheck.motions.proof_builder import Builder
@@ -42,8 +43,9 @@ class Checker(StateChecker):
     def _scene_taken(self, earlier: StateChecker | None) -> None:
         for name in ("motion_certifier", "_prover"):  # cached for the earlier scene
             self.__dict__.pop(name, None)
-        if not isinstance(earlier, Checker) or earlier.robot is not self.robot:
-            self.motion_sampler = MotionSampler(self.robot, self.excess)
+        self.motion_sampler = self.robot.remembered(
+            ("motion sampler", self.excess), lambda: MotionSampler(self.robot, self.excess)
+        )
 
     def check_motion(
         self,
@@ -91,7 +93,7 @@ class Checker(StateChecker):
             q1: (n, nq) ends.
             resolution: As for `check_motion`.
             tolerance: As for `check_motion`.
-            threads: How many to use for proofs.
+            threads: Number of threads to use for proofs.
 
         Returns:
             (n,), True means free.
@@ -143,7 +145,7 @@ class Checker(StateChecker):
             q0: (n, nq) starts, rad and m.
             q1: (n, nq) ends.
             tolerance: As for `check_motion`.
-            threads: How many to use to find the motions that are free.
+            threads: Number of threads to use to find the motions that are free.
 
         Returns:
             One for each motion. None where the motion is not free, and where it is free but rounding takes nearly all
@@ -178,8 +180,9 @@ class Checker(StateChecker):
                 f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
                 "here: choose sampled motions by resolution=, in m"
             )
-        hints = self._settings.switches.pair.cached_plane
-        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, hints)
+        chosen = self._settings.switches
+        switches = MotionSwitches(chosen.pair.cached_plane, chosen.bounds, chosen.overlaps)
+        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, switches)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Starts and ends (n, nq); continuous joints take the short way."""

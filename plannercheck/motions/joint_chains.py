@@ -109,19 +109,26 @@ class MotionChains:
 
     def arrays(self) -> tuple[NDArray[np.generic], ...]:
         """Pairs, drives, factors, first entries, entries, arms, slides, parts, as the core takes them."""
-        entries = [entry for chain in self.chains for entry in chain]
-        slides = np.cumsum([0, *(len(entry.slides) for entry in entries)])
-        rows = [(e.joint, first, past) for e, first, past in zip(entries, slides[:-1], slides[1:], strict=True)]
         return (
             np.array([(p.first, p.second, p.frame, *p.chains) for p in self.pairs], dtype=np.int32).reshape(-1, 5),
             self.drives,
             self.factors,
-            np.cumsum([0, *(len(chain) for chain in self.chains)]).astype(np.int32),
-            np.array(rows, dtype=np.int32).reshape(-1, 3),
-            np.array([entry.arm for entry in entries], dtype=np.float64),
-            np.array([joint for entry in entries for joint in entry.slides], dtype=np.int32),
+            *chain_arrays(self.chains),
             self.parts,
         )
+
+
+def chain_arrays(chains: Sequence[tuple[ChainJoint, ...]]) -> tuple[Ints, Ints, Floats, Ints]:
+    """First entries (chains + 1,), entries (k, 3), arms (k,) and slides of chains, as the core takes them."""
+    entries = [entry for chain in chains for entry in chain]
+    slides = np.cumsum([0, *(len(entry.slides) for entry in entries)])
+    rows = [(e.joint, first, past) for e, first, past in zip(entries, slides[:-1], slides[1:], strict=True)]
+    return (
+        np.cumsum([0, *(len(chain) for chain in chains)]).astype(np.int32),
+        np.array(rows, dtype=np.int32).reshape(-1, 3),
+        np.array([entry.arm for entry in entries], dtype=np.float64),
+        np.array([joint for entry in entries for joint in entry.slides], dtype=np.int32),
+    )
 
 
 def motion_chains(
@@ -149,8 +156,7 @@ def motion_chains(
     Returns:
         The chains.
     """
-    tree = _Tree(model, configurations, table, frames)
-    builder = _Builder(tree, bodies, links, excess)
+    builder = ChainBuilder(model, configurations, table, frames, bodies, links, excess)
     chained = tuple(builder.pair(int(a), int(b)) for a, b in pairs)
     return MotionChains(
         chained,
@@ -253,11 +259,26 @@ def _axis(table: JointTable, joint: int, pose: pin.SE3) -> _Axis:
     return _Axis(pose.translation.copy(), direction / np.linalg.norm(direction))
 
 
-class _Builder:
-    """Chains of pairs; shared parts are computed once."""
+class ChainBuilder:
+    """Chains of pairs; shared parts are computed once.
 
-    def __init__(self, tree: _Tree, bodies: Sequence[GeometryObject], links: Sequence[int], excess: float) -> None:
-        self._tree, self._bodies, self._links, self._excess = tree, bodies, links, excess
+    Attributes:
+        chains: All chains so far, with entries from the frame to the body.
+    """
+
+    def __init__(
+        self,
+        model: pin.Model,
+        configurations: ConfigurationMap,
+        table: JointTable,
+        frames: Sequence[int],
+        bodies: Sequence[GeometryObject],
+        links: Sequence[int],
+        excess: float,
+    ) -> None:
+        """Arguments as for `motion_chains`."""
+        self._tree, self._bodies = _Tree(model, configurations, table, frames), bodies
+        self._links, self._excess = links, excess
         self._arms: dict[tuple[int, tuple[int, ...]], tuple[ChainJoint, ...]] = {}
         self._index: dict[tuple[ChainJoint, ...], int] = {}
         self._points: dict[int, tuple[Floats, float]] = {}

@@ -136,7 +136,7 @@ def samples_are_free(checker: AnyChecker, states: Callable[[Floats], Floats], st
     Args:
         checker: In space or in the plane.
         states: A function from parameters (k,) to states (k, nq).
-        steps: How many steps.
+        steps: Number of steps.
     """
     parameters = coarse_to_fine(steps)
     batches = (parameters[first : first + _BATCH] for first in range(0, len(parameters), _BATCH))

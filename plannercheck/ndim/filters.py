@@ -101,7 +101,7 @@ def proves_inside(normals: Floats, offsets: Floats, pose: Affine, point: Floats,
     Args:
         normals: (m, d).
         offsets: (m,).
-        pose: Of the body.
+        pose: Pose of the body.
         point: (d,) in the world.
         error: (d,), at least 0.
 
@@ -126,7 +126,7 @@ def inverse_of(pose: Affine, span: Floats, error: Floats) -> tuple[Floats, float
     Args:
         pose: The map.
         span: |x| + |t| (d,) is at most this.
-        error: Of x (d,), at most.
+        error: Largest error of x (d,).
 
     Returns:
         N (d, d), and the bound; infinity if M is too close to singular for doubles.

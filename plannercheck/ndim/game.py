@@ -31,11 +31,11 @@ class Played:
         separates: Whether the value is above 1.
         x: A point of the first hull (d,).
         q: A point of the second hull (d,).
-        weights_p: Of the active points: index to weight.
+        weights_p: Weights of the active points of the first body, by index.
         weights_q: The same of the other side.
         lowest: Index of the point of P with the least q·p.
         highest: Index of the point of Q with the largest q·x.
-        rounds: Of the double oracle.
+        rounds: Rounds of the double oracle.
     """
 
     separates: bool

@@ -25,7 +25,7 @@ class OverlapGraph:
 
     Attributes:
         edges: Pairs i < j that do (k, 2), in ascending order.
-        neighbours: Of each region, in ascending order.
+        neighbours: Neighbours of each region, in ascending order.
         tested: Pairs that were tested.
         skipped: Pairs whose boxes are apart.
     """

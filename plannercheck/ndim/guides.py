@@ -36,7 +36,7 @@ class Hint:
         weights_p: That mix the point from vertices of the body that is given by them, by index; empty if none is.
         weights_r: Multipliers of the other body's halfspaces if they separate; empty if not known.
         multipliers_p: The same of the first body's, if both are given by halfspaces.
-        rounds: Of the method.
+        rounds: Rounds of the method.
         visited: Vertices and halfspaces looked at.
         method: "oracle" or "linear program".
     """
@@ -59,8 +59,8 @@ def game_hint(p: Polytope, r: Polytope, pose_p: Affine, pose_r: Affine) -> Hint:
     Args:
         p: Given by vertices.
         r: Given by halfspaces.
-        pose_p: Of the first.
-        pose_r: Of the second.
+        pose_p: Pose of the first body.
+        pose_r: Pose of the second body.
 
     Returns:
         The hint.
@@ -100,8 +100,8 @@ def program_hint(p: Polytope, r: Polytope, pose_p: Affine, pose_r: Affine) -> Hi
     Args:
         p: The first body.
         r: The second body.
-        pose_p: Of the first.
-        pose_r: Of the second.
+        pose_p: Pose of the first body.
+        pose_r: Pose of the second body.
 
     Returns:
         The hint.

@@ -34,7 +34,7 @@ class Examined(OwnsArrays):
     """A bounded, nonempty intersection of halfspaces.
 
     Attributes:
-        centre: Of a largest ball inside (d,), rounded.
+        centre: Centre of a largest ball inside (d,), rounded.
         has_inside: Whether that ball is clearly larger than a point.
         box: (2, d): no point is outside, proved.
     """

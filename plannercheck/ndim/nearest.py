@@ -41,7 +41,7 @@ class Found:
         shares: The verdict, proved; None if it is not.
         active_p: Vertices (or halfspaces) of the first body that decide.
         active_r: The same of the second.
-        rounds: Of supports.
+        rounds: Number of rounds of supports.
         visited: Vertices and halfspaces looked at.
     """
 

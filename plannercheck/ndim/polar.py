@@ -119,7 +119,7 @@ def vertices_of(halfspaces: Halfspaces) -> Floats:
     """The vertices of a bounded ρ₀: with `rho_zero`, the polar of the polar.
 
     Args:
-        halfspaces: Of side "zero", bounded.
+        halfspaces: Halfspaces of side "zero", bounded.
 
     Returns:
         (k, d).

@@ -104,7 +104,7 @@ class Tree:
             simplices: Its boundary (m, d), as indices into points; not needed if all points are one leaf.
             memory: Bytes at most.
             sizes: Vertices of a net and, at most, of a leaf; by dimension if None.
-            seed: Of the samples.
+            seed: Seed of the samples.
         """
         self.points = read_only_copy(points)
         if simplices is None:
@@ -125,7 +125,7 @@ class Tree:
 
         Args:
             number: The node's.
-            position: Of the tangent vertex in the node's net.
+            position: Position of the tangent vertex in the node's net.
             normal: Outward normal (d,) of the hyperplane.
 
         Returns:
@@ -274,9 +274,9 @@ class _Step:
         local: Their corners, as positions among the node's vertices.
         vertices: The node's vertices (n, d).
         net: The net's points.
-        hull: Of the net.
+        hull: Hull of the net.
         slack: How far beyond a facet a vertex has to be to count.
-        depth: Of the children.
+        depth: Depth of the children.
     """
 
     faces: Ints

@@ -35,9 +35,9 @@ class Walked:
 
     Attributes:
         shares: The verdict.
-        hyperplanes: Of the rounds with the separation invariant: q (k, d), in R's frame about its centre.
-        points: Of the rounds with the inverse one: x (k, d), likewise.
-        rounds: Of the game.
+        hyperplanes: Hyperplanes of the rounds with the separation invariant: q (k, d), in R's frame about its centre.
+        points: Points of the rounds with the inverse one: x (k, d), likewise.
+        rounds: Rounds of the game.
         nodes: Visited, in all trees.
         visited: Vertices in them.
     """

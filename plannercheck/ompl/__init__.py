@@ -1,9 +1,10 @@
 """Planning with OMPL: a checker as the judge of states and motions.
 
-Read `planning` first (`setup` and `plan`), then `joint_space`, `planar_space` and `projections` (configurations as OMPL
-has them), `state_validators` and `motion_validators` (the checker as OMPL asks it), `simple_setup` (what OMPL leaves
-undone), `constrained` (equations that hold all along), `clearance` (an objective), `start_and_goal` and `plans`. OMPL
-itself is loaded on first use, so that `plans` and `joint_space` can be had without it.
+Read `planning` first (`setup` and `plan`), then `joint_space`, `planar_space`, `state_numbers` and `projections`
+(configurations as OMPL has them), `state_validators` and `motion_validators` (the checker as OMPL asks it),
+`prepared_spaces` (all of these together, kept from plan to plan), `simple_setup` (what OMPL leaves undone),
+`constrained` (equations that hold all along), `clearance` (an objective), `start_and_goal` and `plans`. OMPL itself is
+loaded on first use, so that `plans` and `joint_space` can be had without it.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from plannercheck.ompl.planning import plan as plan
     from plannercheck.ompl.planning import planner_names as planner_names
     from plannercheck.ompl.planning import setup as setup
-    from plannercheck.ompl.planning import space_of as space_of
+    from plannercheck.ompl.prepared_spaces import space_of as space_of
 
 __all__ = [
     "LONGEST_MOTION",
@@ -33,8 +34,10 @@ __all__ = [
 ]
 
 
+_HOMES = {"plan_constrained": "constrained", "space_of": "prepared_spaces"}
+
+
 def __getattr__(name: str) -> Any:
     if name in __all__:
-        home = "constrained" if name == "plan_constrained" else "planning"
-        return getattr(importlib.import_module(f"plannercheck.ompl.{home}"), name)
+        return getattr(importlib.import_module(f"plannercheck.ompl.{_HOMES.get(name, 'planning')}"), name)
     raise AttributeError(f"module 'plannercheck.ompl' has no attribute {name!r}")

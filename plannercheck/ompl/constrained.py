@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from ompl import base, geometric
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
@@ -42,8 +43,8 @@ _NEWTON_STEPS = 10
 
 def plan_constrained(
     checker: Checker,
-    start: ArrayLike,
-    goal: ArrayLike,
+    start: Configuration,
+    goal: Configuration,
     constraint: Callable[[Floats], ArrayLike],
     jacobian: Callable[[Floats], ArrayLike] | None = None,
     *,
@@ -58,8 +59,8 @@ def plan_constrained(
 
     Args:
         checker: Who judges states and motions; its robot's joints are bounded.
-        start: (nq,) rad and m.
-        goal: (nq,) rad and m.
+        start: (nq,) rad and m, or each joint's value by its name.
+        goal: (nq,) rad and m, or by names.
         constraint: From configurations (n, nq) to numbers (n, k), k < nq, all 0 where it holds.
         jacobian: From one configuration (nq,) to their derivatives (k, nq); None for central differences.
         tolerance: So large the numbers' Euclidean norm may be, in their unit.

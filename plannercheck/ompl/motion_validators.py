@@ -13,6 +13,7 @@ from ompl import base
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
+from plannercheck.common.core import core
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.sampling import coarse_to_fine
@@ -39,7 +40,7 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
         """Keeps the space, but not the SpaceInformation, which keeps this object."""
         super().__init__(information)
         self._space = space
-        self.resetMotionCounter()
+        self._counts = core.MotionCounts()
 
     def _is_free(self, s1: Any, s2: Any) -> bool:
         raise NotImplementedError
@@ -51,7 +52,7 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
     def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
         """Whether the motion between two states is free, both ends included."""
         free = self._is_free(s1, s2)
-        self._count(free)
+        self._counts.add(free)
         return free
 
     def checkMotionWithLastValid(self, s1: Any, s2: Any, last_valid: Any = None) -> tuple[bool, float]:  # noqa: N802
@@ -70,34 +71,28 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
         free, last, q = self._last_valid(s1, s2)
         if last_valid is not None:
             self._space.write(last_valid, q)
-        self._count(free)
+        self._counts.add(free)
         return free, last
 
     def getValidMotionCount(self) -> int:  # noqa: N802
         """Motions found free since the counters were reset."""
-        return self._valid
+        return int(self._counts.free)
 
     def getInvalidMotionCount(self) -> int:  # noqa: N802
         """Motions found colliding since the counters were reset."""
-        return self._invalid
+        return int(self._counts.refused)
 
     def getCheckedMotionCount(self) -> int:  # noqa: N802
         """All motions checked since the counters were reset."""
-        return self._valid + self._invalid
+        return self.getValidMotionCount() + self.getInvalidMotionCount()
 
     def getValidMotionFraction(self) -> float:  # noqa: N802
         """Free motions as a part of all; 0 if there were none."""
-        return self._valid / max(self.getCheckedMotionCount(), 1)
+        return self.getValidMotionCount() / max(self.getCheckedMotionCount(), 1)
 
     def resetMotionCounter(self) -> None:  # noqa: N802
         """Sets the counters to 0."""
-        self._valid = self._invalid = 0
-
-    def _count(self, free: bool) -> None:
-        if free:
-            self._valid += 1
-        else:
-            self._invalid += 1
+        self._counts.reset()
 
 
 class ProvedMotions(_CountingValidator):
@@ -108,24 +103,14 @@ class ProvedMotions(_CountingValidator):
         super().__init__(information, space)
         self._joints, self._tolerance = space, tolerance
         self._certifier = checker.motion_certifier
-        plain_numbers = not space.continuous.any()
-        self._proved = self._certifier.motion_validity(tolerance) if plain_numbers else self._read_and_proved
-
-    def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
-        """Whether the motion between two states is free, both ends included."""
-        free = self._proved(s1, s2)  # planners wait for this, so there are no further calls
-        if free:
-            self._valid += 1
-        else:
-            self._invalid += 1
-        return free
+        # OMPL calls it instead of the method, without a frame of Python.
+        self.__dict__["checkMotion"] = self._certifier.motion_validity(
+            tolerance, self._counts, space.numbers.serialize, np.flatnonzero(space.continuous).tolist()
+        )
 
     def _ends(self, s1: Any, s2: Any) -> tuple[list[float], list[float]]:
         q0 = self._joints.read(s1)
         return q0, self._joints.end(q0, self._joints.read(s2))
-
-    def _read_and_proved(self, s1: Any, s2: Any) -> bool:
-        return self._certifier.is_free(*self._ends(s1, s2), self._tolerance)
 
     def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
         q0, q1 = (np.array(q) for q in self._ends(s1, s2))

@@ -18,6 +18,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.joint_space import bounded_space
 from plannercheck.ompl.projections import register_projection
+from plannercheck.ompl.state_numbers import StateNumbers
 from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
@@ -39,7 +40,7 @@ class PlanarSpace:
         Args:
             robot: The robot, with limits of x and y if its root is free.
             curve: How the root moves.
-            turning_radius: Of curves, m.
+            turning_radius: Turning radius of curves, m.
         """
         _check(robot, curve, turning_radius)
         self._curve, self._radius = curve, turning_radius
@@ -53,11 +54,13 @@ class PlanarSpace:
         self.continuous = robot.angles
         self._space: Any = None
         self._spare: SpareStates | None = None
+        self._numbers: StateNumbers | None = None
 
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
         self._space = self._root() if self._is_root_alone else self._compound()
         self._spare = SpareStates(self._space, 1)
+        self._numbers = StateNumbers(self._space, self._width)
         return self._space
 
     def _root(self) -> Any:
@@ -84,15 +87,17 @@ class PlanarSpace:
         register_projection(space)
         return space
 
+    @property
+    def numbers(self) -> StateNumbers:
+        """The numbers of states of these spaces."""
+        if self._numbers is None:
+            self.ompl_space()
+        assert self._numbers is not None
+        return self._numbers
+
     def read(self, state: Any) -> list[float]:
         """The configuration of an OMPL state, nq numbers."""
-        if self._is_root_alone:
-            return [state.getX(), state.getY(), state.getYaw()]
-        values = [state[0].getX(), state[0].getY(), state[0].getYaw()] if self._free else []
-        for k in range(self._first, self._width):
-            part = state[k - self._first + self._free]
-            values.append(part.value if self.continuous[k] else part[0])
-        return values
+        return self.numbers.read(state)
 
     def write(self, state: Any, q: Sequence[float] | Floats) -> None:
         """Sets an OMPL state to a configuration (nq,); free angles are brought to [-pi, pi)."""

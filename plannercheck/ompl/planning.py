@@ -10,29 +10,27 @@ a resolution is given: see motion_validators.py.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from ompl import base, geometric, util
 
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.silence import Silence
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
-from plannercheck.ompl.joint_space import JointSpace
-from plannercheck.ompl.motion_validators import Space, motion_validator
-from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
+from plannercheck.ompl.motion_validators import Space
+from plannercheck.ompl.planar_space import sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
+from plannercheck.ompl.prepared_spaces import given_back, lent, space_information, space_of
 from plannercheck.ompl.simple_setup import SimpleSetup
 from plannercheck.ompl.start_and_goal import check_end_state, checked_end
-from plannercheck.ompl.state_validators import ExactStates
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.curves import Curve
 
@@ -81,18 +79,8 @@ def setup(
     """
     if util.getLogLevel().value < util.LOG_WARN.value:
         util.setLogLevel(util.LOG_WARN)
-    return _setup(checker, space_of(checker, curve, turning_radius), resolution, tolerance)
-
-
-def space_of(
-    checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None, held: Sequence[Floats] = ()
-) -> Space:
-    """The space in which a checker's robot is planned for; arguments as for `setup`, `held` as for `JointSpace`."""
-    if isinstance(checker, PlanarChecker):
-        return PlanarSpace(checker.robot, curve, turning_radius)
-    if curve != "straight" or turning_radius is not None:
-        raise PlannercheckError("curves and turning radii are for planar robots")
-    return JointSpace(checker.robot, *held)  # type: ignore[arg-type]  # the other kind of checker
+    space = space_of(checker, curve, turning_radius)
+    return SimpleSetup(space_information(checker, space, resolution, tolerance), not space.is_straight)
 
 
 def clearance_objective(checker: AnyChecker, setup: Any, resolution: float = CLEARANCE_RESOLUTION) -> Any:
@@ -115,26 +103,6 @@ def clearance_objective(checker: AnyChecker, setup: Any, resolution: float = CLE
     return MaxMinClearance(setup.getSpaceInformation(), checker, space, resolution)
 
 
-def _setup(checker: AnyChecker, space: Space, resolution: float | None, tolerance: float) -> Any:
-    for name, length in (("resolution", resolution), ("tolerance", tolerance)):
-        if length is not None and not (np.isfinite(length) and length > 0):
-            raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
-    setup = SimpleSetup(space.ompl_space(), checks_found_paths=not space.is_straight)
-    information = setup.getSpaceInformation()
-    setup.setStateValidityChecker(_state_validity(information, checker, space))
-    information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))
-    return setup
-
-
-def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
-    """OMPL's state validity checker; in space it also has clearances."""
-    if isinstance(checker, Checker):
-        assert isinstance(space, JointSpace)
-        return ExactStates(information, checker, space)
-    read, is_valid = space.read, checker.is_valid
-    return lambda state: is_valid(np.array(read(state)))
-
-
 @cache
 def planner_names() -> tuple[str, ...]:
     """Names of the planners that OMPL's bindings offer."""
@@ -148,8 +116,8 @@ def _is_planner(item: Any) -> bool:
 
 def plan(
     checker: AnyChecker,
-    start: ArrayLike,
-    goal: ArrayLike,
+    start: Configuration,
+    goal: Configuration,
     planner: str = "RRTConnect",
     time_limit: float = 10.0,
     simplify: bool = True,
@@ -163,8 +131,8 @@ def plan(
 
     Args:
         checker: The checker that judges states and motions.
-        start: (nq,) rad and m.
-        goal: (nq,) rad and m.
+        start: (nq,) rad and m, or each joint's value by its name.
+        goal: (nq,) rad and m, or by names.
         planner: One of `planner_names()`.
         time_limit: The time limit of the search, s; shortening takes up to about `SIMPLIFICATION_TIME` more.
         simplify: Whether to shorten the path.
@@ -192,14 +160,16 @@ def plan(
     reasons = [check_end_state(checker, q).reason(name) for name, q in ends.items()]
     if any(reasons):
         return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
-    space = space_of(checker, curve, turning_radius, tuple(ends.values()))
     with OMPL_SILENCE():
+        prepared = lent(checker, planner, resolution, curve, turning_radius, tuple(ends.values()))
         seed_ompl(seed)
-        setup = _setup(checker, space, resolution, DEFAULT_TOLERANCE)
-        information = setup.getSpaceInformation()
-        setup.setStartAndGoalStates(*(space.state(information, q) for q in ends.values()))
-        setup.setPlanner(made_planner(planner, information, longest_motion))
-        return _search(setup, space, checker, planner, time_limit, simplify, resolution)
+        setup = SimpleSetup(prepared.information, not prepared.space.is_straight)
+        setup.setStartAndGoalStates(*prepared.end_states(tuple(ends.values())))
+        setup.setPlanner(made_planner(planner, prepared.information, longest_motion))
+        prepared.draw_seeds()
+        found = _search(setup, prepared.space, checker, planner, time_limit, simplify, resolution)
+        given_back(checker, prepared)
+        return found
 
 
 def made_planner(name: str, information: Any, longest_motion: float) -> Any:
@@ -245,7 +215,7 @@ def _search(
 def _configurations(space: Space, states: list[Any], checker: AnyChecker, resolution: float | None) -> Floats:
     """The path (k, nq) along OMPL states; where motions are curved, with states between them."""
     if space.is_straight:
-        return np.array([space.read(state) for state in states])
+        return space.numbers.rows(states)
     curves = (sampled_curve(space, a, b, checker.motion_sampler, resolution) for a, b in pairwise(states))
     return np.concatenate([[space.read(states[0])], *(curve[1:] for curve in curves)])
 

@@ -27,9 +27,9 @@ _NO_SAMPLER = "PathLengthDirectInfSampler only supports"
 class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindings are untyped
     """OMPL's SimpleSetup; only the differences are documented here."""
 
-    def __init__(self, space: Any, checks_found_paths: bool = False) -> None:
-        """Takes the space, and whether a motion that is free may collide the other way round."""
-        super().__init__(space)
+    def __init__(self, information: Any, checks_found_paths: bool = False) -> None:
+        """Takes OMPL's SpaceInformation, and whether a motion that is free may collide the other way round."""
+        super().__init__(information)
         self.checks_found_paths = checks_found_paths
         self.refused_path = False  # that was found last
         _MADE.add(self)

@@ -5,14 +5,16 @@ In: a checker and a configuration. Out: `EndState`: limits exceeded and collidin
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from plannercheck.checking.input_hints import degrees_hint
+from plannercheck.checking.named_configurations import named_configuration
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError
 
 
@@ -43,9 +45,14 @@ class EndState:
         return "; ".join(parts + ([f"{name} collides: {collisions}"] if self.pairs else []))
 
 
+_ACCEPTED = EndState((), ())
+
+
 def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
     """Judges a configuration (nq,)."""
     robot = checker.robot
+    if ((q >= robot.lower) & (q <= robot.upper)).all() and checker.is_valid(q):
+        return _ACCEPTED
     beyond = [
         f"{_column_name(robot, k)} is {q[k]:.6g}, not in [{robot.lower[k]:.6g}, {robot.upper[k]:.6g}]"
         for k in np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()
@@ -55,12 +62,13 @@ def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
     return EndState(tuple(beyond), tuple(pairs), degrees_hint(robot, q))
 
 
-def checked_end(checker: AnyChecker, q: ArrayLike, name: str) -> Floats:
-    """One configuration (nq,), or an error that uses its name."""
-    if np.ndim(q) != 1:
+def checked_end(checker: AnyChecker, q: Configuration, name: str) -> Floats:
+    """One configuration (nq,), given by its numbers or by names of joints, or an error that uses its name."""
+    if not isinstance(q, Mapping) and np.ndim(q) != 1:
         raise PlannercheckError(f"{name} must be one configuration ({checker.robot.nq},), not {np.shape(q)}")
     try:
-        return np.asarray(checker.robot.check_configurations(q)[0])
+        numbers = named_configuration(checker.robot, q) if isinstance(q, Mapping) else q
+        return np.asarray(checker.robot.check_configurations(numbers)[0])
     except PlannercheckError as error:
         raise PlannercheckError(f"{name}: {error}") from None
 

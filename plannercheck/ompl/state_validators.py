@@ -1,11 +1,11 @@
 """OMPL's state validity checker for robots in space: exact verdicts, and clearances.
 
-In: a checker, its OMPL space. Out: `ExactStates`. Verdicts come from one compiled call where states are plain numbers.
+In: a checker, its OMPL space. Out: `ExactStates`. Verdicts come from one compiled call where the robot's numbers need
+no care of their own (`Checker.state_validity`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,15 +22,13 @@ class ExactStates(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bi
         """Keeps the space, but not the SpaceInformation, which keeps this object."""
         super().__init__(information)
         self._checker, self._space = checker, space
-        compiled = None if space.continuous.any() else checker.state_validity()
-        self._judge: Callable[[Any], bool] = compiled or self._read_and_judged
-
-    def _read_and_judged(self, state: Any) -> bool:
-        return self._checker.is_valid(np.array(self._space.read(state)))
+        compiled = checker.state_validity(space.numbers.serialize)
+        if compiled is not None:
+            self.__dict__["isValid"] = compiled  # OMPL calls it instead of the method, without a frame of Python
 
     def isValid(self, state: Any) -> bool:  # noqa: N802  # OMPL's name
         """Whether a state is free of collision."""
-        return self._judge(state)
+        return self._checker.is_valid(np.array(self._space.read(state)))
 
     def clearance(self, state: Any) -> float:
         """The least distance of all pairs, m; where bodies overlap, the negative of a depth (`Checker.clearance`)."""

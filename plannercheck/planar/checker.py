@@ -109,7 +109,7 @@ class Checker(ExplainingChecker):
 
         Args:
             q: (n, nq) m and rad.
-            threads: How many to use.
+            threads: Number of threads to use.
 
         Returns:
             (n,), True means valid.
@@ -158,7 +158,7 @@ class Checker(ExplainingChecker):
                 that comes nearer may be refused. A motion that touches something is never called free, whatever the
                 tolerance.
             curve: How the root moves: "straight", "dubins" (forwards) or "reeds_shepp" (either way).
-            turning_radius: Of curves, m.
+            turning_radius: Turning radius of curves, m.
 
         Returns:
             True if the motion is free.
@@ -185,7 +185,7 @@ class Checker(ExplainingChecker):
             q1: (n, nq) ends.
             resolution: As for `check_motion`.
             tolerance: As for `check_motion`.
-            threads: How many to use for proofs of straight motions.
+            threads: Number of threads to use for proofs of straight motions.
             curve: As for `check_motion`.
             turning_radius: As for `check_motion`.
 

@@ -35,7 +35,7 @@ class MotionCertifier:
             q0: Starts, validated.
             q1: Ends; angles move linearly from one number to the other.
             tolerance: m.
-            threads: How many to use.
+            threads: Number of threads to use.
             given: Ends before whole turns were taken off their angles, which rounds them; None if none were.
 
         Returns:

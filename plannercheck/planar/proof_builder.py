@@ -95,7 +95,7 @@ class PlanarBuilder:
             tolerance: m.
             pieces: (k, 11) as for the certifier; none for a straight motion.
             curve: How the root moves.
-            turning_radius: Of curves, m.
+            turning_radius: Turning radius of curves, m.
         """
         certifier = self._checker.motion_certifier
         result = certifier.motion_result(start, end, tolerance, True, pieces, asked_end)

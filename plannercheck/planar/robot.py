@@ -11,7 +11,7 @@ exact a rotation as doubles allow.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import contiguous, read_only, shown_array
+from plannercheck.common.arrays import Configuration, contiguous, read_only, shown_array
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -28,6 +28,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.planar.links import GeometryObject, Link
 from plannercheck.planar.pieces import convex_pieces
 from plannercheck.planar.robot_files import planar_file, read_robot
+from plannercheck.robots.joint_values import row_of_named
 from plannercheck.robots.robot_table import robot_html
 
 # How many numbers each kind of joint takes, and the core's code for it.
@@ -163,15 +164,17 @@ class Robot:
             raise PlannercheckError(f"configurations must be finite; row {row} is {rows[row].tolist()}")
         return rows
 
-    def link_poses(self, q: ArrayLike) -> Floats:
+    def link_poses(self, q: Configuration) -> Floats:
         """World poses of all links: the very doubles that verdicts use.
 
         Args:
-            q: (nq,) or (n, nq), m and rad.
+            q: (nq,) or (n, nq), m and rad, or the values of one by names of joints.
 
         Returns:
             (links, 3, 3) or (n, links, 3, 3), m.
         """
+        if isinstance(q, Mapping):
+            return self.link_poses(row_of_named(q, self.joint_names, [1] * self.nq))
         poses = np.asarray(self._kinematics.link_poses(self.check_configurations(q)))
         return poses[0] if np.ndim(q) == 1 else poses
 

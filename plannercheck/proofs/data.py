@@ -81,7 +81,7 @@ class PosedBody:
     """A convex body at its pose.
 
     Attributes:
-        name: Of the collision geometry.
+        name: Name of the collision geometry.
         label: The link, carried object or obstacle that it belongs to.
         link: Index of the link, -1 for the world.
         pose: Rows of the (3, 4) pose on the link or in the world, 12 numbers, m.
@@ -168,9 +168,9 @@ class Hashes:
     """SHA-256 of what a proof is about, hexadecimal (`hashing.py`).
 
     Attributes:
-        robot: Of joints, links, and the bodies on links.
-        scene: Of the bodies in the world.
-        model: Of all of the model, pairs included.
+        robot: Hash of joints, links, and the bodies on links.
+        scene: Hash of the bodies in the world.
+        model: Hash of the whole model, pairs included.
     """
 
     robot: str

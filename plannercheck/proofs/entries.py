@@ -61,9 +61,9 @@ class Seen(NamedTuple):
     Attributes:
         points: (n, 3) whose hull counts: vertices or a centre.
         sizes: (3,) largest size of each coordinate.
-        joint: That it is on.
-        place: Of the points on the joint, 4 x 4.
-        centre: Of a ball, 4 x 1 on the joint; None for a hull.
+        joint: The joint that it is on.
+        place: Pose of the points on the joint, 4 x 4.
+        centre: Centre of a ball, 4 x 1 on the joint; None for a hull.
     """
 
     points: Floats

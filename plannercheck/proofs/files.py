@@ -68,7 +68,7 @@ def read_proofs(path: str | Path) -> tuple[ProofData, ...]:
     """`proof.load_proofs`, as plain data.
 
     Args:
-        path: Of a file that `save_proofs` or `Proof.save` wrote.
+        path: Path of a file that `save_proofs` or `Proof.save` wrote.
 
     Returns:
         One a motion, at least one.

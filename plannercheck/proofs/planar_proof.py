@@ -34,10 +34,10 @@ class PlanarLink:
     """A link: its frame sits at `x`, `y` on its parent's, turned by `angle` and by its joint.
 
     Attributes:
-        name: Of the link.
+        name: Name of the link.
         parent: Index of the link before it that it hangs on; -1 for the first one, which is in the world.
         joint: "free": x, y and an angle are added to the anchor's (the first link alone); "revolute": an angle.
-        column: Of the first number of a configuration that moves it.
+        column: Column of the first number of a configuration that moves it.
         x: m.
         y: m.
         angle: rad.
@@ -57,7 +57,7 @@ class PlanarBody:
     """A convex polygon on a link, or in the world.
 
     Attributes:
-        name: Of the polygon.
+        name: Name of the polygon.
         label: The link or obstacle that it belongs to.
         link: Index of the link, -1 for the world.
         pose: Rows of the (2, 3) pose in the world, 6 numbers, m; the identity for a body on a link.
@@ -128,8 +128,8 @@ class PlanarMotion:
         end: (columns,) the end that is gone to: angles of `whole_turns` by the short way, but for a curve's heading.
         asked_end: (columns,) the end that was asked for, which differs by whole turns alone.
         curve: How a free root moves.
-        turning_radius: Of curves, m; 0 for straight motions.
-        pieces: Of curves, tiling [0, 1]; none for straight motions.
+        turning_radius: Turning radius of curves, m; 0 for straight motions.
+        pieces: Pieces of curves, tiling [0, 1]; none for straight motions.
     """
 
     start: tuple[float, ...]

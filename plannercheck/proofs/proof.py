@@ -53,7 +53,7 @@ class Proof(ProofData):
         """Reads a file of one proof.
 
         Args:
-            path: Of a file that `save` wrote.
+            path: Path of a file that `save` wrote.
 
         Returns:
             The proof with the same bits; it is not verified.
@@ -73,7 +73,7 @@ def load_proofs(path: str | Path) -> tuple[Proof, ...]:
     """Reads the proofs of a file, without verifying them.
 
     Args:
-        path: Of a file that `save_proofs` or `Proof.save` wrote.
+        path: Path of a file that `save_proofs` or `Proof.save` wrote.
 
     Returns:
         One a motion, at least one.

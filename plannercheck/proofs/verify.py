@@ -12,10 +12,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from plannercheck.common.model_comparisons import model_comparison
 from plannercheck.common.optional_imports import extra_module
-from plannercheck.proofs.data import Entry, Model, ProofData, Verification
+from plannercheck.proofs.data import Entry, ProofData, Verification
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.planar_proof import PlanarModel
 
 # The precision of ball arithmetic. In space it is one machine word, 11 bits more than a double; in the plane it is
 # three words, since angles of up to 1e15 rad and lengths of up to 1e15 m need more.
@@ -88,28 +88,16 @@ def model_confirmed(proof: ProofData, robot: Any, scene: str | None) -> Verifica
     """
     began, fault = time.perf_counter(), None
     try:
-        if proof.kind == "space":
-            _confirm_in_space(proof, robot, scene)
-        else:
-            _confirm_in_the_plane(proof, robot, scene)
+        _check_well_formed(proof)
+        model_comparison(proof.kind)(proof.model, robot, scene)
     except UnprovedError as found:
         fault = str(found)
     return Verification(fault is None, fault, 0, time.perf_counter() - began)
 
 
-def _confirm_in_space(proof: ProofData, robot: Any, scene: str | None) -> None:
-    from plannercheck.motions.proof_confirmation import confirm_model  # needs all of the package
-    from plannercheck.proofs.well_formed import check_well_formed
-
+def _check_well_formed(proof: ProofData) -> None:
+    if proof.kind == "space":
+        from plannercheck.proofs.well_formed import check_well_formed
+    else:
+        from plannercheck.proofs.planar_well_formed import check_well_formed
     check_well_formed(proof)
-    assert isinstance(proof.model, Model)
-    confirm_model(proof.model, robot, scene)
-
-
-def _confirm_in_the_plane(proof: ProofData, robot: Any, scene: str | None) -> None:
-    from plannercheck.planar.proof_confirmation import confirm_model  # needs all of the package
-    from plannercheck.proofs.planar_well_formed import check_well_formed
-
-    check_well_formed(proof)
-    assert isinstance(proof.model, PlanarModel)
-    confirm_model(proof.model, robot, scene)

@@ -82,6 +82,6 @@ class ForwardKinematics:
             f"robot {robot!r}: the compiled kinematics differs from Pinocchio by {difference:.3g}; "
             "posing with Pinocchio instead, which is slower",
             RuntimeWarning,
-            stacklevel=6,
+            stacklevel=8,
         )
         return None

@@ -30,7 +30,7 @@ def row_of_named(values: Mapping[str, ArrayLike], names: Sequence[str], widths: 
 
     Args:
         values: By name.
-        names: Of the joints.
+        names: Names of the joints.
         widths: How many numbers each joint takes.
 
     Returns:
@@ -99,8 +99,8 @@ class JointValues:
         """The configuration of values by names of joints.
 
         Args:
-            values: Of each joint, rad or m. Of a robot without a group, a continuous joint's is one angle, and joints
-                that follow others may be left out.
+            values: Value of each joint, rad or m. Of a robot without a group, a continuous joint is one angle, and
+                joints that follow others may be left out.
 
         Returns:
             (1, nq), checked.

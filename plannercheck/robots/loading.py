@@ -18,13 +18,17 @@ from numpy.typing import NDArray
 from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.common.arrays import read_only
 from plannercheck.common.checked_yaml import error_context
+from plannercheck.robots.configurations import ConfigurationMap, planning_group, whole_robot
 from plannercheck.robots.decomposed_links import decomposed
 from plannercheck.robots.description import RobotDescription
+from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.mjcf import excluded_pairs, of_meeting_masks
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
-from plannercheck.robots.reference_configuration import given_values
+from plannercheck.robots.reference_configuration import given_values, reference_of
+from plannercheck.robots.robot_memory import RobotMemory
 from plannercheck.robots.self_pairs import self_pairs
 from plannercheck.robots.srdf import DisabledPair, group_state, warn_about_ignored_elements
 from plannercheck.robots.urdf import Mimic, bodies_of, link_tree, read_geometry, read_model
@@ -51,6 +55,7 @@ class RobotParts:
         joints: The joints of the group, in order; None for the whole robot.
         carried: Objects that links carry.
         pieces: The pieces of decomposed bodies, by name of the body.
+        memory: What has been computed of robots with these files.
     """
 
     name: str
@@ -65,6 +70,7 @@ class RobotParts:
     joints: tuple[str, ...] | None
     carried: tuple[SceneObject, ...] = ()
     pieces: Mapping[str, Pieces] = field(default_factory=dict)
+    memory: RobotMemory = field(default_factory=RobotMemory)
 
 
 def urdf_description(
@@ -148,3 +154,21 @@ def _group(
         return None
     root = None if description.semantics is None else description.semantics.root
     return srdf_group(model, root, description.group, tree, mimics)
+
+
+def posed(
+    parts: RobotParts, values: Mapping[str, NDArray[np.float64]]
+) -> tuple[ConfigurationMap, NDArray[np.float64], ForwardKinematics]:
+    """How a robot is posed by its group's joints, all others held.
+
+    Args:
+        parts: The robot's.
+        values: The value of every joint, by name.
+
+    Returns:
+        The map of configurations, the reference configuration (nq,), and the kinematics.
+    """
+    model, group = parts.model, parts.joints
+    sources = whole_robot(model) if group is None else planning_group(model, group, values, parts.mimics)
+    reference = read_only(reference_of(model, group, values))
+    return sources, reference, ForwardKinematics(model, sources, parts.tree.frames, parts.name)

@@ -9,8 +9,8 @@ a missing joint. The robot's root is at the identity, since moved virtual joints
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -18,19 +18,52 @@ import pinocchio as pin
 from plannercheck.bodies.objects import PoseFrame, SceneObject, StatedJoints
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.transforms import inverse
 from plannercheck.robots.configurations import followed, joint_width
-
-if TYPE_CHECKING:
-    from plannercheck.robots.robot import Robot
+from plannercheck.robots.urdf import Mimic
 
 
-def placed(robot: Robot, items: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
+class PoseableRobot(Protocol):
+    """What a place depends on, for which a `Robot` is given; see there."""
+
+    model: Any
+    reference: Floats
+
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links."""
+        ...
+
+    @property
+    def frames(self) -> Sequence[int]:
+        """Pinocchio's frames of the links."""
+        ...
+
+    @property
+    def mimics(self) -> Mapping[str, Mimic]:
+        """The joints that follow others, by name."""
+        ...
+
+    def link_index(self, name: str) -> int:
+        """Index into link_names."""
+        ...
+
+    def holding(self, values: Mapping[str, float | Sequence[float]]) -> PoseableRobot:
+        """The same robot with joints held at other values."""
+        ...
+
+    def link_poses(self, q: Floats) -> Floats:
+        """World poses of all links, m."""
+        ...
+
+
+def placed(robot: PoseableRobot, items: Iterable[SceneObject]) -> tuple[SceneObject, ...]:
     """The objects in the world or on their links; objects without pose frames are returned as they are."""
     states = _States(robot)
     return tuple(item if item.pose_frame is None else _placed(robot, item, item.pose_frame, states) for item in items)
 
 
-def _placed(robot: Robot, item: SceneObject, pose_frame: PoseFrame, states: _States) -> SceneObject:
+def _placed(robot: PoseableRobot, item: SceneObject, pose_frame: PoseFrame, states: _States) -> SceneObject:
     if item.link is not None and item.link not in robot.link_names:
         raise unknown_name(f"link that carries {item.name!r}", item.link, robot.link_names)
     if pose_frame.frame and pose_frame.frame not in robot.link_names:
@@ -45,7 +78,7 @@ def _placed(robot: Robot, item: SceneObject, pose_frame: PoseFrame, states: _Sta
 class _States:
     """Poses of links at states; the robot is posed once for each."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: PoseableRobot) -> None:
         self._robot = robot
         self._poses: list[tuple[StatedJoints, Floats]] = []
 
@@ -60,7 +93,7 @@ class _States:
         return np.asarray(known[0][self._robot.link_index(frame)])
 
 
-def _link_poses(robot: Robot, state: StatedJoints) -> Floats:
+def _link_poses(robot: PoseableRobot, state: StatedJoints) -> Floats:
     """(links, 4, 4) at a state, m; other joints are as the robot holds them, and the root is at the identity."""
     model, neutral = robot.model, pin.neutral(robot.model)
     values: dict[str, float | list[float]] = {}
@@ -73,12 +106,12 @@ def _link_poses(robot: Robot, state: StatedJoints) -> Floats:
     return posed.link_poses(posed.reference)
 
 
-def _is_at_identity(robot: Robot, joint: str, state: StatedJoints) -> bool:
+def _is_at_identity(robot: PoseableRobot, joint: str, state: StatedJoints) -> bool:
     """Whether a joint of several degrees of freedom is at the identity: by the state, or as the robot's root."""
     return joint in state.identities or robot.model.parents[robot.model.getJointId(joint)] == 0
 
 
-def _check_state(robot: Robot, item: SceneObject, pose_frame: PoseFrame) -> None:
+def _check_state(robot: PoseableRobot, item: SceneObject, pose_frame: PoseFrame) -> None:
     """Raises if the place depends on a joint that the state does not give."""
     moving = set(_joints_of(robot, pose_frame.frame)) ^ set(_joints_of(robot, item.link))
     lacking = [
@@ -94,7 +127,7 @@ def _check_state(robot: Robot, item: SceneObject, pose_frame: PoseFrame) -> None
         )
 
 
-def _joints_of(robot: Robot, link: str | None) -> list[str]:
+def _joints_of(robot: PoseableRobot, link: str | None) -> list[str]:
     """The joints between the world and a link; none for the world itself."""
     if not link:
         return []
@@ -106,15 +139,7 @@ def _joints_of(robot: Robot, link: str | None) -> list[str]:
     return found
 
 
-def _is_given(robot: Robot, joint: str, pose_frame: PoseFrame) -> bool:
+def _is_given(robot: PoseableRobot, joint: str, pose_frame: PoseFrame) -> bool:
     if joint_width(robot.model.joints[robot.model.getJointId(joint)]) > 1:
         return _is_at_identity(robot, joint, pose_frame.state)
     return followed(joint, robot.mimics, pose_frame.state.values)[0] in pose_frame.state.values
-
-
-def inverse(pose: Floats) -> Floats:
-    """The inverse of a rigid transform (4, 4)."""
-    out = np.eye(4)
-    out[:3, :3] = pose[:3, :3].T
-    out[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return out

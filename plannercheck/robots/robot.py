@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import contextlib
 import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,24 +21,25 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import read_only
+from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import unknown_name
 from plannercheck.common.public_names import set_module
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
-from plannercheck.robots.configurations import ConfigurationMap, followed, planning_group, whole_robot
+from plannercheck.robots.configurations import ConfigurationMap, followed
 from plannercheck.robots.description import RobotDescription, description_of
-from plannercheck.robots.forward_kinematics import ForwardKinematics
 from plannercheck.robots.joint_values import JointValues
 from plannercheck.robots.kinematic_error import KinematicRounding
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.link_tree import LinkTree
-from plannercheck.robots.loading import Reference, RobotParts, robot_parts, urdf_description
+from plannercheck.robots.loading import Reference, RobotParts, posed, robot_parts, urdf_description
 from plannercheck.robots.objects_in_frames import placed
 from plannercheck.robots.planning_groups import explicit_group
-from plannercheck.robots.reference_configuration import all_values, checked_values, reference_of
+from plannercheck.robots.reference_configuration import all_values, checked_values
 from plannercheck.robots.robot_table import robot_html
 from plannercheck.robots.urdf import Mimic
+
+Result = TypeVar("Result")
 
 _SAMPLES = 32  # configurations of `sampled_link_poses`: four of the blocks of eight that are judged at a time
 
@@ -65,14 +66,15 @@ class Robot:
     """
 
     def __init__(self, parts: RobotParts) -> None:
-        model, group = parts.model, parts.joints
+        model = parts.model
         values = all_values(model, parts.values, parts.mimics)
         self._parts = parts
         self.name, self.model, self.group = parts.name, model, parts.group
         self.disabled_pairs, self.pieces = parts.disabled_pairs, parts.pieces
-        self._map = whole_robot(model) if group is None else planning_group(model, group, values, parts.mimics)
-        self.reference = read_only(reference_of(model, group, values))
-        self._forward = ForwardKinematics(model, self._map, parts.tree.frames, parts.name)
+        given = tuple((name, value.tobytes()) for name, value in values.items())
+        self._map, self.reference, self._forward = parts.memory.recall(
+            ("posed", parts.joints, given), partial(posed, parts, values)
+        )
         self._carry(parts.carried)
 
     @classmethod
@@ -167,7 +169,7 @@ class Robot:
         """Samples uniformly within the limits.
 
         Args:
-            n: How many.
+            n: Number of configurations.
             seed: A seed, or a generator.
 
         Returns:
@@ -203,16 +205,18 @@ class Robot:
         full = self._map.expand(self._map.checked(q))
         return full[0] if np.ndim(q) == 1 else full
 
-    def link_poses(self, q: ArrayLike) -> Floats:
+    def link_poses(self, q: Configuration) -> Floats:
         """World poses of all links.
 
         Args:
-            q: (nq,) or (n, nq) configurations of the group.
+            q: (nq,) or (n, nq) configurations of the group, or each joint's value of one by its name.
 
         Returns:
             (links, 4, 4) or (n, links, 4, 4), m, in the order of link_names. A configuration gets the same doubles
             alone and in a batch, on every instruction set.
         """
+        if isinstance(q, Mapping):
+            return self.link_poses(self.joint_values.named(q)[0])
         rows = self._map.checked(q)
         poses = self._forward.poses(rows)
         return poses[0] if np.ndim(q) == 1 else poses
@@ -222,19 +226,19 @@ class Robot:
         poses = self._forward.pinocchio_poses(self._map.checked(q))
         return poses[0] if np.ndim(q) == 1 else poses
 
-    @cached_property
+    @property
     def sampled_link_poses(self) -> Floats:
         """(k, links, 4, 4) at a few random configurations, m: poses used to choose the groups of the broad phase."""
-        return read_only(np.ascontiguousarray(self.link_poses(self.random_configurations(_SAMPLES, 0))))
+        return self.remembered("samples", lambda: read_only(self.link_poses(self.random_configurations(_SAMPLES, 0))))
 
-    @cached_property
+    @property
     def kinematic_error(self) -> float:
         """A proved bound, m: rounding of forward kinematics moves no point of a body further than this.
 
         It holds for configurations within the limits (where there are none, within the range that is sampled). It is
         infinite if Pinocchio itself poses the robot, since then nothing is proved.
         """
-        return self.kinematic_error_within(*self._map.sampled_range())
+        return self.remembered("error", lambda: self.kinematic_error_within(*self._map.sampled_range()))
 
     def kinematic_error_at(self, q: ArrayLike) -> float:
         """The same bound at one configuration (nq,), which may be beyond the limits; m."""
@@ -275,15 +279,24 @@ class Robot:
         """Pinocchio's frames of the links, in the order of link_names."""
         return self._parts.tree.frames
 
-    @cached_property
+    def remembered(self, what: Hashable, compute: Callable[[], Result]) -> Result:
+        """A result about this robot without any scene, computed once for all its checkers (see robot_memory.py).
+
+        Args:
+            what: Names the result, and says all that it depends on besides the robot's bodies and kinematics.
+            compute: A function that computes it; the result must be immutable.
+        """
+        return self._parts.memory.recall((what, self._forward, self.bodies, self.reference.tobytes()), compute)
+
+    @property
     def _rounding(self) -> KinematicRounding | None:
-        return self._forward.rounding(self.bodies, self._link_indices)
+        return self.remembered("rounding", lambda: self._forward.rounding(self.bodies, self._link_indices))
 
     def holding(self, values: Mapping[str, float | Sequence[float]]) -> Robot:
         """The same robot with joints held at other values (or, for joints of the group, with another reference).
 
         Args:
-            values: By joint name, rad or m, also beyond limits. Followers are moved with them, unless they are given.
+            values: Values by joint name, rad or m, also beyond limits. Followers not given move with their leaders.
 
         Returns:
             A new robot with the same bodies and group.
@@ -318,8 +331,6 @@ class Robot:
             A robot that shares everything else with this one.
         """
         other = copy.copy(self)
-        for name in ("kinematic_error", "_rounding"):  # they depend on the bodies
-            other.__dict__.pop(name, None)
         other._parts = replace(self._parts, carried=placed(self, objects))
         other._carry(other._parts.carried)
         return other

@@ -19,8 +19,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from plannercheck.bodies.given_shapes import sized_shape_of_coal
 from plannercheck.bodies.meshes import check_mesh, mesh_hint
-from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Shape, Sphere
+from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file
@@ -228,20 +229,7 @@ def _body_of(model: pin.Model, geometry: pin.GeometryObject) -> GeometryObject:
 
 def _shape_of(geometry: pin.GeometryObject) -> Shape:
     """Our shape for one of coal's; a mesh comes with its scale applied."""
-    shape: Any = geometry.geometry
-    match shape:
-        case coal.Box():
-            x, y, z = (2.0 * np.asarray(shape.halfSide)).tolist()
-            return Box((x, y, z))
-        case coal.Sphere():
-            return Sphere(shape.radius)
-        case coal.Cylinder():
-            return Cylinder(shape.radius, 2.0 * shape.halfLength)
-        case coal.Capsule():
-            return Capsule(shape.radius, 2.0 * shape.halfLength)
-        case coal.Cone():
-            return Cone(shape.radius, 2.0 * shape.halfLength)
-    return _hull_of(geometry)
+    return sized_shape_of_coal(geometry.geometry) or _hull_of(geometry)
 
 
 def _hull_of(geometry: pin.GeometryObject) -> Hull:

@@ -41,7 +41,7 @@ def expanded(path: Path, arguments: Mapping[str, str], folders: Sequence[Path]) 
     """The URDF that a xacro file stands for.
 
     Args:
-        path: Of the file.
+        path: Path of the file.
         arguments: Values of its <xacro:arg>s, by name.
         folders: Folders in which its packages are searched first.
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Sphere
+from plannercheck.common.array_types import Bools
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.scenes.declared_states import DeclaredStates
 
@@ -42,6 +43,34 @@ class AllowedCollisions:
             return said
         defaults = [self.defaults[name] for name in (a, b) if name in self.defaults]
         return bool(defaults) and all(defaults)
+
+    def table(self, first: Sequence[str], second: Sequence[str]) -> Bools:
+        """(n, m) the same for all pairs of n and m names at once."""
+        said = [
+            np.array([self.defaults.get(name, _UNSAID) for name in names], dtype=np.int8) for names in (first, second)
+        ]
+        mine, theirs = said[0][:, None], said[1][None]
+        allowed = np.asarray((mine != 0) & (theirs != 0) & ((mine == 1) | (theirs == 1)))
+        if self.pairs:
+            rows, columns = _places(first), _places(second)
+            for pair, verdict in self.pairs.items():
+                a, b = (*pair, *pair)[:2]
+                for here, there in ((a, b), (b, a)):
+                    if here in rows and there in columns:
+                        allowed[np.ix_(rows[here], columns[there])] = verdict
+        return allowed
+
+
+# In place of False and True for a name that has no default.
+_UNSAID = 2
+
+
+def _places(names: Sequence[str]) -> dict[str, list[int]]:
+    """By name, where it stands in a list."""
+    found: dict[str, list[int]] = {}
+    for place, name in enumerate(names):
+        found.setdefault(name, []).append(place)
+    return found
 
 
 class SceneContents(DeclaredStates):

@@ -71,8 +71,15 @@ class Frame:
     pose: Matrix
     name: str = ""
 
+    @property
+    def is_world(self) -> bool:
+        """Whether it is the planning frame itself."""
+        return self.pose_frame is None and not self.name and np.array_equal(self.pose, np.eye(4))
+
     def holds(self, item: SceneObject) -> SceneObject:
         """The object whose pose is given in this frame, posed in the world or with a pose frame."""
+        if self.is_world and item.pose_frame is None and not item.frame:
+            return item
         return dataclasses.replace(item.moved(self.pose @ item.pose), pose_frame=self.pose_frame, frame=self.name)
 
 

@@ -116,6 +116,7 @@ def _found(path: str | Path) -> Path:
     given = Path(path)
     if (is_file(given) or is_folder(given)) or given.suffix or len(given.parts) != 1:
         return given
-    if str(path) not in shipped_scenes():
+    shipped = shipped_folder("configs") / f"{path}.yaml"
+    if not is_file(shipped) or is_planar_file(shipped):
         raise unknown_name("scene", str(path), [*shipped_scenes(), "or the path of a YAML file"])
-    return shipped_folder("configs") / f"{path}.yaml"
+    return shipped

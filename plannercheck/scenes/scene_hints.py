@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.shapes import inflated_hull
+from plannercheck.bodies.shapes import Box, inflated_hull
 from plannercheck.scenes.contents import SceneContents
 
 # A scene that spans this much, and in which no object is thinner than that, is in millimetres: a wide floor is thin. m.
@@ -18,6 +18,10 @@ _LARGE, _THIN = 100.0, 1.0
 
 def scale_hint(scene: SceneContents) -> str:
     """A sentence about the objects' sizes; empty if they are usual."""
+    if any(
+        isinstance(part.shape, Box) and min(part.shape.size) < _THIN for item in scene.objects for part in item.parts
+    ):
+        return ""  # told without hulls
     extents: dict[str, list[NDArray[np.float64]]] = {}
     for item in scene.objects:
         for part in item.parts:

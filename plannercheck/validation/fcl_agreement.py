@@ -68,7 +68,7 @@ class AgreementReport:
     """What a comparison with FCL found.
 
     Attributes:
-        states: Configurations compared.
+        states: Number of configurations compared.
         pairs: Verdicts compared: configurations times the checker's pairs.
         fcl_calls: Pairs that FCL decided.
         exact_calls: Pairs that exact arithmetic decided instead; the world boxes of the others are apart.

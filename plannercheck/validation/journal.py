@@ -43,7 +43,7 @@ class Record:
         checksum: The checksum of its rows.
         failed: How many of its rows did not pass.
         report: The summary.
-        place: Where its arrays are in the journal.
+        place: Position of its arrays in the journal.
         size: Bytes of its arrays.
     """
 
@@ -65,8 +65,8 @@ class Journal:
     """A journal that is open.
 
     Attributes:
-        path: Where it is.
-        records: What it has, by file and first row.
+        path: Path of the journal.
+        records: Its records, by file and first row.
     """
 
     def __init__(self, path: Path, fingerprint: Mapping[str, str], resume: bool = False) -> None:
@@ -74,7 +74,7 @@ class Journal:
 
         Args:
             path: The file.
-            fingerprint: Of the run.
+            fingerprint: Fingerprint of the run.
             resume: Whether to go on with what is there; if nothing is, the journal is new.
 
         Raises:

@@ -58,8 +58,8 @@ class Judge:
     Attributes:
         all_pairs: Whether all colliding pairs are counted, not just the first of each configuration.
         limits: Whether configurations beyond the limits fail ("error"), are counted, or are not looked for.
-        explain: Which configurations get a certificate.
-        threads: How many a judge uses.
+        explain: Says which configurations get a certificate.
+        threads: Number of threads that a judge uses.
     """
 
     all_pairs: bool = False

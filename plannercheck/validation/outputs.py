@@ -40,7 +40,7 @@ class Results:
 
     Attributes:
         journal: All findings.
-        judge: What was asked.
+        judge: The judge with the options of the run.
         only_failed: Whether rows that pass are left out.
         files: Names of the files that were judged.
         pairs: Names of link and link or obstacle of each of the checker's pairs.

@@ -28,7 +28,7 @@ class PathCheck:
     Attributes:
         agreement: The comparison with FCL on the path resampled as its motions were checked.
         between: States between those samples that were checked.
-        between_colliding: Those of them that collide.
+        between_colliding: Number of these that collide.
     """
 
     agreement: AgreementReport
@@ -67,9 +67,9 @@ def resampled(checker: Checker, path: Floats, resolution: float, denser: int = 1
 
     Args:
         checker: The checker.
-        path: (k, nq).
+        path: (k, nq) configurations.
         resolution: As for `check_path`.
-        denser: How many times as many steps to take; every `denser`-th state is one of the motion check's.
+        denser: Factor by which there are more steps; every `denser`-th state is one of the motion check's.
 
     Yields:
         (steps + 1, nq) for each motion.

@@ -29,7 +29,7 @@ class PathVerdict:
         motion: Index of the first motion that is not free; None if all are.
         stopped: That motion's verdict: parameters, pair, certificate; None if all are free.
         tolerance: A motion that stays further than this from collisions is free, m.
-        duration: s.
+        duration: Time that it took, s.
     """
 
     states: int
@@ -65,7 +65,7 @@ def validate_path(
         checker: The checker.
         path: (k, nq) configurations joined by straight motions, k at least 1; rad and m.
         tolerance: As for `Checker.check_motion`, m.
-        threads: How many to use.
+        threads: Number of threads to use.
 
     Returns:
         The verdict.

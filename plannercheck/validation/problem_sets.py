@@ -27,8 +27,8 @@ class ProblemResult:
     """A problem and its result.
 
     Attributes:
-        name: The problem's.
-        start: Its start, judged.
+        name: Name of the problem.
+        start: The verdict on its start.
         goal: The goal that was planned to, judged.
         plan: The plan.
         check: The path checked again, if asked for and if there is one.
@@ -47,10 +47,10 @@ class SetSummary:
 
     Attributes:
         problems: All of them.
-        free: Those whose start and goal collide with nothing.
-        within: Those whose start and goal are within the limits.
+        free: Number of problems whose start and goal collide with nothing.
+        within: Number of problems whose start and goal are within the limits.
         accepted: Both, so that planning was tried.
-        solved: Those with a plan.
+        solved: Number of problems with a plan.
         times: Median and mean of the search, s; of the solved ones.
         totals: Median and mean of search and shortening, s.
         length: Mean length of the plans, rad.

@@ -25,7 +25,7 @@ class Progress:
 
         Args:
             style: A bar, lines, or nothing; "auto" is a bar on a terminal, else lines.
-            stream: Where to; None is standard error.
+            stream: Stream that is written to; None is standard error.
         """
         self._stream = sys.stderr if stream is None else stream
         self._style = ("bar" if self._stream.isatty() else "lines") if style == "auto" else style

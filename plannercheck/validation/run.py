@@ -33,7 +33,7 @@ class Run:
 
         Args:
             judge: The questions about each configuration.
-            journal: Where findings are kept; None keeps only the summary.
+            journal: Journal of the findings; None keeps only the summary.
             progress: Gets each chunk's rows.
         """
         self._judge, self._journal = judge, journal
@@ -46,8 +46,8 @@ class Run:
         """Judges all chunks.
 
         Args:
-            chunks: In order.
-            engine: Judges them.
+            chunks: Chunks in order.
+            engine: Engine that judges them.
             watchers: Called with each chunk and its findings.
 
         Returns:

@@ -49,7 +49,7 @@ def validate(checker: AnyChecker, q: ArrayLike, threads: int = 1, all_pairs: boo
     Args:
         checker: The checker.
         q: (n, nq) rad and m.
-        threads: How many to use.
+        threads: Number of threads to use.
         all_pairs: Whether to count all colliding pairs of a configuration (slower); else the first found.
 
     Returns:

@@ -37,7 +37,7 @@ class Evidence:
         """A common point for each colliding pair.
 
         Args:
-            frame: Its index.
+            frame: Index of the frame.
             poses: (bodies, 4, 4) in the world, m.
             colliding: (pairs,) which pairs collide.
         """
@@ -52,10 +52,10 @@ class Evidence:
         """Separating planes of the nearest pairs that do not collide.
 
         Args:
-            frame: Its index.
+            frame: Index of the frame.
             poses: (bodies, 4, 4) in the world, m.
             colliding: (pairs,) which pairs collide.
-            count: How many at most.
+            count: Largest number of planes.
         """
         found = (self._plane(frame, k, poses) for k in self._nearest(count, poses, np.flatnonzero(~colliding)))
         return [plane for plane in found if plane is not None]

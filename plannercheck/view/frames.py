@@ -23,7 +23,7 @@ def along_path(checker: AnyChecker, path: ArrayLike, frames: int = DEFAULT_FRAME
     Args:
         checker: Knows how its robot moves from one configuration to the next.
         path: (k, nq) rad and m.
-        frames: About how many to make; the path's own configurations are always among them.
+        frames: Approximate number of frames; the path's own configurations are always among them.
 
     Returns:
         (n, nq) configurations, and their labels: motion and parameter.

@@ -32,7 +32,7 @@ class Joints:
         lower: (nq,) where they begin, rad and m.
         upper: (nq,) where they end.
         rows: (frames, nq) the configurations that the picture shows.
-        checker: Who judges.
+        checker: The checker that judges.
         meshes: As for `picture`.
         visuals: As for `picture`.
     """

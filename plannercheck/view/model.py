@@ -36,9 +36,9 @@ class Mesh:
     """A body, drawn.
 
     Attributes:
-        name: Of the body.
+        name: Name of the body.
         owner: The link or obstacle that it belongs to.
-        layer: What it is.
+        layer: Its layer in the picture.
         vertices: (n, 3) in the body's frame, m.
         faces: (m, 3) indices, counter-clockwise from outside.
         poses: (frames, 4, 4) in the world, or (1, 4, 4) if it does not move.
@@ -70,7 +70,7 @@ class Plane:
     """A separating plane, drawn as a square.
 
     Attributes:
-        frame: At which it is shown.
+        frame: Index of the frame in which it is shown.
         pair: Names of the link and the link or obstacle that it keeps apart.
         gap: They are at least this far apart, m.
         centre: (3,) on the plane, between the two, m.
@@ -93,9 +93,9 @@ class Witness:
     """A point of two colliding bodies.
 
     Attributes:
-        frame: At which it is shown.
+        frame: Index of the frame in which it is shown.
         pair: Names of the link and the link or obstacle that share it.
-        point: (3,) m.
+        point: (3,) the shared point, m.
     """
 
     frame: int
@@ -108,15 +108,15 @@ class Picture:
     """A robot in a scene at one or several configurations.
 
     Attributes:
-        title: Words.
-        labels: What each frame is called.
+        title: The title.
+        labels: The label of each frame.
         animated: Whether frames follow each other in time; else each stands for itself.
-        meshes: Bodies.
+        meshes: Meshes of the bodies.
         collisions: For each frame the colliding pairs, by names.
-        planes: Of all frames.
-        witnesses: Of all frames.
+        planes: Planes of all frames.
+        witnesses: Witnesses of all frames.
         centre: (3,) what to look at, m.
-        radius: Of what to look at, m.
+        radius: Radius of the ball to look at, m.
     """
 
     title: str

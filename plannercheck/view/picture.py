@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from plannercheck.checking.named_configurations import named_configuration
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
@@ -32,7 +33,7 @@ _MARGIN = 1.15
 
 def picture(
     checker: AnyChecker,
-    q: ArrayLike,
+    q: Configuration,
     *,
     labels: Sequence[str] | None = None,
     animated: bool = False,
@@ -44,13 +45,13 @@ def picture(
 
     Args:
         checker: A checker in space, or a planar one.
-        q: (nq,) or (n, nq) a configuration a frame.
+        q: (nq,) or (n, nq) a configuration a frame; or each joint's value of one by its name.
         labels: What the frames are called; default: their numbers.
         animated: Whether the frames follow each other in time, as those of `along_path` do.
         planes: Separating planes a frame, of the nearest pairs; default: 3 for one frame, 1 for several; in the plane
             none are drawn.
-        meshes: Of `delivered_meshes`, to be drawn inside their hulls.
-        visuals: Of `visual_meshes`, what the links look like, to be drawn inside the hulls, too.
+        meshes: Meshes that `delivered_meshes` gives, to be drawn inside their hulls.
+        visuals: Visual meshes of the links, as `visual_meshes` gives them, to be drawn inside the hulls, too.
 
     Returns:
         The picture.
@@ -58,7 +59,8 @@ def picture(
     Raises:
         PlannercheckError: If there are no configurations or more than `MOST_FRAMES`, or labels do not fit them.
     """
-    rows = checker.robot.check_configurations(q)
+    numbers = named_configuration(checker.robot, q) if isinstance(q, Mapping) else q
+    rows = checker.robot.check_configurations(numbers)
     names = [f"configuration {k}" for k in range(len(rows))] if labels is None else list(labels)
     if not 0 < len(rows) <= MOST_FRAMES or len(names) != len(rows):
         raise PlannercheckError(

@@ -34,9 +34,9 @@ def serve(picture: Picture, port: int = DEFAULT_PORT, host: str = "localhost", j
 
     Args:
         picture: The picture.
-        port: Where to listen.
+        port: Port to listen on.
         host: On which of this machine's addresses to listen; "0.0.0.0" is all of them.
-        joints: Of `joints_of`, with the same configurations: sliders that move them, each with its verdict at once.
+        joints: What `joints_of` gives for the same configurations: sliders for them, with the verdict at once.
 
     Returns:
         The stage; its `server.stop()` ends it, its `play()` plays frames as long as the box is ticked.

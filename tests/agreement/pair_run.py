@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
+from contact_differences import differ_from_contact
 from table import ErrorTable
 
 import plannercheck as pc
@@ -157,4 +158,4 @@ def is_clear(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap: float = ma
     clear = CLEAR * min(p.width, r.width)
     if min(p.width, r.width) <= WIDE or abs(gap) <= clear:
         return False
-    return contacts.differ_from_contact(p, r, pose_p, pose_r, clear)
+    return differ_from_contact(p, r, pose_p, pose_r, clear)

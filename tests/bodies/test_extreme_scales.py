@@ -50,7 +50,16 @@ def test_boxes_whose_differences_overflow_floats(exponent):
     for bounds, boxes in itertools.product((True, False), (True, False)):
         switches = bounds, boxes, True, True
         checker = core.Checker(
-            [body, body], links, placements, pairs, 1, nothing, nothing, pair_options(), *switches, pose[None, None]
+            [body, body],
+            links,
+            placements,
+            pairs,
+            1,
+            nothing,
+            nothing,
+            pair_options(),
+            *switches,
+            core.sampled_poses(pose[None, None]),
         )
         found = checker.first_of_poses(np.repeat(pose[None, None], 8, axis=0), 1)
         assert found.tolist() == [0] * 8
@@ -69,7 +78,7 @@ def test_what_is_beyond_floats_may_be_anywhere(exponent, first):
     pairs = np.array([[0, 2], [1, 2]], dtype=np.int32)
     pose, nothing = np.eye(4)[None, None], np.zeros(0)
     checker = core.Checker(
-        bodies, links, placements, pairs, 1, nothing, nothing, pair_options(), True, True, True, True, pose
+        bodies, links, placements, pairs, 1, nothing, nothing, pair_options(), *[True] * 4, core.sampled_poses(pose)
     )
     assert checker.first_of_poses(np.repeat(pose, 8, axis=0), 1).tolist() == [first] * 8
 

@@ -37,7 +37,7 @@ def checker_of(bodies, links, pairs, placements=None, overlaps=False):
     cores = [body.core for body in bodies]
     return core.Checker(
         cores, links, placements, np.array(pairs, dtype=np.int32), len(moving), nothing, nothing, pair_options(),
-        *switches, moving[None],
+        *switches, core.sampled_poses(moving[None]),
     )  # fmt: skip
 
 

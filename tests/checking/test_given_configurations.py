@@ -153,3 +153,21 @@ def test_planar_robots_too():
     assert [checker.is_valid(row[None]) for row in q] == expected
     with pytest.raises(pc.PlannercheckError, match=r"must be .*numbers"):
         checker.is_valid([1j] * checker.robot.nq)
+
+
+def test_links_are_posed_by_names_of_joints(checker, samples, tmp_path):
+    (tmp_path / "wheeled.urdf").write_text(WHEELED)
+    wheeled = pc.Robot.load(tmp_path / "wheeled.urdf")
+    followed = wheeled.link_poses({"open": 0.5, "spin": 0.3})
+    assert followed.ndim == 3
+    assert np.array_equal(followed, wheeled.link_poses(wheeled.joint_values.named({"spin": 0.3, "open": 0.5})[0]))
+    for q in samples[:5]:
+        poses = checker.robot.link_poses(by_name(checker, q))
+        assert np.array_equal(poses, checker.robot.link_poses(q))
+    with pytest.raises(pc.PlannercheckError, match=r"missing: panda_joint1$"):
+        checker.robot.link_poses(dict(list(by_name(checker, samples[0]).items())[:-1]))
+    plane = pc.planar.Robot.load("truck_trailer").within([-5, -5], [5, 5])
+    q = plane.random_configurations(1, 2)[0]
+    assert np.array_equal(plane.link_poses(dict(zip(plane.joint_names, q, strict=True))), plane.link_poses(q))
+    with pytest.raises(pc.PlannercheckError, match="unknown joint 'z'"):
+        plane.link_poses({"z": 0.0})

@@ -8,7 +8,7 @@ import plannercheck as pc
 
 @pytest.mark.filterwarnings("ignore:.*touches obstacle:RuntimeWarning")
 @pytest.mark.parametrize("robot", ["panda", "baxter"])
-def test_companies_change_nothing_but_time(robot):
+def test_companies_change_nothing_but_time(robot, monkeypatch):
     """The states that they are chosen by: none, the usual ones, all links in one place, all far apart."""
     q = pc.Robot.load(robot).random_configurations(300, 5)
     links = len(pc.Robot.load(robot).link_names)
@@ -19,7 +19,7 @@ def test_companies_change_nothing_but_time(robot):
     for samples in (np.zeros((0, links, 4, 4)), None, gathered[None], scattered[None]):
         known = pc.Robot.load(robot)
         if samples is not None:
-            known.__dict__["sampled_link_poses"] = samples
+            monkeypatch.setattr(pc.Robot, "sampled_link_poses", property(lambda _, poses=samples: poses))
         checker = pc.Checker(known, pc.Scene.load("kitchen"), overlaps=False, learning=False)
         verdicts, colliding = checker.check_states(q), checker.colliding_pairs(q)
         counted = checker.statistics()

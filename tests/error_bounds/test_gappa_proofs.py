@@ -18,6 +18,7 @@ from gappa_proofs import PROOFS, constants, filled, is_proved, scripts, value
 # are in the table, too: they are limits of ranges and counts.
 CHECKED = [
     "pair_frame",
+    "given_poses",
     "gjk",
     "support_scan",
     "gjk_double_double",

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from ompl import base, geometric
 
+import plannercheck as pc
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl import planning
 from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.motion_validators import motion_validator
 from plannercheck.ompl.plans import Plan
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
@@ -44,7 +46,7 @@ def kinova() -> Checker:
 def validator_of(checker: Checker, resolution: float | None = None):
     space = JointSpace(checker.robot)
     information = planning.setup(checker, resolution).getSpaceInformation()
-    return planning.motion_validator(information, checker, space, resolution), space, information
+    return motion_validator(information, checker, space, resolution), space, information
 
 
 def test_the_space_has_the_limits_of_the_robot(checker):
@@ -119,7 +121,7 @@ def test_a_validator_proves_with_its_own_tolerance(tmp_path):
     space, information = JointSpace(checker.robot), planning.setup(checker).getSpaceInformation()
     for tolerance, free in ((1e-4, False), (4e-5, True)):
         assert checker.check_motion([-1.0], [1.0], tolerance=tolerance) == free
-        validator = planning.motion_validator(information, checker, space, None, tolerance)
+        validator = motion_validator(information, checker, space, None, tolerance)
         ends = [space.state(information, q) for q in ([-1.0], [1.0])]
         assert validator.checkMotion(*ends) == free
         assert validator.checkMotionWithLastValid(*ends)[0] == free
@@ -228,7 +230,7 @@ def test_every_planner_asks_for_proofs(checker, ends, name):
     assert name in planning.planner_names()
     setup = planning.setup(checker)
     information, space = setup.getSpaceInformation(), JointSpace(checker.robot)
-    validator = planning.motion_validator(information, checker, space)
+    validator = motion_validator(information, checker, space)
     information.setMotionValidator(validator)
     setup.setStartAndGoalStates(*(space.state(information, q) for q in ends))
     planner = getattr(geometric, name)(information)
@@ -357,3 +359,25 @@ def test_a_script_leaves_no_leaks_and_no_chatter():
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True)
     assert done.stdout == ""
     assert done.stderr == ""
+
+
+def test_ends_by_names_of_joints(checker, ends):
+    named = [dict(zip(checker.robot.joint_names[::-1], q[::-1], strict=True)) for q in ends]
+    for start, goal in (named, (ends[0], named[1])):
+        found = planning.plan(checker, start, goal, seed=2, simplify=False)
+        assert np.array_equal(found.path, planning.plan(checker, *ends, seed=2, simplify=False).path)
+    with pytest.raises(PlannercheckError, match=r"goal: .*missing: panda_joint1$"):
+        planning.plan(checker, ends[0], {name: value for name, value in named[1].items() if name != "panda_joint1"})
+    with pytest.raises(PlannercheckError, match=r"start: unknown joint 'panda_joint8'"):
+        planning.plan(checker, {**named[0], "panda_joint8": 0.0}, ends[1])
+    with pytest.raises(PlannercheckError, match=r"start: .*finite"):
+        planning.plan(checker, {**named[0], "panda_joint1": np.nan}, ends[1])
+
+
+def test_planar_ends_by_names():
+    checker = pc.planar.Checker(pc.planar.Robot.load("forklift"), pc.planar.Scene.load("parking"))
+    ends = checker.scene.start("forklift"), checker.scene.goal("forklift")
+    named = [dict(zip(checker.robot.joint_names, q, strict=True)) for q in ends]
+    found = [planning.plan(checker, *pair, seed=2, simplify=False) for pair in (ends, named)]
+    assert found[0].solved
+    assert np.array_equal(found[0].path, found[1].path)

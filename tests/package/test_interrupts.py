@@ -131,16 +131,9 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_commands(name, tmp_path, q):
-    given = tmp_path / "q.npy"
-    if any("{set}" in word for word in COMMANDS[name]):
-        np.save(given, np.tile(q, (5, 1)) if name in ("validate", "threads") else q)
-    (tmp_path / "out").mkdir()
-    words = [word.format(set=given, out=tmp_path / "out") for word in COMMANDS[name]]
-    run = (
-        "import sys; from plannercheck.cli.main import main; sys.stderr.write('begun\\n'); sys.exit(main(sys.argv[1:]))"
-    )
+def begun_command(words):
+    """A command in a process of its own, from where its program begins."""
+    run = "import sys; from plannercheck.cli.main import main; sys.stderr.write('begun\\n'); sys.exit(main())"
     process = subprocess.Popen(
         [sys.executable, "-c", run, *words],
         stdout=subprocess.DEVNULL,
@@ -151,6 +144,17 @@ def test_commands(name, tmp_path, q):
     )
     assert process.stderr is not None
     assert process.stderr.readline() == "begun\n"
+    return process
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_commands(name, tmp_path, q):
+    given = tmp_path / "q.npy"
+    if any("{set}" in word for word in COMMANDS[name]):
+        np.save(given, np.tile(q, (5, 1)) if name in ("validate", "threads") else q)
+    (tmp_path / "out").mkdir()
+    words = [word.format(set=given, out=tmp_path / "out") for word in COMMANDS[name]]
+    process = begun_command(words)
     time.sleep(1.5)
     assert process.poll() is None, process.stderr.read()
     sent = time.perf_counter()
@@ -167,3 +171,92 @@ def test_commands(name, tmp_path, q):
     assert "Traceback" not in said
     left = [path.name for path in (tmp_path / "out").iterdir() if path.is_file()]
     assert all(path.endswith(".progress") for path in left)
+
+
+DAEMONS = """
+import threading, time
+import numpy as np
+import plannercheck as pc
+
+robot = pc.Robot.load("panda")
+checker, q = pc.Checker(robot, pc.Scene.load("bookshelf")), robot.random_configurations(20_000, 0)
+points = np.random.default_rng(0).normal(size=(2000, 3))
+
+def forever(call):
+    while True:
+        call()
+
+for call in (
+    lambda: checker.check_states(q),
+    lambda: checker.check_states(q, threads=2),
+    lambda: robot.link_poses(q),
+    lambda: pc.Polytope(points),
+):
+    threading.Thread(target=forever, args=(call,), daemon=True).start()
+time.sleep(0.3)
+"""
+
+
+def test_daemon_threads_do_not_abort_the_process():
+    """Python ends them by unwinding their stacks where they ask for its lock: no destructor may be in the way."""
+    for _ in range(3):
+        ended = subprocess.run([sys.executable, "-c", DAEMONS], capture_output=True, text=True, timeout=60)
+        assert (ended.returncode, ended.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_the_program_loads(number, tmp_path):
+    """Compiled modules that load do not expect an exception: they make another of it, lose it, or abort."""
+    from plannercheck.cli.main import INTERRUPTED, TERMINATED
+
+    code, said = (INTERRUPTED, "interrupted") if number == signal.SIGINT else (TERMINATED, "terminated")
+    for delay in np.linspace(0.05, 0.65, 5):
+        process = begun_command(["stress", "--pairs", "10000000"])
+        time.sleep(delay)
+        process.send_signal(number)
+        _, error = process.communicate(timeout=20)
+        assert (process.returncode, error) == (code, f"plannercheck: {said}\n"), delay
+
+
+LOST = """
+import ctypes, os, signal, sys, time
+import plannercheck.cli.robots as robots
+from plannercheck.cli.main import main
+
+class Dropping:  # as a compiled module does that clears every error of what it calls
+    def __getattr__(self, name):
+        os.kill(os.getpid(), signal.SIGINT)
+        for _ in range(1000):
+            pass
+
+def run(options):
+    has = ctypes.pythonapi.PyObject_HasAttrString
+    has.argtypes = [ctypes.py_object, ctypes.c_char_p]
+    print("dropped" if not has(Dropping(), b"anything") else "odd", flush=True)
+    time.sleep(20)
+    return 0
+
+robots.run = run
+sys.exit(main(["robots"]))
+"""
+
+
+def test_a_ctrl_c_that_a_library_drops_comes_again():
+    began = time.perf_counter()
+    ended = subprocess.run(
+        [sys.executable, "-c", LOST],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "dropped\n", "plannercheck: interrupted\n")
+    assert time.perf_counter() - began < 10
+
+
+def test_the_callers_handlers_are_back_afterwards(capsys):
+    from plannercheck.cli.main import main
+
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    assert main(["robots"]) == 0
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before

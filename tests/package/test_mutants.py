@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 
 import pytest
-from mutants import LISTS, BadMutantError, Mutant, fault_of, faults_of, read_mutants
+from mutants import CHECKOUT, LISTS, BadMutantError, Mutant, fault_of, faults_of, read_mutants
 
 LEAST = 620
 
@@ -28,6 +30,14 @@ def test_every_mutant_fits_the_checkout():
     assert faults_of(mutants) == {}
     assert len(mutants) >= LEAST
     assert {path.stem for path in LISTS.glob("*.yaml")} == {mutant.area for mutant in mutants}
+
+
+def test_the_tests_of_mutants_are_there_with_their_parameters():
+    tests = sorted({test for mutant in read_mutants() for test in mutant.tests})
+    command = [sys.executable, "-m", "pytest", "-q", "--collect-only", "-p", "no:cacheprovider", *tests]
+    ran = subprocess.run(command, cwd=CHECKOUT, capture_output=True, text=True, check=False)
+    assert [line for line in ran.stderr.splitlines() if "not found" in line] == []
+    assert ran.returncode == 0, ran.stdout[-2000:]
 
 
 def test_an_entry_that_fits(tmp_path):

@@ -210,3 +210,13 @@ def test_view_on_the_command_line(tmp_path, capsys):
     assert "exclude each other" in capsys.readouterr().err
     assert main([*base[:-1], str(tmp_path / "no" / "page.html")]) == 2
     assert "there is no folder" in capsys.readouterr().err
+
+
+def test_a_configuration_by_names_of_joints(checker, rows):
+    named = dict(zip(checker.robot.joint_names[::-1], rows[0][::-1], strict=True))
+    assert data_of(picture(checker, named, planes=0)) == data_of(picture(checker, rows[0], planes=0))
+    with pytest.raises(PlannercheckError, match="missing: panda_joint7"):
+        picture(checker, {name: value for name, value in named.items() if name != "panda_joint7"})
+    plane = PlanarChecker(PlanarRobot.load("forklift"), PlanarScene.load("parking"))
+    q = plane.scene.start("forklift")
+    assert data_of(picture(plane, {"x": q[0], "y": q[1], "theta": q[2]})) == data_of(picture(plane, q))

@@ -25,14 +25,16 @@ namespace {
 using Configurations = InputArray<double, -1, -1>;
 using LinkPoses = InputArray<double, -1, -1, 4, 4>;
 
+constexpr std::size_t kPoseStride = 16;
+
 class BoundChecker : public Pooled<CheckerCore> {
  public:
   BoundChecker(std::vector<std::shared_ptr<Polytope>> bodies, InputArray<std::int32_t, -1> links,
                InputArray<double, -1, 4, 4> placements, InputArray<std::int32_t, -1, 2> pairs, std::int32_t link_count,
                InputArray<double, -1> lower, InputArray<double, -1> upper, const PairOptions& options, bool bounds,
-               bool boxes, bool overlaps, bool learning, LinkPoses sampled)
+               bool boxes, bool overlaps, bool learning, std::shared_ptr<SampledPoses> sampled)
       : Pooled(geometry_objects(bodies, links, placements), pairs_from(pairs), link_count,
-               CheckerOptions{options, bounds, boxes, overlaps, learning}, states_of(sampled, link_count)),
+               CheckerOptions{options, bounds, boxes, overlaps, learning}, of_links(std::move(sampled), link_count)),
         lower_(lower.data(), lower.data() + lower.shape(0)),
         upper_(upper.data(), upper.data() + upper.shape(0)) {}
 
@@ -72,16 +74,19 @@ class BoundChecker : public Pooled<CheckerCore> {
     return out;
   }
 
-  static SampledPoses states_of(LinkPoses poses, std::int32_t link_count) {
-    if (poses.shape(1) != static_cast<std::size_t>(link_count)) {
-      throw std::invalid_argument("sampled poses are of " + std::to_string(poses.shape(1)) +
-                                  " links: give those of all " + std::to_string(link_count) + " links");
+  static std::shared_ptr<const SampledPoses> of_links(std::shared_ptr<SampledPoses> poses, std::int32_t link_count) {
+    if (poses->poses.size() != poses->states * static_cast<std::size_t>(link_count) * kPoseStride) {
+      throw std::invalid_argument("sampled poses are not of all " + std::to_string(link_count) + " links");
     }
-    return {std::vector<double>(poses.data(), poses.data() + poses.size()), poses.shape(0)};
+    return poses;
   }
 };
 
-constexpr std::size_t kPoseStride = 16;
+// Poses of all links in some states: (n, links, 4, 4).
+std::shared_ptr<SampledPoses> sampled_poses(LinkPoses poses) {
+  return std::make_shared<SampledPoses>(
+      SampledPoses{std::vector<double>(poses.data(), poses.data() + poses.size()), poses.shape(0)});
+}
 
 auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Configurations q, int threads) {
   const std::size_t width = q.shape(1);
@@ -106,13 +111,15 @@ nb::object row_validity(nb::object checker, nb::object kinematics) {
   return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
 }
 
-// A function that OMPL calls with states of a RealVectorStateSpace (ompl_states.hpp). It passes states beyond the
-// limits to `elsewhere`, a function of a list.
-nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere) {
+// A function that OMPL calls with states (ompl_states.hpp). It passes states beyond the limits to `elsewhere`, which
+// takes a list.
+nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere, nb::object serialize) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<std::size_t>(kernel->width());
-  const auto is_free = [checker, kinematics, elsewhere, judge, kernel, states = PlannerStates(width)](nb::handle s) {
+  const auto is_free = [checker, kinematics, elsewhere, judge, kernel,
+                        states = PlannerStates(width, serialize)](nb::handle s) {
+    heed_signals();
     StateNumbers q(states.width());
     states.read(s, q);
     for (const double value : q) {
@@ -197,10 +204,12 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
 }  // namespace
 
 void bind_checker(nb::module_& m) {
+  nb::class_<SampledPoses>(m, "SampledPoses");
+  m.def("sampled_poses", &sampled_poses, plain_floats);
   nb::class_<BoundChecker>(m, "Checker")
       .def(nb::init<std::vector<std::shared_ptr<Polytope>>, InputArray<std::int32_t, -1>, InputArray<double, -1, 4, 4>,
                     InputArray<std::int32_t, -1, 2>, std::int32_t, InputArray<double, -1>, InputArray<double, -1>,
-                    const PairOptions&, bool, bool, bool, bool, LinkPoses>(),
+                    const PairOptions&, bool, bool, bool, bool, std::shared_ptr<SampledPoses>>(),
            plain_floats)
       .def("first_of_states", &first_of_states, plain_floats)
       .def("check_states", &check_states, plain_floats)
@@ -212,7 +221,7 @@ void bind_checker(nb::module_& m) {
   m.def("placed_on_links", &placed_on_links, plain_floats);
   m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
-        plain_floats);
+        nb::arg("serialize").none() = nb::none(), plain_floats);
 }
 
 }  // namespace plannercheck

@@ -4,7 +4,10 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
@@ -107,22 +110,33 @@ int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std:
   return answer;
 }
 
-// A function of two states (ompl_states.hpp): whether the motion between them is free. It passes motions that
-// check_motion does not answer to `elsewhere`, a function of two lists.
+// A function of two states (ompl_states.hpp): whether the motion between them is free; it counts its answers. It passes
+// motions that check_motion does not answer, and those on which an angle takes the other way round, to `elsewhere`, a
+// function of two lists. `angles` are the columns of angles that whole turns do not change.
 nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
-                           InputArray<double, -1> high, double tolerance, double kinematic_error,
-                           nb::object elsewhere) {
+                           InputArray<double, -1> high, double tolerance, double kinematic_error, nb::object elsewhere,
+                           std::shared_ptr<MotionCounts> counts, nb::object serialize,
+                           const std::vector<std::size_t>& angles) {
   auto* bound = nb::cast<BoundCertifier*>(certifier);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
-  const auto is_free = [certifier, kinematics, elsewhere, bound, kernel, tolerance,
-                        states = PlannerStates(low.shape(0)),
-                        range = error_range(low, high, kinematic_error)](nb::handle s0, nb::handle s1) {
+  const auto answer = [elsewhere, bound, kernel, tolerance, angles, range = error_range(low, high, kinematic_error)](
+                          const StateNumbers& q0, const StateNumbers& q1) {
+    const bool short_way = std::all_of(angles.begin(), angles.end(), [&](std::size_t k) {
+      return std::abs(q1.data()[k] - q0.data()[k]) <= std::numbers::pi;
+    });
+    const int found = short_way ? answer_of(*bound, *kernel, q0, q1, range, tolerance) : kOutside;
+    if (found <= static_cast<int>(MotionAnswer::kRefused)) return found == static_cast<int>(MotionAnswer::kFree);
+    return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
+  };
+  const auto is_free = [certifier, kinematics, answer, counts, states = PlannerStates(low.shape(0), serialize)](
+                           nb::handle s0, nb::handle s1) {
+    heed_signals();
     StateNumbers q0(states.width()), q1(states.width());
     states.read(s0, q0);
     states.read(s1, q1);
-    const int answer = answer_of(*bound, *kernel, q0, q1, range, tolerance);
-    if (answer <= static_cast<int>(MotionAnswer::kRefused)) return answer == static_cast<int>(MotionAnswer::kFree);
-    return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
+    const bool free = answer(q0, q1);
+    counts->add(free);
+    return free;
   };
   return nb::cpp_function(is_free, plain_floats);
 }
@@ -161,7 +175,7 @@ void bind_motion(nb::module_& m) {
              IndexTable<2> drives, InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry,
              IndexTable<3> entries, InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides,
              IndexTable<2> parts, int width, int link_count, double defect, double leverage, int depth, double extent,
-             InputArray<double, -1> travel, int joints, bool hints) {
+             InputArray<double, -1> travel, int joints, bool hints, bool bounds, bool overlaps) {
             MotionModel model;
             for (std::size_t i = 0; i < bodies.size(); ++i)
               model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
@@ -178,7 +192,7 @@ void bind_motion(nb::module_& m) {
             model.extent = extent;
             model.travel.assign(travel.data(), travel.data() + travel.shape(0));
             model.joints = joints;
-            new (self) BoundCertifier(std::move(model), hints);
+            new (self) BoundCertifier(std::move(model), MotionOptions{hints, bounds, overlaps});
           },
           plain_floats)
       .def("check", &check_motions, plain_floats)
@@ -186,7 +200,9 @@ void bind_motion(nb::module_& m) {
       .def("explain", &explain_motion, plain_floats)
       .def("states", &motion_states, plain_floats)
       .def("statistics", &BoundCertifier::statistics, plain_floats);
-  m.def("motion_validity", &motion_validity, plain_floats);
+  m.def("motion_validity", &motion_validity, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"),
+        nb::arg("high"), nb::arg("tolerance"), nb::arg("kinematic_error"), nb::arg("elsewhere"), nb::arg("counts"),
+        nb::arg("serialize").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(), plain_floats);
 }
 
 }  // namespace plannercheck

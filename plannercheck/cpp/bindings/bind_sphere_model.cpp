@@ -3,6 +3,7 @@
 #include <nanobind/ndarray.h>
 
 #include "bindings/array_types.hpp"
+#include "bindings/gil.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "evaluation/sphere_model.hpp"
@@ -47,7 +48,7 @@ SphereModel::Parts parts_from(InputArray<std::int32_t, -1> links, InputArray<dou
 auto check_ball_states(const SphereModel& model, const Kinematics& kinematics, InputArray<double, -1, -1> q) {
   std::vector<std::uint8_t> valid(q.shape(0));
   {
-    nb::gil_scoped_release release;
+    const GilReleased released;
     model.check_states(kinematics, q.data(), valid.size(), valid.data());
   }
   return output_array(valid, {valid.size()});

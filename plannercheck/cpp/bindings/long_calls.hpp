@@ -15,13 +15,14 @@
 #include <utility>
 #include <vector>
 
+#include "bindings/gil.hpp"
 #include "math/interruption.hpp"
 
 namespace plannercheck {
 
 // Runs Python's handlers of signals that have come; they run in Python's main thread only.
 inline void ask_python() {
-  const nanobind::gil_scoped_acquire acquire;
+  const GilTakenBack gil;
   if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
 }
 
@@ -90,7 +91,7 @@ class CallThreads {
 // part(k) for k = 0 … count − 1, one a thread, without the GIL.
 template <class Part>
 void without_gil(std::size_t count, Part part) {
-  const nanobind::gil_scoped_release release;
+  const GilReleased released;
   CallThreads().run(count, part);
 }
 

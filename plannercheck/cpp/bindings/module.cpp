@@ -10,11 +10,14 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   m.attr("lanes") = plannercheck::kLanes;
   plannercheck::bind_polytope(m);
   plannercheck::bind_kinematics(m);
+  plannercheck::bind_ompl_states(m);
   plannercheck::bind_checker(m);
   plannercheck::bind_sphere_model(m);
   plannercheck::bind_planar(m);
   plannercheck::bind_planar_motion(m);
   plannercheck::bind_motion(m);
   plannercheck::bind_distance(m);
+  plannercheck::bind_pair_queries(m);
   plannercheck::bind_game(m);
+  plannercheck::bind_reach(m);
 }

@@ -7,6 +7,7 @@ namespace plannercheck {
 
 void bind_kinematics(nanobind::module_& m);
 void bind_polytope(nanobind::module_& m);
+void bind_ompl_states(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);
 void bind_sphere_model(nanobind::module_& m);
 void bind_planar(nanobind::module_& m);
@@ -14,6 +15,8 @@ void bind_planar_checker(nanobind::module_& m);
 void bind_planar_motion(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
 void bind_distance(nanobind::module_& m);
+void bind_pair_queries(nanobind::module_& m);
 void bind_game(nanobind::module_& m);
+void bind_reach(nanobind::module_& m);
 
 }  // namespace plannercheck

@@ -1,4 +1,5 @@
-// One row of doubles in a NumPy array, read in place. A general array argument takes 0.3 µs longer (measured).
+// Doubles in a NumPy array, read in place: where they are, and one row of them. A general array argument takes 0.3 µs
+// longer, Python's buffer protocol 0.05 µs (measured).
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -9,21 +10,73 @@
 
 namespace plannercheck {
 
-// The class numpy.ndarray.
+// The class numpy.ndarray, and how its arrays begin: NumPy's binary interface keeps that as it is, since extensions are
+// compiled against it. It is compared with what the buffer protocol says of an array all the same; if that differs,
+// `doubles_in` finds none.
 class NumpyArray {
  public:
-  NumpyArray() : type_(nanobind::module_::import_("numpy").attr("ndarray")) {}
+  // The fields that extensions read.
+  struct Head {
+    PyObject_HEAD char* data;
+    int dimensions;
+    Py_ssize_t* shape;
+    Py_ssize_t* strides;
+    PyObject* base;
+    PyObject* dtype;
+  };
+
+  NumpyArray() {
+    const nanobind::module_ numpy = nanobind::module_::import_("numpy");
+    type_ = numpy.attr("ndarray");
+    double_ = numpy.attr("dtype")("float64");
+    head_is_known_ = is_as_buffers_say(numpy.attr("zeros")(nanobind::make_tuple(2, 3, 5)).attr("T"));
+  }
 
   bool is_class_of(nanobind::handle object) const { return object.type().is(type_); }
 
+  // The array's fields; null for what is surely no array of native doubles, and where it may be one all the same.
+  const Head* doubles_in(nanobind::handle object) const {
+    if (!head_is_known_ || !is_class_of(object)) return nullptr;
+    const auto* const head = reinterpret_cast<const Head*>(object.ptr());
+    return head->dtype == double_.ptr() ? head : nullptr;
+  }
+
  private:
-  nanobind::object type_;
+  nanobind::object type_, double_;
+  bool head_is_known_ = false;
+
+  bool is_as_buffers_say(nanobind::handle probe) const {
+    Py_buffer view;
+    if (reinterpret_cast<PyTypeObject*>(type_.ptr())->tp_basicsize < static_cast<Py_ssize_t>(sizeof(Head)))
+      return false;
+    if (PyObject_GetBuffer(probe.ptr(), &view, PyBUF_STRIDED_RO) != 0) {
+      PyErr_Clear();
+      return false;
+    }
+    const auto& head = *reinterpret_cast<const Head*>(probe.ptr());
+    const std::size_t size = static_cast<std::size_t>(view.ndim) * sizeof(Py_ssize_t);
+    const bool is_same = head.data == view.buf && head.dimensions == view.ndim && head.dtype == double_.ptr() &&
+                         std::memcmp(head.shape, view.shape, size) == 0 &&
+                         std::memcmp(head.strides, view.strides, size) == 0;
+    PyBuffer_Release(&view);
+    return is_same;
+  }
 };
 
-// Keeps the array's memory alive while it exists.
+inline bool is_aligned_for_doubles(const void* data) {
+  return reinterpret_cast<std::uintptr_t>(data) % alignof(double) == 0;
+}
+
+// Keeps the array's memory alive while it exists, if the caller keeps the array.
 class NumpyRow {
  public:
   NumpyRow(const NumpyArray& array, nanobind::handle object, std::size_t width) {
+    if (const NumpyArray::Head* const head = array.doubles_in(object)) {
+      const auto step = static_cast<Py_ssize_t>(sizeof(double));
+      const bool is_row = head->dimensions == 1 && static_cast<std::size_t>(head->shape[0]) == width;
+      if (is_row && (head->strides[0] == step || width < 2)) take(head->data);
+      return;
+    }
     if (!array.is_class_of(object)) return;
     if (PyObject_GetBuffer(object.ptr(), &view_, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) != 0) {
       PyErr_Clear();  // strided
@@ -31,8 +84,7 @@ class NumpyRow {
       return;
     }
     const bool is_row = view_.ndim == 1 && static_cast<std::size_t>(view_.shape[0]) == width;
-    const bool is_aligned = reinterpret_cast<std::uintptr_t>(view_.buf) % alignof(double) == 0;
-    if (is_row && is_aligned && std::strcmp(view_.format, "d") == 0) data_ = static_cast<const double*>(view_.buf);
+    if (is_row && std::strcmp(view_.format, "d") == 0) take(view_.buf);
   }
   NumpyRow(const NumpyRow&) = delete;
   NumpyRow& operator=(const NumpyRow&) = delete;
@@ -46,6 +98,10 @@ class NumpyRow {
  private:
   Py_buffer view_{};
   const double* data_ = nullptr;
+
+  void take(const void* data) {
+    if (is_aligned_for_doubles(data)) data_ = static_cast<const double*>(data);
+  }
 };
 
 }  // namespace plannercheck

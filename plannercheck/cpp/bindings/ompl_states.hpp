@@ -1,11 +1,18 @@
-// States of an OMPL RealVectorStateSpace in Python: `state[k]` is the k-th number. OMPL's Python classes have no
-// headers to build against, so this calls them as Python would, without Python's overhead.
+// States of OMPL's spaces in Python, as rows of numbers. OMPL's Python classes have no headers to build against, so
+// this calls them as Python would, without Python's overhead.
+//
+// In: a state, and the space's `serialize`, which copies all numbers of a state at once: bounded joints, angles, and
+// compounds of them, part by part. Out: the numbers. Without `serialize`, `state[k]` is the k-th number, as in a
+// RealVectorStateSpace: so states of a program's own classes can be read.
 #pragma once
 
 #include <nanobind/nanobind.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace plannercheck {
@@ -37,16 +44,34 @@ class StateNumbers {
 
 class PlannerStates {
  public:
-  explicit PlannerStates(std::size_t width) {
+  // `serialize(place, state)` of a space whose states are so many doubles, or None.
+  PlannerStates(std::size_t width, nanobind::object serialize) : width_(width), serialize_(std::move(serialize)) {
+    if (!serialize_.is_none()) return;
     for (std::size_t k = 0; k < width; ++k) columns_.push_back(nanobind::int_(k));
   }
 
-  std::size_t width() const { return columns_.size(); }
+  std::size_t width() const { return width_; }
 
-  // Writes a state's numbers to q, of this width; throws Python's error for a state that is no such row. Number by
-  // number is three times faster than a slice (measured).
-  void read(nanobind::handle state, StateNumbers& numbers) const {
-    double* const q = numbers.data();
+  // Writes a state's numbers to q, of this width; throws Python's error for what is no such state.
+  void read(nanobind::handle state, StateNumbers& q) const {
+    if (columns_.size() == width_) {
+      read_items(state, q.data());
+    } else {
+      read_at_once(state, q.data());
+    }
+  }
+
+ private:
+  // The name that nanobind gives capsules that stand for a `void*`.
+  static constexpr const char* kCapsuleName = "nb_handle";
+
+  std::size_t width_;
+  nanobind::object serialize_;
+  std::vector<nanobind::object> columns_;
+  mutable nanobind::object place_;  // of the last call; none while a call has it
+
+  // Number by number is three times faster than a slice (measured).
+  void read_items(nanobind::handle state, double* q) const {
     for (std::size_t k = 0; k < columns_.size(); ++k) {
       const nanobind::object number = nanobind::steal(PyObject_GetItem(state.ptr(), columns_[k].ptr()));
       if (!number.is_valid()) throw nanobind::python_error();
@@ -55,9 +80,35 @@ class PlannerStates {
     }
   }
 
- private:
-  std::vector<nanobind::object> columns_;
+  // A call from within, which finds the capsule gone, makes one of its own: none ever changes another one's pointer.
+  void read_at_once(nanobind::handle state, double* q) const {
+    nanobind::object place = std::exchange(place_, nanobind::object());
+    if (!place.is_valid()) {
+      place = nanobind::steal(PyCapsule_New(q, kCapsuleName, nullptr));
+      if (!place.is_valid()) throw nanobind::python_error();
+    } else if (PyCapsule_SetPointer(place.ptr(), q) != 0) {
+      throw nanobind::python_error();
+    }
+    PyObject* const arguments[] = {nullptr, place.ptr(), state.ptr()};
+    const nanobind::object done = nanobind::steal(
+        PyObject_Vectorcall(serialize_.ptr(), arguments + 1, 2 | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr));
+    if (!done.is_valid()) throw nanobind::python_error();
+    place_ = std::move(place);
+  }
 };
+
+// How many motions have been found free, and how many not.
+struct MotionCounts {
+  std::int64_t free = 0, refused = 0;
+
+  void add(bool is_free) { ++(is_free ? free : refused); }
+  void reset() { *this = {}; }
+};
+
+// Ctrl-C while a planner runs: it calls compiled functions only, so no line of Python would ever look for signals.
+inline void heed_signals() {
+  if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
+}
 
 // A list of numbers, for functions in Python.
 inline nanobind::list listed(const StateNumbers& q) {

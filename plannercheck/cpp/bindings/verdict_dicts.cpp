@@ -3,6 +3,8 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
+#include <array>
+
 #include "bindings/array_types.hpp"
 
 namespace nb = nanobind;
@@ -65,25 +67,8 @@ void put_exact(nb::dict& out, const ExactAnswer& answer, const PosedPolytope& gu
   out["vertices_b"] = output_array(guest_is_a ? hosts : guests, {weights.size()});
 }
 
-const char* name_of(Stage stage) {
-  switch (stage) {
-    case Stage::kCachedPlane:
-      return "cached plane";
-    case Stage::kCentreAxis:
-      return "centre axis";
-    case Stage::kFacetPlane:
-      return "facet plane";
-    case Stage::kSolver:
-      return "solver";
-    case Stage::kNearest:
-      return "nearest points";
-    case Stage::kDoubleDouble:
-      return "double-double";
-    case Stage::kExact:
-      return "exact";
-  }
-  return "";
-}
+constexpr std::array<const char*, kStages> kStageNames{"cached plane",   "centre axis",   "facet plane", "solver",
+                                                       "nearest points", "double-double", "exact"};
 
 }  // namespace
 
@@ -102,7 +87,7 @@ nb::dict verdict_dict(const PairVerdict& verdict, const PosedPolytope& guest, co
                       bool guest_is_a) {
   nb::dict out;
   out["shared"] = verdict.shared;
-  out["stage"] = name_of(verdict.stage);
+  out["stage"] = kStageNames[static_cast<std::size_t>(verdict.stage)];
   if (verdict.exact) {
     put_exact(out, *verdict.exact, guest, host, guest_is_a);
     return out;

@@ -46,7 +46,6 @@ class Pooled {
     if (!workspace) workspace = core_.new_workspace();
     work(*workspace);
     const std::lock_guard lock(mutex_);
-    total_ += Core::take_counters(*workspace);
     spare_.push_back(std::move(workspace));
   }
 
@@ -77,6 +76,7 @@ class Pooled {
   // The sums so far. Python's objects must not be made under the lock: its garbage collector may ask again from within.
   Counters counted() {
     const std::lock_guard lock(mutex_);
+    for (const auto& workspace : spare_) total_ += Core::take_counters(*workspace);
     return total_;
   }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 
 #include "math/interruption.hpp"
 #include "math/spatial_partition.hpp"
@@ -228,8 +227,7 @@ class CellLists {
 
 void lay_out_blocks(const std::vector<Vec3>& points, std::vector<Vec3> towards, double unit, DirectionCells& cells) {
   for (Vec3& direction : towards) direction = 1 / larger(norm(direction), 1e-9) * direction;
-  Vertices order(points.size());
-  std::iota(order.begin(), order.end(), 0);
+  Vertices order = indices_below(points.size());
   const std::vector<IndexRange> parts =
       spatial_partition(towards, {order.data(), order.data() + order.size()}, kScanLanes);
   for (const IndexRange part : parts) {

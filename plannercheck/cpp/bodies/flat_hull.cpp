@@ -1,7 +1,6 @@
 #include "bodies/flat_hull.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "math/predicates.hpp"
 
@@ -33,8 +32,7 @@ std::vector<int> polygon_corners(const std::vector<Vec3>& points, const AffineSp
   for (int i = 1; i < 3; ++i) axis = std::fabs(normal[i]) > std::fabs(normal[axis]) ? i : axis;
   while (turn(a, b, c, axis) == 0) axis = (axis + 1) % 3;
   const int first = (axis + 1) % 3, second = (axis + 2) % 3;
-  std::vector<int> order(points.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> order = indices_below(points.size());
   std::sort(order.begin(), order.end(), [&](int i, int j) {
     const Vec3 &p = points[at(i)], &q = points[at(j)];
     return p[first] != q[first] ? p[first] < q[first] : p[second] < q[second];
@@ -86,8 +84,7 @@ std::vector<Removal> halve(std::vector<std::int32_t>& alive, std::size_t most, s
 }  // namespace
 
 Hierarchy build_flat_hierarchy(const FlatHull& hull) {
-  std::vector<std::int32_t> alive(hull.vertices.size());
-  std::iota(alive.begin(), alive.end(), 0);
+  std::vector<std::int32_t> alive = indices_below(hull.vertices.size());
   std::int32_t depth = 0;
   const std::vector<Removal> removals = halve(alive, kUnlayered, &depth);
   Hierarchy h{lay_out(hull.vertices, removals, alive, depth), {}};

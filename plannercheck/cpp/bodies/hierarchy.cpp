@@ -1,7 +1,6 @@
 #include "bodies/hierarchy.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <string>
 
 #include "bodies/triangulation.hpp"
@@ -93,8 +92,7 @@ void put(const Levels& h, VertexBlock& block, std::int32_t first_lane, std::int3
 
 // Vertices from the coarsest level to the finest, ascending within a level.
 std::vector<std::int32_t> coarse_first(const Levels& h) {
-  std::vector<std::int32_t> order(h.points.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::int32_t> order = indices_below(h.points.size());
   std::stable_sort(order.begin(), order.end(),
                    [&](std::int32_t v, std::int32_t w) { return h.level[at(v)] > h.level[at(w)]; });
   return order;
@@ -178,8 +176,7 @@ Levels lay_out_top_levels(const Levels& levels, std::vector<Removal> removals, s
 
 Hierarchy build_hierarchy(const ConvexMesh& mesh) {
   Triangulation current(mesh);
-  std::vector<std::int32_t> alive(mesh.vertices.size());
-  for (std::size_t v = 0; v < alive.size(); ++v) alive[v] = static_cast<std::int32_t>(v);
+  std::vector<std::int32_t> alive = indices_below(mesh.vertices.size());
   const std::size_t top = at(alive.size() > at(kUnlayered) ? kTopVertices : kUnlayered);
   std::int32_t depth = 0;
   const std::vector<Removal> removals = peel(current, alive, top, &depth);
@@ -252,9 +249,7 @@ std::string levels_fault(Triangulation& current, const std::vector<std::int32_t>
 
 std::string hierarchy_fault(const ConvexMesh& mesh, const Hierarchy& h) {
   Triangulation current(mesh);
-  std::vector<std::int32_t> ids(h.points.size());
-  std::iota(ids.begin(), ids.end(), 0);
-  const std::string main = levels_fault(current, ids, h);
+  const std::string main = levels_fault(current, indices_below(h.points.size()), h);
   if (!main.empty()) return main;
   const std::string top_levels = levels_fault(current, h.top, h.top_levels);
   if (!top_levels.empty()) return "top levels: " + top_levels;

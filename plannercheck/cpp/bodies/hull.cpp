@@ -1,7 +1,6 @@
 #include "bodies/hull.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 
 #include "bodies/quickhull.hpp"
@@ -186,17 +185,11 @@ Vec3 vertex_mean(const ConvexMesh& mesh) {
 
 }  // namespace
 
-ConvexMesh convex_hull(const std::vector<Vec3>& points) {
-  std::vector<int> source(points.size());
-  std::iota(source.begin(), source.end(), 0);
-  return hull_of(points, source);
-}
+ConvexMesh convex_hull(const std::vector<Vec3>& points) { return hull_of(points, indices_below(points.size())); }
 
 ConvexMesh verified_hull(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles, const Vec3* inside) {
-  std::vector<int> source(points.size());
-  std::iota(source.begin(), source.end(), 0);
   if (triangles.size() < 4) throw HullError("it has fewer than 4 faces");
-  ConvexMesh mesh = compact(points, source, triangles, linked_neighbours(triangles));
+  ConvexMesh mesh = compact(points, indices_below(points.size()), triangles, linked_neighbours(triangles));
   if (mesh.vertices.size() != points.size()) throw HullError("a vertex belongs to no face");
   if (triangles.size() != 2 * points.size() - 4) throw HullError("its faces do not form a sphere (V − E + F is not 2)");
   const std::vector<bool> extreme = extreme_vertices(mesh.triangles, mesh.strict, mesh.vertices.size());

@@ -9,7 +9,6 @@
 #include <array>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "math/vec.hpp"

@@ -16,6 +16,7 @@
 #include "bodies/hull.hpp"
 #include "bodies/inner_shapes.hpp"
 #include "bodies/lazy_value.hpp"
+#include "bodies/small_ball.hpp"
 
 namespace plannercheck {
 
@@ -41,10 +42,15 @@ struct Polytope {
   double polar_radius = 0;                // largest |q| over the polar points, rounded up
   std::int32_t facet_count = 0;
   EquivalentEllipsoid ellipsoid;             // not in files
-  LazyValue<InnerShapes> lazy_inner_shapes;  // only checkers of configurations need them
+  LazyValue<InnerShapes> lazy_inner_shapes;  // only checkers of configurations need these two
+  LazyValue<SmallBall> lazy_small_ball;
 
   const InnerShapes& inner_shapes() const {
     return lazy_inner_shapes.get([this] { return find_inner_shapes(*this); });
+  }
+  // Around the hull, without the inflation radius.
+  const SmallBall& small_ball() const {
+    return lazy_small_ball.get([this] { return plannercheck::small_ball(inner.points, 0.5 * (low + high)); });
   }
 
   // False for bodies without volume, and for those thinner than the grid of doubles.

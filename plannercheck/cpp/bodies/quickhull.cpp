@@ -1,8 +1,6 @@
 #include "bodies/quickhull.hpp"
 
-#include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 
 #include "bodies/affine_dimension.hpp"
@@ -106,8 +104,7 @@ class Quickhull {
     faces_[1].neighbour = {0, 3, 2};
     faces_[2].neighbour = {0, 1, 3};
     faces_[3].neighbour = {0, 2, 1};
-    orphans_.resize(points_.size());
-    std::iota(orphans_.begin(), orphans_.end(), 0);
+    orphans_ = indices_below(points_.size());
     created_ = {0, 1, 2, 3};
     adopt_orphans();
   }

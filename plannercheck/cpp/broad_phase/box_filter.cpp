@@ -1,6 +1,5 @@
 #include "broad_phase/box_filter.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace plannercheck {

@@ -1,7 +1,5 @@
 #include "broad_phase/broad_phase.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -35,8 +33,9 @@ WorldBox world_box(const GeometryObject& object) {
 }  // namespace
 
 BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-                       const std::vector<bool>& permanent, std::size_t links, const SampledPoses& sampled)
-    : links_(links), pairs_(pairs), obstacles_(0), tree_({}) {
+                       const std::vector<bool>& permanent, std::size_t links,
+                       std::shared_ptr<const SampledPoses> sampled)
+    : links_(links), pairs_(pairs), obstacles_(0), tree_({}), sampled_(std::move(sampled)) {
   // The index of a body among the movers or among the obstacles, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
   std::vector<bool> used(bodies.size(), false);
@@ -81,7 +80,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   for (const MovingPair& pair : moving_pairs_) with_movers.push_back({at(pair.a), at(pair.b), pair.pair});
   if (obstacles_ <= kFewObstacles) {
     for (const WorldBox& box : boxes) spread_.push_back(spread(box));
-    mover_groups_ = mover_groups(movers_, boxes, pair_of_, sampled);
+    world_boxes_ = boxes;
     for (const std::int32_t mover : movers_with_obstacles_) {
       for (std::size_t o = 0; o < obstacles_; ++o) {
         const std::int32_t pair = pair_with(at(mover), static_cast<std::int32_t>(o));
@@ -91,7 +90,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   } else {
     boxes.clear();
   }
-  single_state_filter_ = SingleStateFilter(movers_, links_, boxes, with_movers, with_boxes);
+  single_state_filter_ = SingleStateFilter(movers_, boxes, with_movers, with_boxes);
   std::vector<BodyBox> body_boxes;
   for (const GeometryObject& object : bodies) body_boxes.push_back(body_box(object));
   boxes_ = BlockBoxes(std::move(body_boxes));
@@ -110,6 +109,7 @@ BroadPhase::FloatBox BroadPhase::spread(const WorldBox& box) {
 BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
   w.links = RoundedLinks(links_);
+  w.state_links.resize(links_ * 12);
   w.balls.resize(movers_.size());
   w.single_state_filter = single_state_filter_.new_workspace();
   w.boxes = boxes_.new_workspace();
@@ -123,6 +123,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
 }
 
 void BroadPhase::begin(Workspace& w) {
+  w.candidates.clear();
   w.boxed = false;
   w.boxes_apart = w.skipped = 0;
   w.overlapping = 0;
@@ -132,12 +133,25 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_permanent(count, w);
   w.links.begin(links);
-  w.candidates.clear();
   if (count < kFewStates) {
-    for (int state = 0; state < count; ++state) find_for_state(links, static_cast<std::size_t>(state), w);
+    for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state)
+      find_for_state(links_in_state(links, state, w), state, w);
   } else {
     find_for_block(count, w);
   }
+  filter(count, filters, w);
+}
+
+void BroadPhase::find(const double* links, Filters filters, Workspace& w) const {
+  begin(w);
+  if (filters.overlaps && !permanent_pairs_.empty()) return take_permanent(1, w);
+  w.links.begin(links);
+  find_for_state(links, 0, w);
+  filter(1, filters, w);
+}
+
+// Sorts the candidates into `near`, less those that balls and boxes decide.
+void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   w.boxes.begin();
   if (filters.overlaps) find_overlaps(w);
   w.boxed = filters.boxes && count >= kFewStates;
@@ -172,16 +186,26 @@ void BroadPhase::find_for_block(int count, Workspace& w) const {
   pose_balls(w);
   find_among_movers(count, w);
   if (obstacles_ <= kFewObstacles) {
-    for (const MoverGroup& group : mover_groups_) find_listed(group, count, w);
+    const auto groups = [&] { return mover_groups(movers_, world_boxes_, pair_of_, *sampled_); };
+    for (const MoverGroup& group : mover_groups_.get(groups)) find_listed(group, count, w);
   } else {
     for (const std::int32_t mover : movers_with_obstacles_) find_in_tree(mover, count, w);
   }
 }
 
-void BroadPhase::find_for_state(const Lanes* links, std::size_t state, Workspace& w) const {
+const double* BroadPhase::links_in_state(const Lanes* links, std::size_t state, Workspace& w) const {
+  const Lanes* const group = links + pose_index(links_, state / kLanes, 0);
+  for (const BoundingBall& mover : movers_) {
+    const std::size_t first = at(mover.link) * 12;
+    for (std::size_t i = first; i < first + 12; ++i) w.state_links[i] = group[i][state % kLanes];
+  }
+  return w.state_links.data();
+}
+
+void BroadPhase::find_for_state(const double* links, std::size_t state, Workspace& w) const {
   const unsigned bit = 1U << state;
   const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
-  single_state_filter_.pose(links, state, w.single_state_filter);
+  single_state_filter_.pose(links, w.single_state_filter);
   single_state_filter_.find(w.single_state_filter, take);
   for (std::size_t k = 0; obstacles_ > kFewObstacles && k < movers_with_obstacles_.size(); ++k) {
     const std::size_t mover = at(movers_with_obstacles_[k]);

@@ -9,8 +9,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "bodies/lazy_value.hpp"
 #include "broad_phase/bounding_sphere.hpp"
 #include "broad_phase/box_filter.hpp"
 #include "broad_phase/float_link_poses.hpp"
@@ -28,7 +30,7 @@ class BroadPhase {
  public:
   // `permanent`: for each pair, whether both bodies stand still and share a point. Other such pairs are apart.
   BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
-             const std::vector<bool>& permanent, std::size_t links, const SampledPoses& sampled);
+             const std::vector<bool>& permanent, std::size_t links, std::shared_ptr<const SampledPoses> sampled);
 
   // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
   struct Balls {
@@ -43,6 +45,7 @@ class BroadPhase {
 
   struct Workspace {
     RoundedLinks links;
+    std::vector<double> state_links;  // of one state of a block that has few
     std::vector<Balls> balls;
     SingleStateFilter::Workspace single_state_filter;
     BlockBoxes::Workspace boxes;
@@ -66,6 +69,8 @@ class BroadPhase {
 
   // Fills `near` for the first `count` states.
   void find(const Lanes* links, int count, Filters filters, Workspace& workspace) const;
+  // The same for one state. `links`: their poses, row-major 3x4, 12 numbers each.
+  void find(const double* links, Filters filters, Workspace& workspace) const;
   // The same without bounds: all pairs.
   void take_all(int count, Workspace& workspace) const;
 
@@ -88,7 +93,9 @@ class BroadPhase {
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;                // pair_of_[mover * obstacles_ + obstacle], or −1
   std::vector<std::int32_t> movers_with_obstacles_;  // movers that have a pair with an obstacle
-  std::vector<MoverGroup> mover_groups_;             // where obstacles are few
+  std::vector<WorldBox> world_boxes_;                // of all obstacles, where they are few
+  std::shared_ptr<const SampledPoses> sampled_;
+  LazyValue<std::vector<MoverGroup>> mover_groups_;  // where obstacles are few; chosen when a block first needs them
   std::vector<FloatBox> spread_;                     // of all obstacles, where they are few
   ObstacleTree tree_;
   SingleStateFilter single_state_filter_;
@@ -103,7 +110,9 @@ class BroadPhase {
   static void begin(Workspace& workspace);
   void take_permanent(int count, Workspace& workspace) const;
   void find_for_block(int count, Workspace& workspace) const;
-  void find_for_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
+  void find_for_state(const double* links, std::size_t state, Workspace& workspace) const;
+  const double* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
+  void filter(int count, Filters filters, Workspace& workspace) const;
   void pose_balls(Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
   void find_listed(const MoverGroup& group, int count, Workspace& workspace) const;

@@ -12,17 +12,26 @@ class RoundedLinks {
 
   // `poses`: of a block's links (state_block.hpp); they have to outlive the block.
   void begin(const Lanes* poses) {
-    poses_ = poses;
+    block_ = poses, state_ = nullptr;
+    rounded_.begin();
+  }
+  // `poses`: of one state's links, 12 numbers each, which every lane gets; they have to outlive it.
+  void begin(const double* poses) {
+    block_ = nullptr, state_ = poses;
     rounded_.begin();
   }
 
   const FloatPose& of(std::size_t link) {
-    return rounded_.of(link, false, [&](FloatPose& out) { round_to_floats(poses_, links_, link, out); });
+    return rounded_.of(link, false, [&](FloatPose& out) {
+      if (block_ != nullptr) return round_to_floats(block_, links_, link, out);
+      for (std::size_t i = 0; i < out.m.size(); ++i) out.m[i] = Floats{} + static_cast<float>(state_[12 * link + i]);
+    });
   }
 
  private:
   std::size_t links_;
-  const Lanes* poses_ = nullptr;
+  const Lanes* block_ = nullptr;
+  const double* state_ = nullptr;
   BlockCache<FloatPose> rounded_;
 };
 

@@ -1,8 +1,5 @@
 #include "broad_phase/obstacle_tree.hpp"
 
-#include <algorithm>
-#include <numeric>
-
 namespace plannercheck {
 namespace {
 
@@ -21,8 +18,7 @@ WorldBox box_around(const std::vector<WorldBox>& boxes, IndexRange range) {
 }
 
 ObstacleTree::ObstacleTree(const std::vector<WorldBox>& boxes) {
-  std::vector<std::int32_t> order(boxes.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::int32_t> order = indices_below(boxes.size());
   std::vector<Vec3> centres;
   for (const WorldBox& box : boxes) centres.push_back(box.twice_centre());
   if (!order.empty()) build(boxes, centres, {order.data(), order.data() + order.size()});

@@ -1,19 +1,19 @@
 #include "broad_phase/single_state_filter.hpp"
 
-#include <limits>
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace plannercheck {
 
-SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls, std::size_t links,
-                                     const std::vector<WorldBox>& boxes, const std::vector<Partner>& balls_with_balls,
+SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls, const std::vector<WorldBox>& boxes,
+                                     const std::vector<Partner>& balls_with_balls,
                                      const std::vector<Partner>& balls_with_boxes)
     : balls_(std::move(balls)),
-      links_(links),
       sizes_(eights_of(balls_.size())),
       boxes_(eights_of(boxes.size())),
-      ball_rows_(rows(balls_with_balls, balls_.size(), balls_.size())),
-      box_rows_(rows(balls_with_boxes, balls_.size(), boxes.size())) {
+      ball_tests_(tests(balls_with_balls, balls_.size(), balls_.size())),
+      box_tests_(tests(balls_with_boxes, balls_.size(), boxes.size())) {
   for (std::size_t b = 0; b < balls_.size(); ++b) {
     sizes_[b / kFloats].radius[b % kFloats] = balls_[b].radius;
     sizes_[b / kFloats].room[b % kFloats] = balls_[b].room;
@@ -27,52 +27,40 @@ SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls, std::size_
   }
 }
 
-std::vector<SingleStateFilter::Row> SingleStateFilter::rows(const std::vector<Partner>& partners, std::size_t balls,
-                                                            std::size_t others) {
-  std::vector<std::vector<unsigned>> paired(balls, std::vector<unsigned>(eights_of(others)));
-  std::vector<std::vector<std::int32_t>> pairs(balls);
+// Ball by ball, and by partner.
+std::vector<SingleStateFilter::Test> SingleStateFilter::tests(const std::vector<Partner>& partners, std::size_t balls,
+                                                              std::size_t others) {
+  std::vector<std::vector<Test>> of_ball(balls);
   for (const Partner& partner : partners) {
-    paired[partner.ball][partner.other / kFloats] |= 1U << partner.other % kFloats;
-    pairs[partner.ball].resize(others, -1);
-    pairs[partner.ball][partner.other] = partner.pair;
+    auto& own = of_ball[partner.ball];
+    for (std::size_t k = own.size(); k < eights_of(others); ++k) own.push_back({partner.ball, k, 0, {}});
+    Test& test = own[partner.other / kFloats];
+    test.paired = static_cast<std::uint8_t>(test.paired | 1U << partner.other % kFloats);
+    test.pairs[partner.other % kFloats] = partner.pair;
   }
-  std::vector<Row> out;
-  for (std::size_t b = 0; b < balls; ++b) {
-    if (pairs[b].empty()) continue;
-    Row row{b, {}, std::move(pairs[b])};
-    for (std::size_t k = 0; k < paired[b].size(); ++k) {
-      if (paired[b][k] != 0) row.eights.push_back({k, paired[b][k]});
-    }
-    out.push_back(std::move(row));
-  }
+  std::vector<Test> out;
+  for (const auto& own : of_ball)
+    std::copy_if(own.begin(), own.end(), std::back_inserter(out), [](const Test& test) { return test.paired != 0; });
   return out;
 }
 
 // Poses in doubles, as the links are; the balls' room covers it.
-void SingleStateFilter::pose(const Lanes* links, std::size_t state, Workspace& posed) const {
-  const Lanes* const group = links + pose_index(links_, state / kLanes, 0);
-  const std::size_t lane = state % kLanes;
+void SingleStateFilter::pose(const double* links, Workspace& w) const {
   for (std::size_t b = 0; b < balls_.size(); ++b) {
-    const Lanes* const m = group + at(balls_[b].link) * 12;
+    const double* const m = links + at(balls_[b].link) * 12;
     const double x = balls_[b].centre[0], y = balls_[b].centre[1], z = balls_[b].centre[2];
     const auto row = [&](std::size_t i) {
-      return static_cast<float>(((m[i][lane] * x + m[i + 1][lane] * y) + m[i + 2][lane] * z) + m[i + 3][lane]);
+      return static_cast<float>(((m[i] * x + m[i + 1] * y) + m[i + 2] * z) + m[i + 3]);
     };
-    Posed& eight = posed[b / kFloats];
+    Posed& eight = w.posed[b / kFloats];
     eight.x[b % kFloats] = row(0);
     eight.y[b % kFloats] = row(4);
     eight.z[b % kFloats] = row(8);
   }
-  for (std::size_t k = 0; k < posed.size(); ++k) {
-    Posed& p = posed[k];
+  for (std::size_t k = 0; k < w.posed.size(); ++k) {
+    Posed& p = w.posed[k];
     p.radius = BoundingBall::radius_at(p.x, p.y, p.z, sizes_[k].radius, sizes_[k].room);
   }
-}
-
-SingleStateFilter::Ball SingleStateFilter::ball(std::size_t index, const Workspace& posed) {
-  const Posed& eight = posed[index / kFloats];
-  const std::size_t lane = index % kFloats;
-  return {eight.x[lane], eight.y[lane], eight.z[lane], eight.radius[lane]};
 }
 
 }  // namespace plannercheck

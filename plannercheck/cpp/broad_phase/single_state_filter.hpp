@@ -1,12 +1,14 @@
 // Which bounding balls of one state meet each other and the boxes around obstacles. Its lanes run over bodies, for
 // single states, which would leave lanes over states empty.
 //
-// In: posed links of a block, of which one state counts; balls around bodies on links; boxes. Out: the pairs that may
+// In: posed links of one state; balls around bodies on links; boxes. Out: the pairs that may
 // touch, by the same comparisons as in lanes over states. Immutable; the workspace of posed balls is the caller's.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "broad_phase/bounding_sphere.hpp"
@@ -25,40 +27,43 @@ class SingleStateFilter {
   };
 
   SingleStateFilter() = default;
-  // `links`: how many the robot has.
-  SingleStateFilter(std::vector<BoundingBall> balls, std::size_t links, const std::vector<WorldBox>& boxes,
+  SingleStateFilter(std::vector<BoundingBall> balls, const std::vector<WorldBox>& boxes,
                     const std::vector<Partner>& balls_with_balls, const std::vector<Partner>& balls_with_boxes);
 
   // Eight posed balls.
   struct Posed {
     Floats x, y, z, radius;
   };
-  typedef std::vector<Posed> Workspace;
-  Workspace new_workspace() const { return Workspace(eights_of(balls_.size())); }
+  struct Workspace {
+    std::vector<Posed> posed;
+    std::vector<std::uint8_t> near;  // a bit for each of eight partners, by test
+  };
+  Workspace new_workspace() const {
+    return {std::vector<Posed>(sizes_.size()), std::vector<std::uint8_t>(tests_room())};
+  }
 
-  void pose(const Lanes* links, std::size_t state, Workspace& posed) const;
+  // `links`: their poses, row-major 3x4, 12 numbers each.
+  void pose(const double* links, Workspace& workspace) const;
 
   struct Ball {
     float x, y, z, radius;
   };
-  static Ball ball(std::size_t index, const Workspace& posed);
+  static Ball ball(std::size_t index, const Workspace& workspace) {
+    const Posed& eight = workspace.posed[index / kFloats];
+    const std::size_t lane = index % kFloats;
+    return {eight.x[lane], eight.y[lane], eight.z[lane], eight.radius[lane]};
+  }
 
   // Calls found(pair) for all pairs that may touch.
   template <class Found>
-  void find(const Workspace& posed, Found found) const;
+  void find(Workspace& workspace, Found found) const;
 
  private:
-  // Eight partners, and a bit for each with which the ball has a pair.
-  struct Eight {
-    std::size_t index;
-    unsigned paired;
-  };
-
-  // All partners of one ball.
-  struct Row {
-    std::size_t ball;
-    std::vector<Eight> eights;        // those with at least one pair
-    std::vector<std::int32_t> pairs;  // by partner
+  // One ball against eight partners, with at least one of which it has a pair.
+  struct Test {
+    std::size_t ball, eight;
+    std::uint8_t paired;                      // a bit for each partner with which it has one
+    std::array<std::int32_t, kFloats> pairs;  // by partner
   };
 
   struct Sizes {
@@ -69,53 +74,44 @@ class SingleStateFilter {
   };
 
   static std::size_t eights_of(std::size_t count) { return (count + kFloats - 1) / kFloats; }
-  static std::vector<Row> rows(const std::vector<Partner>& partners, std::size_t balls, std::size_t others);
-
-  // Calls found(pair) for the partners whose bit near(eight) sets.
-  template <class Near, class Found>
-  static void find_in(const Row& row, Near near, Found found);
+  static std::vector<Test> tests(const std::vector<Partner>& partners, std::size_t balls, std::size_t others);
+  // Tests are looked at by eights.
+  std::size_t tests_room() const { return eights_of(ball_tests_.size() + box_tests_.size()) * kFloats; }
 
   std::vector<BoundingBall> balls_;
-  std::size_t links_ = 0;
   std::vector<Sizes> sizes_;  // of eight balls
   std::vector<Boxes> boxes_;  // of eight obstacles
-  std::vector<Row> ball_rows_, box_rows_;
+  std::vector<Test> ball_tests_, box_tests_;
 };
 
-template <class Near, class Found>
-void SingleStateFilter::find_in(const Row& row, Near near, Found found) {
-  for (const Eight& eight : row.eights) {
-    for (unsigned left = near(eight.index) & eight.paired; left != 0; left &= left - 1) {
-      found(row.pairs[eight.index * kFloats + static_cast<std::size_t>(__builtin_ctz(left))]);
-    }
-  }
-}
-
+// All tests first, without a branch: which partners are near is hard to predict.
 template <class Found>
-void SingleStateFilter::find(const Workspace& posed, Found found) const {
-  for (const Row& row : ball_rows_) {
-    const Ball own = ball(row.ball, posed);
-    find_in(
-        row,
-        [&](std::size_t k) {
-          const Posed& others = posed[k];
-          const Floats x = others.x - own.x, y = others.y - own.y, z = others.z - own.z;
-          return ~float_bits((x * x + y * y) + z * z > far_beyond(others.radius + own.radius));
-        },
-        found);
+void SingleStateFilter::find(Workspace& w, Found found) const {
+  std::uint8_t* near = w.near.data();
+  for (const Test& test : ball_tests_) {
+    const Ball own = ball(test.ball, w);
+    const Posed& others = w.posed[test.eight];
+    const Floats x = others.x - own.x, y = others.y - own.y, z = others.z - own.z;
+    const unsigned far = float_bits((x * x + y * y) + z * z > far_beyond(others.radius + own.radius));
+    *near++ = static_cast<std::uint8_t>(~far & test.paired);
   }
-  for (const Row& row : box_rows_) {
-    const Ball own = ball(row.ball, posed);
-    find_in(
-        row,
-        [&](std::size_t k) {
-          const Boxes& boxes = boxes_[k];
-          const Floats x = beyond(Floats{} + own.x, boxes.low[0], boxes.high[0]);
-          const Floats y = beyond(Floats{} + own.y, boxes.low[1], boxes.high[1]);
-          const Floats z = beyond(Floats{} + own.z, boxes.low[2], boxes.high[2]);
-          return ~float_bits((x * x + y * y) + z * z > far_beyond(own.radius));
-        },
-        found);
+  for (const Test& test : box_tests_) {
+    const Ball own = ball(test.ball, w);
+    const Boxes& boxes = boxes_[test.eight];
+    const Floats x = beyond(Floats{} + own.x, boxes.low[0], boxes.high[0]);
+    const Floats y = beyond(Floats{} + own.y, boxes.low[1], boxes.high[1]);
+    const Floats z = beyond(Floats{} + own.z, boxes.low[2], boxes.high[2]);
+    const unsigned far = float_bits((x * x + y * y) + z * z > far_beyond(own.radius));
+    *near++ = static_cast<std::uint8_t>(~far & test.paired);
+  }
+  for (std::size_t first = 0; first < w.near.size(); first += kFloats) {
+    std::uint64_t eight;
+    std::memcpy(&eight, &w.near[first], sizeof eight);
+    for (; eight != 0; eight &= eight - 1) {
+      const auto bit = static_cast<std::size_t>(__builtin_ctzll(eight)), k = first + bit / kFloats;
+      const Test& test = k < ball_tests_.size() ? ball_tests_[k] : box_tests_[k - ball_tests_.size()];
+      found(test.pairs[bit % kFloats]);
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include "checking/state_blocks.hpp"
 #include "math/interruption.hpp"
 #include "robots/kinematics_lanes.hpp"
+#include "robots/state_poser.hpp"
 
 namespace plannercheck {
 namespace {
@@ -41,15 +42,18 @@ CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more) {
 
 struct CheckerCore::Workspace {
   CheckerCounters counters;
-  std::vector<Lanes> columns, links;  // of a block's groups: configurations and link poses
+  std::vector<Lanes> columns, links;    // of a block's groups: configurations and link poses
+  const double* state_links = nullptr;  // the poses of a single state, if they are not among those
   LinkPoser poser;
+  StatePoser state_poser;
+  std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared
   BroadPhase::Workspace broad_phase;
   std::vector<CachedPlane> planes;         // per pair
   std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
 };
 
 CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs,
-                         std::int32_t links, CheckerOptions options, const SampledPoses& sampled)
+                         std::int32_t links, CheckerOptions options, std::shared_ptr<const SampledPoses> sampled)
     : bodies_(std::move(bodies)), pairs_(std::move(pairs)), links_(links), needed_(at(links), 0), options_(options) {
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
@@ -59,7 +63,7 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
     }
   }
   broad_phase_ = std::make_shared<const BroadPhase>(
-      bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), sampled);
+      bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), std::move(sampled));
 }
 
 std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
@@ -85,6 +89,11 @@ Pose CheckerCore::body_pose(std::size_t body, const double* links) const {
 Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w) const {
   const GeometryObject& object = bodies_[body];
   if (object.link < 0) return object.placement;
+  if (w.state_links != nullptr) {
+    std::array<double, 12> link;
+    std::copy_n(w.state_links + at(object.link) * StatePoser::kStride, 12, link.begin());
+    return placed_on(link, object.placement);
+  }
   const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, at(object.link))];
   std::array<double, 12> link;
   for (std::size_t i = 0; i < 12; ++i) link[i] = lanes[i][state % kLanes];
@@ -134,6 +143,15 @@ std::int32_t CheckerCore::first_collision(std::size_t state, Workspace& w) const
   return -1;
 }
 
+void CheckerCore::begin_posing(const Kinematics& kinematics, Workspace& w) const {
+  w.state_links = nullptr;
+  if (w.posed_by == kinematics.id()) return;
+  w.columns.resize(kBlockGroups * at(kinematics.width()));
+  w.poser.begin(kinematics, needed_.data());
+  w.state_poser.begin(kinematics, needed_.data());
+  w.posed_by = kinematics.id();
+}
+
 void CheckerCore::pose_links(std::size_t width, int count, Workspace& w) const {
   const std::size_t links = at(links_) * 12;
   for (std::size_t group = 0; group * kLanes < at(count); ++group) {
@@ -155,8 +173,12 @@ void CheckerCore::load_links(const double* links, std::size_t n, Workspace& w) c
 
 void CheckerCore::find_near(int count, Query query, Workspace& w) const {
   if (options_.bounds) {
-    const bool overlaps = options_.overlaps && query == Query::kAnyCollision;
-    broad_phase_->find(w.links.data(), count, {overlaps, options_.boxes}, w.broad_phase);
+    const BroadPhase::Filters filters{options_.overlaps && query == Query::kAnyCollision, options_.boxes};
+    if (w.state_links != nullptr) {
+      broad_phase_->find(w.state_links, filters, w.broad_phase);
+    } else {
+      broad_phase_->find(w.links.data(), count, filters, w.broad_phase);
+    }
   } else {
     broad_phase_->take_all(count, w.broad_phase);
   }
@@ -177,8 +199,12 @@ template <class Judge>
 void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std::size_t n, Query query, Workspace& w,
                              Judge judge) const {
   const std::size_t width = at(kinematics.width());
-  w.columns.resize(kBlockGroups * width);
-  w.poser.begin(kinematics, needed_.data());
+  begin_posing(kinematics, w);
+  if (n == 1) {
+    w.state_links = w.state_poser.pose(q);
+    find_near(1, query, w);
+    return judge(0, 0);
+  }
   for (std::size_t row = 0; row < n; row += kBlockStates) {
     if (row > 0) poll_interruption();
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
@@ -191,6 +217,7 @@ void CheckerCore::each_state(const Kinematics& kinematics, const double* q, std:
 
 template <class Judge>
 void CheckerCore::each_state(const double* links, std::size_t n, Workspace& w, Judge judge) const {
+  w.state_links = nullptr;
   for (std::size_t row = 0; row < n; row += kBlockStates) {
     if (row > 0) poll_interruption();
     const std::size_t count = std::min<std::size_t>(kBlockStates, n - row);
@@ -228,8 +255,7 @@ void CheckerCore::all_collisions(const double* links, std::size_t n, std::uint8_
 bool CheckerCore::motion_is_free(const Kinematics& kinematics, const double* q0, const double* q1, long steps,
                                  Workspace& w) const {
   const std::size_t width = at(kinematics.width());
-  w.columns.resize(kBlockGroups * width);
-  w.poser.begin(kinematics, needed_.data());
+  begin_posing(kinematics, w);
   return is_free_coarse_to_fine<kBlockStates>(q0, q1, steps, width, w.columns.data(), [&](std::size_t states) {
     pose_links(width, static_cast<int>(states), w);
     find_near(static_cast<int>(states), Query::kAnyCollision, w);

@@ -48,7 +48,7 @@ class CheckerCore {
  public:
   // `sampled`: states that determine which bodies are tested together; they have no effect on verdicts.
   CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::array<std::int32_t, 2>> pairs, std::int32_t links,
-              CheckerOptions options, const SampledPoses& sampled);
+              CheckerOptions options, std::shared_ptr<const SampledPoses> sampled);
 
   // The poses, bounds, learnt order and counts of one thread.
   struct Workspace;
@@ -94,6 +94,7 @@ class CheckerCore {
   template <class Judge>
   void each_state(const double* links, std::size_t n, Workspace& workspace, Judge judge) const;
 
+  void begin_posing(const Kinematics& kinematics, Workspace& workspace) const;
   void pose_links(std::size_t width, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
   void find_near(int count, Query query, Workspace& workspace) const;

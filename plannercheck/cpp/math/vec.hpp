@@ -5,11 +5,20 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <vector>
 
 namespace plannercheck {
 
 // Indices are kept in 32 bits.
 inline std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+// 0 … count − 1
+inline std::vector<std::int32_t> indices_below(std::size_t count) {
+  std::vector<std::int32_t> indices(count);
+  std::iota(indices.begin(), indices.end(), 0);
+  return indices;
+}
 
 struct Vec3 {
   double x = 0, y = 0, z = 0;

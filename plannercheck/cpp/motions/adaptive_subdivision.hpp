@@ -42,6 +42,12 @@ struct Plane {
   Direction direction;       // in the pair's frame
 };
 
+// A pair and the intervals on which spheres or circles leave it open, one bit each.
+struct NearPair {
+  std::int32_t pair;
+  unsigned intervals;
+};
+
 // Intervals of a pair that the filters leave open, and the state at which the bounds overlap deepest.
 struct OpenPair {
   std::int32_t pair;
@@ -73,6 +79,7 @@ struct SubdivisionWorkspace {
   }
 
   typename Space::Grid grid;
+  std::vector<NearPair> near;
   std::vector<typename Space::Open> open;
   std::vector<Failure> failures;         // a stack: grids inside grids
   std::vector<Plane<Direction>> planes;  // per pair
@@ -127,9 +134,13 @@ class AdaptiveSubdivision {
     std::array<double, kGridStates> gaps;
   };
 
-  // A run may replace these: the motion's parameter for one of the grids, and what the next grid poses.
+  // A run may replace these: the motion's parameter for one of the grids, what the next grid poses, and collisions that
+  // are found before any pair is settled.
   double parameter(double t) const { return t; }
   void choose(const std::vector<std::int32_t>&) {}
+
+  // Whether a bound proves that one of the near pairs collides at a state; then the report says where.
+  bool surely_collides() { return false; }
 
   void place(double from, double to, int intervals) {
     poll_interruption();
@@ -144,17 +155,25 @@ class AdaptiveSubdivision {
   bool judge_grid(const std::vector<std::int32_t>& candidates) {
     const std::size_t base = w_.failures.size();
     const unsigned all = (1U << w_.grid.intervals()) - 1;
-    w_.open.clear();
+    w_.near.clear();
     w_.counters.pairs += static_cast<long>(candidates.size());
     for (const std::int32_t index : candidates) {
       const unsigned near = proofs_ != nullptr ? all : self().near(index);
       if (near == 0) continue;
       w_.counters.intervals += __builtin_popcount(near);
-      const Open found = self().found_open(index, near);
+      w_.near.push_back({index, near});
+    }
+    if (!ordered_ && self().surely_collides()) return false;
+    w_.open.clear();
+    for (const NearPair& pair : w_.near) {
+      const Open found = self().found_open(pair.pair, pair.intervals);
       if (found.open != 0) w_.open.push_back(found);
     }
     // The likeliest to collide first: the pair whose bounds overlap deepest.
     std::sort(w_.open.begin(), w_.open.end(), [](const auto& a, const auto& b) { return a.depth < b.depth; });
+    for (const Open& found : w_.open) {
+      if (!ordered_ && touches_where_deepest(found)) return false;
+    }
     for (const Open& found : w_.open) {
       if (!settle(found)) return false;
     }
@@ -196,14 +215,26 @@ class AdaptiveSubdivision {
 
   // ----- one pair on one grid
 
-  // Settles the intervals of a pair or leaves them as failures; false if the pair is within the tolerance.
-  bool settle(const Open& found) {
+  PairState state_of(const Open& found) {
     PairState s{pairs_[at(found.pair)], found.pair, self().apart(found.pair), w_.planes[at(found.pair)], 0, 0, {}};
     if (s.plane.motion != w_.motion) s.plane = {w_.motion, self().first_direction(found)};
+    return s;
+  }
+
+  // Whether a pair shares a point at the state that looks most like a collision; then the motion is refused there.
+  bool touches_where_deepest(const Open& found) {
+    if (!(found.depth < 0)) return false;
+    PairState s = state_of(found);
+    if (!self().touches(s, found.state)) return false;
+    refuse_at(w_.grid.parameter(found.state), found.pair);
+    return true;
+  }
+
+  // Settles the intervals of a pair or leaves them as failures; false if the pair is within the tolerance.
+  bool settle(const Open& found) {
+    PairState s = state_of(found);
     // In order as well: what this teaches about the plane may decide where rounding does.
-    if (found.depth < 0 && self().touches(s, found.state) && !ordered_) {
-      return refuse_at(w_.grid.parameter(found.state), found.pair);
-    }
+    if (ordered_ && found.depth < 0) self().touches(s, found.state);
     for (unsigned open = found.open; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
       if (plane_settles(s, i) || sweep_settles(s, i)) {
@@ -228,19 +259,19 @@ class AdaptiveSubdivision {
 
   bool sweep_settles(PairState& s, std::size_t i) {
     const std::array<Poses, 2> ends{self().poses(s.pair, i), self().poses(s.pair, i + 1)};
-    return sweep(s, ends.data(), 2, s.apart);
+    return sweep(s, ends.data(), 2, s.apart).apart;
   }
 
-  bool sweep_at(PairState& s, std::size_t state, double limit) {
+  SweptAnswer<Direction> sweep_at(PairState& s, std::size_t state, double limit) {
     const Poses here = self().poses(s.pair, state);
     return sweep(s, &here, 1, limit);
   }
 
-  bool sweep(PairState& s, const Poses* poses, int count, double limit) {
+  SweptAnswer<Direction> sweep(PairState& s, const Poses* poses, int count, double limit) {
     ++w_.counters.swept;
     const SweptAnswer<Direction> answer = self().swept(s.pair, poses, count, limit, s.plane.direction);
     learn(s, answer.direction);
-    return answer.apart;
+    return answer;
   }
 
   void learn(PairState& s, Direction direction) {

@@ -30,6 +30,11 @@
 // at most (b − a)² / 8 max |p''| (the error of linear interpolation, along any direction and thus in length).
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "math/vec.hpp"
 #include "motions/configuration_path.hpp"
 
 namespace plannercheck {
@@ -60,7 +65,48 @@ struct MotionBound {
   double curvature = 0, speed = 0, arm = 0;  // |p''|, |p'|, the longest R; m
 };
 
-// The rates of all joints for a motion.
+// The bounds of all chains for one motion. Chain −1 belongs to what stands still: its bounds are 0.
+class ChainBounds {
+ public:
+  explicit ChainBounds(std::size_t chains = 0) : curvature_(chains + 1), speed_(chains + 1) {}
+
+  double curvature(std::int32_t chain) const { return curvature_[at(chain + 1)]; }
+  double speed(std::int32_t chain) const { return speed_[at(chain + 1)]; }
+  double largest_curvature() const { return largest_curvature_; }
+  double longest_arm() const { return longest_arm_; }
+
+ private:
+  friend class ChainTable;
+
+  std::vector<double> curvature_, speed_;
+  double largest_curvature_ = 0, longest_arm_ = 0;
+};
+
+// The chains, arranged so that as many as there are lanes are bounded at once.
+class ChainTable {
+ public:
+  explicit ChainTable(const MotionChains& chains);
+
+  // rates: of all joints. Each bound has the bits of `bound_of`.
+  void bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& bounds) const;
+
+ private:
+  // Chains of much the same length. Shorter ones go on with joints that stand still.
+  struct Group {
+    std::size_t first_entry, entries;  // in `joints_` and `arms_`, a row of lanes for each entry
+    std::vector<std::size_t> chains;
+    std::vector<unsigned char> alike;  // per entry: whether all lanes have the same joint
+  };
+
+  std::size_t joint_count_;
+  std::vector<Group> groups_;
+  std::vector<std::size_t> joints_;
+  std::vector<double> arms_;
+  double longest_arm_ = 0;                // of the chains in groups
+  std::vector<std::size_t> with_slides_;  // chains whose arms depend on the motion
+};
+
+// The rates of all joints for a motion, and then those of a joint that stands still.
 void rates_of(const MotionChains& chains, const ConfigurationPath& path, std::vector<Rate>& rates);
 
 MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::vector<Rate>& rates);

@@ -59,10 +59,20 @@ inline MotionCounters& operator+=(MotionCounters& sum, const MotionCounters& mor
   return sum;
 }
 
+// Ways to save work. Verdicts depend on none of them.
+struct MotionOptions {
+  bool hints = true;     // planes of earlier motions are tried
+  bool bounds = true;    // pairs that are far apart at one state are left out by bounds of speed
+  bool overlaps = true;  // a ball inside one body that meets a box inside the other refuses a motion
+};
+
+class ChainTable;
+class MotionScreen;
+class MotionCollisions;
+
 class MotionCertifier {
  public:
-  // `hints`: whether planes of earlier motions are tried.
-  explicit MotionCertifier(MotionModel model, bool hints);
+  MotionCertifier(MotionModel model, MotionOptions options);
 
   struct Workspace;  // incomplete here, since it holds lanes
   std::shared_ptr<Workspace> new_workspace() const;
@@ -85,21 +95,16 @@ class MotionCertifier {
   friend class MotionRun;
 
   MotionModel model_;
-  bool hints_;
-  std::vector<std::int32_t> movers_;          // bodies that move and are in a pair
-  std::vector<std::int32_t> frames_;          // links
-  std::vector<std::int32_t> among_self_;      // pairs whose bodies both move
-  std::vector<std::int32_t> still_;           // static bodies
-  std::vector<double> defects_;               // per static body: how far its placement is off rigid
-  std::vector<double> still_bounds_;          // six rows: low and high corners of their boxes in the world
-  std::size_t still_row_ = 0;                 // length of a row: whole lanes
-  std::vector<std::int32_t> pair_of_;         // mover's position * still_row_ + still body's position: the pair, or −1
-  std::vector<std::int32_t> chain_in_world_;  // per mover: its chain from the world, −1 if no pair of it needs one
+  MotionOptions options_;
+  std::vector<std::int32_t> movers_;  // bodies that move and are in a pair
+  std::vector<std::int32_t> frames_;  // links
+  std::vector<double> defects_;       // per static body: how far its placement is off rigid
+  // These hold lanes or are used with them.
+  std::shared_ptr<const ChainTable> chain_table_;
+  std::shared_ptr<const MotionScreen> screen_;
+  std::shared_ptr<const MotionCollisions> collisions_;
   // How far bodies extend: static ones from the world's origin, the others from their links', m.
   double still_size_ = 0, mounted_size_ = 0;
-
-  void bound_still();
-  void find_near(std::size_t mover, Vec3 low, Vec3 high, std::vector<std::int32_t>& found) const;
 };
 
 }  // namespace plannercheck

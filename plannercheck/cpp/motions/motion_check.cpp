@@ -8,7 +8,9 @@
 
 #include "motions/adaptive_subdivision.hpp"
 #include "motions/motion_certifier.hpp"
+#include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
+#include "motions/motion_screen.hpp"
 #include "narrow_phase/distance.hpp"
 
 namespace plannercheck {
@@ -48,11 +50,16 @@ struct SpatialMotions {
 struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   explicit Workspace(const MotionModel& model)
       : SubdivisionWorkspace(MotionGrid(model.bodies, at(model.width), at(model.links)), model.pairs.size()),
-        path(at(model.width), model.parts) {}
+        path(at(model.width), model.parts),
+        bounds(model.chains.first_entry.size() - 1) {}
 
   ConfigurationPath path;
   std::vector<Rate> rates;
-  std::vector<MotionBound> bounds;  // per chain
+  ChainBounds bounds;
+  MotionGrid::Choice all, chosen;            // what the first grids and those inside them pose
+  const Kinematics* prepared_for = nullptr;  // by which `all` poses
+  MotionScreen::Workspace screen;
+  MotionCollisions::Workspace collisions;
   std::vector<std::int32_t> candidates, bodies, frames;
 };
 
@@ -90,6 +97,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   const Kinematics& kinematics_;
   double tolerance_, kinematic_error_;
   MotionFilters filters_;
+  MotionGrid::Choice* posed_ = nullptr;  // what the grids pose
 
   // ----- the first grid
 
@@ -97,19 +105,18 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     w_.begin_motion();
     w_.path.set(q0, q1);
     rates_of(model_.chains, w_.path, w_.rates);
-    w_.bounds.resize(model_.chains.first_entry.size() - 1);
-    double largest = 0, arm = 0;
-    for (std::size_t chain = 0; chain < w_.bounds.size(); ++chain) {
-      w_.bounds[chain] = bound_of(model_.chains, chain, w_.rates);
-      largest = larger(largest, w_.bounds[chain].curvature);
-      arm = larger(arm, w_.bounds[chain].arm);
+    certifier_.chain_table_->bound(model_.chains, w_.rates, w_.bounds);
+    if (w_.prepared_for != &kinematics_) {
+      w_.all = w_.grid.choice(kinematics_, certifier_.movers_, certifier_.frames_);
+      w_.prepared_for = &kinematics_;
     }
-    w_.grid.choose(certifier_.movers_, certifier_.frames_);
+    const double largest = w_.bounds.largest_curvature();
+    posed_ = &w_.all;
     place(0, 1, first_intervals(largest, kCoarse));
-    set_rounding(q0, q1, largest, arm);
+    set_rounding(q0, q1, largest, w_.bounds.longest_arm());
   }
 
-  void pose_grid(double from, double to, int intervals) { w_.grid.place(kinematics_, w_.path, from, to, intervals); }
+  void pose_grid(double from, double to, int intervals) { w_.grid.place(*posed_, w_.path, from, to, intervals); }
 
   // How far a gap of two bodies may be off. The bound adds up:
   // - kinematics: the computed pose of each body is off by at most the kinematic error at the states of the grid, from
@@ -132,19 +139,25 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     filters_.set_rounding(4 * kinematic_error_ + part * size, size);
   }
 
-  // Finds the pairs whose boxes around whole paths meet, and takes all pairs of two bodies that move.
+  // In order, where a motion is free up to may depend on pairs that the bounds of speed leave out.
   void find_candidates() {
-    w_.candidates = certifier_.among_self_;
-    for (std::size_t m = 0; m < certifier_.movers_.size(); ++m) {
-      if (certifier_.chain_in_world_[m] < 0) continue;
-      const auto box = filters_.box_around_path(certifier_.movers_[m], certifier_.chain_in_world_[m]);
-      certifier_.find_near(m, box[0], box[1], w_.candidates);
+    if (certifier_.options_.bounds && !ordered_) {
+      certifier_.screen_->find_by_speeds(w_.grid, filters_, w_.bounds, 2 * tolerance_, w_.screen, w_.candidates);
+    } else {
+      certifier_.screen_->find_by_paths(filters_, w_.candidates);
     }
   }
 
   // ----- what filters leave open
 
   unsigned near(std::int32_t index) const { return filters_.near(pairs_[at(index)]); }
+
+  bool surely_collides() {
+    if (!certifier_.options_.overlaps) return false;
+    const MotionCollisions::Found found = certifier_.collisions_->find(w_.grid, w_.near, w_.collisions);
+    if (found.pair >= 0) refuse_at(w_.grid.parameter(found.state), found.pair);
+    return found.pair >= 0;
+  }
 
   // What boxes leave open of a pair: along the plane found last, and along a direction taken from the boxes.
   DirectedPair found_open(std::int32_t index, unsigned near) {
@@ -168,7 +181,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // no state of this motion is within the tolerance. Without hints a pair is refused only by such a state, so it would
   // be settled as well. A hint that leaves any interval open is discarded.
   bool hint_settles(const CertifiedPair& pair, const DirectedPair& found, Vec3 direction) {
-    if (ordered_ || !certifier_.hints_) return false;
+    if (ordered_ || !certifier_.options_.hints) return false;
     DirectedPair left = found;
     filters_.boxes_settle(left, direction, 2 * tolerance_);
     if (left.open == 0) return true;
@@ -235,8 +248,10 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // Whether the pair shares a point at a state; then no interval there can be settled.
   bool touches(PairState& s, std::size_t state) {
-    if (is_apart(s, state, filters_.slack())) return false;
-    return share_a_point(s, filters_.posed(s.pair, state));
+    const SweptAnswer<Vec3> answer = sweep_at(s, state, filters_.slack() + filters_.inflation_radii(s.pair));
+    if (answer.apart) return false;
+    // The descent ends in differences of the hulls around the origin, each of which errs by less than the slack.
+    return answer.inside > filters_.slack() || share_a_point(s, filters_.posed(s.pair, state));
   }
 
   PosedPolytope posed_a(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.a), pose.a}; }
@@ -247,7 +262,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
 
   bool is_apart(PairState& s, std::size_t state, double limit) {
-    return sweep_at(s, state, limit + filters_.inflation_radii(s.pair));
+    return sweep_at(s, state, limit + filters_.inflation_radii(s.pair)).apart;
   }
 
   void choose(const std::vector<std::int32_t>& pairs) {
@@ -259,12 +274,15 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
       }
       if (pair.frame >= 0) w_.frames.push_back(pair.frame);
     }
-    w_.grid.choose(w_.bodies, w_.frames);
+    w_.chosen = w_.grid.choice(kinematics_, w_.bodies, w_.frames);
+    posed_ = &w_.chosen;
   }
 };
 
 std::shared_ptr<MotionCertifier::Workspace> MotionCertifier::new_workspace() const {
-  return std::make_shared<Workspace>(model_);
+  auto workspace = std::make_shared<Workspace>(model_);
+  workspace->collisions = collisions_->new_workspace();
+  return workspace;
 }
 
 MotionCounters MotionCertifier::take_counters(Workspace& workspace) { return std::exchange(workspace.counters, {}); }

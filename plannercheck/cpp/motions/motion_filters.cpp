@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "math/shuffle.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -16,13 +18,10 @@ LaneVector difference(const double* a, const double* b, std::size_t i) {
   return d;
 }
 
-// A vector of the world seen from a frame, whose pose begins at `rows`.
-LaneVector turned_back(const double* rows, const LaneVector& v) {
+// A vector of the world seen from a frame, given by its pose.
+LaneVector turned_back(const Lanes* m, const LaneVector& v) {
   LaneVector out;
-  for (std::size_t k = 0; k < 3; ++k) {
-    out[k] = (load_lanes(rows + k * kGridRow) * v[0] + load_lanes(rows + (k + 4) * kGridRow) * v[1]) +
-             load_lanes(rows + (k + 8) * kGridRow) * v[2];
-  }
+  for (std::size_t k = 0; k < 3; ++k) out[k] = (m[k] * v[0] + m[k + 4] * v[1]) + m[k + 8] * v[2];
   return out;
 }
 
@@ -30,15 +29,13 @@ LaneVector turned_back(const double* rows, const LaneVector& v) {
 LaneVector turned(const MotionGrid& grid, std::int32_t frame, std::size_t first, Vec3 d) {
   if (frame < 0) return {broadcast(d.x), broadcast(d.y), broadcast(d.z)};
   LaneVector out;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double* r = grid.link(frame) + 4 * k * kGridRow + first;
-    out[k] = (load_lanes(r) * d.x + load_lanes(r + kGridRow) * d.y) + load_lanes(r + 2 * kGridRow) * d.z;
-  }
+  const Lanes* const m = grid.link(frame, first);
+  for (std::size_t k = 0; k < 3; ++k) out[k] = (m[4 * k] * d.x + m[4 * k + 1] * d.y) + m[4 * k + 2] * d.z;
   return out;
 }
 
 // The least product of a direction with the points of a posed body's box.
-Lanes least_of_box(const Polytope& body, const std::array<Lanes, 12>& m, const LaneVector& d) {
+Lanes least_of_box(const Polytope& body, const Lanes* m, const LaneVector& d) {
   const Vec3 middle = 0.5 * (body.low + body.high), half = 0.5 * (body.high - body.low);
   Lanes sum = (d[0] * m[3] + d[1] * m[7]) + d[2] * m[11];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -54,10 +51,16 @@ std::array<Lanes, 12> pose_in_lanes(const Pose& pose) {
   return m;
 }
 
-std::array<Lanes, 12> load_pose(const double* rows, std::size_t first) {
-  std::array<Lanes, 12> m;
-  for (std::size_t k = 0; k < 12; ++k) m[k] = load_lanes(rows + k * kGridRow + first);
-  return m;
+// All lanes joined into one number, by halves.
+template <class Join>
+double reduced(Lanes lanes, Join join) {
+  if constexpr (kLanes == 8) lanes = join(lanes, shuffled<4, 5, 6, 7, 0, 1, 2, 3>(lanes, lanes));
+  if constexpr (kLanes == 8) lanes = join(lanes, shuffled<2, 3, 0, 1, 6, 7, 4, 5>(lanes, lanes));
+  if constexpr (kLanes == 8) lanes = join(lanes, shuffled<1, 0, 3, 2, 5, 4, 7, 6>(lanes, lanes));
+  if constexpr (kLanes == 4) lanes = join(lanes, shuffled<2, 3, 0, 1>(lanes, lanes));
+  if constexpr (kLanes == 4) lanes = join(lanes, shuffled<1, 0, 3, 2>(lanes, lanes));
+  if constexpr (kLanes == 2) lanes = join(lanes, shuffled<1, 0>(lanes, lanes));
+  return lanes[0];
 }
 
 }  // namespace
@@ -66,9 +69,14 @@ std::array<Vec3, 2> MotionFilters::box_around_path(std::int32_t index, std::int3
   const double grown = sphere_radius(body(index)) + chord_deviation(curvature(chain)) + slack_;
   std::array<std::array<double, 3>, 2> box;
   for (std::size_t k = 0; k < 3; ++k) {
+    // Lanes beyond the last state repeat it.
     const double* row = grid_.centre(index) + k * kGridRow;
-    const auto [low, high] = std::minmax_element(row, row + grid_.intervals() + 1);
-    box[0][k] = *low - grown, box[1][k] = *high + grown;
+    Lanes low = load_lanes(row), high = low;
+    for (std::size_t i = kStep; i <= grid_.intervals(); i += kStep) {
+      low = smaller(low, load_lanes(row + i)), high = larger(high, load_lanes(row + i));
+    }
+    box[0][k] = reduced(low, [](Lanes a, Lanes b) { return smaller(a, b); }) - grown;
+    box[1][k] = reduced(high, [](Lanes a, Lanes b) { return larger(a, b); }) + grown;
   }
   return {Vec3{box[0][0], box[0][1], box[0][2]}, Vec3{box[1][0], box[1][1], box[1][2]}};
 }
@@ -128,7 +136,7 @@ unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum
   std::array<Row, 3> seen;
   for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
     LaneVector d = difference(grid_.centre(pair.a), grid_.centre(pair.b), i);
-    if (pair.frame >= 0) d = turned_back(grid_.link(pair.frame) + i, d);
+    if (pair.frame >= 0) d = turned_back(grid_.link(pair.frame, i), d);
     for (std::size_t k = 0; k < 3; ++k) store_lanes(&seen[k][i], d[k]);
   }
   unsigned open = 0;
@@ -147,13 +155,12 @@ unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum
 void MotionFilters::boxes_settle(DirectedPair& found, Vec3 direction, double beyond) {
   const CertifiedPair& p = pair(found.pair);
   const bool still = stands_still(p.b);
-  const double *a = grid_.poses(p.a), *b = still ? nullptr : grid_.poses(p.b);
   const auto standing = pose_in_lanes(model_.bodies[at(p.b)].placement);
   Row gaps;
   for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
     const LaneVector d = turned(grid_, p.frame, i, direction), opposite{-d[0], -d[1], -d[2]};
-    store_lanes(&gaps[i], least_of_box(body(p.a), load_pose(a, i), d) +
-                              least_of_box(body(p.b), still ? standing : load_pose(b, i), opposite));
+    store_lanes(&gaps[i], least_of_box(body(p.a), grid_.poses(p.a, i), d) +
+                              least_of_box(body(p.b), still ? standing.data() : grid_.poses(p.b, i), opposite));
   }
   const Lanes limit = broadcast(apart(p) + beyond);
   for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {

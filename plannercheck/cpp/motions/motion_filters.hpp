@@ -29,7 +29,7 @@ class MotionFilters {
  public:
   // `defects`: how far the placements of static bodies are off rigid.
   MotionFilters(const MotionModel& model, const std::vector<double>& defects, MotionGrid& grid,
-                const std::vector<MotionBound>& bounds)
+                const ChainBounds& bounds)
       : model_(model), defects_(defects), grid_(grid), bounds_(bounds) {}
 
   // Sets the bound of all rounding, m, and that of the coordinates involved.
@@ -40,8 +40,8 @@ class MotionFilters {
   const Polytope& body(std::int32_t index) const { return *model_.bodies[static_cast<std::size_t>(index)].body; }
   bool stands_still(std::int32_t index) const { return model_.bodies[static_cast<std::size_t>(index)].link < 0; }
 
-  double curvature(std::int32_t chain) const { return chain < 0 ? 0 : bound(chain).curvature; }
-  double speed(const CertifiedPair& pair) const { return speed(pair.chain_a) + speed(pair.chain_b); }
+  double curvature(std::int32_t chain) const { return bounds_.curvature(chain); }
+  double speed(const CertifiedPair& pair) const { return bounds_.speed(pair.chain_a) + bounds_.speed(pair.chain_b); }
   // ε: how far points may leave their chords within an interval.
   double chord_deviation(double curvature) const { return curvature * grid_.step() * grid_.step() / 8; }
   double chord_deviation(const CertifiedPair& pair) const {
@@ -70,11 +70,8 @@ class MotionFilters {
   const MotionModel& model_;
   const std::vector<double>& defects_;
   MotionGrid& grid_;
-  const std::vector<MotionBound>& bounds_;
+  const ChainBounds& bounds_;
   double slack_ = 0, size_ = 0;
-
-  const MotionBound& bound(std::int32_t chain) const { return bounds_[static_cast<std::size_t>(chain)]; }
-  double speed(std::int32_t chain) const { return chain < 0 ? 0 : bound(chain).speed; }
 
   unsigned chord_meets_box(const CertifiedPair& pair, double apart) const;
   bool spheres_come_near(const CertifiedPair& pair, double sum) const;

@@ -20,15 +20,25 @@ inline constexpr std::size_t kStep = static_cast<std::size_t>(kLanes);  // state
 // The length of a row: room for all states, read in whole lanes from any of them.
 inline constexpr std::size_t kGridRow = 40;
 
+// The number of states that are posed at most: kGridStates of adaptive_subdivision.hpp, in whole lanes.
+inline constexpr std::size_t kPosedStates = 32;
+static_assert(kPosedStates % kStep == 0);
+
 class MotionGrid {
  public:
   MotionGrid(const std::vector<GeometryObject>& bodies, std::size_t width, std::size_t links);
 
-  // Chooses what the next grids pose: bodies that move, and links that serve as frames.
-  void choose(const std::vector<std::int32_t>& bodies, const std::vector<std::int32_t>& frames);
+  // What a grid poses: bodies that move, and links that serve as frames. Prepared for one kinematics, which has to
+  // outlive it.
+  struct Choice {
+    std::vector<std::int32_t> bodies;
+    LinkPoser poser;
+  };
+  Choice choice(const Kinematics& kinematics, const std::vector<std::int32_t>& bodies,
+                const std::vector<std::int32_t>& frames) const;
 
   // Poses intervals + 1 states from `from` to `to`.
-  void place(const Kinematics& kinematics, const ConfigurationPath& path, double from, double to, int intervals);
+  void place(Choice& choice, const ConfigurationPath& path, double from, double to, int intervals);
 
   std::size_t intervals() const { return intervals_; }
   double parameter(std::size_t state) const { return t_[state]; }
@@ -36,29 +46,36 @@ class MotionGrid {
   double step() const { return (t_[intervals_] - t_[0]) / static_cast<double>(intervals_) * (1 + 1e-9) + 0x1p-50; }
 
   // Rows x, y, z of a body's centre; static bodies have none.
-  const double* centre(std::int32_t body) const { return &centres_[static_cast<std::size_t>(body) * 3 * kGridRow]; }
-  // Twelve rows of a body's pose, computed on first use.
-  const double* poses(std::int32_t body);
-  // Twelve rows of a link's pose.
-  const double* link(std::int32_t link) const { return &links_[static_cast<std::size_t>(link) * 12 * kGridRow]; }
+  const double* centre(std::int32_t body) const { return &centres_[mover(body) * 3 * kGridRow]; }
+  Vec3 centre_at(std::int32_t body, std::size_t state) const {
+    const double* rows = centre(body) + state;
+    return {rows[0], rows[kGridRow], rows[2 * kGridRow]};
+  }
+  // The twelve numbers of a body's pose at the states from `first` on, a multiple of kStep; computed on first use.
+  const Lanes* poses(std::int32_t body, std::size_t first) { return posed(body) + first / kStep * 12; }
+  // The same of a link.
+  const Lanes* link(std::int32_t link, std::size_t first) const { return links_at(first) + at(link) * 12; }
+  // All links' at these states, as state_block.hpp has them.
+  const Lanes* links_at(std::size_t first) const { return &links_[first / kStep * link_count_ * 12]; }
 
   Pose pose(std::int32_t body, std::size_t state);
   FrameTurn turn(std::int32_t frame, std::size_t state) const;
 
  private:
   const std::vector<GeometryObject>* bodies_;
+  std::size_t link_count_;
   std::size_t intervals_ = 1;
   std::array<double, kGridRow> t_{};
-  std::vector<double> columns_, links_, poses_, centres_;
+  std::vector<std::int32_t> mover_of_;  // a body's place among those on links, of which alone there is data
+  std::vector<double> columns_, centres_;
+  std::vector<Lanes> links_, poses_;  // poses: by state group, and by mover and state group
   std::vector<Vec3> centre_on_link_;
-  std::vector<long> posed_;  // the grid for which a body's poses were computed
+  std::vector<long> posed_;  // the grid for which a mover's poses were computed
   long grid_ = 0;
-  std::vector<unsigned char> needed_;
-  std::vector<std::int32_t> chosen_, needed_links_;
-  std::vector<Lanes> q_, link_lanes_;
-  LinkPoser poser_;
+  std::vector<Lanes> q_;
 
-  void pose_lanes(std::size_t first);
+  std::size_t mover(std::int32_t body) const { return at(mover_of_[at(body)]); }
+  const Lanes* posed(std::int32_t body);
   void pose_centre(std::int32_t body, std::size_t first);
 };
 

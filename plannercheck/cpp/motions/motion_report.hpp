@@ -35,6 +35,9 @@ struct SweptAnswer {
   bool apart = false;   // proved: more than the limit apart along `direction`
   Direction direction;  // in the pair's frame, from b to a, of length 1 up to rounding
   double gap = 0;       // along `direction`: a lower bound up to rounding, which the limit has to cover
+  // How deep the origin is inside some of the bodies' differences, up to rounding, where the descent has found that: if
+  // this exceeds what a difference errs by, and there is one pose, the bodies share a point there.
+  double inside = 0;
 };
 
 struct GridCounters {

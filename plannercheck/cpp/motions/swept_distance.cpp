@@ -1,6 +1,7 @@
 #include "motions/swept_distance.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace plannercheck {
 namespace {
@@ -9,6 +10,9 @@ constexpr int kDescentRounds = 48;
 
 // A new difference that is nearer by less than this part is no progress.
 constexpr double kDescentProgress = 1e-12;
+
+// Of a face's normal, and of products with it.
+constexpr double kFaceRounding = 32 * 0x1p-53;
 
 struct Difference {
   Vec3 point;  // in the frame
@@ -77,6 +81,24 @@ Vec3 nearest_on_tetrahedron(NearSimplex& s) {
   return outside ? best : Vec3{};
 }
 
+// A lower bound of how far the origin is inside a tetrahedron; 0 if it is not, or if the tetrahedron is too flat to
+// tell. A normal errs by at most 8u of its edges' product, in |.|_1, and a product with it by as much of both.
+double depth_inside(const NearSimplex& s) {
+  const auto& p = s.point;
+  constexpr std::array<std::array<std::size_t, 4>, 4> faces{{{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}};
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& f : faces) {
+    const Vec3 first = p[f[1]] - p[f[0]], second = p[f[2]] - p[f[0]], third = p[f[3]] - p[f[0]];
+    const Vec3 n = cross(first, second);
+    const double error = kFaceRounding * norm_1(first) * norm_1(second);
+    const double origin = -dot(n, p[f[0]]), opposite = dot(n, third);
+    const double apart = std::fabs(origin) - error * norm_1(p[f[0]]);
+    if (!(origin * opposite > 0 && std::fabs(opposite) > error * norm_1(third) && apart > 0)) return 0;
+    least = smaller(least, apart / (norm(n) + error));
+  }
+  return least;
+}
+
 Vec3 nearest(NearSimplex& s) {
   switch (s.count) {
     case 1:
@@ -120,6 +142,7 @@ SweptAnswer<Vec3> swept_distance(const Polytope& a, const Polytope& b, const Pos
     simplex.point[static_cast<std::size_t>(simplex.count++)] = lowest.point;
     v = nearest(simplex);
     const double now = dot(v, v);
+    if (simplex.count == 4) answer.inside = depth_inside(simplex);
     if (now <= limit * limit || simplex.count == 4 || (round > 0 && now >= square)) return answer;
     square = now;
   }

@@ -1,7 +1,6 @@
 #include "narrow_phase/coupled_walk.hpp"
 
 #include <algorithm>
-#include <vector>
 
 #include "narrow_phase/matrix_game.hpp"
 

@@ -1,7 +1,5 @@
 #include "narrow_phase/distance.hpp"
 
-#include <algorithm>
-
 namespace plannercheck {
 namespace {
 

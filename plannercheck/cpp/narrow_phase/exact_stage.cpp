@@ -1,6 +1,5 @@
 #include "narrow_phase/exact_stage.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include "narrow_phase/support_exact_direction.hpp"
@@ -142,19 +141,17 @@ Corner furthest_against(const PosedPolytope& guest, const PosedPolytope& host, c
   return corner_at(guest, host, extreme(guest.body->inner, in_guest), extreme(host.body->inner, in_host));
 }
 
-// Whether the distance of the nearest point so far is at most the inflation radius.
-bool within(const Nearest& nearest, const Dyadic& square_of_inflation_radius) {
-  if (is_zero(nearest.direction)) return true;
-  if (square_of_inflation_radius.sign() == 0) return false;
-  const Dyadic height = dot(nearest.direction, nearest.corners[0].point);
-  return (height * height - square_of_inflation_radius * dot(nearest.direction, nearest.direction)).sign() <= 0;
-}
-
-// Whether the whole difference lies further along the direction than the inflation radius. `height`: its least height.
-bool beyond(const Dyadic& height, const DyadicVec3& direction, const Dyadic& square_of_inflation_radius) {
+// Whether a height along a direction exceeds the direction's length times the inflation radius.
+bool exceeds(const Dyadic& height, const DyadicVec3& direction, const Dyadic& square_of_inflation_radius) {
   if (height.sign() <= 0) return false;
   if (square_of_inflation_radius.sign() == 0) return true;
   return (height * height - square_of_inflation_radius * dot(direction, direction)).sign() > 0;
+}
+
+// Whether the distance of the nearest point so far is at most the inflation radius.
+bool within(const Nearest& nearest, const Dyadic& square_of_inflation_radius) {
+  const Dyadic height = dot(nearest.direction, nearest.corners[0].point);
+  return !exceeds(height, nearest.direction, square_of_inflation_radius);
 }
 
 ExactAnswer shared_answer(Nearest& nearest) {
@@ -191,7 +188,7 @@ ExactAnswer decide_exactly(const PosedPolytope& guest, const PosedPolytope& host
   for (;;) {
     if (!nearest.corners.empty() && within(nearest, square)) return shared_answer(nearest);
     Corner corner = furthest_against(guest, host, nearest.direction);
-    if (beyond(dot(nearest.direction, corner.point), nearest.direction, square)) {
+    if (exceeds(dot(nearest.direction, corner.point), nearest.direction, square)) {
       ExactAnswer answer;
       answer.direction = std::move(nearest.direction);
       return answer;

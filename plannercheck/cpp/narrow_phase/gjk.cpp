@@ -32,20 +32,24 @@ struct Corner {
   std::int32_t guest_vertex, host_vertex;
 };
 
+// The mixture of some vectors: vector(i) with weight[i].
+template <class Vector>
+Vec3 mixed(int count, const std::array<double, 4>& weight, Vector vector) {
+  Vec3 sum;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * vector(i);
+  return sum;
+}
+
 struct Simplex {
   int count = 0;
   std::array<Corner, 4> corner;
   std::array<double, 4> weight;
 
   Vec3 nearest() const {
-    Vec3 sum;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * corner[i].difference;
-    return sum;
+    return mixed(count, weight, [&](std::size_t i) { return corner[i].difference; });
   }
   Vec3 on_guest() const {
-    Vec3 sum;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * corner[i].guest;
-    return sum;
+    return mixed(count, weight, [&](std::size_t i) { return corner[i].guest; });
   }
 };
 
@@ -57,9 +61,7 @@ struct CornerFace {
   std::array<double, 4> weight;
 
   Vec3 nearest() const {
-    Vec3 sum;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) sum = sum + weight[i] * difference[i];
-    return sum;
+    return mixed(count, weight, [&](std::size_t i) { return difference[i]; });
   }
 };
 
@@ -190,6 +192,17 @@ class NearestPoints {
     return out;
   }
 
+  // Adds a corner and keeps the nearest face; false if that is no progress: the simplex is as near as doubles tell.
+  static bool take(const Corner& corner, Simplex& simplex, double& square) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
+      if (simplex.corner[i].difference == corner.difference) return false;
+    }
+    simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
+    if (reduce_to_nearest_face(simplex, square)) return true;
+    --simplex.count;
+    return false;
+  }
+
   // Continues past separating planes until both bounds meet or doubles make no more progress.
   HullDistance descend(Vec3 direction, const DistanceGoal& goal, Simplex& simplex) {
     HullDistance out;
@@ -205,11 +218,7 @@ class NearestPoints {
       if (round == 0 || height > out.lower) out.direction = direction;
       out.lower = larger(out.lower, height);
       if (goal.met(out)) return out;
-      for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
-        if (simplex.corner[i].difference == corner.difference) return out;
-      }
-      simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
-      if (!reduce_to_nearest_face(simplex, square)) return --simplex.count, out;
+      if (!take(corner, simplex, square)) return out;
       if (simplex.count == 4) return out;  // the origin is inside, as far as doubles tell
       direction = simplex.nearest();
       out.upper = norm_at_any_scale(direction) + 2 * difference_error_;
@@ -235,14 +244,7 @@ class NearestPoints {
         out.answer = Answer::kSeparated;
         return out;
       }
-      for (std::size_t i = 0; i < static_cast<std::size_t>(simplex.count); ++i) {
-        if (simplex.corner[i].difference == corner.difference) return out;  // as near as doubles tell
-      }
-      simplex.corner[static_cast<std::size_t>(simplex.count++)] = corner;
-      if (!reduce_to_nearest_face(simplex, square)) {
-        --simplex.count;  // no progress: as near as doubles tell
-        return out;
-      }
+      if (!take(corner, simplex, square)) return out;
       const Vec3 v = simplex.nearest();
       if (shared(simplex, v, out)) return out;
       if (simplex.count == 4) return out;

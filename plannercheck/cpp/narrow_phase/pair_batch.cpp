@@ -164,11 +164,6 @@ bool pays(const Polytope& guest, const Polytope& host, const PairOptions& option
          vertices(guest, host) >= kInterleavedVertices;
 }
 
-void take_far(std::size_t pair, const CentreAxis& axis, CachedPlane* cache, PairBatch& batch) {
-  if (cache == nullptr) return batch.take_far(pair, axis);
-  batch.take(pair, certified(axis.separated(true), cache));
-}
-
 void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
                      PairCounters& counters) {
   for (std::size_t i = 0; i < pairs; ++i) {
@@ -176,7 +171,7 @@ void test_one_by_one(std::size_t pairs, const PairOptions& options, CachedPlane*
     const PosedPolytope guest = batch.guest(i), host = batch.host(i);
     CentreAxis axis(guest, host);
     if (is_far(axis, options)) {
-      take_far(i, axis, cache, batch);
+      batch.take_far(i, axis);
     } else {
       batch.take(i, test_close_pair(guest, host, axis, options, cache, counters));
     }
@@ -255,7 +250,7 @@ class Interleaving {
   bool takes_far(std::size_t pair, const PosedPolytope& guest, const PosedPolytope& host) {
     const CentreAxis axis(guest, host);
     if (!is_far(axis, options_)) return false;
-    take_far(pair, axis, cache_, batch_);
+    batch_.take_far(pair, axis);
     return true;
   }
 

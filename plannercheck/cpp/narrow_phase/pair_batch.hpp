@@ -19,7 +19,8 @@ class PairBatch {
   virtual PosedPolytope guest(std::size_t i) const = 0;
   virtual PosedPolytope host(std::size_t i) const = 0;
   virtual void take(std::size_t i, const PairVerdict& verdict) = 0;
-  // For bodies whose balls are apart, which are many: batches that need no certificate replace this.
+  // For bodies whose balls are apart, which are many: batches that need no certificate replace this. No plane is kept
+  // of them, since the next pose tries the same axis before a kept plane.
   virtual void take_far(std::size_t i, const CentreAxis& axis) { take(i, certified(axis.separated(false), nullptr)); }
 
  protected:

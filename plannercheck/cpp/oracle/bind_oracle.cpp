@@ -1,4 +1,5 @@
-// The oracle's Python module, which decides whether the core is right. It contains no code of the core.
+// The oracle's Python module, which decides whether the core is right. It contains no code of the core but how
+// Python's lock is released.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
@@ -12,6 +13,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "bindings/gil.hpp"
 #include "oracle/proofs.hpp"
 
 namespace nb = nanobind;
@@ -69,7 +71,7 @@ nb::ndarray<nb::numpy, std::uint8_t> decide(const Points& p, Doubles<-1, 4, 4> p
       check_finite(poses_r.data(), kPoseNumbers * count, "poses");
   auto verdicts = std::make_unique<std::uint8_t[]>(std::max<std::size_t>(count, 1));
   {
-    nb::gil_scoped_release release;
+    const GilReleased released;
     for (std::size_t i = 0; i < count; ++i) {
       const Pair pair{PosedPoints(p, poses_p.data() + kPoseNumbers * i),
                       PosedPoints(r, poses_r.data() + kPoseNumbers * i)};

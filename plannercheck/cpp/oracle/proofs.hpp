@@ -5,7 +5,6 @@
 // inflation radius of its hull.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "oracle/posed_points.hpp"

@@ -1,6 +1,5 @@
 #include "planar/motion_certifier_2d.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "math/vec.hpp"

@@ -4,7 +4,6 @@
 // grids, all pairs on the first one; a pair passes circles on chords against boxes or other circles.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "math/vec.hpp"
@@ -40,9 +39,10 @@ struct PlanarMotions {
 struct PlanarCertifier::Workspace : SubdivisionWorkspace<PlanarMotions> {
   Workspace(const std::vector<PlanarLink>& links, std::size_t width, const std::vector<PlanarGeometryObject>& bodies,
             const std::vector<std::int32_t>& movers, std::size_t pairs)
-      : SubdivisionWorkspace(PlanarGrid(links, width, bodies, movers), pairs), rates(width), bounds(pairs), all(pairs) {
-    std::iota(all.begin(), all.end(), 0);
-  }
+      : SubdivisionWorkspace(PlanarGrid(links, width, bodies, movers), pairs),
+        rates(width),
+        bounds(pairs),
+        all(indices_below(pairs)) {}
 
   std::vector<double> rates;
   std::vector<PlanarBound> bounds;  // per pair, of both bodies together
@@ -189,8 +189,8 @@ class PlanarRun : public AdaptiveSubdivision<PlanarRun, PlanarMotions> {
     return leave(s, i, is_short ? w_.grid.parameter(i) : end_within(s, i));
   }
 
-  bool touches(PairState& s, std::size_t state) { return !sweep_at(s, state, slack_); }
-  bool proves_clear(PairState& s, std::size_t state) { return sweep_at(s, state, tolerance_ - 2 * slack_); }
+  bool touches(PairState& s, std::size_t state) { return !sweep_at(s, state, slack_).apart; }
+  bool proves_clear(PairState& s, std::size_t state) { return sweep_at(s, state, tolerance_ - 2 * slack_).apart; }
 };
 
 std::shared_ptr<PlanarCertifier::Workspace> PlanarCertifier::new_workspace() const {

@@ -2,10 +2,14 @@
 #include "robots/kinematics.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 
 #include "math/interruption.hpp"
 #include "math/sincos.hpp"
+#include "robots/joint_motions.hpp"
 #include "robots/kinematics_lanes.hpp"
+#include "robots/state_poser.hpp"
 
 namespace plannercheck {
 namespace {
@@ -104,52 +108,16 @@ inline void turn_columns(int from, int to, Lanes cos, Lanes sin, Lanes* pose) {
 }
 
 // pose * rotation, rotation 3x3 row-major.
-inline void rotate(const Lanes (&r)[9], Lanes* pose) {
+inline void rotate(const std::array<Lanes, 9>& r, Lanes* pose) {
   for (int row = 0; row < 3; ++row) {
     const Lanes a = pose[4 * row], b = pose[4 * row + 1], c = pose[4 * row + 2];
     for (int col = 0; col < 3; ++col) pose[4 * row + col] = a * r[col] + b * r[3 + col] + c * r[6 + col];
   }
 }
 
-// pose * rotation about a unit axis (Rodrigues' formula).
-inline void turn_about(const double* axis, Lanes cos, Lanes sin, Lanes* pose) {
-  const Lanes x = sin * axis[0], y = sin * axis[1], z = sin * axis[2];
-  const Lanes rest = 1.0 - cos;
-  const Lanes u = rest * axis[0], v = rest * axis[1], w = rest * axis[2];
-  const Lanes xy = u * axis[1], xz = u * axis[2], yz = v * axis[2];
-  rotate({u * axis[0] + cos, xy - z, xz + y, xy + z, v * axis[1] + cos, yz - x, xz - y, yz + x, w * axis[2] + cos},
-         pose);
-}
-
-// pose * rotation of a quaternion x, y, z, w, which is not normalised.
-inline void turn_by_quaternion(const Lanes* q, Lanes* pose) {
-  const Lanes x2 = 2.0 * q[0], y2 = 2.0 * q[1], z2 = 2.0 * q[2];
-  const Lanes wx = x2 * q[3], wy = y2 * q[3], wz = z2 * q[3];
-  const Lanes xx = x2 * q[0], xy = y2 * q[0], xz = z2 * q[0];
-  const Lanes yy = y2 * q[1], yz = z2 * q[1], zz = z2 * q[2];
-  rotate({1.0 - (yy + zz), xy - wz, xz + wy, xy + wz, 1.0 - (xx + zz), yz - wx, xz - wy, yz + wx, 1.0 - (xx + yy)},
-         pose);
-}
-
 inline void slide(Lanes x, Lanes y, Lanes z, Lanes* pose) {
   for (int row = 0; row < 3; ++row) {
     pose[4 * row + 3] = pose[4 * row] * x + pose[4 * row + 1] * y + pose[4 * row + 2] * z + pose[4 * row + 3];
-  }
-}
-
-constexpr bool is_angle(JointKind kind) { return kind <= JointKind::kTurnAxis; }
-
-constexpr int value_count(JointKind kind) {
-  switch (kind) {
-    case JointKind::kSlide:
-      return 1;
-    case JointKind::kPlanar:
-    case JointKind::kBall:
-      return 4;
-    case JointKind::kFree:
-      return 7;
-    default:
-      return is_angle(kind) ? 1 : 2;
   }
 }
 
@@ -167,17 +135,17 @@ inline void move(JointKind kind, const double* axis, const Lanes* v, Lanes* pose
       return turn_columns(0, 1, v[0], v[1], pose);
     case JointKind::kTurnAxis:
     case JointKind::kUnitTurnAxis:
-      return turn_about(axis, v[0], v[1], pose);
+      return rotate(turn_about_axis(axis, v[0], v[1]), pose);
     case JointKind::kSlide:
       return slide(v[0] * axis[0], v[0] * axis[1], v[0] * axis[2], pose);
     case JointKind::kPlanar:
       slide(v[0], v[1], Lanes{}, pose);
       return turn_columns(0, 1, v[2], v[3], pose);
     case JointKind::kBall:
-      return turn_by_quaternion(v, pose);
+      return rotate(turn_of_quaternion(v), pose);
     case JointKind::kFree:
       slide(v[0], v[1], v[2], pose);
-      return turn_by_quaternion(v + 3, pose);
+      return rotate(turn_of_quaternion(v + 3), pose);
   }
 }
 
@@ -242,16 +210,23 @@ void gather(const double* q, int rows, int width, Lanes* out) {
   }
 }
 
-void scatter_pose(const Lanes* pose, int lane, double* out) {
-  for (int k = 0; k < kPose; ++k) out[k] = pose[k][lane];
+void end_matrix(double* out) {
   out[12] = out[13] = out[14] = 0.0;
   out[15] = 1.0;
 }
 
+void scatter_pose(const Lanes* pose, int lane, double* out) {
+  for (int k = 0; k < kPose; ++k) out[k] = pose[k][lane];
+  end_matrix(out);
+}
+
+// Numbers every Kinematics, so that workspaces know it again.
+std::atomic<std::uint64_t> kinematics_made{0};
+
 }  // namespace
 
 Kinematics::Kinematics(int width, const std::vector<JointSpec>& joints, const std::vector<LinkSpec>& links)
-    : width_(width) {
+    : id_(++kinematics_made), width_(width) {
   std::vector<Anchor> anchors(joints.size());
   for (size_t i = 0; i < joints.size(); ++i) anchors[i] = add_joint(joints[i], anchors);
   for (const LinkSpec& link : links) {
@@ -278,52 +253,68 @@ Anchor Kinematics::add_joint(const JointSpec& spec, const std::vector<Anchor>& a
   return {static_cast<int>(joints_.size()) - 1, false, {}};
 }
 
-void LinkPoser::begin(const Kinematics& kinematics, const unsigned char* needed) {
-  kinematics_ = &kinematics;
-  const auto& joints = kinematics.joints();
-  const auto& links = kinematics.links();
+void PosingOrder::find(const Kinematics& kinematics, const unsigned char* needed) {
+  const auto& of_joints = kinematics.joints();
+  const auto& of_links = kinematics.links();
   constexpr int kNotNeeded = -2, kHomeless = -1;
-  home_.assign(joints.size(), kNotNeeded);
-  homeless_.resize(joints.size() * kPose);
-  links_.clear(), joints_.clear();
-  for (size_t i = 0; i < links.size(); ++i) {
+  home.assign(of_joints.size(), kNotNeeded);
+  links.clear(), joints.clear();
+  for (size_t i = 0; i < of_links.size(); ++i) {
     if (!needed[i]) continue;
-    int* const home = links[i].joint < 0 ? nullptr : &home_[static_cast<size_t>(links[i].joint)];
-    if (home != nullptr) *home = std::max(*home, kHomeless);
-    if (home != nullptr && links[i].form == PlacementForm::kIdentity && *home == kHomeless) {
-      *home = static_cast<int>(i);
+    int* const own = of_links[i].joint < 0 ? nullptr : &home[static_cast<size_t>(of_links[i].joint)];
+    if (own != nullptr) *own = std::max(*own, kHomeless);
+    if (own != nullptr && of_links[i].form == PlacementForm::kIdentity && *own == kHomeless) {
+      *own = static_cast<int>(i);
     } else {
-      links_.push_back(static_cast<int>(i));
+      links.push_back(static_cast<int>(i));
     }
   }
-  for (size_t i = joints.size(); i-- > 0;) {
-    if (home_[i] == kNotNeeded || joints[i].parent < 0) continue;
-    int& parent = home_[static_cast<size_t>(joints[i].parent)];
+  for (size_t i = of_joints.size(); i-- > 0;) {
+    if (home[i] == kNotNeeded || of_joints[i].parent < 0) continue;
+    int& parent = home[static_cast<size_t>(of_joints[i].parent)];
     parent = std::max(parent, kHomeless);
   }
-  for (size_t i = 0; i < joints.size(); ++i) {
-    if (home_[i] != kNotNeeded) joints_.push_back(static_cast<int>(i));
+  for (size_t i = 0; i < of_joints.size(); ++i) {
+    if (home[i] != kNotNeeded) joints.push_back(static_cast<int>(i));
   }
 }
 
+void LinkPoser::begin(const Kinematics& kinematics, const unsigned char* needed) {
+  kinematics_ = &kinematics;
+  order_.find(kinematics, needed);
+  homeless_.resize(kinematics.joints().size() * kPose);
+}
+
 Lanes* LinkPoser::at_joint(int joint, Lanes* out) {
-  const int home = home_[static_cast<size_t>(joint)];
+  const int home = order_.home[static_cast<size_t>(joint)];
   return home < 0 ? homeless_.data() + joint * kPose : out + home * kPose;
 }
 
 void LinkPoser::pose(const Lanes* q, Lanes* out) {
-  for (const int i : joints_) {
+  for (const int i : order_.joints) {
     const auto& joint = kinematics_->joints()[static_cast<size_t>(i)];
     pose_joint(joint, q, joint.parent < 0 ? nullptr : at_joint(joint.parent, out), at_joint(i, out));
   }
-  for (const int i : links_) {
+  for (const int i : order_.links) {
     const auto& link = kinematics_->links()[static_cast<size_t>(i)];
     pose_on(link.joint < 0 ? nullptr : at_joint(link.joint, out), link.placement, link.form, out + i * kPose);
   }
 }
 
+void Kinematics::link_poses_of_state(const double* q, const unsigned char* needed, double* out) const {
+  StatePoser poser;
+  poser.begin(*this, needed);
+  const double* const poses = poser.pose(q);
+  for (size_t i = 0; i < links_.size(); ++i) {
+    if (!needed[i]) continue;
+    std::copy_n(poses + i * kPose, kPose, out + i * 16);
+    end_matrix(out + i * 16);
+  }
+}
+
 void Kinematics::link_poses_batch(const double* q, long long n, const unsigned char* needed, double* out) const {
   const size_t links = links_.size();
+  if (n == 1) return link_poses_of_state(q, needed, out);
   std::vector<Lanes> lanes(static_cast<size_t>(width_)), poses(links * kPose);
   LinkPoser poser;
   poser.begin(*this, needed);

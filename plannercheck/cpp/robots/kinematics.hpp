@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace plannercheck {
@@ -65,7 +66,11 @@ enum class PlacementForm : int { kTurnX, kTurnY, kTurnZ, kShift, kIdentity, kGen
 class Kinematics {
  public:
   Kinematics(int width, const std::vector<JointSpec>& joints, const std::vector<LinkSpec>& links);
+  Kinematics(const Kinematics&) = delete;
+  Kinematics& operator=(const Kinematics&) = delete;
 
+  // A number that no other one has or will have, for workspaces that keep what they prepared for it.
+  std::uint64_t id() const { return id_; }
   int width() const { return width_; }  // of a group configuration
   int link_count() const { return static_cast<int>(links_.size()); }
   bool link_is_constant(int link) const { return links_[static_cast<std::size_t>(link)].joint < 0; }
@@ -96,7 +101,9 @@ class Kinematics {
 
  private:
   Anchor add_joint(const JointSpec& spec, const std::vector<Anchor>& anchors);
+  void link_poses_of_state(const double* q, const unsigned char* needed, double* out) const;
 
+  std::uint64_t id_;
   int width_;
   std::vector<Joint> joints_;
   std::vector<Link> links_;

@@ -1,11 +1,11 @@
 // Forward kinematics of kLanes configurations at once: the kernel of kinematics.hpp, for callers that keep lanes.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "math/simd.hpp"
 #include "robots/kinematics.hpp"
+#include "robots/posing_order.hpp"
 
 namespace plannercheck {
 
@@ -20,9 +20,7 @@ class LinkPoser {
 
  private:
   const Kinematics* kinematics_ = nullptr;
-  std::vector<int> joints_;  // that carry some needed link, parents first
-  std::vector<int> home_;    // by joint: a needed link that is posed as the joint is, or −1
-  std::vector<int> links_;   // needed links that are not a joint's home
+  PosingOrder order_;
   std::vector<Lanes> homeless_;
 
   Lanes* at_joint(int joint, Lanes* out);

@@ -45,7 +45,7 @@ class SwitchRow:
         states: "random", or "along motions".
         off: The switch that is off.
         microseconds: The least time for each state.
-        ratio: That time over the time with all on.
+        ratio: The time over that with all switches on.
         wrong: Verdicts that differ from those with all on.
     """
 
@@ -62,9 +62,9 @@ def measure(robot: Robot, scene: Scene, states: int, rounds: int, seed: int) -> 
     Args:
         robot: The robot.
         scene: The scene.
-        states: How many of each kind.
+        states: Number of states of each kind.
         rounds: How often each runs.
-        seed: Of the states.
+        seed: Seed of the states.
 
     Returns:
         A row for each kind of states and switch, the first of each with all on.

@@ -27,7 +27,7 @@ class Built(Generic[T]):
     """A built object and the cost of building it.
 
     Attributes:
-        value: What was built.
+        value: The object that was built.
         seconds: Wall time.
         resident: Bytes that the resident set grew by; None where the system does not tell.
     """

@@ -48,14 +48,14 @@ class ComplexityRow:
 
     Attributes:
         where: "space", "plane", or "trees, d = 2" and so on.
-        family: Of the bodies.
+        family: Family of the bodies.
         method: How they were tested.
-        vertices: Of each body.
-        queries: How many.
-        rounds_mean: Of the method's own rounds: levels, games or supports.
-        rounds_worst: The same.
-        visited_mean: Vertices.
-        visited_worst: Vertices.
+        vertices: Number of vertices of each body.
+        queries: Number of queries.
+        rounds_mean: Mean of the method's own rounds: levels, games or supports.
+        rounds_worst: The largest number of these rounds.
+        visited_mean: Mean number of visited vertices.
+        visited_worst: The largest number of visited vertices.
         shared: How many pairs share a point, by this method.
     """
 
@@ -77,10 +77,10 @@ class GrowthRow:
 
     Attributes:
         where: As in `ComplexityRow`.
-        family: Likewise.
-        method: Likewise.
+        family: As in `ComplexityRow`.
+        method: As in `ComplexityRow`.
         per_doubling: Visited vertices (mean) that each doubling of n adds: the slope against log2 n.
-        exponent: Of a power law through the means: 0 is a constant, 1 is linear.
+        exponent: Exponent of a power law through the means: 0 is a constant, 1 is linear.
         exponent_worst: The same through the worst of each size.
     """
 
@@ -99,8 +99,8 @@ def measure(
 
     Args:
         most: The largest n.
-        queries: For each body and size.
-        seed: Of bodies and poses.
+        queries: Number of queries for each body and size.
+        seed: Seed of bodies and poses.
         progress: Told what comes next.
 
     Yields:
@@ -122,7 +122,7 @@ def growth(rows: Sequence[ComplexityRow]) -> list[GrowthRow]:
     """Fits the growth of each method on each family.
 
     Args:
-        rows: Of `measure`.
+        rows: Rows of `measure`.
 
     Returns:
         A row for each that was measured at two sizes or more.
@@ -210,7 +210,7 @@ def polygon(name: str, n: int) -> Floats:
 
     Args:
         name: "ellipse", or "crowded": nearly all vertices of a circle in a narrow angle.
-        n: Vertices.
+        n: Number of vertices.
 
     Returns:
         (n, 2), m.

@@ -35,7 +35,7 @@ class LevelledBody:
     """The inner hierarchy of a body as a stack of levels: what appears at each, and where.
 
     Attributes:
-        vertices: Of the body (n, 3), m.
+        vertices: Vertices of the body (n, 3), m.
         top: Indices of the vertices of the coarsest level.
         stars: For each level below the top, coarse to fine, and each vertex that appears there: itself and its
             neighbours at that level.
@@ -46,7 +46,7 @@ class LevelledBody:
         """Finds the edges of every level.
 
         Args:
-            body: With volume.
+            body: A body with volume.
         """
         self.vertices = body.vertices
         alive = [np.arange(len(body.vertices)), *alive_levels(body)]
@@ -102,8 +102,8 @@ def walk(first: LevelledBody, second: LevelledBody, pose_first: Floats, pose_sec
     """Whether two bodies share a point.
 
     Args:
-        first: A body.
-        second: Another.
+        first: The first body.
+        second: The second body.
         pose_first: (4, 4), m.
         pose_second: (4, 4), m.
 

@@ -47,9 +47,9 @@ class Method:
     """A method to build.
 
     Attributes:
-        name: In tables.
-        kind: What it is.
-        note: What is timed, and how.
+        name: The name in tables.
+        kind: The kind of method.
+        note: Says what is timed, and how.
         build: Builds what judges.
         error: How far the bodies are off at most, m, of what `build` returned; None where nothing is known.
         judge: Judges states by what `build` returned.

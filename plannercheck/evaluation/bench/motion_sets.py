@@ -55,7 +55,7 @@ class MotionSet:
     Attributes:
         where: The scene, or the problem set.
         kind: E.g. "0.4 rad, free".
-        cases: In one scene or in several.
+        cases: The motions, scene by scene.
     """
 
     where: str
@@ -82,8 +82,8 @@ def random_sets(checker: Checker, where: str, length: float, n: int, seed: int) 
         checker: The exact one.
         where: The scene's name.
         length: rad.
-        n: How many of each kind, fewer where they are rare.
-        seed: Of the random numbers.
+        n: Number of motions of each kind, fewer where they are rare.
+        seed: Seed of the random numbers.
 
     Returns:
         The kinds of which there are any.
@@ -124,7 +124,7 @@ def recorded_set(where: str, tasks: Sequence[Task], longest: float, n: int) -> M
         where: The set's name.
         tasks: The problems, at least one.
         longest: The planner's range, rad.
-        n: How many in all, as many of each problem; a problem is searched with several seeds until there are enough.
+        n: Number of motions in all, as many of each problem; a problem is searched with several seeds until there are enough.
     """
     each = -(-n // len(tasks))
     cases = []

@@ -35,8 +35,8 @@ class Nearest:
     """The nearest points of two bodies.
 
     Attributes:
-        first: That of the first body (3,), m.
-        second: That of the second.
+        first: The point of the first body (3,), m.
+        second: The point of the second body (3,), m.
         first_vertices: Positions of the points that `first` mixes: all of them on the tangent plane.
         second_vertices: The same for `second`.
     """
@@ -78,8 +78,8 @@ def share_a_point(first: Support, second: Support, start: Floats) -> tuple[bool,
     """Whether two bodies share a point, by Gilbert, Johnson and Keerthi (1988): stops at the first separating plane.
 
     Args:
-        first: A body.
-        second: Another.
+        first: The first body.
+        second: The second body.
         start: Direction (3,) to begin with, about from the second to the first.
 
     Returns:

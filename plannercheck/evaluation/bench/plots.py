@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from plannercheck.common.atomic_files import write_atomically
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.optional_imports import extra_module
 from plannercheck.evaluation.bench.complexity import ComplexityRow
 from plannercheck.evaluation.bench.pairs import GAPS, PairRow
 from plannercheck.evaluation.bench.states import StateRow
@@ -42,8 +42,8 @@ def time_against_error(rows: Sequence[StateRow], path: Path) -> list[Path]:
     """Draws time a state against the geometric error, and against the share of wrong states, scene by scene.
 
     Args:
-        rows: Of `plannercheck bench states`.
-        path: Where to, without suffix.
+        rows: Rows of `plannercheck bench states`.
+        path: Path of the files that are written, without suffix.
 
     Returns:
         The files.
@@ -81,8 +81,8 @@ def time_against_vertices(rows: Sequence[PairRow], path: Path) -> list[Path]:
     """Draws time a pair against the vertices of its bodies, a panel a gap.
 
     Args:
-        rows: Of `plannercheck bench pairs`.
-        path: Where to, without suffix.
+        rows: Rows of `plannercheck bench pairs`.
+        path: Path of the files that are written, without suffix.
 
     Returns:
         The files.
@@ -110,8 +110,8 @@ def visited_against_vertices(rows: Sequence[ComplexityRow], path: Path) -> list[
     """Draws the worst query's visited vertices and rounds against n, a column an algorithm, one more for hard bodies.
 
     Args:
-        rows: Of `plannercheck bench complexity`.
-        path: Where to, without suffix.
+        rows: Rows of `plannercheck bench complexity`.
+        path: Path of the files that are written, without suffix.
 
     Returns:
         The files.
@@ -141,9 +141,9 @@ def against_size(
     """Draws curves on logarithmic axes: a row for each quantity, panels side by side, a colour a name.
 
     Args:
-        rows: By what y is: by title and name of the curve its points (x, y), both positive.
-        across: What x is.
-        path: Where to, without suffix.
+        rows: For each label of the y axis, title and name of a curve, its points (x, y), both positive.
+        across: The label of the x axis.
+        path: Path of the files that are written, without suffix.
 
     Returns:
         The files.
@@ -170,12 +170,7 @@ def against_size(
 
 def _figure(width: float, height: float) -> Any:
     """An empty figure of a size in inches."""
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise PlannercheckError(
-            "plots need matplotlib, which is not installed: pip install 'plannercheck[bench]'"
-        ) from error
+    Figure = extra_module("matplotlib.figure", "bench", "plots").Figure
     return Figure(figsize=(width, height), layout="constrained")
 
 

@@ -30,7 +30,7 @@ def write_record(path: Path, rows: Sequence[Any]) -> None:
     """Writes rows and the circumstances in which they were measured.
 
     Args:
-        path: Where to, a `.json`; its stem names the measurement.
+        path: Path of the file that is written, a `.json`; its stem names the measurement.
         rows: Frozen dataclasses or mappings of one kind.
     """
     record = {

@@ -37,16 +37,16 @@ class ScaleRow:
     """The cost of a scene of boxes.
 
     Attributes:
-        boxes: In the scene.
-        pairs: A state.
+        boxes: Number of boxes in the scene.
+        pairs: Number of pairs of a state.
         microseconds: The least time a state.
-        ratio: That time over that of the first scene.
+        ratio: The time over that of the first scene.
         motion_microseconds: The least time a motion of `LENGTH`, proved or refused.
-        motion_ratio: That time over that of the first scene.
+        motion_ratio: The time over that of the first scene.
         preparation: Seconds to build the checker, without the disk cache.
         resident: Bytes that building it took; None where the system does not tell.
         prepared: Bytes of the prepared bodies, equal ones once.
-        bytes_a_vertex: Those of the robot's bodies by their vertices.
+        bytes_a_vertex: Bytes of the robot's bodies over the number of their vertices.
         process: Bytes of the whole process after it was built, libraries and all; None where the system does not tell.
     """
 
@@ -68,10 +68,10 @@ def measure(robot: Robot, boxes: Sequence[int], states: int, rounds: int, seed: 
 
     Args:
         robot: The robot.
-        boxes: In each scene; the first `NEAR` of them are near the robot.
-        states: Random configurations to check; a tenth as many motions are.
+        boxes: Number of boxes in each scene; the first `NEAR` of them are near the robot.
+        states: Random configurations to check; a tenth as many motions are checked.
         rounds: How often each scene runs.
-        seed: Of boxes and states.
+        seed: Seed of boxes and states.
 
     Returns:
         A row a scene.

@@ -32,7 +32,7 @@ class SphereModel:
 
     Attributes:
         covers: The balls (k, 4) of each body, as given.
-        margin: What they grow by, m.
+        margin: Length by which the balls grow, m.
     """
 
     def __init__(self, checker: Checker, covers: Mapping[int, Floats]) -> None:

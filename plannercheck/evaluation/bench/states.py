@@ -36,17 +36,17 @@ class StateRow:
         pairs: Pairs of bodies a state.
         which: "random" states, or states "along motions".
         method: Its name.
-        kind: What it is (methods.py).
+        kind: The kind of method (methods.py).
         states: States judged in a round.
         valid: Part of them that is valid, exactly.
         microseconds: The least time a state.
-        ratio: That time over that of `check_states`.
+        ratio: The time over that of `check_states`.
         false_free: Part of the states that it calls free though they collide.
         false_collision: Part of the states that it calls colliding though they are free.
         error: How far its bodies are off at most, m: computed for stand-ins, stated for coal; None where unknown.
         resident: Bytes that building it took; None where the system does not tell.
         preparation: Seconds that building it took, without the disk cache.
-        note: What was timed, and how.
+        note: Says what was timed, and how.
     """
 
     robot: str
@@ -72,14 +72,14 @@ class _Ready:
     """A method that is built and warm.
 
     Attributes:
-        method: Which.
+        method: The method.
         works: Judge its states, in parts.
         overheads: What is taken off, part by part; none for most.
-        states: How many.
-        verdicts: Of them.
+        states: Number of states.
+        verdicts: Verdicts of these states.
         error: See `StateRow`, as the following.
-        resident: Bytes.
-        preparation: Seconds.
+        resident: Resident memory, bytes.
+        preparation: Time of the preparation, s.
         note: What was timed.
     """
 
@@ -106,11 +106,11 @@ def measure(
 
     Args:
         checker: The exact one.
-        methods: What to compare; the first is what others' ratios are to.
+        methods: Methods to compare; ratios are to the first one.
         q: Configurations (n, nq); slow methods judge the first of them.
         rounds: How often each runs.
         skipped: Is told why a method is left out: a library is not installed, or has no shape for a body.
-        which: What the configurations are, for the rows.
+        which: Kind of the configurations, for the rows.
 
     Returns:
         A row for each method that could be built.

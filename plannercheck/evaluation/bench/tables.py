@@ -19,7 +19,7 @@ def write_csv(path: Path, rows: Sequence[Any]) -> None:
     """Writes rows, one column a field; None is an empty cell.
 
     Args:
-        path: Where to.
+        path: Path of the file that is written.
         rows: Dataclasses of one kind, at least one.
     """
 

@@ -191,8 +191,8 @@ def family(name: str, n: int, seed: int) -> Points:
 
     Args:
         name: A key of FAMILIES.
-        n: About how many points, at least 8.
-        seed: Of the random numbers.
+        n: Approximate number of points, at least 8.
+        seed: Seed of the random numbers.
 
     Returns:
         Points (about n, 3), m.

@@ -25,9 +25,9 @@ class Case:
     """Two bodies at their poses.
 
     Attributes:
-        name: What they are.
+        name: Name of the pair.
         bodies: Vertices of the first and second (n, 3), then their poses (4, 4), m.
-        inflation_radii: Of the first and second, m.
+        inflation_radii: Inflation radii of the first and second body, m.
     """
 
     name: str

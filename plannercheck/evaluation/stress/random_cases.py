@@ -65,8 +65,8 @@ class Draw:
     Attributes:
         family: The row of the table.
         label: Everything that was drawn.
-        p: A body.
-        r: Another.
+        p: The first body.
+        r: The second body.
         poses_p: (gaps, 4, 4), m.
         poses_r: (gaps, 4, 4), m.
     """
@@ -91,7 +91,7 @@ def draws(seed: int, refused: Callable[[PlannercheckError], object] | None = Non
     """Random draws without end; each has random numbers of its own, so that it can be made again alone.
 
     Args:
-        seed: Of the random numbers.
+        seed: Seed of the random numbers.
         refused: Called when a body can't be prepared; that draw is left out.
 
     Yields:

@@ -59,8 +59,8 @@ class StressTally:
     """The results of a run.
 
     Attributes:
-        pairs: By family, gap and truth.
-        failures: By contestant, kind of failure, family, gap and truth.
+        pairs: Pairs by family, gap and truth.
+        failures: Failures by contestant, kind of failure, family, gap and truth.
         unfit: Pairs that a peer has no shape for, by contestant and family, gap and truth.
         refused: Bodies that could not be prepared, by message.
         by_integers: Pairs that the compiled oracle found no proof for, so that Python's integers decided.
@@ -114,11 +114,11 @@ def run(
     """Runs the suite.
 
     Args:
-        pairs: How many to decide at least.
-        seed: Of the random numbers; a run with more pairs starts with those of a shorter one.
+        pairs: Least number of pairs to decide.
+        seed: Seed of the random numbers; a run with more pairs starts with those of a shorter one.
         peers: Other libraries to be counted, too.
         progress: Called after each draw, or some of them.
-        processes: How many to use.
+        processes: Number of processes to use.
 
     Returns:
         The tally.

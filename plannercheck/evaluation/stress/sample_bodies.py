@@ -120,9 +120,9 @@ def specimen(family: str, n: int, size: float, rng: np.random.Generator) -> Spec
 
     Args:
         family: One of HULLS or INFLATED.
-        n: About how many points, at least 8.
-        size: About how large, m.
-        rng: Random numbers.
+        n: Approximate number of points, at least 8.
+        size: Approximate size, m.
+        rng: Random number generator.
 
     Returns:
         The prepared body.

@@ -20,7 +20,7 @@ def lines(tally: StressTally, peers: Sequence[str]) -> list[str]:
     """All tables.
 
     Args:
-        tally: What a run found.
+        tally: The counts of a run.
         peers: Names of the peers that took part.
 
     Returns:

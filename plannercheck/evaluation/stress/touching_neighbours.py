@@ -22,9 +22,9 @@ def neighbours(kind: str, size: float, n: int, rng: np.random.Generator) -> tupl
 
     Args:
         kind: One of NEIGHBOURS.
-        size: Of the larger one, m, a power of two.
-        n: About how many points it has.
-        rng: Random numbers.
+        size: Size of the larger body, m, a power of two.
+        n: Approximate number of its points.
+        rng: Random number generator.
 
     Returns:
         The second to be moved, the first, and the unit direction (3,) from the first to the second.

@@ -37,8 +37,8 @@ class Motions(NamedTuple):
     """Motions, and the state that each passes.
 
     Attributes:
-        q0: (n, nq).
-        q1: (n, nq).
+        q0: (n, nq) starts.
+        q1: (n, nq) ends.
         at: (n,) parameters of the states.
         through: (n, nq) states.
         touching: (n,) whether the state collides by construction.
@@ -65,7 +65,7 @@ class Aim:
     """A state and the contact that was built there.
 
     Attributes:
-        state: (nq,).
+        state: (nq,) configuration.
         link: Index of the link whose body touches.
         other: Index of the link of what it touches, -1 for the world.
         point: (3,) in the world at the state, m.

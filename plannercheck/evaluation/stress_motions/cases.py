@@ -30,11 +30,11 @@ class MotionCase:
     """Motions of one checker, one of which failed.
 
     Attributes:
-        name: What it is, and what was wrong.
-        kind: Of the fault.
+        name: Name of the motion, and what was wrong with its verdict.
+        kind: Kind of the fault.
         recipe: Robot and scene; None for a failure without a draw.
         motions: The one that failed comes first.
-        tolerance: m.
+        tolerance: Tolerance of the verdict, m.
     """
 
     name: str

@@ -32,10 +32,10 @@ class Closeness(NamedTuple):
     """How bodies are laid upon each other.
 
     Attributes:
-        depths: Of contacts, m, least and largest power of ten.
-        on_facets: In so many cases on a facet of a box.
-        at_corners: In so many at corners that are as far out as the bodies reach, where the balls around both only just
-            meet; else at any vertex.
+        depths: Depths of contacts, m, least and largest power of ten.
+        on_facets: Share of contacts on a facet of a box.
+        at_corners: Share of contacts at corners that are as far out as the bodies reach, where the balls around both
+            only just meet. All others are at any vertex.
     """
 
     depths: tuple[float, float]
@@ -54,7 +54,7 @@ class Extent:
 
     Attributes:
         vertices: (n, 3), m.
-        inflation_radius: m.
+        inflation_radius: Inflation radius, m.
     """
 
     vertices: Floats

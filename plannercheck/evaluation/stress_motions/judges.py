@@ -54,7 +54,7 @@ def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, pr
         draw: The draw.
         build: Makes a new checker of the draw.
         rng: Random numbers: orders, and states to be looked at.
-        proofs: How many of the accepted motions to prove and verify.
+        proofs: Number of accepted motions to prove and verify.
 
     Returns:
         The outcome.
@@ -142,20 +142,18 @@ def _after_few(
 
 
 def _single(subject: Subject, draw: Draw, row: int, judged: Judged) -> int:
-    try:
-        free = subject.check_one(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance)
-        return FREE if free else REFUSED
-    except PlannercheckError as error:
-        return declined(error, row, judged)
-    except Exception as error:
-        judged.add(EXCEPTION, row, repr(error))
-        return FAILED
+    q0, q1 = draw.motions.q0[row], draw.motions.q1[row]
+    return _answer(row, judged, lambda: subject.check_one(q0, q1, draw.tolerance))
 
 
 def _motion_result(subject: Subject, draw: Draw, row: int, judged: Judged, proofs: bool) -> int:
+    q0, q1 = draw.motions.q0[row], draw.motions.q1[row]
+    return _answer(row, judged, lambda: subject.motion_result(q0, q1, draw.tolerance, proofs).free)
+
+
+def _answer(row: int, judged: Judged, is_free: Callable[[], bool]) -> int:
     try:
-        found = subject.motion_result(draw.motions.q0[row], draw.motions.q1[row], draw.tolerance, proofs)
-        return FREE if found.free else REFUSED
+        return FREE if is_free() else REFUSED
     except PlannercheckError as error:
         return declined(error, row, judged)
     except Exception as error:

@@ -47,7 +47,7 @@ class Judged:
     Attributes:
         counts: Motions, free, refused, declined, sharp (free at both ends, in contact between), sampled states,
             verified; "named off" are refusals whose named state is not within the tolerance, though another one is.
-        faults: What was wrong.
+        faults: Kinds of faults of the verdicts.
     """
 
     counts: Counter[str] = field(default_factory=Counter)

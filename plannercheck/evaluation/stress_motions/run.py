@@ -71,12 +71,13 @@ class MotionTally:
     """The results of a run.
 
     Attributes:
-        counts: By family and what was counted: motions, free, refused, declined, sharp, sampled states, verified.
-        faults: By family and kind.
+        counts: Counts by family and by what was counted: motions, free, refused, declined, sharp, sampled states,
+            verified.
+        faults: Faults by family and kind.
         cases: The first failures.
-        first: By kind of fault, after how many motions it was found first.
-        draws: How many were judged.
-        seconds: By family, of processes' time.
+        first: For each kind of fault, after how many motions it was found first.
+        draws: Number of draws that were judged.
+        seconds: Process time by family, s.
     """
 
     counts: dict[str, Counter[str]] = field(default_factory=lambda: defaultdict(Counter))
@@ -138,11 +139,11 @@ def run(
     """Runs the suite.
 
     Args:
-        motions: How many to judge at least.
-        seed: Of the random numbers.
-        verified: How many of the accepted motions to prove and verify, about.
-        processes: How many share the work; what is found does not depend on it.
-        families: Of FAMILY_NAMES.
+        motions: Least number of motions to judge.
+        seed: Seed of the random numbers.
+        verified: Approximate number of accepted motions to prove and verify.
+        processes: Number of processes that share the work; what is found does not depend on it.
+        families: Some of FAMILY_NAMES.
         progress: Called after each draw.
 
     Returns:

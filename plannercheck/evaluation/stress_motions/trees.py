@@ -38,7 +38,7 @@ class Wishes:
 
     Attributes:
         kinds: Joints to choose from, the later ones given by weight.
-        weights: Of the kinds.
+        weights: Weights of the kinds.
         joints: Least and largest number of joints.
         mimics: The part of the joints of one number that follow another.
         branching: The probability that a joint hangs not on the one before but on any.

@@ -28,7 +28,7 @@ class RowBlock(NamedTuple):
 
     Attributes:
         rows: (n, nq) float64 of its own memory.
-        part: Of the file that has been read with this block, 0 to 1; None if nobody knows.
+        part: Part of the file that has been read with this block, 0 to 1; None if unknown.
     """
 
     rows: Floats

@@ -145,7 +145,7 @@ def columns_of(
 
     Args:
         robot: The robot.
-        named: What files call its joints, in its order; None for its own names.
+        named: Names of its joints in files, in its order; None for its own names.
         ignored: Columns that are left out though they are of held joints.
         degrees: Whether files have angles in degrees.
 

@@ -75,10 +75,10 @@ class _Layout(NamedTuple):
     """How rows lie in an array.
 
     Attributes:
-        total: Rows.
+        total: Number of rows.
         width: Numbers in a row.
         numbers: Values in a row: one if they are records.
-        dtype: Of a value.
+        dtype: Type of a value.
         fields: The joints' fields of a record, in order; None if values are numbers.
         by_column: Whether columns, not rows, are together.
     """

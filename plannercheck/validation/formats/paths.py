@@ -43,7 +43,7 @@ class PathFile(OwnsArrays):
 
     Attributes:
         states: (k, nq) configurations of the group, k at least 1; rad and m.
-        others: By name, the values of joints outside the group, which stand still on the path.
+        others: Values by name of the joints outside the group, which stand still on the path.
         bent_by: Which of "velocities" and "accelerations" a trajectory gives that are not zero: a controller then runs
             splines, not the straight motions between the states.
     """
@@ -58,7 +58,7 @@ def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathF
 
     Args:
         path: The file; its suffix and content tell the format.
-        joint_names: Of the group, for files that name joints.
+        joint_names: Joint names of the group, for files that name joints.
         width: Numbers a configuration must have, nq.
 
     Returns:

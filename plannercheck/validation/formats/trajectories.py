@@ -35,10 +35,10 @@ class Trajectory:
     """Trajectories in a row, as one.
 
     Attributes:
-        joint_names: Of the columns.
+        joint_names: Joint names of the columns.
         positions: (k, joints) rad and m.
-        held: By name, the start state's values of joints that do not move; rad and m.
-        bent_by: Which of "velocities" and "accelerations" are not zero: the way between points is then not straight.
+        held: The start state's values, by name, of joints that do not move; rad and m.
+        bent_by: Which of "velocities" and "accelerations" are not zero: the paths between points are then not straight.
     """
 
     joint_names: list[str]

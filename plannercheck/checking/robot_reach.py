@@ -1,0 +1,154 @@
+"""What lever arms prove about a robot's bodies before there is a scene: computed once a robot, for all its checkers.
+
+In: a robot, its bodies' hulls. Out: `RobotReach`. It knows which of the robot's own pairs never meet within the limits,
+and has the cells of joint space with the places of each body in them, compiled, so that an obstacle costs microseconds.
+The proofs are those of unreachable_pairs.py, whose functions are the plain way that tests hold this against.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from plannercheck.bodies.shapes import GeometryObject, InflatedHull
+from plannercheck.checking.reach_bounds import Boxes, Chains
+from plannercheck.checking.unreachable_pairs import MARGIN, RELATIVE, apart_among_links, sizes_of
+from plannercheck.common.array_types import Bools, Floats, Ints
+from plannercheck.common.arrays import read_only
+from plannercheck.common.core import core
+from plannercheck.robots.kinematics import JointTable
+from plannercheck.robots.robot import Robot
+
+
+class RobotReach:
+    """Proofs about the bodies on a robot's links. Immutable but for results that are kept; threads may share it."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        table: JointTable,
+        bodies: Sequence[GeometryObject],
+        hulls: Sequence[InflatedHull],
+        carrier: RobotReach | None = None,
+    ) -> None:
+        """Measures the chains.
+
+        Args:
+            robot: The robot, which the compiled kinematics poses.
+            table: Its joint table.
+            bodies: All bodies on its links, what they carry last.
+            hulls: Of these bodies.
+            carrier: The same for the robot without what it carries; its results are taken over.
+        """
+        self._chains = Chains(robot, table, bodies, hulls)
+        self._carrier = carrier
+        if carrier is not None:
+            self._chains.inherit(carrier._chains)
+        self._known: dict[bytes, tuple[Bools, Bools]] = {}
+
+    @cached_property
+    def is_proved(self) -> bool:
+        """Whether the margins cover all rounding within the limits; if not, no pair counts as apart."""
+        return self._chains.is_proved()
+
+    @cached_property
+    def at_rest(self) -> Bools:
+        """(bodies,) which bodies no joint of the group moves."""
+        return read_only(np.array([not self._chains.chain(b) for b in range(self._chains.count)], dtype=bool))
+
+    def own_pairs(self, pairs: Ints) -> tuple[Bools, Bools]:
+        """Which pairs (k, 2) of these bodies never meet within the limits, and which no joint moves; kept."""
+        key = pairs.astype(np.int64).tobytes()
+        if key not in self._known:
+            static = self._chains.screen.static(pairs.astype(np.int64))
+            self._known[key] = read_only(self._apart(pairs)), read_only(static)
+        return self._known[key]
+
+    def _apart(self, pairs: Ints) -> Bools:
+        if not self.is_proved:
+            return np.zeros(len(pairs), dtype=bool)
+        if self._carrier is None:
+            return apart_among_links(self._chains, pairs)
+        apart = np.zeros(len(pairs), dtype=bool)
+        is_new = (pairs >= self._carrier._chains.count).any(axis=1)
+        apart[is_new] = apart_among_links(self._chains, pairs[is_new])
+        apart[~is_new] = self._carrier.own_pairs(pairs[~is_new])[0]
+        return apart
+
+    def clear_of(self, boxes: Boxes, poses: Floats) -> Bools:
+        """(bodies, n) which bodies never meet which of n obstacles: boxes at poses (n, 4, 4) in the world, m."""
+        if not self.is_proved:
+            return np.zeros((self._chains.count, len(poses)), dtype=bool)
+        sizes = sizes_of(boxes, poses)
+        corners = np.ascontiguousarray(boxes.low), np.ascontiguousarray(boxes.high)
+        clear = self._cells.clear_of(poses, *corners, np.ascontiguousarray(boxes.inflation_radius), sizes)
+        return np.asarray(clear).view(bool)
+
+    @cached_property
+    def _cells(self) -> Any:
+        """The cells of all cuts, compiled; bodies beyond one joint share their centres."""
+        chains = self._chains
+        numbers: dict[int, int] = {}
+        sets: list[Floats] = []
+        rows: list[tuple[int, float, float]] = []
+        first_cut = [0]
+        for body in range(chains.count):
+            chain = chains.chain(body)
+            columns = chains.columns(chain)
+            for count in range(len(columns) + 1):
+                cut = tuple(columns[:count])
+                end = chains.end(body, chain, cut)
+                centres, sway = chains.centres_in_cells(body, chain, cut)
+                if id(centres) not in numbers:
+                    numbers[id(centres)] = len(sets)
+                    sets.append(centres)
+                extent = end.radius + sway + float(np.linalg.norm(centres, axis=1).max())
+                rows.append((numbers[id(centres)], end.radius + sway, extent))
+            first_cut.append(len(rows))
+        of_cut, radii, extents = zip(*rows, strict=True) if rows else ((), (), ())
+        return core.reach_cells(
+            np.ascontiguousarray(np.concatenate([np.zeros((0, 3)), *sets])),
+            np.cumsum([0, *map(len, sets)]).astype(np.int64),
+            np.array(of_cut, dtype=np.int64),
+            np.array(radii, dtype=np.float64),
+            np.array(extents, dtype=np.float64),
+            np.array(first_cut, dtype=np.int64),
+            MARGIN,
+            RELATIVE,
+        )
+
+
+def reach_of(
+    robot: Robot,
+    bodies: tuple[GeometryObject, ...],
+    hulls: Callable[[int], Sequence[InflatedHull]],
+    paddings: Floats,
+    excess: float,
+) -> RobotReach | None:
+    """The proofs about a robot's bodies, computed when a checker of it first asks.
+
+    Args:
+        robot: The robot.
+        bodies: The bodies on its links, or stand-ins for them.
+        hulls: A function that gives those of the first so many bodies; called only if something is computed.
+        paddings: (bodies,) the part of each inflation radius that is padding, m.
+        excess: How far polytopes of curved shapes stick out, as a part of the radius.
+
+    Returns:
+        The proofs; None if Pinocchio itself poses the robot.
+    """
+    table = robot.joint_table
+    if table is None or robot.kinematics is None:
+        return None
+
+    def compute() -> RobotReach:
+        own = sum(body.carried is None for body in bodies)
+        carrier = None
+        if own < len(bodies):
+            carrier = reach_of(robot.carrying(()), bodies[:own], hulls, paddings[:own], excess)
+        return RobotReach(robot, table, bodies, hulls(len(bodies)), carrier)
+
+    return robot.remembered(("reach", bodies, paddings.tobytes(), excess), compute)

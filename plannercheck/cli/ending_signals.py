@@ -1,0 +1,109 @@
+"""Ctrl-C and SIGTERM end a command wherever it is: with an exception that comes until it is heeded.
+
+In: a scope. Out: `KeyboardInterrupt`, or `Terminated`, out of it. Idea: other people's compiled modules do not expect
+that a signal's handler raises. While they load, they make an ImportError of it or end the process; elsewhere they may
+drop it, and the command would go on. So nothing is raised in the midst of an import: a program that has only begun to
+load ends there and then, with nothing to lose; others wait. And after a signal the handler is called again and again:
+it raises unless the exception is being handled, until the scope has ended.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+# s: between two calls of the handler. Far below what a person notices, far above what a call takes.
+_IN_IMPORTS, _ONCE_RAISED = 0.02, 0.2
+# Where Python's own machinery of imports says that it comes from.
+_IMPORTING = "<frozen importlib._bootstrap>"
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM: handled as Ctrl-C is, so that what is kept for later is said."""
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[EndingSignals]:
+    """Raises `KeyboardInterrupt` where Ctrl-C comes, `Terminated` where SIGTERM does.
+
+    Only the main thread may ask for that. A Ctrl-C that is ignored, as in the background of a shell, stays ignored, and
+    a handler of the caller's own is kept.
+    """
+    handler = EndingSignals()
+    if threading.current_thread() is not threading.main_thread():
+        yield handler
+        return
+    numbers = [signal.SIGTERM]
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        numbers.append(signal.SIGINT)
+    before = {number: signal.signal(number, handler) for number in numbers}
+    try:
+        yield handler
+    finally:
+        handler.stop()
+        for number, previous in before.items():
+            signal.signal(number, previous)
+
+
+class EndingSignals:
+    """The handler of both signals."""
+
+    def __init__(self) -> None:
+        self._ended = False
+        self._sending = threading.Lock()
+        self._say: Callable[[KeyboardInterrupt], int] | None = None
+
+    @contextmanager
+    def ending_the_process(self, say: Callable[[KeyboardInterrupt], int]) -> Iterator[None]:
+        """As long as this lasts, a signal in an import ends the process: what loads can't be stopped otherwise.
+
+        Args:
+            say: Says why, and returns the exit code.
+        """
+        self._say = say
+        try:
+            yield
+        finally:
+            self._say = None
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        """Raises, where it may, and comes again."""
+        if self._ended:
+            return
+        stop = Terminated() if number == signal.SIGTERM else KeyboardInterrupt()
+        importing = _is_importing(frame)
+        if importing and self._say is not None:
+            os._exit(self._say(stop))
+        self._come_again(number, _IN_IMPORTS if importing else _ONCE_RAISED)
+        if not importing and not isinstance(sys.exc_info()[1], KeyboardInterrupt):
+            raise stop
+
+    def stop(self) -> None:
+        """Raises nothing from now on, nor comes again."""
+        self._ended = True
+        with self._sending:  # a signal that is under way has been sent
+            signal.sigpending()  # and is delivered before the next line
+
+    def _come_again(self, number: int, seconds: float) -> None:
+        later = threading.Timer(seconds, self._send, (number,))
+        later.daemon = True
+        later.start()
+
+    def _send(self, number: int) -> None:
+        with self._sending:
+            if not self._ended:
+                signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
+def _is_importing(frame: FrameType | None) -> bool:
+    """Whether an import is among the calls that led to a frame."""
+    while frame is not None:
+        if frame.f_code.co_filename == _IMPORTING:
+            return True
+        frame = frame.f_back
+    return False

@@ -1,0 +1,140 @@
+"""OMPL's spaces of a checker, set up once and lent to one plan after the other.
+
+In: a checker, how its motions are judged, how its root moves. Out: `lent`, a `PreparedSpace`: an OMPL space, and a
+SpaceInformation with validators. `given_back` keeps it for the next plan.
+
+While it is lent, a plan has it for itself, so that plans of several threads share nothing. All that a plan changes is
+made anew for each: the planner, the problem and its solution, the simplifier. What is kept refers to its checker
+weakly: validators are kept by C++, which Python's garbage collector does not see, so that a checker whose spaces are
+kept for it would never be freed.
+"""
+
+from __future__ import annotations
+
+import atexit
+import weakref
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from ompl import base, util
+
+from plannercheck.checking.protocols import AnyChecker
+from plannercheck.common.array_types import Floats
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.certifier import DEFAULT_TOLERANCE
+from plannercheck.motions.checker import Checker
+from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.motion_validators import Space, motion_validator
+from plannercheck.ompl.planar_space import PlanarSpace
+from plannercheck.ompl.state_validators import ExactStates
+from plannercheck.planar.checker import Checker as PlanarChecker
+from plannercheck.planar.curves import Curve
+
+# What spaces of one checker differ by: resolution (m), curve, turning radius (m).
+_Key: TypeAlias = tuple[float | None, Curve, float | None]
+
+# These planners sort states by a projection. OMPL may draw a random one when it sets up a space, which has to be after
+# the plan's seed is set: they get a new space each time.
+_PROJECTING = ("BKPIECE1", "KPIECE1", "LBKPIECE1")
+
+
+class PreparedSpace:
+    """A space with all that OMPL needs to plan in it, except for planner and problem.
+
+    Attributes:
+        space: Reads and writes states.
+        information: OMPL's SpaceInformation, with validators.
+    """
+
+    def __init__(self, space: Space, information: Any, key: _Key | None) -> None:
+        """Takes a space and its information; `key` says for which plans it is kept, None for this one only."""
+        self.space, self.information, self.key = space, information, key
+        self._ends: tuple[Any, ...] = ()
+
+    def end_states(self, ends: Sequence[Floats]) -> tuple[Any, ...]:
+        """OMPL states of start and goal, for a problem that copies them."""
+        if not self._ends:
+            self._ends = tuple(self.information.allocState() for _ in ends)
+        for state, q in zip(self._ends, ends, strict=True):
+            self.space.write(state, q)
+        return self._ends
+
+    def draw_seeds(self) -> None:
+        """Draws as many of OMPL's seeds as setting up the space would have drawn now.
+
+        So a seed gives the same plan whether the space is new or not. OMPL draws two for the random projection of a
+        space of more than two bounded joints: for its matrix, and for the samples that give its extent.
+        """
+        space = self.information.getStateSpace()
+        if self.key is not None and isinstance(space, base.RealVectorStateSpace) and space.getDimension() > 2:
+            util.RNG()
+            util.RNG()
+
+
+# Spaces that no plan has now. Pop and append of a list are single steps for other threads.
+_KEPT: WeakKeyDictionary[AnyChecker, dict[_Key, list[PreparedSpace]]] = WeakKeyDictionary()
+atexit.register(_KEPT.clear)  # before nanobind looks for leaks
+
+
+def lent(
+    checker: AnyChecker,
+    planner: str,
+    resolution: float | None,
+    curve: Curve,
+    turning_radius: float | None,
+    ends: Sequence[Floats],
+) -> PreparedSpace:
+    """A space that is ready, for this plan only; arguments as for `plan`, `ends` as for `JointSpace`."""
+    key = (resolution, curve, turning_radius)
+    is_kept = planner not in _PROJECTING
+    if is_kept:
+        try:
+            return _KEPT[checker][key].pop()
+        except (KeyError, IndexError):
+            pass
+    space = space_of(checker, curve, turning_radius, ends)
+    if not is_kept or (isinstance(space, JointSpace) and space.depends_on_ends):
+        return PreparedSpace(space, space_information(checker, space, resolution), None)
+    information = space_information(weakref.proxy(checker), space, resolution)
+    information.setup()
+    return PreparedSpace(space, information, key)
+
+
+def given_back(checker: AnyChecker, prepared: PreparedSpace) -> None:
+    """Keeps a space for the next plan of its kind, unless it was made for one plan only."""
+    if prepared.key is not None:
+        _KEPT.setdefault(checker, {}).setdefault(prepared.key, []).append(prepared)
+
+
+def space_of(
+    checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None, held: Sequence[Floats] = ()
+) -> Space:
+    """The space in which a checker's robot is planned for; arguments as for `setup`, `held` as for `JointSpace`."""
+    if isinstance(checker, PlanarChecker):
+        return PlanarSpace(checker.robot, curve, turning_radius)
+    if curve != "straight" or turning_radius is not None:
+        raise PlannercheckError("curves and turning radii are for planar robots")
+    return JointSpace(checker.robot, *held)  # type: ignore[arg-type]  # the other kind of checker
+
+
+def space_information(
+    checker: AnyChecker, space: Space, resolution: float | None, tolerance: float = DEFAULT_TOLERANCE
+) -> Any:
+    """OMPL's SpaceInformation with a checker's validators, not set up; arguments as for `setup`."""
+    for name, length in (("resolution", resolution), ("tolerance", tolerance)):
+        if length is not None and not (np.isfinite(length) and length > 0):
+            raise PlannercheckError(f"{name} must be a positive length in m, not {length!r}")
+    information = base.SpaceInformation(space.ompl_space())
+    information.setStateValidityChecker(_state_validity(information, checker, space))
+    information.setMotionValidator(motion_validator(information, checker, space, resolution, tolerance))
+    return information
+
+
+def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
+    """OMPL's state validity checker; in space it also has clearances."""
+    if isinstance(checker, Checker):
+        assert isinstance(space, JointSpace)
+        return ExactStates(information, checker, space)
+    return lambda state: checker.is_valid(np.array(space.read(state)))

@@ -1,0 +1,96 @@
+"""YAML built from events: the values, types and errors of PyYAML's own loader, whatever the text."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+import yaml
+
+from plannercheck.common import plain_yaml
+from plannercheck.common.package_data import shipped_folder
+from plannercheck.common.plain_yaml import LOADER, load_yaml
+
+FILES = sorted([*shipped_folder("configs").glob("*.yaml"), *shipped_folder("robots").glob("*.yaml")])
+
+SCALARS = (
+    *("0", "-0", "1", "+1", "-17", "007", "0o7", "0x1F", "0b11", "1_000", "12345678901234567890", "1:30", "1:30.5"),
+    *("1.5", "-1.5", "+1.5", "1.", ".5", "-.5", "1e5", "1e-5", "1.0e5", "1.0e+5", "-2.5E-300", "1.0e+999", "00.5"),
+    *(".inf", "-.Inf", ".nan", "~", "null", "Null", "NULL", "nULL", "", "yes", "No", "ON", "off", "true", "TRUE", "y"),
+    *("2026-01-02", "2026-01-02T03:04:05Z", "2026-99-99", "text", "a b", "-a", "a: b", "=", "<<", "a#b", "#b", "1.2.3"),
+    *('"quoted"', "'single'", '"1.5"', "'true'", '"\\x41"', "!!str 5", "!!float 5", "!other 5", "&a 5", "*a", "! 5"),
+    *("[1, 2]", "{a: 1}", "{a: 1, a: 2}", "[]", "{}", "{[1]: 2}", "{? {a: b} : c}", "[a, [b, {c: d}]]", "{a, b}"),
+    *("|\n  block\n  text", ">\n  folded\n  text", "1__0", "1.5_0", "0.1_", "9" * 40, "x" * 200, "\u00e9", "a\tb"),
+)
+
+
+def outcome(load, text):
+    try:
+        value = load(text)
+    except (yaml.YAMLError, ValueError) as error:
+        return type(error), " ".join(str(error).split())
+    return repr(value), types(value)
+
+
+def types(value):
+    if isinstance(value, dict):
+        return [(type(key), types(key), types(item)) for key, item in value.items()]
+    return [type(value), *map(types, value)] if isinstance(value, list) else type(value)
+
+
+def pyyaml(text):
+    return yaml.load(text, Loader=LOADER)
+
+
+def assert_same(text):
+    assert outcome(load_yaml, text) == outcome(pyyaml, text)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_shipped_files_without_pyyamls_constructors(path, monkeypatch):
+    truth = pyyaml(path.read_bytes())
+    monkeypatch.setattr(plain_yaml.yaml, "load", None)
+    assert repr(load_yaml(path.read_bytes())) == repr(truth)
+    assert repr(load_yaml(path.read_text(encoding="utf-8"))) == repr(truth)
+
+
+@pytest.mark.parametrize("scalar", SCALARS)
+def test_scalars_of_all_kinds(scalar):
+    for form in ("{}", "a: {}", "- {}", "{}: b", "[1, {}]", "{{k: {}, l: 2}}", "a:\n  - {}\n  - 1\nb: {}"):
+        assert_same(form.format(*[scalar] * form.count("{}")))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "---", "--- 1\n--- 2", "--- 1\n...", "%YAML 1.1\n--- 1", "# only a comment", "a: 1\na: 2", "? a\n: b"),
+        *("a: &x [1]\nb: *x", "a: &x {b: 1}\nc: {<<: *x, d: 2}", "a: [1", "a: b: c", "\ta: 1", "a: 'b", "- a\nb"),
+        *("? [1]\n: 2", "? - 1\n: 2", "!!set {a, b}", "!!omap [a: 1]", "!!python/none x", "\x00", "a: \x07"),
+        *(b"\xff\xfea\x00:\x00 \x001\x00", b"\xef\xbb\xbfa: 1", b"a: \xff", "a: 1\n\n\nb: 2\n...\n", "[a, b]: c"),
+    ],
+)
+def test_documents_of_all_kinds(text):
+    assert_same(text)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_damaged_files(seed):
+    rng = random.Random(seed)
+    text = rng.choice(FILES).read_text(encoding="utf-8")[:4000]
+    for _ in range(60):
+        start, count = rng.randrange(len(text)), rng.choice([0, 1, 1, 3, 20])
+        assert_same(text[:start] + rng.choice(["", *"[]{}:-,#&*!|>'\"%@`?\n ", *SCALARS]) + text[start + count :])
+
+
+def test_what_is_kept_is_short():
+    plain_yaml._resolved.cache_clear()
+    load_yaml(f"a: {'x' * 100}")
+    assert plain_yaml._resolved.cache_info().currsize == 1  # the key
+
+
+def test_the_plain_way_can_be_left_out(monkeypatch):
+    path = Path(FILES[0])
+    truth = load_yaml(path.read_bytes())
+    monkeypatch.setattr(plain_yaml, "_value_of_events", lambda text: (_ for _ in ()).throw(plain_yaml._NotPlainError))
+    assert load_yaml(path.read_bytes()) == truth

@@ -1,0 +1,149 @@
+"""Ways to save work on motions change no verdict: bounds of speed, a tree of obstacles, collisions proved by balls."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import plannercheck as pc
+from plannercheck.common.package_data import example_robot_data
+from plannercheck.robots.description import find_description, read_description
+
+TOLERANCES = (1e-6, 1e-4, 2e-2)
+SWITCHES = ("bounds", "overlaps")
+
+
+def whole_robot(name, floating=False):
+    """A robot in Pinocchio's own numbers."""
+    description = read_description(find_description(name))
+    return pc.Robot.from_urdf(description.urdf, description.srdf, package_dirs=example_robot_data(), floating=floating)
+
+
+ROBOTS = {
+    "panda": lambda: pc.Robot.load("panda"),
+    "ur5": lambda: pc.Robot.load("ur5"),
+    "pr2": lambda: pc.Robot.load("pr2"),  # continuous joints, grippers that mimic
+    "tiago whole": lambda: whole_robot("tiago"),  # cosines and sines, a prismatic torso
+    "go2 floating": lambda: whole_robot("go2", floating=True),
+}
+
+
+def scattered(generator, count, size):
+    """A scene of small boxes, spheres and tetrahedra around the robot."""
+    scene = pc.Scene("scattered")
+    for k in range(count):
+        pose = np.eye(4)
+        pose[:3, :3] = pin.exp3(generator.normal(size=3))
+        angle, far = generator.uniform(0, 2 * np.pi), generator.uniform(0.6, 1.4)
+        pose[:3, 3] = far * np.cos(angle), far * np.sin(angle), generator.uniform(0.2, 1.2)
+        if k % 3 == 0:
+            scene.add_sphere(f"ball{k}", float(generator.uniform(0.01, size / 2)), pose)
+        elif k % 3 == 1:
+            scene.add_hull(f"tetrahedron{k}", size * generator.normal(size=(4, 3)), pose)
+        else:
+            scene.add_box(f"box{k}", generator.uniform(0.001, size, 3), pose)
+    return scene
+
+
+def motions(checker, generator, n):
+    """Short and long motions, some of them beyond the limits; most begin at valid states."""
+    robot = checker.robot
+    starts = robot.random_configurations(n, generator)
+    tried = robot.random_configurations(20 * n, generator)
+    valid = tried[checker.check_states(tried)]
+    if len(valid):
+        starts[n // 4 :] = np.resize(valid, (n - n // 4, robot.nq))
+    if robot.group is None:
+        others = robot.random_configurations(n, generator)
+        parts = generator.uniform(0, 1, n)
+        ends = [pin.interpolate(robot.model, a, b, t) for a, b, t in zip(starts, others, parts, strict=True)]
+        return starts, np.array(ends)
+    way = generator.normal(size=starts.shape) * 10.0 ** generator.uniform(-2.5, 0.3, (n, 1))
+    ends = starts + way
+    inside = generator.uniform(size=n) < 0.7
+    ends[inside] = np.clip(ends[inside], robot.lower, robot.upper)
+    return starts, ends
+
+
+def with_switches(robot, scene, own):
+    """A checker with all switches on, one with each of them off, and one with all of them off."""
+    chosen = [{}, *({name: False} for name in SWITCHES), dict.fromkeys(SWITCHES, False)]
+    return [pc.Checker(robot, scene, self_collision=own, **off) for off in chosen]
+
+
+# Up to 64 obstacles are tested one by one, more by the tree.
+@pytest.mark.parametrize(
+    ("name", "obstacles"),
+    [*((name, 5) for name in ROBOTS), ("panda", 90), ("tiago whole", 90), ("go2 floating", 90)],
+)
+def test_switches_change_no_verdict(name, obstacles):
+    generator = np.random.default_rng(len(name) + obstacles)
+    robot = ROBOTS[name]()
+    scene = scattered(generator, obstacles, 0.2 if obstacles < 50 else 0.05)
+    # Without an SRDF some robots always touch themselves.
+    own = not name.startswith(("go2", "tiago"))
+    checker, *others = with_switches(robot, scene, own)
+    starts, ends = motions(checker, generator, 100)
+    kinds = []
+    for tolerance in TOLERANCES:
+        free = checker.check_motions(starts, ends, tolerance=tolerance)
+        for other in others:
+            assert (other.check_motions(starts, ends, tolerance=tolerance) == free).all()
+        kinds.append(free.mean())
+    assert any(0 < kind < 1 for kind in kinds)
+
+
+def test_batches_order_and_threads_do_not_matter():
+    generator = np.random.default_rng(5)
+    robot = pc.Robot.load("panda")
+    checker, *_, plain = with_switches(robot, pc.Scene.load("bookshelf"), own=True)
+    starts, ends = motions(plain, generator, 400)
+    free = plain.check_motions(starts, ends)
+    order = generator.permutation(len(free))
+    assert (checker.check_motions(starts[order], ends[order]) == free[order]).all()
+    assert (checker.check_motions(starts, ends, threads=3) == free).all()
+    parts = np.split(np.arange(len(free)), np.cumsum([1, 2, 3, 5, 8, 13, 21, 34]))
+    assert (np.concatenate([checker.check_motions(starts[part], ends[part]) for part in parts]) == free).all()
+    assert [checker.check_motion(a, b) for a, b in zip(starts, ends, strict=True)] == free.tolist()
+
+
+ARM = """<robot name="arm"><link name="base"/>
+<link name="upper"><collision><origin xyz="0.25 0 0"/><geometry><box size="0.5 0.1 0.1"/></geometry></collision></link>
+<link name="lower"><collision><origin xyz="0.25 0 0"/><geometry><box size="0.5 0.1 0.1"/></geometry></collision></link>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+<joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.6 0 0"/>
+<axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_motions_near_contact(tmp_path):
+    """Two boxes turn under plates that are nearly in contact all the way, or only at one end."""
+    (tmp_path / "arm.urdf").write_text(ARM)
+    robot = pc.Robot.from_urdf(tmp_path / "arm.urdf")
+    generator = np.random.default_rng(3)
+    starts = generator.uniform(-1, 1, (20, 2))
+    ends = starts + generator.uniform(-0.5, 0.5, starts.shape)
+    verdicts = []
+    for gap in (-1e-6, 0.0, 1e-6, 5e-5, 1e-4, 2e-4, 3e-4, 1e-3):
+        for width in (3.0, 0.3):
+            pose = np.eye(4)
+            pose[:3, 3] = 1.2 if width < 1 else 0, 0, 0.05 + gap + 0.005
+            scene = pc.Scene("plate")
+            scene.add_box("plate", [width, width, 0.01], pose)
+            found = [c.check_motions(starts, ends).tolist() for c in with_switches(robot, scene, own=True)]
+            assert found.count(found[0]) == len(found)
+            verdicts += found[0]
+    assert 0.1 < np.mean(verdicts) < 0.9
+
+
+def test_bounds_and_balls_save_work():
+    robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
+    with_bounds, without_bounds, without_balls, _ = with_switches(robot, scene, own=True)
+    starts, ends = motions(with_bounds, np.random.default_rng(2), 200)
+    for checker in (with_bounds, without_bounds, without_balls):
+        checker.check_motions(starts, ends)
+    pairs, all_pairs = (c.motion_certifier.statistics()["pairs"] for c in (with_bounds, without_bounds))
+    assert pairs < 0.8 * all_pairs
+    swept, all_swept = (c.motion_certifier.statistics()["swept"] for c in (with_bounds, without_balls))
+    assert swept < all_swept
