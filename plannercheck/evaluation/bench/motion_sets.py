@@ -124,7 +124,7 @@ def recorded_set(where: str, tasks: Sequence[Task], longest: float, n: int) -> M
         where: The set's name.
         tasks: The problems, at least one.
         longest: The planner's range, rad.
-        n: Number of motions in all, as many of each problem; a problem is searched with several seeds until there are enough.
+        n: Number of motions in all, as many of each problem, which is searched with several seeds for that.
     """
     each = -(-n // len(tasks))
     cases = []
