@@ -21,9 +21,10 @@ TREE, ALL_PAIRS, FCL = (
     "python-fcl",
 )
 AT_BEST, MOTION_TREE = "coal at its best", "Pinocchio + coal, AABB tree"
-VAMP, MUJOCO, FROM_PYTHON = "VAMP, in C++", "MuJoCo, mj_geomDistance", "plannercheck, intersects from Python"
+VAMP, MUJOCO = "VAMP, in C++", "MuJoCo, mj_geomDistance"
+FROM_PYTHON, IN_ONE_CALL = "plannercheck, intersects from Python", "plannercheck, intersects in one call"
 PAIR_METHODS = {"plannercheck, oracle": "ours", "plannercheck, walk": "the paper's walk"}
-PAIR_METHODS |= {FROM_PYTHON: "ours from Python"}
+PAIR_METHODS |= {IN_ONE_CALL: "ours, a call for all", FROM_PYTHON: "ours from Python"}
 PAIR_METHODS |= {AT_BEST: AT_BEST, "coal, C++ loop": "coal by Pinocchio", "python-fcl": "FCL from Python"}
 PAIR_METHODS |= {MUJOCO: "MuJoCo from Python"}
 STATE_FILES = ("states_panda", "states_ur5", "states_baxter", "states_talos")
@@ -144,9 +145,20 @@ def _states(which: str) -> str:
     rows = [row for name in STATE_FILES for row in record(name)["rows"] if row["which"] == which]
     cases = list(dict.fromkeys((row["robot"], row["scene"], row["pairs"]) for row in rows))
     spent = {(row["robot"], row["scene"], row["method"]): row["microseconds"] for row in rows}
-    names = [OURS, ONE_BY_ONE, "plannercheck, OMPL callback", AT_BEST, TREE, ALL_PAIRS, FCL, VAMP, "VAMP, from Python"]
+    names = [
+        OURS,
+        ONE_BY_ONE,
+        "plannercheck, lists",
+        "plannercheck, OMPL callback",
+        AT_BEST,
+        TREE,
+        ALL_PAIRS,
+        FCL,
+        VAMP,
+        "VAMP, from Python",
+    ]
     lines = []
-    for name in names:
+    for name in (name for name in names if any(method == name for *_, method in spent)):
         cells = []
         for robot, scene, _ in cases:
             value, ours = spent.get((robot, scene, name)), spent[robot, scene, OURS]

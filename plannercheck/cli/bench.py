@@ -209,7 +209,9 @@ def _run_switches(options: argparse.Namespace) -> None:
 
 def _run_scale(options: argparse.Namespace) -> None:
     rows = scale.measure(robot_of(options), options.boxes, options.states, options.rounds, options.seed)
-    header = ("boxes", "pairs", "µs a state", "x", "prepared s", "kB", "bodies kB", "bytes a vertex", "process kB")
+    motion = f"µs a motion of {scale.LENGTH:g} rad"
+    memory = ("kB", "bodies kB", "bytes a vertex", "process kB")
+    header = ("boxes", "pairs", "µs a state", "x", motion, "x", "prepared s", *memory)
     print(table(header, [_scale_cells(row) for row in rows]))
     print(f"asked for: at most {scale.ASKED:g} times the first")
     keep(options.output, "scale", rows)
@@ -217,7 +219,8 @@ def _run_scale(options: argparse.Namespace) -> None:
 
 def _scale_cells(row: ScaleRow) -> tuple[object, ...]:
     sizes = output.size_of(row.resident), output.size_of(row.prepared), f"{row.bytes_a_vertex:.0f}"
-    times = f"{row.microseconds:.2f}", f"{row.ratio:.2f}", f"{row.preparation:.2f}"
+    motions = f"{row.motion_microseconds:.2f}", f"{row.motion_ratio:.2f}"
+    times = f"{row.microseconds:.2f}", f"{row.ratio:.2f}", *motions, f"{row.preparation:.2f}"
     return row.boxes, row.pairs, *times, *sizes, output.size_of(row.process)
 
 

@@ -70,7 +70,7 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
 
 def add_seed(parser: argparse.ArgumentParser) -> None:
     """Adds --seed."""
-    parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random numbers (default: %(default)s)")
 
 
 def add_states(parser: argparse.ArgumentParser, states: int) -> None:

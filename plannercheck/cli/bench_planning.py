@@ -44,9 +44,11 @@ def _add_motions(parser: argparse.ArgumentParser) -> None:
     add_robot(parser)
     add_scenes(parser)
     add_problems(parser, ", whose RRTConnect searches are recorded")
-    parser.add_argument("--motions", type=positive, default=400, help="of each kind (default: %(default)s)")
-    _add_lengths(parser, "--lengths", _LENGTHS, "of random motions, rad")
-    _add_lengths(parser, "--ranges", _RANGES, "of recorded searches, rad")
+    parser.add_argument(
+        "--motions", type=positive, default=400, help="number of motions of each kind (default: %(default)s)"
+    )
+    _add_lengths(parser, "--lengths", _LENGTHS, "lengths of random motions, rad")
+    _add_lengths(parser, "--ranges", _RANGES, "ranges of recorded searches, rad")
     add_seed(parser)
 
 
@@ -70,7 +72,7 @@ def _add_setup(parser: argparse.ArgumentParser) -> None:
 def _add_plans(parser: argparse.ArgumentParser) -> None:
     add_robot(parser)
     add_problems(parser, "", required=True)
-    parser.add_argument("--seeds", type=positive, nargs="+", default=[1], help="of each problem (default: 1)")
+    parser.add_argument("--seeds", type=positive, nargs="+", default=[1], help="seeds of each problem (default: 1)")
     parser.add_argument(
         "--range",
         type=positive_number,
@@ -83,7 +85,7 @@ def _add_plans(parser: argparse.ArgumentParser) -> None:
 
 def _add_limit(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--time", type=positive_number, default=10.0, metavar="S", help="for each search, s (default: 10)"
+        "--time", type=positive_number, default=10.0, metavar="S", help="time limit of each search, s (default: 10)"
     )
 
 

@@ -69,7 +69,7 @@ class PosedBodies:
         shapes: Their shapes where coal has them as such; else None.
         moves: (k,) which change their poses from state to state.
         pairs: (p, 2) indices; a pair has at least one body that moves.
-        names: For errors.
+        names: Their names, for errors.
     """
 
     polytopes: Sequence[Polytope]
@@ -159,7 +159,7 @@ class CoalLoop:
 
         Args:
             states: All states, group by group.
-            variant: How coal is asked.
+            variant: Way in which coal is asked.
             ends: (groups,) where each group ends; None takes each state for itself.
 
         Returns:

@@ -26,13 +26,13 @@ class FromFilesRow:
 
     Attributes:
         set: Its name.
-        problems: How many were tried.
-        solved: How many of them.
-        read: Milliseconds to read scene and request.
-        checker: To give the robot the request's group and build the checker.
-        plan: From start and goal to the path, without shortening.
-        total: All of it.
-        total_mean: The mean of that.
+        problems: Number of problems that were tried.
+        solved: Number of problems that were solved.
+        read: Time to read scene and request, ms.
+        checker: Time to give the robot the request's group and build the checker, ms.
+        plan: Time from start and goal to the path, without shortening, ms.
+        total: Time of all three, ms.
+        total_mean: Mean time of all three, ms.
     """
 
     set: str
@@ -52,8 +52,8 @@ def measure(path: Path, robot: Robot, every: int, first: int | None, limit: floa
         path: The set's folder or archive.
         robot: Any robot with the problems' joints.
         every: Take every so-many-th problem.
-        first: At most so many of these; None for all.
-        limit: Of a search, s.
+        first: Most problems that are taken; None for all.
+        limit: Time limit of a search, s.
 
     Raises:
         PlannercheckError: If no problem is solved.

@@ -104,6 +104,14 @@ def _exact(checker: Checker) -> Iterator[Method]:
         prepare=lambda built, q: list(q),
         states=_ONE_BY_ONE_STATES,
     )
+    yield replace(
+        batch,
+        name="plannercheck, lists",
+        note="is_valid of lists of numbers, called from Python",
+        judge=lambda built, rows: np.array([built.is_valid(row) for row in rows], dtype=bool),
+        prepare=lambda built, q: q.tolist(),
+        states=_ONE_BY_ONE_STATES,
+    )
     if checker.state_validity() is not None and (space := _ompl_space(checker)) is not None:
         yield replace(
             batch,

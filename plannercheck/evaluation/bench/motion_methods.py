@@ -38,8 +38,8 @@ class Ready(NamedTuple):
     """Motions that one method is ready to judge.
 
     Attributes:
-        works: For each case, or part of one, in order: judges its motions, True meaning free.
-        overheads: For each of these what is timed apart and taken off; empty for most.
+        works: Functions that judge the motions of each case, or of parts of it, in order; True is free.
+        overheads: Work beside each of these that is timed apart and taken off; empty for most.
         note: What is timed.
     """
 
@@ -52,7 +52,7 @@ class MotionMethod(NamedTuple):
     """A judge of motions.
 
     Attributes:
-        name: In tables.
+        name: Name in tables.
         ready: Prepares the cases, outside the timing.
         most: Motions that it judges in a round; None for all.
     """

@@ -55,7 +55,7 @@ class MotionSet:
     Attributes:
         where: The scene, or the problem set.
         kind: E.g. "0.4 rad, free".
-        cases: In one scene or in several.
+        cases: The motions, scene by scene.
     """
 
     where: str
@@ -82,8 +82,8 @@ def random_sets(checker: Checker, where: str, length: float, n: int, seed: int) 
         checker: The exact one.
         where: The scene's name.
         length: rad.
-        n: How many of each kind, fewer where they are rare.
-        seed: Of the random numbers.
+        n: Number of motions of each kind, fewer where they are rare.
+        seed: Seed of the random numbers.
 
     Returns:
         The kinds of which there are any.
@@ -91,7 +91,7 @@ def random_sets(checker: Checker, where: str, length: float, n: int, seed: int) 
     rng = np.random.default_rng(seed)
     found: dict[bool, list[tuple[Floats, Floats]]] = {True: [], False: []}
     for _ in range(_MOST_DRAWS):
-        starts, ends = _drawn(checker, length, n, rng)
+        starts, ends = random_motions(checker, length, n, rng)
         free = checker.check_motions(starts, ends)
         for verdict, parts in found.items():
             parts.append((starts[free == verdict], ends[free == verdict]))
@@ -106,8 +106,8 @@ def random_sets(checker: Checker, where: str, length: float, n: int, seed: int) 
     return sets
 
 
-def _drawn(checker: Checker, length: float, n: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """About n motions from valid states to states within the limits."""
+def random_motions(checker: Checker, length: float, n: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """At most n random motions of a length, rad, from valid states to states within the limits: (k, nq) each."""
     robot = checker.robot
     starts = robot.random_configurations(n, rng)
     starts = starts[checker.check_states(starts)]
@@ -124,7 +124,7 @@ def recorded_set(where: str, tasks: Sequence[Task], longest: float, n: int) -> M
         where: The set's name.
         tasks: The problems, at least one.
         longest: The planner's range, rad.
-        n: How many in all, as many of each problem; a problem is searched with several seeds until there are enough.
+        n: Number of motions in all, as many of each problem, which is searched with several seeds for that.
     """
     each = -(-n // len(tasks))
     cases = []

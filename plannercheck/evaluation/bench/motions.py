@@ -26,7 +26,7 @@ class MotionRow:
     Attributes:
         robot: Its name.
         where: The scene, or the problem set.
-        kind: Of the motions.
+        kind: Kind of the motions.
         method: Its name.
         motions: Judged in a round.
         free: Part of them that is proved free.
@@ -59,9 +59,9 @@ def measure(
     """Times all methods by turns.
 
     Args:
-        motions: What to judge.
-        rounds: How often each runs.
-        skipped: Is told why a method is left out.
+        motions: Motions to judge.
+        rounds: Number of turns of each method.
+        skipped: Function that is told why a method is left out.
         methods: The first is what others' ratios are to.
 
     Returns:

@@ -30,7 +30,7 @@ GAPS = (0.5, 1e-4, -0.3)
 ASKED = {8: (4, 2), 32: (8, 3), 150: (10, 4), 1000: (15, 5), 10_000: (30, 10), 100_000: (70, 25)}
 _HALF_AXES = np.array([1.0, 0.7, 0.5])
 OURS: tuple[Method, ...] = ("oracle", "walk")
-FROM_PYTHON = "plannercheck, intersects from Python"
+FROM_PYTHON, IN_ONE_CALL = "plannercheck, intersects from Python", "plannercheck, intersects in one call"
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class _Shapes:
 
 def _measured(bodies: Bodies, shapes: _Shapes, posed: Posed, gap: float, rounds: int) -> list[PairRow]:
     judges = {f"plannercheck, {method}": _ours(bodies, posed, method) for method in OURS}
-    judges[FROM_PYTHON] = _from_python(bodies, posed)
+    judges |= {FROM_PYTHON: _from_python(bodies, posed), IN_ONE_CALL: _in_one_call(bodies, posed)}
     judges |= {name: make(posed) for name, make in shapes.judges.items()}
     truth = _ours(bodies, posed, "exact")()
     wrong = {name: int((judge() != truth).sum()) for name, judge in judges.items()}
@@ -154,4 +154,14 @@ def _from_python(bodies: Bodies, posed: Posed) -> Judge:
         lambda: [intersects(p, r, a, b) for a, b in poses],
         lambda found: np.array(found, dtype=bool),
         "pc.intersects, poses as arrays",
+    )
+
+
+def _in_one_call(bodies: Bodies, posed: Posed) -> Judge:
+    """As a user calls it for many poses."""
+    p, r = bodies
+    return Judge(
+        lambda: intersects(p, r, *posed),
+        lambda found: np.asarray(found, dtype=bool),
+        "pc.intersects, poses as two arrays (n, 4, 4)",
     )

@@ -36,7 +36,7 @@ class Settings(NamedTuple):
 
     Attributes:
         longest: The range, rad.
-        limit: Of a search, s.
+        limit: Time limit of a search, s.
     """
 
     longest: float

@@ -33,8 +33,8 @@ class PlanRow:
         set: Its name.
         planner: Its name.
         tried: Searches: problems times seeds.
-        solved: How many of them.
-        median_ms: Of the searches that found a path, ms of processor time.
+        solved: Number of searches that found a path.
+        median_ms: Median of these searches, ms of processor time.
         mean_ms: Their mean.
         p95_ms: Their 95 % quantile.
         call_median_ms: The median of the whole call; None where there is no other call than the search.
@@ -127,11 +127,11 @@ def measure(
     """Plans all tasks of a set.
 
     Args:
-        tasks: What is planned.
-        seeds: Each at least 1.
-        settings: Of the planners of OMPL.
-        rounds: How often each search is done; the least time counts.
-        skipped: Is told once why a planner is left out.
+        tasks: Problems to plan.
+        seeds: Seeds of each problem, at least 1.
+        settings: Settings of the planners of OMPL.
+        rounds: Number of runs of each search; the least time counts.
+        skipped: Function that is told once why a planner is left out.
 
     Returns:
         A tally for each planner.

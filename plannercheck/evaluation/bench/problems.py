@@ -22,7 +22,7 @@ class Task(NamedTuple):
     """What is planned.
 
     Attributes:
-        checker: Of the problem's robot in its scene.
+        checker: Checker of the problem's robot in its scene.
         start: (nq,) rad.
         goal: (nq,) rad.
     """
@@ -50,7 +50,7 @@ def tasks(path: Path, robot: Robot, every: int = 1, first: int | None = None) ->
         path: The set's folder or archive.
         robot: Any robot with the problems' joints.
         every: Take every so-many-th problem.
-        first: At most so many of these; None for all.
+        first: Most problems that are taken; None for all.
     """
     for problem in islice(islice(load_problems(path), 0, None, every), first):
         checker = checker_of(problem, robot)

@@ -1,12 +1,12 @@
 """The cost of a check against the size of the scene: boxes near the robot, and thousands out of its reach.
 
-In: a robot and numbers of boxes. Out: a row for each scene, with its checker's time and memory. Every scene has the
+In: a robot and numbers of boxes. Out: a row for each scene, with its checker's times and memory. Every scene has the
 same number of boxes near the robot; all others are far out of reach.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -14,13 +14,17 @@ import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.bench.build_cost import Built, built, resident_bytes
-from plannercheck.evaluation.bench.timing import least_seconds
+from plannercheck.evaluation.bench.motion_sets import random_motions
+from plannercheck.evaluation.bench.timing import Work, least_seconds
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 
 # Boxes near the robot, in every scene.
 NEAR = 100
+# rad: of random motions, of which there are a tenth as many as states.
+LENGTH = 0.4
+_STATES_A_MOTION = 10
 # Most times the cost of the smallest scene that are asked for.
 ASKED = 3.0
 # m: where boxes stand, as distances from the base, and their edges. The shipped arms reach 1.3 m.
@@ -37,6 +41,8 @@ class ScaleRow:
         pairs: Number of pairs of a state.
         microseconds: The least time a state.
         ratio: The time over that of the first scene.
+        motion_microseconds: The least time a motion of `LENGTH`, proved or refused.
+        motion_ratio: The time over that of the first scene.
         preparation: Seconds to build the checker, without the disk cache.
         resident: Bytes that building it took; None where the system does not tell.
         prepared: Bytes of the prepared bodies, equal ones once.
@@ -48,6 +54,8 @@ class ScaleRow:
     pairs: int
     microseconds: float
     ratio: float
+    motion_microseconds: float
+    motion_ratio: float
     preparation: float
     resident: int | None
     prepared: int
@@ -61,7 +69,7 @@ def measure(robot: Robot, boxes: Sequence[int], states: int, rounds: int, seed: 
     Args:
         robot: The robot.
         boxes: Number of boxes in each scene; the first `NEAR` of them are near the robot.
-        states: Random configurations to check.
+        states: Random configurations to check; a tenth as many motions are checked.
         rounds: How often each scene runs.
         seed: Seed of boxes and states.
 
@@ -74,10 +82,22 @@ def measure(robot: Robot, boxes: Sequence[int], states: int, rounds: int, seed: 
     for count in boxes:
         made[str(count)] = built(partial(Checker, robot, boxes_around(count, seed)))
         processes.append(resident_bytes())
-    works = {name: partial(item.value.check_states, q) for name, item in made.items()}
-    spent = [seconds / len(q) for seconds in least_seconds(works, rounds).values()]
-    rows = zip(boxes, made.values(), spent, processes, strict=True)
-    return [_row(count, item, seconds, spent[0], process) for count, item, seconds, process in rows]
+    checkers = {name: item.value for name, item in made.items()}
+    of_states = _seconds({name: partial(checker.check_states, q) for name, checker in checkers.items()}, len(q), rounds)
+    nearest = next(iter(checkers.values()))  # what is near is alike in all
+    starts, ends = random_motions(nearest, LENGTH, -(-states // _STATES_A_MOTION), np.random.default_rng(seed))
+    proofs = {name: partial(checker.check_motions, starts, ends) for name, checker in checkers.items()}
+    of_motions = _seconds(proofs, len(starts), rounds)
+    rows = zip(boxes, made.values(), of_states, of_motions, processes, strict=True)
+    return [
+        _row(count, item, (state, state / of_states[0], motion, motion / of_motions[0]), process)
+        for count, item, state, motion, process in rows
+    ]
+
+
+def _seconds(works: Mapping[str, Work], count: int, rounds: int) -> list[float]:
+    """The least seconds of each, a piece; there may be none."""
+    return [seconds / max(count, 1) for seconds in least_seconds(works, rounds).values()]
 
 
 def boxes_around(count: int, seed: int) -> Scene:
@@ -101,15 +121,17 @@ def _rotation(rng: np.random.Generator) -> Floats:
     return np.asarray(q * np.sign(np.linalg.det(q)))
 
 
-def _row(count: int, item: Built[Checker], seconds: float, first: float, process: int | None) -> ScaleRow:
+def _row(count: int, item: Built[Checker], spent: tuple[float, float, float, float], process: int | None) -> ScaleRow:
     checker = item.value
     own = {id(p): p for p in checker.prepared[: len(checker.robot.bodies)] if p is not None}.values()
     every = {id(p): p for p in checker.prepared if p is not None}.values()
     return ScaleRow(
         count,
         len(checker.pairs),
-        1e6 * seconds,
-        seconds / first,
+        1e6 * spent[0],
+        spent[1],
+        1e6 * spent[2],
+        spent[3],
         item.seconds,
         item.resident,
         sum(p.nbytes for p in every),

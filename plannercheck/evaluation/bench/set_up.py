@@ -73,9 +73,9 @@ class SetUpRow:
     Attributes:
         robot: Its name.
         scene: Its name.
-        pairs: Of bodies, in the scene as it is loaded.
+        pairs: Number of pairs of bodies in the scene as it is loaded.
         what: The step.
-        milliseconds: Of the step itself.
+        milliseconds: Time of the step itself.
         first_verdict: Milliseconds of the first `is_valid` after it; None where there is none.
         first_motion: Milliseconds of the first `check_motion` after that.
         prepared: Bodies that were there before the step and that it prepared again; None where there were none.
@@ -104,9 +104,9 @@ def measure(
     Args:
         robot_name: A shipped robot, or the file of one.
         scene_name: A shipped scene or a file; None for no obstacles.
-        rounds: How often each step is done.
-        seed: Of the obstacles' places, and of the first motion.
-        skipped: Is told why a peer is left out.
+        rounds: Number of runs of each step.
+        seed: Seed of the obstacles' places and of the first motion.
+        skipped: Function that is told why a peer is left out.
 
     Returns:
         A row for each step.

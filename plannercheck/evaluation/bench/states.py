@@ -110,7 +110,7 @@ def measure(
         q: Configurations (n, nq); slow methods judge the first of them.
         rounds: How often each runs.
         skipped: Is told why a method is left out: a library is not installed, or has no shape for a body.
-        which: What the configurations are, for the rows.
+        which: Kind of the configurations, for the rows.
 
     Returns:
         A row for each method that could be built.

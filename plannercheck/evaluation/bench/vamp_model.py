@@ -33,7 +33,7 @@ class VampPlan(NamedTuple):
 
     Attributes:
         path: (k, nq) rad; None if it found none.
-        seconds: Of the search alone, as VAMP's own clock has it.
+        seconds: Time of the search alone by VAMP's own clock.
     """
 
     path: Floats | None
@@ -44,14 +44,14 @@ class VampModel:
     """A robot among obstacles in VAMP.
 
     Attributes:
-        states_a_radian: How densely VAMP samples motions of this robot.
+        states_a_radian: Number of states a radian that VAMP samples on motions of this robot.
     """
 
     def __init__(self, checker: Checker) -> None:
         """Hands the obstacles to VAMP.
 
         Args:
-            checker: Its robot has to be one of VAMP's, by name and joints.
+            checker: A checker whose robot is one of VAMP's, by name and joints.
 
         Raises:
             PlannercheckError: If VAMP is not installed, or lacks the robot.
