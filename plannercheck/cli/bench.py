@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from plannercheck.cli.common import table
-from plannercheck.cli.robot_options import add_urdf_arguments, robot_of
+from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, robot_of
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
 from plannercheck.evaluation.bench import ablation, complexity, pairs, plots, states
@@ -51,11 +51,13 @@ class Subcommand(NamedTuple):
         summary: For the help.
         add_arguments: Adds its options, beyond those that all have.
         run: Measures, and prints.
+        timed: Whether contenders take turns; else --rounds would say nothing.
     """
 
     summary: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], None]
+    timed: bool = True
 
 
 # Of what is so short that the machine may be slow for all of a few rounds.
@@ -69,10 +71,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, subcommand in SUBCOMMANDS.items():
         sub = subcommands.add_parser(name, help=subcommand.summary, description=subcommand.summary)
         subcommand.add_arguments(sub)
-        rounds = _ROUNDS.get(name, 11)
-        sub.add_argument(
-            "--rounds", type=_positive, default=rounds, help=f"turns of each contender (default: {rounds})"
-        )
+        if subcommand.timed:
+            rounds = _ROUNDS.get(name, 11)
+            sub.add_argument(
+                "--rounds", type=_positive, default=rounds, help=f"turns of each contender (default: {rounds})"
+            )
         sub.add_argument("--output", type=Path, metavar="FOLDER", help="write CSV, JSON and plots there")
         sub.set_defaults(measure=subcommand.run)
 
@@ -96,7 +99,7 @@ def _sizes(text: str) -> list[int]:
 
 
 def _add_robot(parser: argparse.ArgumentParser, states: int) -> None:
-    parser.add_argument("--robot", default="panda", help="name or file (default: %(default)s)")
+    parser.add_argument("--robot", default="panda", help=f"{ROBOT_HELP} (default: %(default)s)")
     add_urdf_arguments(parser)
     parser.add_argument("--states", type=_positive, default=states, help="uniformly random (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="of the random numbers (default: %(default)s)")
@@ -302,5 +305,5 @@ SUBCOMMANDS = {
     "pairs": Subcommand("time a pair of bodies against their vertices", _add_pairs, _run_pairs),
     "switches": Subcommand("what each stage of a check brings", _add_switches, _run_switches),
     "scale": Subcommand("a scene of 10,000 boxes against one of 100; memory", _add_scale, _run_scale),
-    "complexity": Subcommand("rounds and visited vertices against n", _add_complexity, _run_complexity),
+    "complexity": Subcommand("rounds and visited vertices against n", _add_complexity, _run_complexity, timed=False),
 }

@@ -156,3 +156,24 @@ def test_sdf_files_are_refused_with_what_to_do(tmp_path, capsys):
         pc.Robot.load(path)
     assert main(["inspect", "--robot", str(path)]) == 2
     assert "convert it into a URDF" in capsys.readouterr().err
+
+
+def test_a_proof_is_confirmed_for_an_mjcf_file(path, tmp_path, capsys):
+    """`verify --robot` reads a robot as `validate` does."""
+    states, proof = tmp_path / "path.npy", tmp_path / "path.proof.json"
+    np.save(states, [[1.0, 0.0, 0.01], [1.2, -0.3, 0.02]])
+    assert main(["validate", "--robot", str(path), "--path", str(states), "--certify", "--proof", str(proof)]) == 0
+    capsys.readouterr()
+    assert main(["verify", str(proof), "--robot", str(path)]) == 0
+    assert "model: confirmed" in capsys.readouterr().out
+    for old, new, fault in (
+        ('pos="0 0 0.8"', 'pos="0 0 0.9"', "joint turn is not as the MJCF has it"),
+        ('axis="0 1 0"', 'axis="1 0 0"', "joint turn is not as the MJCF has it"),
+        ('body name="tip"', 'body name="top"', "links of the proof and of the MJCF differ"),
+        ('size="0.1" pos="0 0 0.3"', 'size="0.2" pos="0 0 0.3"', "has another shape than in the files"),
+    ):
+        other = tmp_path / "other.xml"
+        changed = MJCF.replace(old, new)
+        other.write_text(changed.replace('body2="tip"', 'body2="top"') if "top" in new else changed)
+        assert main(["verify", str(proof), "--robot", str(other)]) == 1, new
+        assert fault in capsys.readouterr().out
