@@ -64,14 +64,22 @@ def test_bodies_joints_and_limits_are_mujocos(path):
     assert np.allclose(poses[robot.link_index("left"), :3, 3], [0.5, 0, 2.85])
 
 
+def box_pose(robot):
+    return next(body for body in robot.bodies if body.link == "base").pose
+
+
 def test_a_root_without_joints_is_where_the_file_has_it(path):
     path.write_text(MJCF.replace('pos="0 0 1"><geom type="box"', 'pos="1 2 3" quat="0 0 0 2"><geom type="box"'))
     robot = pc.Robot.load(path)
     poses = robot.link_poses([0.25, np.pi / 2, 0.0])
     assert np.allclose(poses[robot.link_index("base"), :3, 3], [1, 2, 3])
     assert np.allclose(poses[robot.link_index("tip"), :3, 3], [0.5, 2, 5.05])
-    box = next(body for body in robot.bodies if body.link == "base")
-    assert np.allclose(box.pose, np.eye(4))
+    assert np.allclose(box_pose(robot), np.eye(4))
+    aside = MJCF.replace('pos="0 0 1"><geom type="box"', 'pos="1 2 3" quat="0 0 0 2"><geom type="box"')
+    path.write_text(aside.replace('name="upper" pos="0 0 1"', 'name="upper" pos="0.5 0 1"'))
+    robot = pc.Robot.load(path)  # half a turn about z: the root's x is the world's -x
+    upper = robot.link_poses([0.25, 0.0, 0.0])[robot.link_index("upper")]
+    assert np.allclose(upper[:3, 3], [0.5, 2, 4.25])
     path.write_text(MJCF.replace('pos="0 0 1"><geom type="box"', 'euler="0 0 90"><geom type="box"'))
     with pytest.raises(pc.PlannercheckError, match="root body 'base': give its orientation as quat=, not euler="):
         pc.Robot.load(path)
