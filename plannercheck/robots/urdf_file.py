@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import file_kind, kind_unless_xml
 from plannercheck.common.input_limits import check_xml_text
 from plannercheck.common.package_data import is_file
@@ -78,6 +78,9 @@ class UrdfFile:
             text = expanded(path, arguments or {}, folders)
             root, fault = _parsed(text)
             check_xml_text(text.encode(), f"URDF {path}")
+            if root is not None:
+                _check_links(root, path)
+                _check_named(root, path)
             return cls(path, text if root is None else _mended(root) or text, fault, root)
         if arguments:
             raise PlannercheckError(f"URDF {path} is no .xacro, so that it takes no arguments: {', '.join(arguments)}")
@@ -169,6 +172,17 @@ def _check_expanded(root: Element, path: Path) -> None:
     found = next((each.tag for each in root.iter() if isinstance(each.tag, str) and _XACRO.match(each.tag)), None)
     if found is not None:
         raise PlannercheckError(f"URDF {path} holds <xacro:{found.partition('}')[2]}>: {xacro_hint(path)}")
+
+
+def _check_links(root: Element, path: Path) -> None:
+    """Raises for a xacro that makes no link: it only defines macros, which others call."""
+    if root.find("link") is None:
+        macros = re.findall(r"""<xacro:macro\s[^>]*?name=["']([^"']+)""", path.read_text(errors="replace"))
+        listed = f" ({', '.join(map(shortened, macros[:3]))})" if macros else ""
+        raise PlannercheckError(
+            f"xacro {path} expands to no link: it defines macros{listed}, so give the .xacro that includes it and "
+            "calls them"
+        )
 
 
 def _check_named(root: Element, path: Path) -> None:
