@@ -177,10 +177,12 @@ DAEMONS = """
 import threading, time
 import numpy as np
 import plannercheck as pc
+from plannercheck import _oracle as oracle
 
 robot = pc.Robot.load("panda")
 checker, q = pc.Checker(robot, pc.Scene.load("bookshelf")), robot.random_configurations(20_000, 0)
 points = np.random.default_rng(0).normal(size=(2000, 3))
+cloud, poses = oracle.Points(points[:20], 0.0), np.tile(np.eye(4), (2000, 1, 1))
 
 def forever(call):
     while True:
@@ -191,6 +193,7 @@ for call in (
     lambda: checker.check_states(q, threads=2),
     lambda: robot.link_poses(q),
     lambda: pc.Polytope(points),
+    lambda: oracle.decide(cloud, poses, cloud, poses, True),
 ):
     threading.Thread(target=forever, args=(call,), daemon=True).start()
 time.sleep(0.3)
