@@ -113,6 +113,23 @@ def are_poses(poses: ArrayLike | None) -> bool:
         return False
 
 
+def points_of_geometry(value: GivenShape, what: str) -> tuple[Floats, float]:
+    """The points (n, 3) whose hull a body of another library is, in m, and how far around it the body reaches, m.
+
+    Args:
+        value: What `is_geometry` says yes to.
+        what: Its name in errors.
+
+    Raises:
+        PlannercheckError: If it is no body, or one with a pose of its own.
+    """
+    shape, pose = given_shape(value, what)
+    if pose is not None and not np.array_equal(pose, np.eye(4)):
+        raise PlannercheckError(f"{what} has a pose of its own, and a Polytope has none: give its geometry")
+    points, _, inflation_radius = inflated_hull(shape)
+    return points, inflation_radius
+
+
 def in_frame(frame: Floats, pose: ArrayLike | None, what: str) -> Floats:
     """The product of two poses; of an identity with a pose, exactly that pose."""
     if pose is None or _is_identity(frame):

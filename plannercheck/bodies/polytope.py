@@ -59,7 +59,8 @@ class Polytope:
         """Computes the exact hull, or verifies given faces exactly; then builds both hierarchies.
 
         Args:
-            vertices: Points (n, 3) in m.
+            vertices: Points (n, 3) in m; or one of our shapes, a trimesh.Trimesh, or a geometry of coal or python-fcl,
+                whose convex hull is taken, without `faces` and `inflation_radius`.
             faces: The hull's faces, if they are known: polygons of indices into `vertices`, counter-clockwise seen
                 from outside; corners of a face must be exactly coplanar or convex in the order of a fan.
             inflation_radius: The inflation radius, measured in the world, m.
@@ -70,8 +71,14 @@ class Polytope:
             PlannercheckError: If there are no points, they are not finite, the faces do not bound their hull, or the
                 inflation radius is negative.
         """
-        points = _checked_points(vertices, name)
+        from plannercheck.bodies.given_shapes import is_geometry, points_of_geometry  # which makes polytopes itself
+
         inflation_radius = inflation_radius if swell is None else swell
+        if not isinstance(vertices, np.ndarray | list | tuple) and is_geometry(vertices):
+            if faces is not None or inflation_radius:
+                raise PlannercheckError(f"{name} is a {type(vertices).__name__}, which has its own faces and radius")
+            vertices, inflation_radius = points_of_geometry(vertices, name)
+        points = _checked_points(vertices, name)
         try:
             if faces is None:
                 self._adopt(core.Polytope.from_points(points, _checked_inflation_radius(inflation_radius, name)))

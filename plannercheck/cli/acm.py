@@ -20,7 +20,8 @@ from plannercheck.checking.collision_matrix import (
 from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
 from plannercheck.checking.mesh_collisions import LinkMeshes
 from plannercheck.cli.common import check_folder, table
-from plannercheck.cli.robot_options import add_urdf_arguments, described, given_options
+from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
+from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.robot_files import is_planar
@@ -51,9 +52,7 @@ _YAML, _SRDF = (".yaml", ".yml"), (".srdf", ".xml")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
-    parser.add_argument(
-        "--robot", help="name of a shipped robot, or a robot YAML or URDF file; with --audit, default: all shipped"
-    )
+    parser.add_argument("--robot", help=f"{ROBOT_HELP}; with --audit, default: all shipped")
     add_urdf_arguments(parser)
     parser.add_argument("--audit", action="store_true", help="say which pairs are disabled, yet collide")
     parser.add_argument("--output", type=Path, help="write the proposal: .srdf, or a robot's .yaml")
@@ -77,6 +76,10 @@ def run(options: argparse.Namespace) -> int:
         raise PlannercheckError(f"--output must end in .srdf or .yaml, not {options.output.name!r}")
     if options.states < 1 or options.seed < 0 or options.meshes < 0:
         raise PlannercheckError("--states must be at least 1, --seed and --meshes at least 0")
+    if options.audit:
+        check_heeded(options, ("--output",), "without --audit, which proposes nothing")
+    else:
+        check_heeded(options, ("--meshes",), "with --audit")
     if options.robot is None and not options.audit:
         raise PlannercheckError("acm needs --robot; without one, --audit audits all shipped robots")
     if options.robot is not None and is_planar(options.robot, "robots"):

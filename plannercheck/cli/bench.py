@@ -63,8 +63,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, subcommand in SUBCOMMANDS.items():
         sub = subcommands.add_parser(name, help=subcommand.summary, description=subcommand.summary)
         subcommand.add_arguments(sub)
-        rounds = subcommand.rounds
-        sub.add_argument("--rounds", type=positive, default=rounds, help=f"turns of each contender (default: {rounds})")
+        if rounds := subcommand.rounds:
+            sub.add_argument(
+                "--rounds", type=positive, default=rounds, help=f"turns of each contender (default: {rounds})"
+            )
         sub.add_argument("--output", type=Path, metavar="FOLDER", help="write CSV, JSON and plots there")
         sub.set_defaults(measure=subcommand.run)
 
@@ -264,5 +266,5 @@ SUBCOMMANDS = {
     **bench_planning.SUBCOMMANDS,
     "switches": Subcommand("what each stage of a check brings", _add_switches, _run_switches),
     "scale": Subcommand("a scene of 10,000 boxes against one of 100; memory", _add_scale, _run_scale),
-    "complexity": Subcommand("rounds and visited vertices against n", _add_complexity, _run_complexity),
+    "complexity": Subcommand("rounds and visited vertices against n", _add_complexity, _run_complexity, 0),
 }

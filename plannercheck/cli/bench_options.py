@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from plannercheck.cli.robot_options import add_urdf_arguments
+from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_folder
 from plannercheck.evaluation.bench import tables as output
@@ -32,7 +32,7 @@ class Subcommand(NamedTuple):
         add_arguments: Adds its options, beyond those that all have.
         run: Measures, and prints.
         rounds: Turns of each contender by default; more where work is so short that the machine may be slow for all of
-            a few rounds.
+            a few rounds; 0 if nothing takes turns.
     """
 
     summary: str
@@ -64,7 +64,7 @@ def positive_number(text: str) -> float:
 
 def add_robot(parser: argparse.ArgumentParser) -> None:
     """Adds --robot and what belongs to it."""
-    parser.add_argument("--robot", default="panda", help="name or file (default: %(default)s)")
+    parser.add_argument("--robot", default="panda", help=f"{ROBOT_HELP} (default: %(default)s)")
     add_urdf_arguments(parser)
 
 

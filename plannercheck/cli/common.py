@@ -16,7 +16,7 @@ import numpy as np
 from plannercheck import planar
 from plannercheck.checking.padding import Padding
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
-from plannercheck.cli.robot_options import add_urdf_arguments, given_options, robot_of
+from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, given_options, robot_of
 from plannercheck.common.array_types import Floats
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
@@ -33,7 +33,7 @@ def add_robot_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robot",
         required=True,
-        help="name of a shipped robot (see `plannercheck robots`), or a robot YAML or URDF file",
+        help=f"{ROBOT_HELP}; `plannercheck robots` lists the shipped ones",
     )
     add_urdf_arguments(parser)
 

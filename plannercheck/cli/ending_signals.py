@@ -107,3 +107,8 @@ def _is_importing(frame: FrameType | None) -> bool:
             return True
         frame = frame.f_back
     return False
+
+
+def is_handled_outside() -> bool:
+    """Whether a scope around this one raises on Ctrl-C."""
+    return isinstance(signal.getsignal(signal.SIGINT), EndingSignals)

@@ -53,6 +53,23 @@ SKIPS = {
     "facet_plane": "facets of small bodies",
     "learning": "likeliest pair first",
 }
+# What settles pairs, and how.
+STAGES = {
+    "pairs": "all pairs of the table",
+    "unreachable": "apart at all states within the joint limits, by proof",
+    "bounds": "apart: bounding balls, or the tree of obstacles",
+    "overlaps": "in collision: balls or boxes inside both bodies",
+    "boxes": "apart along an axis of a bounding box",
+    "skipped": "not tested, since another pair of the configuration collides",
+    "cached_plane": "apart by the plane that separated them last",
+    "centre_axis": "apart along the line between their centres",
+    "facet_plane": "apart along the normal of a facet",
+    "solver": "search for a separating plane or a common point, in doubles",
+    "nearest_points": "nearest points (GJK), in doubles",
+    "double_double": "the same in double-double arithmetic",
+    "exact": "exact arithmetic, where rounding leaves the sign open",
+    "tests": "polygons tested",
+}
 # Counters of the pair test, and what they count.
 PAIR_TEST = {
     "blocks": ("vertex blocks", "read on the way down a hierarchy, four vertices each"),
@@ -242,11 +259,14 @@ def _show_sample(checker: AnyChecker, states: int, seed: int) -> None:
     statistics = checker.statistics()
     queries = statistics.pop("queries")
     pairs = statistics["pairs"]
-    settled = [(_words(name), n, f"{n / states:.2f}", percentage(n, pairs)) for name, n in statistics.items()]
-    print(table(("pairs settled by", "total", "each configuration", "of all pairs"), settled[1:]))
+    settled = [
+        (_words(name), STAGES.get(name, ""), n, f"{n / states:.2f}", percentage(n, pairs))
+        for name, n in statistics.items()
+    ]
+    print(table(("pairs settled by", "what that is", "pairs", "a configuration", "of all pairs"), settled[1:]))
     print()
     tests = [(*PAIR_TEST.get(name, (_words(name), "")), n, f"{n / states:.2f}") for name, n in queries.items()]
-    print(table(("pair test", "what that is", "total", "each configuration"), tests))
+    print(table(("pair test", "what that is", "number", "a configuration"), tests))
     if not valid and (hint := always_hint(checker, q)):
         warnings.warn(hint, RuntimeWarning, stacklevel=2)
 

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stdout, suppress
 from typing import Any, NoReturn, TextIO, cast
 
-from plannercheck.cli.ending_signals import Terminated, ended_by_signals
+from plannercheck.cli.ending_signals import Terminated, ended_by_signals, is_handled_outside
 from plannercheck.cli.suggestions import SuggestingParser
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.escaping import TerminalText, on_terminal
@@ -72,6 +72,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as stop:  # argparse has said why
         return int(stop.code or 0)
     except KeyboardInterrupt as stop:
+        if is_handled_outside():  # `demo` runs commands: it ends as well
+            raise
         return _interrupted(stop)
 
 
@@ -159,7 +161,7 @@ def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
         if is_whole or name == chosen:
             module = importlib.import_module(f"plannercheck.cli.{name}")
             module.add_arguments(command)
-            command.set_defaults(run=module.run)
+            command.set_defaults(run=module.run, default_of=command.get_default)
     return parser
 
 

@@ -20,6 +20,7 @@ from plannercheck.cli.common import (
     table,
     vector,
 )
+from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
@@ -101,6 +102,7 @@ def run(options: argparse.Namespace) -> int:
     check_folder(options.output)
     if options.problems:
         return problem_sets.run(options)
+    check_heeded(options, ("--first", "--each"), "with --problems")
     if options.scene is None:
         raise PlannercheckError("needs --scene, or --problems")
     if options.output is not None:

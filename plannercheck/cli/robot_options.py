@@ -18,6 +18,12 @@ from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.srdf import group_names
 
+# What --robot takes.
+ROBOT_HELP = (
+    "a shipped robot's name, a file (a robot's YAML, a URDF, a .xacro, an MJCF .xml) or a name of the "
+    "robot_descriptions package"
+)
+
 
 def add_urdf_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what says of a URDF what a robot's YAML would."""

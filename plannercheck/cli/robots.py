@@ -6,6 +6,7 @@ import argparse
 
 from plannercheck import planar
 from plannercheck.cli.common import table
+from plannercheck.cli.robot_options import ROBOT_HELP
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.robot_files import is_planar, shipped_planar
 from plannercheck.robots.description import shipped_robots
@@ -21,7 +22,7 @@ later ones find them in the cache.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
-    parser.add_argument("robots", nargs="*", metavar="ROBOT", help="names or files; default: all shipped")
+    parser.add_argument("robots", nargs="*", metavar="ROBOT", help=f"each {ROBOT_HELP}; default: all shipped")
 
 
 def run(options: argparse.Namespace) -> int:

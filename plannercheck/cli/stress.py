@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from plannercheck.cli.common import check_folder
+from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.other_libraries import Coal, Fcl, Peer
 from plannercheck.evaluation.stress.run import StressTally
@@ -24,6 +25,9 @@ With --motions instead: random trees of all kinds of joints, the shipped robots,
 that touch them by construction. Exit code 1 if a motion that collides is passed, one is refused without reason, a
 verdict depends on what else was asked, or a proof is not verified.
 """
+# Options of pairs, of motions, and of both kinds of runs.
+_OF_PAIRS, _OF_MOTIONS = ("--pairs", "--peers"), ("--motions", "--verified", "--families")
+_OF_RUNS = ("--seed", "--processes", "--cases")
 # Pairs between two lines of progress.
 _REPORT_EVERY = 20_000
 # More would only get in each other's way on any machine.
@@ -46,6 +50,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
+    if options.case is not None:
+        check_heeded(options, (*_OF_PAIRS, *_OF_MOTIONS, *_OF_RUNS), "without --case, which is one motion")
+    elif options.motions is not None:
+        check_heeded(options, _OF_PAIRS, "without --motions")
+    else:
+        check_heeded(options, _OF_MOTIONS, "with --motions")
     if options.pairs < 1 or options.seed < 0:
         raise PlannercheckError(
             f"--pairs must be at least 1 and --seed at least 0, not {options.pairs}, {options.seed}"

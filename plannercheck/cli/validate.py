@@ -20,13 +20,21 @@ from pathlib import Path
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli import validate_paths as validated_paths
 from plannercheck.cli.common import check_folder, load_checker, save_json
+from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.cli.validate_options import add_set_arguments, check_options
 from plannercheck.cli.validate_proofs import Verification, check_proofs
 from plannercheck.cli.validate_summary import Outcome, as_json, show_table
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.validation.engines import Engine, LocalEngine
 from plannercheck.validation.fingerprint import fingerprint
-from plannercheck.validation.formats.chunks import CHUNK_ROWS, STANDARD_INPUT, Chunk, files_of, read_sets
+from plannercheck.validation.formats.chunks import (
+    CHUNK_ROWS,
+    KEYED_SUFFIXES,
+    STANDARD_INPUT,
+    Chunk,
+    files_of,
+    read_sets,
+)
 from plannercheck.validation.formats.columns import columns_of
 from plannercheck.validation.journal import Journal
 from plannercheck.validation.judging import Explained, Findings, Judge
@@ -56,6 +64,8 @@ def run(options: argparse.Namespace) -> int:
     if options.output is not None:
         check_output(options.output)
     options.files = files_of(options.files)
+    if not any(path.suffix.lower() in KEYED_SUFFIXES for path in options.files):
+        check_heeded(options, ("--key",), f"for {', '.join(KEYED_SUFFIXES)} files, which hold several arrays")
     _check_names(options)
     checker, judge = load_checker(options), _judge(options)
     with _journal(options, checker, judge) as journal:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from plannercheck.cli.common import add_checker_arguments, add_robot_argument, add_scene_argument
+from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.threads import checked_threads
@@ -33,6 +34,27 @@ Examples:
   plannercheck validate --robot truck_trailer --scene parking samples.npy
   plannercheck validate --robot panda --scene bookshelf --path plan.json trajectory.yaml
 """
+
+
+# Options that say nothing of paths.
+_OF_SETS = (
+    "--output",
+    "--summary",
+    "--only-invalid",
+    "--explain",
+    "--pairs",
+    "--limits",
+    "--reference",
+    "--degrees",
+    "--columns",
+    "--ignore-columns",
+    "--key",
+    "--engine",
+    "--scheduler",
+    "--workers",
+    "--resume",
+    "--progress",
+)
 
 
 def add_set_arguments(parser: argparse.ArgumentParser) -> None:
@@ -183,8 +205,8 @@ def check_options(options: argparse.Namespace) -> None:
         raise PlannercheckError("needs either files with configurations or --path with paths")
     if options.path:
         _check_path_options(options)
-    elif options.straight:
-        raise PlannercheckError("--straight is for --path, not for sets")
+    else:
+        check_heeded(options, ("--straight", "--tolerance"), "with --path, not for sets")
     with error_context("--threads"):
         checked_threads(options.threads, options.threads)
     if options.proof is not None:
@@ -218,16 +240,4 @@ def _check_proof_option(options: argparse.Namespace) -> None:
 
 
 def _check_path_options(options: argparse.Namespace) -> None:
-    of_sets = {
-        "--output": options.output,
-        "--summary": options.summary,
-        "--pairs": options.pairs != "first",
-        "--reference": options.reference,
-        "--degrees": options.degrees,
-        "--columns": options.columns,
-        "--engine": options.engine != "local",
-        "--resume": options.resume,
-    }
-    given = [name for name, value in of_sets.items() if value]
-    if given:
-        raise PlannercheckError(f"{' and '.join(given)} {'are' if len(given) > 1 else 'is'} for sets, not for --path")
+    check_heeded(options, _OF_SETS, "for sets, not with --path")

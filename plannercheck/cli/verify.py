@@ -12,7 +12,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from plannercheck.cli.robot_options import add_urdf_arguments, described, given_options
+from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
+from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.proofs import Proof, Verification, load_proofs
 from plannercheck.proofs.verify import model_confirmed
@@ -30,9 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the command's options."""
     parser.epilog = _EPILOG
     parser.add_argument("files", nargs="+", metavar="PROOF", type=Path, help="json or npz, as --certify writes them")
-    parser.add_argument(
-        "--robot", help="confirm that the proof's joints and bodies are this one's: a shipped robot, a YAML or a URDF"
-    )
+    parser.add_argument("--robot", help=f"confirm that the proof's joints and bodies are this one's: {ROBOT_HELP}")
     add_urdf_arguments(parser)
     parser.add_argument("--scene", help="with --robot: confirm the obstacles, too; default: the empty scene")
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
@@ -42,6 +41,8 @@ def run(options: argparse.Namespace) -> int:
     """Runs the command."""
     if options.scene is not None and options.robot is None:
         raise PlannercheckError("--scene needs --robot: a proof is of a robot in a scene")
+    if options.robot is None and given_options(options):
+        check_heeded(options, given_options(options), "with --robot")
     results = [_verified(path, options) for path in options.files]
     if options.format == "json":
         print(json.dumps(results, indent=1))

@@ -22,6 +22,7 @@ from plannercheck.cli.common import (
     load_checker,
 )
 from plannercheck.cli.robot_options import described
+from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.start_and_goal import checked_end
@@ -126,6 +127,12 @@ def _check(options: argparse.Namespace) -> None:
     check_folder(options.html)
     if sum(given is not None for given in (options.file, options.q, options.path)) > 1:
         raise PlannercheckError("FILE, --q and --path exclude each other: give one")
+    if options.path is None:
+        check_heeded(options, ("--frames",), "with --path")
+    if options.file is None:
+        check_heeded(options, ("--first", "--only-invalid"), "with FILE, a set")
+    if options.html is not None:
+        check_heeded(options, ("--port", "--host"), "without --html, which serves nothing")
     if options.frames < 1 or options.first < 1 or (options.planes or 0) < 0:
         raise PlannercheckError("--frames and --first must be at least 1, --planes at least 0")
     if not 0 < options.port <= _LAST_PORT:

@@ -2,14 +2,17 @@
 
 In: a proof, a robot, a scene. Out: nothing, or an `UnprovedError` that names the first difference.
 
-The joints, their placements, axes and who follows whom are compared with what `urdf_joints.py` reads from the URDF, to
-1e-12. Bodies, the pair table, and the joint of each column are compared bit for bit with what plannercheck itself
-loads, since meshes have many formats, and SRDFs and groups many rules. So its loader is trusted here; its kinematics
-and its verdicts are not. The values of joints outside the group are part of the claim: they are in the proof, not in
+The joints, their placements, axes and who follows whom are compared with what `urdf_joints.py` reads from the URDF, or
+from what a xacro expands to, to 1e-12. Bodies, the pair table, and the joint of each column are compared bit for bit
+with what plannercheck itself loads, since meshes have many formats, and SRDFs and groups many rules; so are the joints
+of an MJCF file, of which there is no second reader. So its loader is trusted here; its kinematics and its verdicts are
+not. The values of joints outside the group are part of the claim: they are in the proof, not in
 the URDF.
 """
 
 from __future__ import annotations
+
+import dataclasses
 
 import numpy as np
 
@@ -21,6 +24,7 @@ from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.robot import Robot
+from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.scenes.scene import Scene
 
 # By the URDF's type, the kinds that a joint may have in a proof.
@@ -49,12 +53,17 @@ def confirm_model(model: Model, robot: str | RobotDescription, scene: str | None
         PlannercheckError: If a file can't be read.
     """
     description = description_of(robot)
-    whole = description.joints is None and description.group is None
-    _TreeComparison(model, read_tree(description.urdf), description.floating, whole).run()
+    file = description.file
+    if file.kind != MJCF_ROOT:
+        whole = description.joints is None and description.group is None
+        tree = read_tree(description.urdf, file.mended)
+        _TreeComparison(model, tree, description.floating, whole).run()
     loaded = Robot.from_description(description)
     known = space_model(
         Checker(loaded, Scene("empty") if scene is None else Scene.load(scene, description.package_dirs))
     )
+    if file.kind == MJCF_ROOT:
+        _compare_trees(model, known)
     _compare_columns(model, known)
     _compare_bodies(model, known)
 
@@ -144,6 +153,22 @@ class _TreeComparison:
                 raise UnprovedError(f"joint {found.name} does not follow {leader}, as the URDF says")
             factor, offset, found = factor * multiplier, factor * shift + offset, joints[leader]
         return factor, offset
+
+
+def _compare_trees(model: Model, loaded: Model) -> None:
+    """Checks that links and joints are those of the checker, but for the values at which joints are held."""
+    if model.links != loaded.links:
+        given, known = ({link.name for link in each.links} for each in (model, loaded))
+        raise UnprovedError(f"links of the proof and of the MJCF differ: {sorted(given ^ known)[:3] or 'in place'}")
+    for joint, other in zip(model.joints, loaded.joints, strict=False):  # their number is compared with the columns
+        if _as_moved(joint) != _as_moved(other):
+            raise UnprovedError(f"joint {joint.name} is not as the MJCF has it")
+
+
+def _as_moved(joint: Joint) -> Joint:
+    """A joint, with no values where it is held: these are part of the claim."""
+    offsets = (0.0 if column < 0 else offset for column, offset in zip(joint.columns, joint.offsets, strict=True))
+    return dataclasses.replace(joint, offsets=tuple(offsets))
 
 
 def _compare_columns(model: Model, loaded: Model) -> None:

@@ -55,11 +55,12 @@ class UrdfTree:
     above: dict[str, UrdfJoint]
 
 
-def read_tree(urdf: str | Path) -> UrdfTree:
+def read_tree(urdf: str | Path, content: str | None = None) -> UrdfTree:
     """Reads a URDF's joints.
 
     Args:
         urdf: Path of the file.
+        content: What to read in place of the file, whose path is for errors then: what a xacro expands to.
 
     Returns:
         The tree.
@@ -68,7 +69,7 @@ def read_tree(urdf: str | Path) -> UrdfTree:
         PlannercheckError: If the file is no URDF, or has xacro's parts in it.
     """
     try:
-        root = ElementTree.parse(urdf).getroot()
+        root = ElementTree.parse(urdf).getroot() if content is None else ElementTree.fromstring(content)
     except (OSError, ElementTree.ParseError, LookupError, ValueError) as error:  # the last two for encodings
         raise PlannercheckError(f"URDF {str(urdf)!r} can't be read: {error}") from None
     if root.tag != "robot":

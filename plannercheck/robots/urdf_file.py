@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import file_kind, kind_unless_xml
 from plannercheck.common.input_limits import check_xml_text
 from plannercheck.common.package_data import is_file
@@ -36,6 +36,9 @@ _XACRO = re.compile(r"\{[^}]*\bxacro/?\}")
 
 # Roots of robots in other formats: MuJoCo's, which mjcf.py reads, and Gazebo's, which nothing here reads.
 MJCF_ROOT, SDF_ROOT = "mujoco", "sdf"
+
+# Attributes of an <inertia>.
+_MOMENTS = frozenset({"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
 
 # Every XML reader knows these.
 _KNOWN_PREFIXES = frozenset({"xml", "xmlns"})
@@ -75,7 +78,10 @@ class UrdfFile:
             text = expanded(path, arguments or {}, folders)
             root, fault = _parsed(text)
             check_xml_text(text.encode(), f"URDF {path}")
-            return cls(path, text if root is None else _with_names(root) or text, fault, root)
+            if root is not None:
+                _check_links(root, path)
+                _check_named(root, path)
+            return cls(path, text if root is None else _mended(root) or text, fault, root)
         if arguments:
             raise PlannercheckError(f"URDF {path} is no .xacro, so that it takes no arguments: {', '.join(arguments)}")
         if not is_file(path):
@@ -93,7 +99,7 @@ class UrdfFile:
             return cls(path, None, fault, None)
         _check_expanded(root, path)
         _check_named(root, path)
-        return cls(path, _with_names(root) or plain, "", root)
+        return cls(path, _mended(root) or plain, "", root)
 
     @property
     def root(self) -> Element:
@@ -168,6 +174,17 @@ def _check_expanded(root: Element, path: Path) -> None:
         raise PlannercheckError(f"URDF {path} holds <xacro:{found.partition('}')[2]}>: {xacro_hint(path)}")
 
 
+def _check_links(root: Element, path: Path) -> None:
+    """Raises for a xacro that makes no link: it only defines macros, which others call."""
+    if root.find("link") is None:
+        macros = re.findall(r"""<xacro:macro\s[^>]*?name=["']([^"']+)""", path.read_text(errors="replace"))
+        listed = f" ({', '.join(map(shortened, macros[:3]))})" if macros else ""
+        raise PlannercheckError(
+            f"xacro {path} expands to no link: it defines macros{listed}, so give the .xacro that includes it and "
+            "calls them"
+        )
+
+
 def _check_named(root: Element, path: Path) -> None:
     """Raises for a robot without a name, which urdfdom does not take, and for what is no robot."""
     if root.tag in (MJCF_ROOT, SDF_ROOT):
@@ -181,9 +198,21 @@ def _check_named(root: Element, path: Path) -> None:
         raise PlannercheckError(f'URDF {path}: its <robot> has no name: write <robot name="...">')
 
 
-def _with_names(root: Element) -> str | None:
-    """The text with a name for each material that is drawn; None if all have one."""
+def _mended(root: Element) -> str | None:
+    """The text with a name for each material that is drawn, and without faulty masses; None if it has neither.
+
+    urdfdom leaves a link out whose mass it can't read. Masses decide nothing here, shapes do.
+    """
     unnamed = [each for each in root.iterfind("link/visual/material") if each.get("name") is None]
     for material in unnamed:
         material.set("name", "")
-    return ElementTree.tostring(root, encoding="unicode") if unnamed else None
+    faulty = [(link, each) for link in root.iterfind("link") for each in link.iterfind("inertial") if _lacks(each)]
+    for link, inertial in faulty:
+        link.remove(inertial)
+    return ElementTree.tostring(root, encoding="unicode") if unnamed or faulty else None
+
+
+def _lacks(inertial: Element) -> bool:
+    """Whether an <inertial> has no mass, or no moments of inertia."""
+    mass, moments = inertial.find("mass"), inertial.find("inertia")
+    return mass is None or moments is None or "value" not in mass.attrib or not moments.attrib.keys() >= _MOMENTS

@@ -7,11 +7,15 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import sys
 from contextlib import redirect_stdout
 from pathlib import Path
 
 from plannercheck.common.package_files import folders_above, package_folder, where_sought
+
+# xacro puts the Python class of an error before its message.
+_CLASS = re.compile(r"<class '[\w.]+'>: ")
 
 
 def main(file: str) -> int:
@@ -35,7 +39,7 @@ def main(file: str) -> int:
         with redirect_stdout(io.StringIO()):
             text = xacro.process_file(file, mappings=task["arguments"]).toxml()
     except Exception as error:  # xacro raises what its files' expressions raise
-        print(error or repr(error), file=sys.stderr)
+        print(_CLASS.sub("", str(error) or repr(error)), file=sys.stderr)
         return 1
     sys.stdout.buffer.write(text.encode())
     return 0

@@ -93,8 +93,10 @@ def read_scene_text(scene: SceneContents, content: bytes) -> None:
         with words.at_this_line():
             name = words.rest_of_line()
             if not name or name in scene.object_names:
-                raise PlannercheckError(f"object {name!r} exists already" if name else "an object needs a name")
-        with error_context(f"object {name!r}"):
+                raise PlannercheckError(
+                    f"object {shortened(name)!r} exists already" if name else "an object needs a name"
+                )
+        with error_context(f"object {shortened(name)!r}"):
             scene.put(_object(words, name, has_poses))
 
 

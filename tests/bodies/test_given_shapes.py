@@ -266,3 +266,19 @@ def test_what_is_no_body_is_named(value, message):
 def test_poses_of_given_bodies_are_checked():
     with pytest.raises(pc.PlannercheckError, match="pose of pose_r must be a homogeneous matrix"):
         pc.intersects(CUBE, CUBE, pose_r=np.eye(3))
+
+
+def test_polytopes_of_other_libraries_bodies():
+    """`Polytope` takes what `intersects` does; faces, a radius and a pose of their own have no place there."""
+    mesh = trimesh.Trimesh(TETRAHEDRON, TRIANGLES, process=False)
+    assert {tuple(p) for p in pc.Polytope(mesh).vertices} == {tuple(p) for p in TETRAHEDRON}
+    assert np.ptp(pc.Polytope(coal.Box(1, 2, 3)).vertices, axis=0).tolist() == [1, 2, 3]
+    assert np.ptp(pc.Polytope(Box((1.0, 2.0, 3.0))).vertices, axis=0).tolist() == [1, 2, 3]
+    ball = pc.Polytope(coal.Sphere(0.5))
+    assert (ball.vertices.tolist(), ball.inflation_radius) == ([[0, 0, 0]], 0.5)
+    posed = coal.CollisionObject(coal.Box(1, 1, 1), np.eye(3), np.array([1.0, 0, 0]))
+    with pytest.raises(pc.PlannercheckError, match="can has a pose of its own, and a Polytope has none"):
+        pc.Polytope(posed, name="can")
+    for options in ({"faces": [[0, 1, 2]]}, {"inflation_radius": 0.1}, {"swell": 0.1}):
+        with pytest.raises(pc.PlannercheckError, match="can is a Sphere, which has its own faces and radius"):
+            pc.Polytope(coal.Sphere(0.5), name="can", **options)

@@ -280,3 +280,17 @@ def test_a_closed_pipe_is_no_traceback():
         assert process.stderr is not None
         process.stdout.close()
         assert b"Traceback" not in process.stderr.read()
+
+
+def test_inspect_says_what_each_stage_and_counter_is():
+    import plannercheck as pc
+    from plannercheck.cli.inspect import PAIR_TEST, STAGES
+
+    planar = pc.planar.Checker(pc.planar.Robot.load("forklift"))
+    known = set()
+    for checker in (pc.Checker(pc.Robot.load("panda")), planar):
+        statistics = checker.statistics()
+        known |= statistics.keys()
+        assert set(statistics) - {"states", "queries"} <= STAGES.keys()
+        assert set(statistics["queries"]) <= PAIR_TEST.keys()
+    assert known >= STAGES.keys()

@@ -177,10 +177,12 @@ DAEMONS = """
 import threading, time
 import numpy as np
 import plannercheck as pc
+from plannercheck import _oracle as oracle
 
 robot = pc.Robot.load("panda")
 checker, q = pc.Checker(robot, pc.Scene.load("bookshelf")), robot.random_configurations(20_000, 0)
 points = np.random.default_rng(0).normal(size=(2000, 3))
+cloud, poses = oracle.Points(points[:20], 0.0), np.tile(np.eye(4), (2000, 1, 1))
 
 def forever(call):
     while True:
@@ -191,6 +193,7 @@ for call in (
     lambda: checker.check_states(q, threads=2),
     lambda: robot.link_poses(q),
     lambda: pc.Polytope(points),
+    lambda: oracle.decide(cloud, poses, cloud, poses, True),
 ):
     threading.Thread(target=forever, args=(call,), daemon=True).start()
 time.sleep(0.3)
@@ -260,3 +263,37 @@ def test_the_callers_handlers_are_back_afterwards(capsys):
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     assert main(["robots"]) == 0
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+IMPORTING = """
+import os, signal, sys, time
+import plannercheck.cli.robots as robots
+from plannercheck.cli.main import main
+
+sys.path.insert(0, sys.argv.pop())
+
+def run(options):
+    import loads_slowly
+    print("imported", flush=True)
+    time.sleep(20)
+    return 0
+
+robots.run = run
+sys.exit(main(["robots"]))
+"""
+
+
+def test_a_signal_waits_until_an_import_has_ended(tmp_path):
+    """As compiled modules do, this one makes an error of its own of whatever is raised in it."""
+    (tmp_path / "loads_slowly.py").write_text(
+        "import os, signal, time\ntry:\n    os.kill(os.getpid(), signal.SIGINT)\n    time.sleep(0.2)\n"
+        "except BaseException:\n    raise ImportError('lost') from None\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", IMPORTING, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert (ended.returncode, ended.stderr) == (130, "plannercheck: interrupted\n")

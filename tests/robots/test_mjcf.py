@@ -64,14 +64,22 @@ def test_bodies_joints_and_limits_are_mujocos(path):
     assert np.allclose(poses[robot.link_index("left"), :3, 3], [0.5, 0, 2.85])
 
 
+def box_pose(robot):
+    return next(body for body in robot.bodies if body.link == "base").pose
+
+
 def test_a_root_without_joints_is_where_the_file_has_it(path):
     path.write_text(MJCF.replace('pos="0 0 1"><geom type="box"', 'pos="1 2 3" quat="0 0 0 2"><geom type="box"'))
     robot = pc.Robot.load(path)
     poses = robot.link_poses([0.25, np.pi / 2, 0.0])
     assert np.allclose(poses[robot.link_index("base"), :3, 3], [1, 2, 3])
     assert np.allclose(poses[robot.link_index("tip"), :3, 3], [0.5, 2, 5.05])
-    box = next(body for body in robot.bodies if body.link == "base")
-    assert np.allclose(box.pose, np.eye(4))
+    assert np.allclose(box_pose(robot), np.eye(4))
+    aside = MJCF.replace('pos="0 0 1"><geom type="box"', 'pos="1 2 3" quat="0 0 0 2"><geom type="box"')
+    path.write_text(aside.replace('name="upper" pos="0 0 1"', 'name="upper" pos="0.5 0 1"'))
+    robot = pc.Robot.load(path)  # half a turn about z: the root's x is the world's -x
+    upper = robot.link_poses([0.25, 0.0, 0.0])[robot.link_index("upper")]
+    assert np.allclose(upper[:3, 3], [0.5, 2, 4.25])
     path.write_text(MJCF.replace('pos="0 0 1"><geom type="box"', 'euler="0 0 90"><geom type="box"'))
     with pytest.raises(pc.PlannercheckError, match="root body 'base': give its orientation as quat=, not euler="):
         pc.Robot.load(path)
@@ -156,3 +164,24 @@ def test_sdf_files_are_refused_with_what_to_do(tmp_path, capsys):
         pc.Robot.load(path)
     assert main(["inspect", "--robot", str(path)]) == 2
     assert "convert it into a URDF" in capsys.readouterr().err
+
+
+def test_a_proof_is_confirmed_for_an_mjcf_file(path, tmp_path, capsys):
+    """`verify --robot` reads a robot as `validate` does."""
+    states, proof = tmp_path / "path.npy", tmp_path / "path.proof.json"
+    np.save(states, [[1.0, 0.0, 0.01], [1.2, -0.3, 0.02]])
+    assert main(["validate", "--robot", str(path), "--path", str(states), "--certify", "--proof", str(proof)]) == 0
+    capsys.readouterr()
+    assert main(["verify", str(proof), "--robot", str(path)]) == 0
+    assert "model: confirmed" in capsys.readouterr().out
+    for old, new, fault in (
+        ('pos="0 0 0.8"', 'pos="0 0 0.9"', "joint turn is not as the MJCF has it"),
+        ('axis="0 1 0"', 'axis="1 0 0"', "joint turn is not as the MJCF has it"),
+        ('body name="tip"', 'body name="top"', "links of the proof and of the MJCF differ"),
+        ('size="0.1" pos="0 0 0.3"', 'size="0.2" pos="0 0 0.3"', "has another shape than in the files"),
+    ):
+        other = tmp_path / "other.xml"
+        changed = MJCF.replace(old, new)
+        other.write_text(changed.replace('body2="tip"', 'body2="top"') if "top" in new else changed)
+        assert main(["verify", str(proof), "--robot", str(other)]) == 1, new
+        assert fault in capsys.readouterr().out

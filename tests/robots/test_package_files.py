@@ -133,3 +133,61 @@ def test_a_moveit_scene_looks_above_itself(tmp_path):
     scene.write_text(scene.read_text().replace("a.stl", "b.stl"))
     with pytest.raises(pc.PlannercheckError, match=r"b\.stl' is not found\. Searched were the folders above the file"):
         pc.Scene.load(scene)
+
+
+ADDRESS = "package://arm_description/meshes/a.stl"
+
+
+def mesh_of(folder):
+    return package(folder) / "meshes" / "a.stl"
+
+
+def test_the_prefix_of_an_installation_is_above_share(tmp_path, monkeypatch):
+    """Pinocchio looks there by itself for meshes, but for nothing else."""
+    mesh = mesh_of(tmp_path / "install" / "share" / "arm_description")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "install"))
+    assert package_file(ADDRESS, ()) == mesh
+
+
+def test_names_of_packages_are_whole(tmp_path):
+    package(tmp_path / "one", "arm_description_old")
+    assert package_file(ADDRESS, (tmp_path,)) is None
+    mesh = mesh_of(tmp_path / "two")
+    assert package_file(ADDRESS, (tmp_path,)) == mesh
+
+
+def test_a_package_far_above_a_file_is_found(tmp_path):
+    folder = package(tmp_path / "arm-main")
+    deep = folder / "a" / "b" / "c" / "d" / "e"
+    deep.mkdir(parents=True)
+    assert package_file(ADDRESS, (), folders_above(deep / "r.urdf")) == folder / "meshes" / "a.stl"
+
+
+def test_what_is_given_is_before_the_environment(tmp_path, monkeypatch):
+    given, above, of_ros, installed = (
+        mesh_of(tmp_path / name) for name in ("given/one", "above/two", "ros/three", "install/share/arm_description")
+    )
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "ros"))
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "install"))
+    file = above.parent.parent / "urdf" / "r.urdf"
+    assert package_file(ADDRESS, (tmp_path / "given",)) == given
+    assert package_file(ADDRESS, (), folders_above(file)) == above
+    assert package_file(ADDRESS, ()) == of_ros
+    monkeypatch.delenv("ROS_PACKAGE_PATH")
+    assert package_file(ADDRESS, ()) == installed
+
+
+def test_a_package_holds_no_others(tmp_path):
+    outer = package(tmp_path / "ws" / "outer", "outer")
+    mesh_of(outer / "test" / "copy")
+    assert package_file(ADDRESS, (tmp_path / "ws",)) is None
+
+
+def test_folders_above_are_those_of_the_link_and_of_what_it_leads_to(tmp_path):
+    source = package(tmp_path / "src" / "arm-main")
+    (tmp_path / "install" / "urdf").mkdir(parents=True)
+    link = tmp_path / "install" / "urdf" / "r.urdf"
+    link.symlink_to(source / "urdf" / "r.urdf")
+    above = folders_above(link)
+    assert above.index(link.parent) < above.index(source / "urdf")
+    assert package_file(ADDRESS, (), above) == source / "meshes" / "a.stl"

@@ -52,6 +52,15 @@ def assert_whole(robot):
         URDF.replace(
             '<link name="b">', f'<link name="b"><visual>{BOX}<material><color rgba="1 0 0 1"/></material></visual>'
         ),
+        *(
+            URDF.replace('<link name="b">', f'<link name="b"><inertial>{inside}</inertial>')
+            for inside in (
+                '<mass value="1"/>',
+                '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>',
+                '<mass value="1"/><inertia ixx="1"/>',
+                '<mass/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>',
+            )
+        ),
     ],
     ids=[
         "declaration after a blank",
@@ -62,6 +71,10 @@ def assert_whole(robot):
         "comment",
         "latin comment",
         "material",
+        "mass alone",
+        "no mass",
+        "no moments",
+        "empty mass",
     ],
 )
 def test_what_is_meant_is_read(tmp_path, text):

@@ -101,3 +101,33 @@ def test_missing_files_and_libraries_are_named(arm, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "xacro", None)
     with pytest.raises(pc.PlannercheckError, match=r"xacro files need xacro, .*pip install 'plannercheck\[xacro\]'"):
         pc.Robot.from_urdf(arm)
+
+
+def test_a_proof_is_confirmed_for_a_xacro_with_its_arguments(arm, tmp_path, capsys):
+    """`verify --robot` reads a robot as `validate` does."""
+    package = ("--package-dirs", str(tmp_path / "ws" / "src"))
+    path, proof = tmp_path / "path.npy", tmp_path / "path.proof.json"
+    np.save(path, [[-0.5], [0.5]])
+    robot = ("--robot", str(arm), *package, "--xacro-arg", "size:=0.2")
+    assert main(["validate", *robot, "--path", str(path), "--certify", "--proof", str(proof)]) == 0
+    capsys.readouterr()
+    assert main(["verify", str(proof), *robot]) == 0
+    assert "model: confirmed" in capsys.readouterr().out
+    arm.write_text(ARM.replace('axis xyz="0 0 1"', 'axis xyz="0 1 0"'))
+    assert main(["verify", str(proof), *robot]) == 1
+    assert "joint j has the axis [0.0, 0.0, 1.0]" in capsys.readouterr().out
+
+
+def test_a_file_of_macros_says_which_file_is_meant(arm, tmp_path):
+    path = tmp_path / "ws" / "src" / "parts-main" / "urdf" / "block.xacro"
+    with pytest.raises(pc.PlannercheckError, match=r"expands to no link: it defines macros \(block\), so give the"):
+        pc.Robot.from_urdf(path)
+    path.write_text(BLOCK.replace("</robot>", '<xacro:block name="a" size="1"/></robot>'))
+    with pytest.raises(pc.PlannercheckError, match=r'its <robot> has no name: write <robot name="..."'):
+        pc.Robot.from_urdf(path)
+
+
+def test_messages_are_without_pythons_classes(arm):
+    with pytest.raises(pc.PlannercheckError, match=r"can't be expanded: package 'parts' is not found") as found:
+        pc.Robot.from_urdf(arm)
+    assert "<class" not in str(found.value)

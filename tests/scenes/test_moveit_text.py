@@ -327,3 +327,13 @@ def test_every_command_names_what_is_wrong_in_the_file(files, capsys):
     for command in (["inspect"], ["validate", "q.npy"], ["view", "--html", "page.html"]):
         assert main([*command, "--robot", "panda", "--scene", "bad.scene"]) == 2
         assert "scene file 'bad.scene': object 'can': line 6: unknown shape 'prism'" in capsys.readouterr().err
+
+
+def test_an_absurdly_long_name_is_cut_in_errors(tmp_path):
+    path = tmp_path / "a.scene"
+    name = "9" * 5000
+    path.write_text(f"s\n* {name}\n1\nbox\n1 1 1\n0 0 0\n0 0 0 nan\n0 0 0 0\n0\n.\n")
+    with pytest.raises(pc.PlannercheckError) as found:
+        pc.Scene.load(path)
+    assert "object '999" in str(found.value)
+    assert len(str(found.value)) < 500

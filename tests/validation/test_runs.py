@@ -369,7 +369,7 @@ def test_a_bad_row_in_the_middle_can_be_mended(file, tmp_path, small_chunks, sam
         (["q.npy", "--output", "v.txt"], "--output must be one of .npz, .csv, .parquet"),
         (["q.npy", "--workers", "2"], "--engine dask"),
         (["q.npy", "--engine", "dask", "--workers", "2", "--scheduler", "tcp://1.2.3.4:5"], "give one of them"),
-        (["--path", "p.json", "--output", "v.npz", "--degrees"], "--output and --degrees are for sets"),
+        (["--path", "p.json", "--output", "v.npz", "--degrees"], "--output and --degrees count only for sets"),
     ],
 )
 def test_options_that_do_not_go_together(capsys, arguments, message):

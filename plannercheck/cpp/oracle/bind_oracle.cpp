@@ -1,5 +1,4 @@
-// The oracle's Python module, which decides whether the core is right. It contains no code of the core but how
-// Python's lock is released.
+// The oracle's Python module, which decides whether the core is right. It contains no code of the core.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
@@ -8,12 +7,13 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+#include <thread>
 #include <tuple>
 
-#include "bindings/gil.hpp"
 #include "oracle/proofs.hpp"
 
 namespace nb = nanobind;
@@ -30,6 +30,25 @@ using Weights = std::vector<Number>;
 constexpr std::size_t kPoseNumbers = 16;
 // Far beyond any double or product of a few; a larger exponent is a mistake.
 constexpr int kLargestExponent = 100'000;
+
+// As bindings/gil.hpp has it, of which nothing is taken: at its end, Python unwinds a thread that asks for its lock,
+// and a destructor that must not throw would end the process. The thread stops instead.
+class GilReleased {
+ public:
+  GilReleased() : state_(PyEval_SaveThread()) {}
+  ~GilReleased() {
+    try {
+      PyEval_RestoreThread(state_);
+    } catch (...) {
+      for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+    }
+  }
+  GilReleased(const GilReleased&) = delete;
+  GilReleased& operator=(const GilReleased&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
 
 void check_finite(const double* numbers, std::size_t count, const char* what) {
   if (!std::all_of(numbers, numbers + count, [](double x) { return std::isfinite(x); }))

@@ -66,6 +66,8 @@ def table_shape(shape: tuple[int, ...], columns: Columns, width: int | None = No
         is_turned = len(rows) == 2 and rows[0] == wanted
         hint = "it looks transposed: a configuration is a row, numpy's .T makes it one; " if is_turned else ""
         raise WidthError(f"must have shape (n, {wanted}), not {shape}; {hint}{columns.listed}")
+    if width is None:
+        columns.check_nameless()
     return rows[0], rows[1]
 
 

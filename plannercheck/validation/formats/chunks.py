@@ -42,6 +42,8 @@ _KEYED = {
     ".hdf5": hdf5_blocks,
     ".h5": hdf5_blocks,
 }
+# Suffixes of files that hold several arrays, of which `key` says which to take.
+KEYED_SUFFIXES = tuple(_KEYED)
 SUFFIXES = (".npy", ".npz", ".csv", ".tsv", ".parquet", ".pq", ".hdf5", ".h5")
 
 # The first bytes of formats that can't be read from a stream.

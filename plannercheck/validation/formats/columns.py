@@ -127,6 +127,16 @@ class Columns:
         """Raises unless rows without names have as many numbers as a configuration."""
         if width != self.width:
             raise WidthError(f"must have {self.width} columns ({self.listed}), not {width}")
+        self.check_nameless()
+
+    def check_nameless(self) -> None:
+        """Raises if columns are to be found by names, in a file that has none."""
+        if self.named is not None:
+            raise PlannercheckError(
+                "names no columns, so that --columns finds none: leave it out if its columns are in the robot's order"
+            )
+        if self.ignored and self.spread is None:
+            raise PlannercheckError("names no columns, so that --ignore-columns leaves none out: leave it out")
 
     def configurations(self, rows: Floats) -> Floats:
         """Configurations (n, nq) of rows: degrees turned into radians, joint values into what the robot takes."""

@@ -41,6 +41,7 @@ def _chosen(arrow: Any, schema: Any, columns: Columns, key: str | None) -> list[
     names = list(schema.names)
     lists = [name for k, name in enumerate(names) if _is_list(arrow, schema.field(k).type)]  # names may repeat
     if key is not None or (lists and not all(name in names for name in columns.names)):
+        columns.check_nameless()
         return [chosen_key(lists, key, "column of lists")]
     return [names[place] for place in columns.places(names)]
 

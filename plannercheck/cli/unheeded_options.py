@@ -1,0 +1,36 @@
+"""Options that would change nothing in a use of a command: an error says so, rather than that they are ignored.
+
+In: parsed options, names of those that do not count, and when they do. Out: an error that names those that were given.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+
+from plannercheck.common.errors import PlannercheckError
+
+
+def check_heeded(options: argparse.Namespace, names: Sequence[str], when: str) -> None:
+    """Raises if options are given that do not count.
+
+    Args:
+        options: Of the command.
+        names: The options that would be ignored, e.g. "--frames".
+        when: When they count, e.g. "with --path".
+
+    Raises:
+        PlannercheckError: It names the options, and says when they count.
+    """
+    given = [name for name in names if _is_given(options, name)]
+    if given:
+        one = len(given) == 1
+        raise PlannercheckError(
+            f"{' and '.join(given)} {'counts' if one else 'count'} only {when}: leave {'it' if one else 'them'} out"
+        )
+
+
+def _is_given(options: argparse.Namespace, name: str) -> bool:
+    """Whether an option has another value than its default."""
+    target = name.lstrip("-").replace("-", "_")
+    return bool(getattr(options, target) != options.default_of(target))
