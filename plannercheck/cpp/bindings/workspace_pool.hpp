@@ -8,6 +8,7 @@
 #include <nanobind/nanobind.h>
 
 #include <algorithm>
+#include <atomic>
 #include <concepts>
 #include <cstddef>
 #include <memory>
@@ -32,21 +33,17 @@ class Pooled {
 
   const Core& core() const { return core_; }
 
+  Pooled(const Pooled&) = delete;
+  Pooled& operator=(const Pooled&) = delete;
+  ~Pooled() { delete handy_.load(); }
+
   // work(workspace), with one that no other caller has.
   template <class Work>
   void with_workspace(Work work) {
-    std::shared_ptr<Workspace> workspace;
-    {
-      const std::lock_guard lock(mutex_);
-      if (!spare_.empty()) {
-        workspace = std::move(spare_.back());
-        spare_.pop_back();
-      }
-    }
-    if (!workspace) workspace = core_.new_workspace();
-    work(*workspace);
-    const std::lock_guard lock(mutex_);
-    spare_.push_back(std::move(workspace));
+    Held held(handy_.exchange(nullptr, std::memory_order_acquire));
+    if (!held) held = spare_one();
+    work(**held);
+    put_back(std::move(held));
   }
 
   // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
@@ -75,16 +72,40 @@ class Pooled {
 
   // The sums so far. Python's objects must not be made under the lock: its garbage collector may ask again from within.
   Counters counted() {
+    Held held(handy_.exchange(nullptr, std::memory_order_acquire));
+    if (held) put_back(std::move(held), false);
     const std::lock_guard lock(mutex_);
-    for (const auto& workspace : spare_) total_ += Core::take_counters(*workspace);
+    for (const Held& workspace : spare_) total_ += Core::take_counters(**workspace);
     return total_;
   }
 
  private:
+  // A workspace that nobody else has. Its type is complete only where the core is compiled.
+  using Held = std::unique_ptr<std::shared_ptr<Workspace>>;
+
   Core core_;
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Workspace>> spare_;
+  std::vector<Held> spare_;
+  std::atomic<std::shared_ptr<Workspace>*> handy_{nullptr};  // one more, for calls that can't wait for the lock
   Counters total_;
+
+  Held spare_one() {
+    const std::lock_guard lock(mutex_);
+    if (spare_.empty()) return std::make_unique<std::shared_ptr<Workspace>>(core_.new_workspace());
+    Held last = std::move(spare_.back());
+    spare_.pop_back();
+    return last;
+  }
+
+  void put_back(Held held, bool at_hand = true) {
+    std::shared_ptr<Workspace>* none = nullptr;
+    if (at_hand && handy_.compare_exchange_strong(none, held.get(), std::memory_order_release)) {
+      static_cast<void>(held.release());
+      return;
+    }
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(held));
+  }
 };
 
 }  // namespace plannercheck
