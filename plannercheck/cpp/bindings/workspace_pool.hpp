@@ -47,14 +47,22 @@ class Pooled {
   }
 
   // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
+  // Several threads take rows by and by: one that starts late, or whose core has other work, leaves the others more.
   template <class Value, class Work>
   auto of_rows(std::size_t n, int threads, Work work) {
     std::vector<Value> values(n);
-    const auto wanted = static_cast<std::size_t>(std::max(threads, 1));
-    const std::size_t parts = std::min(wanted, std::max<std::size_t>(n, 1));
-    without_gil(parts, [&](std::size_t k) {
-      const std::size_t first = n * k / parts, past = n * (k + 1) / parts;
-      with_workspace([&](Workspace& w) { work(first, past - first, values.data() + first, w); });
+    const std::size_t share =
+        threads > 1 ? rows_at_once(n, static_cast<std::size_t>(threads)) : std::max<std::size_t>(n, 1);
+    const std::size_t shares = std::max<std::size_t>((n + share - 1) / share, 1);
+    std::atomic<std::size_t> taken{0};
+    without_gil(std::min(static_cast<std::size_t>(std::max(threads, 1)), shares), [&](std::size_t) {
+      with_workspace([&](Workspace& w) {
+        for (std::size_t k = taken++; k < shares; k = taken++) {
+          const std::size_t first = k * share;
+          work(first, std::min(share, n - first), values.data() + first, w);
+          poll_interruption();
+        }
+      });
     });
     return output_array(values, {n});
   }
@@ -82,6 +90,13 @@ class Pooled {
  private:
   // A workspace that nobody else has. Its type is complete only where the core is compiled.
   using Held = std::unique_ptr<std::shared_ptr<Workspace>>;
+
+  // Few enough that threads end at nearly the same time; whole blocks of states, where there are enough.
+  static std::size_t rows_at_once(std::size_t n, std::size_t threads) {
+    constexpr std::size_t kSharesOfThread = 32, kBlock = 8;
+    const std::size_t rows = (n + threads * kSharesOfThread - 1) / (threads * kSharesOfThread);
+    return rows < kBlock ? std::max<std::size_t>(rows, 1) : (rows + kBlock - 1) / kBlock * kBlock;
+  }
 
   Core core_;
   std::mutex mutex_;
