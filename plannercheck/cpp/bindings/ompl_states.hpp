@@ -48,14 +48,14 @@ class PlannerStates {
   // number is three times faster than a slice (measured).
   void read(nanobind::handle state, StateNumbers& numbers) const {
     const nanobind::object method = item_method(state);
+    const vectorcallfunc call = method.is_none() ? nullptr : PyVectorcall_Function(method.ptr());
     double* const q = numbers.data();
     for (std::size_t k = 0; k < columns_.size(); ++k) {
       PyObject* const arguments[] = {state.ptr(), columns_[k].ptr()};
-      const nanobind::object number =
-          nanobind::steal(method.is_none() ? PyObject_GetItem(arguments[0], arguments[1])
-                                           : PyObject_Vectorcall(method.ptr(), arguments, 2, nullptr));
+      const nanobind::object number = nanobind::steal(call == nullptr ? PyObject_GetItem(arguments[0], arguments[1])
+                                                                      : call(method.ptr(), arguments, 2, nullptr));
       if (!number.is_valid()) throw nanobind::python_error();
-      q[k] = PyFloat_AsDouble(number.ptr());
+      q[k] = PyFloat_CheckExact(number.ptr()) != 0 ? PyFloat_AS_DOUBLE(number.ptr()) : PyFloat_AsDouble(number.ptr());
       if (q[k] == -1 && PyErr_Occurred() != nullptr) throw nanobind::python_error();
     }
   }
