@@ -243,7 +243,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             True if no pair of bodies shares a point.
         """
         known = self._judge_row(q)
-        if known is None:  # not an array of doubles, e.g. a list
+        if known is None:  # no array of doubles, nor a list of numbers
             row = self._single(q)
             known = self._judge_row(np.ascontiguousarray(row[0]))
         return bool(self.check_states(row)[0]) if known is None else known

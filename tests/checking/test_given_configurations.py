@@ -74,6 +74,58 @@ def test_sets_in_forms_of_others(checker, samples, form):
     assert np.array_equal(checker.check_states(form(samples)), checker.check_states(samples))
 
 
+FORMS_OF_ROWS = {
+    "array": lambda q: q,
+    "list": lambda q: q.tolist(),
+    "tuple": lambda q: tuple(q.tolist()),
+    "list of NumPy's": list,
+    "list of floats32": lambda q: list(q.astype(np.float32)),
+    "strided": lambda q: np.repeat(q, 2)[::2],
+    "float32": lambda q: q.astype(np.float32),
+    "read only": lambda q: np.frombuffer(q.tobytes()),
+    "other byte order": lambda q: q.astype(">f8"),
+    "odd address": lambda q: np.frombuffer(b"0" + q.tobytes(), dtype=np.uint8)[1:].view(np.float64),
+    "matrix": lambda q: q.view(type("Matrix", (np.ndarray,), {})),
+    "row of a set": lambda q: np.tile(q, (3, 1))[1],
+    "column of a set": lambda q: np.tile(q, (3, 1)).T.copy()[:, 1],
+}
+
+
+@pytest.mark.parametrize("form", FORMS_OF_ROWS)
+def test_rows_in_any_form_get_the_verdict_of_their_numbers(checker, samples, form):
+    beyond = samples.copy()
+    beyond[::2] = 1.5 * checker.robot.upper  # judged by all pairs, whatever the form
+    for rows in (samples, beyond, np.round(samples)):
+        expected = checker.check_states(rows.astype(np.float32) if "32" in form else rows).tolist()
+        assert [checker.is_valid(FORMS_OF_ROWS[form](q)) for q in rows] == expected
+        assert all(type(checker.is_valid(FORMS_OF_ROWS[form](q))) is bool for q in rows[:4])
+
+
+def test_whole_numbers_in_lists(checker):
+    for row in ([0] * 7, [0, -1.5, 1, -2, 0, 2.5, 1], [True] * 7, (False, 0, 1.5, -2, 0, 1, 0)):
+        assert checker.is_valid(row) == bool(checker.check_states(np.array([row], dtype=np.float64))[0])
+    for huge in (2**53 + 1, -(2**60), 2**64, -(2**70)):
+        with pytest.raises(pc.PlannercheckError):
+            checker.is_valid([0.0] * 6 + [huge])
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, None, "0", 1j, [0.0], {}])
+def test_lists_with_something_else_are_refused_as_arrays_are(checker, bad):
+    for row in ([0.0] * 6 + [bad], [bad] + [0.0] * 6, (*[0.0] * 3, bad, *[0.0] * 3)):
+        with pytest.raises(pc.PlannercheckError) as of_list:
+            checker.is_valid(row)
+        with pytest.raises(pc.PlannercheckError) as of_checks:
+            checker.robot.check_configurations(checker._single(row))
+        assert str(of_list.value) == str(of_checks.value)
+
+
+@pytest.mark.parametrize("count", [0, 1, 6, 8])
+def test_lists_of_another_length_are_refused(checker, count):
+    for row in ([0.0] * count, (0.0,) * count, np.zeros(count)):
+        with pytest.raises(pc.PlannercheckError, match=r"shape \(7,\)"):
+            checker.is_valid(row)
+
+
 def test_sets_of_installed_tensors(checker, samples):
     torch = pytest.importorskip("torch")
     assert np.array_equal(checker.check_states(torch.tensor(samples)), checker.check_states(samples))

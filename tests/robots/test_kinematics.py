@@ -152,6 +152,43 @@ def test_all_kinds_of_joints(seed):
         assert disagreement(kinematics, model, configurations, frames) < AGREEMENT / 100
 
 
+def same_bits_alone(kinematics, q, needed=None):
+    """Whether single configurations are posed with the bits of a batch, the signs of zeros among them."""
+    needed = np.ones(kinematics.link_count, dtype=np.uint8) if needed is None else needed
+    together = kinematics.link_poses(np.ascontiguousarray(q), needed)
+    alone = [kinematics.link_poses(np.ascontiguousarray(row[None]), needed) for row in q]
+    return together.tobytes() == np.concatenate(alone).tobytes()
+
+
+def with_odd_values(q):
+    """Zeros of both signs, and angles that are reduced in integers, among configurations."""
+    rng = np.random.default_rng(9)
+    odd = rng.choice([0.0, -0.0, np.pi / 2, -3e7], size=q.shape)
+    return np.where(rng.random(q.shape) < 0.3, odd, q)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_single_configurations_are_posed_with_the_bits_of_a_batch(seed):
+    pin.seed(seed)
+    for model in (hand_made_model(), pin.buildModelFromXML(SLANTED_AND_FREE)):
+        frames, values = link_tree(model).frames, all_values(model, {}, {})
+        names = list(model.names)[1:]
+        maps = [whole_robot(model), *(planning_group(model, names[k::2], values, {}) for k in (0, 1))]
+        for configurations in maps:
+            kinematics = compiled_kinematics(model, configurations, frames)
+            assert same_bits_alone(kinematics, with_odd_values(configurations.random(40, seed)))
+
+
+@pytest.mark.parametrize("name", ["panda", "pr2", "talos", "tiago", "go2", "baxter"])
+def test_single_configurations_of_robots_are_posed_with_the_bits_of_a_batch(name):
+    robot = Robot.load(name)
+    rng = np.random.default_rng(10)
+    for part in (1.0, 0.5, 0.1):
+        needed = (rng.random(len(robot.link_names)) < part).astype(np.uint8)
+        q = with_odd_values(robot.random_configurations(30, 3))
+        assert same_bits_alone(robot.kinematics, q, needed)
+
+
 def test_quaternions_are_used_as_they_are():
     model = pin.Model()
     joint = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base")

@@ -46,6 +46,13 @@ class BoundChecker : public Pooled<CheckerCore> {
     return may;
   }
 
+  // Of one configuration that may be judged.
+  bool is_valid(const Kinematics& kinematics, const double* q) {
+    std::uint8_t valid = 0;
+    with_workspace([&](auto& w) { core().check_states(kinematics, q, 1, &valid, w); });
+    return valid != 0;
+  }
+
   nb::dict statistics() {
     const CheckerCounters total = counted();
     nb::dict out;
@@ -96,17 +103,20 @@ auto first_of_states(BoundChecker& checker, const Kinematics& kinematics, Config
       });
 }
 
-// A function of one configuration, without the overhead of sets. It returns None for anything but a NumPy row of finite
-// numbers within the limits; the caller then handles it.
+// A function of one configuration, without the overhead of sets. It returns None for anything but finite numbers within
+// the limits, in a NumPy row, a list or a tuple; the caller then handles it.
 nb::object row_validity(nb::object checker, nb::object kinematics) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
-  const auto is_free = [checker, kinematics, judge, kernel, array = NumpyArray()](nb::handle row) -> nb::object {
-    const NumpyRow q(array, row, static_cast<std::size_t>(kernel->width()));
-    if (q.data() == nullptr || !judge->may_judge(q.data())) return nb::none();
-    std::uint8_t valid = 0;
-    judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
-    return nb::bool_(valid != 0);
+  const auto width = static_cast<std::size_t>(kernel->width());
+  const auto judged = [checker, kinematics, judge, kernel](const double* q) -> nb::object {
+    if (!judge->may_judge(q)) return nb::none();
+    return nb::bool_(judge->is_valid(*kernel, q));
+  };
+  const auto is_free = [judged, width, array = NumpyArray(), listed = ListedNumbers()](nb::handle row) -> nb::object {
+    if (const NumpyRow q(array, row, width); q.data() != nullptr) return judged(q.data());
+    StateNumbers numbers(width);
+    return listed.read(row, numbers) ? judged(numbers.data()) : nb::none();
   };
   return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
 }
@@ -126,10 +136,7 @@ nb::object state_validity(nb::object checker, nb::object kinematics, nb::object 
     for (const double value : q) {
       if (!std::isfinite(value)) return false;  // OMPL's spaces hold no such state
     }
-    if (!judge->may_judge(q.data())) return nb::cast<bool>(elsewhere(listed(q)));
-    std::uint8_t valid = 0;
-    judge->with_workspace([&](auto& w) { judge->core().check_states(*kernel, q.data(), 1, &valid, w); });
-    return valid != 0;
+    return judge->may_judge(q.data()) ? judge->is_valid(*kernel, q.data()) : nb::cast<bool>(elsewhere(listed(q)));
   };
   const auto is_free = [answer, failure](nb::handle s) { return judged_or_failed(failure, [&] { return answer(s); }); };
   return nb::cpp_function(is_free, plain_floats);

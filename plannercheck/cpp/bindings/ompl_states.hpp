@@ -98,6 +98,39 @@ class PlannerStates {
   }
 };
 
+// Numbers of a list or tuple in place of a state. Only plain ones, whose reading runs no Python.
+class ListedNumbers {
+ public:
+  // False for anything but floats, NumPy's float64 among them, and integers that doubles hold.
+  bool read(nanobind::handle row, StateNumbers& numbers) const {
+    const bool is_list = PyList_CheckExact(row.ptr()) != 0;
+    if (!is_list && PyTuple_CheckExact(row.ptr()) == 0) return false;
+    const Py_ssize_t size = is_list ? PyList_GET_SIZE(row.ptr()) : PyTuple_GET_SIZE(row.ptr());
+    if (static_cast<std::size_t>(size) != numbers.size()) return false;
+    for (Py_ssize_t k = 0; k < size; ++k) {
+      PyObject* const item = is_list ? PyList_GET_ITEM(row.ptr(), k) : PyTuple_GET_ITEM(row.ptr(), k);
+      if (!read_number(item, numbers.data()[k])) return false;
+    }
+    return true;
+  }
+
+ private:
+  nanobind::object numpy_float_ = nanobind::module_::import_("numpy").attr("float64");
+
+  bool read_number(PyObject* item, double& number) const {
+    if (PyFloat_CheckExact(item) != 0 || nanobind::handle(item).type().is(numpy_float_)) {
+      number = PyFloat_AS_DOUBLE(item);
+      return true;
+    }
+    if (PyLong_CheckExact(item) == 0) return false;
+    constexpr long long kExact = 1LL << 53;
+    int overflow = 0;
+    const long long whole = PyLong_AsLongLongAndOverflow(item, &overflow);
+    number = static_cast<double>(whole);
+    return overflow == 0 && -kExact <= whole && whole <= kExact;
+  }
+};
+
 // How many motions have been found free, and how many not.
 struct MotionCounts {
   std::int64_t free = 0, refused = 0;

@@ -8,6 +8,7 @@
 #include <nanobind/nanobind.h>
 
 #include <algorithm>
+#include <atomic>
 #include <concepts>
 #include <cstddef>
 #include <memory>
@@ -32,32 +33,36 @@ class Pooled {
 
   const Core& core() const { return core_; }
 
+  Pooled(const Pooled&) = delete;
+  Pooled& operator=(const Pooled&) = delete;
+  ~Pooled() { delete handy_.load(); }
+
   // work(workspace), with one that no other caller has.
   template <class Work>
   void with_workspace(Work work) {
-    std::shared_ptr<Workspace> workspace;
-    {
-      const std::lock_guard lock(mutex_);
-      if (!spare_.empty()) {
-        workspace = std::move(spare_.back());
-        spare_.pop_back();
-      }
-    }
-    if (!workspace) workspace = core_.new_workspace();
-    work(*workspace);
-    const std::lock_guard lock(mutex_);
-    spare_.push_back(std::move(workspace));
+    Held held(handy_.exchange(nullptr, std::memory_order_acquire));
+    if (!held) held = spare_one();
+    work(**held);
+    put_back(std::move(held));
   }
 
   // An array of a value for each of n rows, without the GIL: work(first row, how many, their values, workspace).
+  // Several threads take rows by and by: one that starts late, or whose core has other work, leaves the others more.
   template <class Value, class Work>
   auto of_rows(std::size_t n, int threads, Work work) {
     std::vector<Value> values(n);
-    const auto wanted = static_cast<std::size_t>(std::max(threads, 1));
-    const std::size_t parts = std::min(wanted, std::max<std::size_t>(n, 1));
-    without_gil(parts, [&](std::size_t k) {
-      const std::size_t first = n * k / parts, past = n * (k + 1) / parts;
-      with_workspace([&](Workspace& w) { work(first, past - first, values.data() + first, w); });
+    const std::size_t share =
+        threads > 1 ? rows_at_once(n, static_cast<std::size_t>(threads)) : std::max<std::size_t>(n, 1);
+    const std::size_t shares = std::max<std::size_t>((n + share - 1) / share, 1);
+    std::atomic<std::size_t> taken{0};
+    without_gil(std::min(static_cast<std::size_t>(std::max(threads, 1)), shares), [&](std::size_t) {
+      with_workspace([&](Workspace& w) {
+        for (std::size_t k = taken++; k < shares; k = taken++) {
+          const std::size_t first = k * share;
+          work(first, std::min(share, n - first), values.data() + first, w);
+          poll_interruption();
+        }
+      });
     });
     return output_array(values, {n});
   }
@@ -75,16 +80,47 @@ class Pooled {
 
   // The sums so far. Python's objects must not be made under the lock: its garbage collector may ask again from within.
   Counters counted() {
+    Held held(handy_.exchange(nullptr, std::memory_order_acquire));
+    if (held) put_back(std::move(held), false);
     const std::lock_guard lock(mutex_);
-    for (const auto& workspace : spare_) total_ += Core::take_counters(*workspace);
+    for (const Held& workspace : spare_) total_ += Core::take_counters(**workspace);
     return total_;
   }
 
  private:
+  // A workspace that nobody else has. Its type is complete only where the core is compiled.
+  using Held = std::unique_ptr<std::shared_ptr<Workspace>>;
+
+  // Few enough that threads end at nearly the same time; whole blocks of states, where there are enough.
+  static std::size_t rows_at_once(std::size_t n, std::size_t threads) {
+    constexpr std::size_t kSharesOfThread = 32, kBlock = 8;
+    const std::size_t rows = (n + threads * kSharesOfThread - 1) / (threads * kSharesOfThread);
+    return rows < kBlock ? std::max<std::size_t>(rows, 1) : (rows + kBlock - 1) / kBlock * kBlock;
+  }
+
   Core core_;
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Workspace>> spare_;
+  std::vector<Held> spare_;
+  std::atomic<std::shared_ptr<Workspace>*> handy_{nullptr};  // one more, for calls that can't wait for the lock
   Counters total_;
+
+  Held spare_one() {
+    const std::lock_guard lock(mutex_);
+    if (spare_.empty()) return std::make_unique<std::shared_ptr<Workspace>>(core_.new_workspace());
+    Held last = std::move(spare_.back());
+    spare_.pop_back();
+    return last;
+  }
+
+  void put_back(Held held, bool at_hand = true) {
+    std::shared_ptr<Workspace>* none = nullptr;
+    if (at_hand && handy_.compare_exchange_strong(none, held.get(), std::memory_order_release)) {
+      static_cast<void>(held.release());
+      return;
+    }
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(held));
+  }
 };
 
 }  // namespace plannercheck

@@ -156,7 +156,7 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   if (filters.overlaps) find_overlaps(w);
   w.boxed = filters.boxes && count >= kFewStates;
   if (w.boxed) test_boxes(w);
-  for (std::size_t state = 0; state < w.near.size(); ++state) {
+  for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
     w.near[state].clear();
     if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
   }
@@ -211,7 +211,7 @@ void BroadPhase::find_for_state(const double* links, std::size_t state, Workspac
     const std::size_t mover = at(movers_with_obstacles_[k]);
     const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);
     w.found.clear();
-    tree_.collect({ball.x, ball.y, ball.z, far_beyond(ball.radius)}, w.found);
+    tree_.collect({ball.x, ball.y, ball.z, ball.limit}, w.found);
     for (const std::int32_t obstacle : w.found) {
       const std::int32_t pair = pair_with(mover, obstacle);
       if (pair >= 0) take(pair);
@@ -311,13 +311,19 @@ void BroadPhase::test_boxes(Workspace& w) const {
   }
 }
 
+// Bit k: whether a pair surely shares a point in state k.
+unsigned BroadPhase::overlap(std::size_t pair, Workspace& w) const {
+  if (!w.links.are_of_one_state()) return overlaps_.overlap(w.links, pair, boxes_, w.boxes, w.overlaps);
+  return overlaps_.overlap_in_state(w.links, pair, boxes_, w.boxes, w.overlaps) ? 1U : 0U;
+}
+
 // Finds states that surely collide; these are dropped at once.
 void BroadPhase::find_overlaps(Workspace& w) const {
   w.overlaps.begin();
   for (const Candidate& candidate : w.candidates) {
     const unsigned open = candidate.states & ~w.overlapping;
     if (open == 0) continue;
-    w.overlapping |= open & overlaps_.overlap(w.links, at(candidate.pair), boxes_, w.boxes, w.overlaps);
+    w.overlapping |= open & overlap(at(candidate.pair), w);
   }
   if (w.overlapping == 0) return;
   for (Candidate& candidate : w.candidates) {

@@ -119,6 +119,7 @@ class BroadPhase {
   void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
   void test_boxes(Workspace& workspace) const;
   void find_overlaps(Workspace& workspace) const;
+  unsigned overlap(std::size_t pair, Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

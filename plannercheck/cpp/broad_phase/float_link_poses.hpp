@@ -21,6 +21,8 @@ class RoundedLinks {
     rounded_.begin();
   }
 
+  bool are_of_one_state() const { return block_ == nullptr; }
+
   const FloatPose& of(std::size_t link) {
     return rounded_.of(link, false, [&](FloatPose& out) {
       if (block_ != nullptr) return round_to_floats(block_, links_, link, out);

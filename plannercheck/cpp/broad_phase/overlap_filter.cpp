@@ -52,6 +52,13 @@ BlockOverlaps::Balls BlockOverlaps::balls_of(const GeometryObject& object) {
     out.ball[out.count++] = {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)},
                              below((ball.radius + body.inflation_radius) * kShrunk)};
   }
+  static_assert(kInnerBalls <= kFloats);
+  out.side_by_side = PosedBall{Floats{}, Floats{}, Floats{}, Floats{} - __builtin_inff()};
+  for (std::size_t k = 0; k < out.count; ++k) {
+    const auto [x, y, z] = out.ball[k].centre;
+    out.side_by_side.x[k] = x, out.side_by_side.y[k] = y, out.side_by_side.z[k] = z;
+    out.side_by_side.radius[k] = out.ball[k].radius;
+  }
   out.room =
       above((norm_1(object.placement.translation()) + 2 * (body.origin_radius + body.inflation_radius)) * kPosingError);
   return out;
@@ -72,15 +79,22 @@ BlockOverlaps::Box BlockOverlaps::box_of(const Polytope& body) {
   return out;
 }
 
+template <class Number>
+BlockOverlaps::PosedBall BlockOverlaps::posed(const FloatPose& link, Number x, Number y, Number z, Number radius,
+                                              float room) {
+  PosedBall p;
+  p.x = link.turned(0, x, y, z) + link.m[3];
+  p.y = link.turned(1, x, y, z) + link.m[7];
+  p.z = link.turned(2, x, y, z) + link.m[11];
+  const Floats size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
+  p.radius = radius - (size * static_cast<float>(kPosingError) + room);
+  return p;
+}
+
 void BlockOverlaps::pose(const FloatPose& link, const Balls& balls, PosedBalls& out) {
   for (std::size_t k = 0; k < balls.count; ++k) {
     const auto [x, y, z] = balls.ball[k].centre;
-    PosedBall& p = out[k];
-    p.x = link.turned(0, x, y, z) + link.m[3];
-    p.y = link.turned(1, x, y, z) + link.m[7];
-    p.z = link.turned(2, x, y, z) + link.m[11];
-    const Floats size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
-    p.radius = balls.ball[k].radius - (size * static_cast<float>(kPosingError) + balls.room);
+    out[k] = posed(link, x, y, z, balls.ball[k].radius, balls.room);
   }
 }
 
@@ -95,6 +109,19 @@ FloatMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const Block
   }
   const Floats limit = (ball.radius + box.radius) - 2 * frame.room;
   return (square < limit * limit) & (limit > kShortest);
+}
+
+bool BlockOverlaps::overlap_in_state(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
+                                     BlockBoxes::Workspace& posed_boxes, Workspace& w) const {
+  const Roles roles = roles_[pair];
+  if (roles.balls < 0) return false;
+  const Balls& own = balls_[at(roles.balls)];
+  const PosedBalls& balls = w.of(at(roles.balls), false, [&](PosedBalls& out) {
+    const auto& [x, y, z, radius] = own.side_by_side;
+    out[0] = posed(links.of(at(own.link)), x, y, z, radius, own.room);
+  });
+  const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
+  return float_bits(meet(balls[0], boxes_[at(roles.box)], frame)) != 0;
 }
 
 unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,

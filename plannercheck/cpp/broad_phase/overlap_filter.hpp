@@ -1,7 +1,7 @@
 // The states of a block in which a ball inside one body overlaps a box inside another, in lanes.
 //
 // In: posed links of a block, the boxes that box_filter.hpp poses. Out: states in which a pair surely shares a point,
-// whatever the rounding; these are most of the states in which it does.
+// whatever the rounding; these are most of the states in which it does. For a single state lanes run over balls.
 #pragma once
 
 #include <array>
@@ -30,6 +30,10 @@ class BlockOverlaps {
   typedef BlockCache<PosedBalls> Workspace;
   Workspace new_workspace() const { return Workspace(balls_.size()); }
 
+  // Whether the pair surely shares a point in the state that all lanes of `links` hold.
+  bool overlap_in_state(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
+                        BlockBoxes::Workspace& posed_boxes, Workspace& workspace) const;
+
   // Bit k: in state k the pair surely shares a point. `links`: all poses; those of moving bodies are read.
   unsigned overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes, BlockBoxes::Workspace& posed_boxes,
                    Workspace& workspace) const;
@@ -45,7 +49,8 @@ class BlockOverlaps {
     std::int32_t link = -1;
     std::size_t count = 0;
     std::array<Ball, kInnerBalls> ball;
-    float room = 0;  // for the rounding of posing, besides that of a posed centre
+    PosedBall side_by_side;  // in the link's frame, a ball a lane; lanes without one hold a radius that nothing meets
+    float room = 0;          // for the rounding of posing, besides that of a posed centre
   };
 
   // The box inside any body, in the body's own frame, relative to the middle of the box around it; rounded by `radius`.
@@ -68,6 +73,8 @@ class BlockOverlaps {
   static Box box_of(const Polytope& body);
   static FloatMask meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
   static void pose(const FloatPose& link, const Balls& balls, PosedBalls& out);
+  template <class Number>
+  static PosedBall posed(const FloatPose& link, Number x, Number y, Number z, Number radius, float room);
 };
 
 }  // namespace plannercheck

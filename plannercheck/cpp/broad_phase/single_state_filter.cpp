@@ -60,6 +60,7 @@ void SingleStateFilter::pose(const double* links, Workspace& w) const {
   for (std::size_t k = 0; k < w.posed.size(); ++k) {
     Posed& p = w.posed[k];
     p.radius = BoundingBall::radius_at(p.x, p.y, p.z, sizes_[k].radius, sizes_[k].room);
+    p.limit = far_beyond(p.radius);
   }
 }
 

@@ -32,7 +32,7 @@ class SingleStateFilter {
 
   // Eight posed balls.
   struct Posed {
-    Floats x, y, z, radius;
+    Floats x, y, z, radius, limit;  // see `far_beyond` for the last
   };
   struct Workspace {
     std::vector<Posed> posed;
@@ -46,19 +46,22 @@ class SingleStateFilter {
   void pose(const double* links, Workspace& workspace) const;
 
   struct Ball {
-    float x, y, z, radius;
+    float x, y, z, radius, limit;
   };
-  static Ball ball(std::size_t index, const Workspace& workspace) {
-    const Posed& eight = workspace.posed[index / kFloats];
-    const std::size_t lane = index % kFloats;
-    return {eight.x[lane], eight.y[lane], eight.z[lane], eight.radius[lane]};
-  }
+  static Ball ball(std::size_t index, const Workspace& workspace) { return ball(index, workspace.posed.data()); }
 
   // Calls found(pair) for all pairs that may touch.
   template <class Found>
   void find(Workspace& workspace, Found found) const;
 
  private:
+  static Ball ball(std::size_t index, const Posed* posed) {
+    const Posed& eight = posed[index / kFloats];
+    const std::size_t lane = index % kFloats;
+    return {eight.x[lane], eight.y[lane], eight.z[lane], eight.radius[lane], eight.limit[lane]};
+  }
+  static Floats everywhere(float c) { return Floats{c, c, c, c, c, c, c, c}; }
+
   // One ball against eight partners, with at least one of which it has a pair.
   struct Test {
     std::size_t ball, eight;
@@ -87,21 +90,23 @@ class SingleStateFilter {
 // All tests first, without a branch: which partners are near is hard to predict.
 template <class Found>
 void SingleStateFilter::find(Workspace& w, Found found) const {
+  const Posed* const posed = w.posed.data();  // bytes are written, which might be these pointers' own
+  const Boxes* const eights = boxes_.data();
   std::uint8_t* near = w.near.data();
   for (const Test& test : ball_tests_) {
-    const Ball own = ball(test.ball, w);
-    const Posed& others = w.posed[test.eight];
+    const Ball own = ball(test.ball, posed);
+    const Posed& others = posed[test.eight];
     const Floats x = others.x - own.x, y = others.y - own.y, z = others.z - own.z;
     const unsigned far = float_bits((x * x + y * y) + z * z > far_beyond(others.radius + own.radius));
     *near++ = static_cast<std::uint8_t>(~far & test.paired);
   }
   for (const Test& test : box_tests_) {
-    const Ball own = ball(test.ball, w);
-    const Boxes& boxes = boxes_[test.eight];
-    const Floats x = beyond(Floats{} + own.x, boxes.low[0], boxes.high[0]);
-    const Floats y = beyond(Floats{} + own.y, boxes.low[1], boxes.high[1]);
-    const Floats z = beyond(Floats{} + own.z, boxes.low[2], boxes.high[2]);
-    const unsigned far = float_bits((x * x + y * y) + z * z > far_beyond(own.radius));
+    const Ball own = ball(test.ball, posed);
+    const Boxes& boxes = eights[test.eight];
+    const Floats x = beyond(everywhere(own.x), boxes.low[0], boxes.high[0]);
+    const Floats y = beyond(everywhere(own.y), boxes.low[1], boxes.high[1]);
+    const Floats z = beyond(everywhere(own.z), boxes.low[2], boxes.high[2]);
+    const unsigned far = float_bits((x * x + y * y) + z * z > own.limit);
     *near++ = static_cast<std::uint8_t>(~far & test.paired);
   }
   for (std::size_t first = 0; first < w.near.size(); first += kFloats) {

@@ -22,7 +22,8 @@ struct FloatPose {
   std::array<Floats, 12> m;
 
   // Row i times a vector.
-  Floats turned(std::size_t i, float x, float y, float z) const {
+  template <class Number>
+  Floats turned(std::size_t i, Number x, Number y, Number z) const {
     return (m[4 * i] * x + m[4 * i + 1] * y) + m[4 * i + 2] * z;
   }
 };

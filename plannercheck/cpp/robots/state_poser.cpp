@@ -21,11 +21,11 @@ Double4 lanes_of(Double4 yes, Double4 no) {
 }
 
 // Adding this keeps the sign of zeros; adding 0 would not.
-constexpr Double4 kNothing = {-0.0, -0.0, -0.0, -0.0};
+constexpr Double4 kSignedNothing = {-0.0, -0.0, -0.0, -0.0};
 
 // A row of a pose times a placement, all columns.
 Double4 row_on(Double4 row, const Double4 (&p)[3]) {
-  Double4 shift = kNothing;
+  Double4 shift = kSignedNothing;
   shift[kTranslation] = row[kTranslation];
   return row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + shift;
 }
