@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies import polytope_files as body_files
+from plannercheck.bodies.circumscribed import prism_faces
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import contiguous
 from plannercheck.common.core import core
@@ -25,6 +27,9 @@ from plannercheck.common.public_names import set_module
 
 # Largest coordinate in m: beyond it products of three coordinates could overflow in the filters.
 LARGEST_COORDINATE = 1e50
+
+
+_NO_ARRAYS: dict[str, NDArray[Any]] = {}
 
 
 @set_module("plannercheck")
@@ -41,11 +46,9 @@ class Polytope:
         source: Index of each vertex among the points given (n,), read-only.
     """
 
-    __slots__ = ("__weakref__", "_core", "faces", "source", "vertices")
+    __slots__ = ("__weakref__", "_arrays", "_core")
 
-    vertices: Floats
-    faces: Ints
-    source: Ints
+    _arrays: dict[str, NDArray[Any]]
 
     def __init__(
         self,
@@ -93,9 +96,30 @@ class Polytope:
 
     def _adopt(self, body: Any) -> None:
         self._core = body
-        self.vertices = _read_only(body.vertices())
-        self.faces = _read_only(body.triangles())
-        self.source = _read_only(body.source())
+        self._arrays = _NO_ARRAYS
+
+    def _array(self, name: str) -> NDArray[Any]:
+        """An array of the core's, made when first asked for: scenes have bodies that nobody looks at."""
+        found = self._arrays.get(name)
+        if found is None:
+            found = _read_only(getattr(self._core, name)())
+            self._arrays = self._arrays | {name: found}
+        return found
+
+    @property
+    def vertices(self) -> Floats:
+        """The extreme points (n, 3) in m, read-only."""
+        return self._array("vertices")
+
+    @property
+    def faces(self) -> Ints:
+        """Triangles (m, 3) of the hull, counter-clockwise seen from outside; none without volume."""
+        return self._array("triangles")
+
+    @property
+    def source(self) -> Ints:
+        """Index of each vertex among the points given (n,), read-only."""
+        return self._array("source")
 
     @classmethod
     def _from_core(cls, body: Any) -> Polytope:
@@ -197,6 +221,29 @@ class Polytope:
 
     def __repr__(self) -> str:
         return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
+
+
+def polytope_of_box(corners: Floats, inflation_radius: float) -> Polytope | None:
+    """The polytope of a box's corners, as `Box.vertices_and_faces` lists them, without looking at either again.
+
+    Args:
+        corners: (8, 3) m.
+        inflation_radius: m.
+
+    Returns:
+        The same as `Polytope` gives; None where that may refuse the box, or where the box has no volume.
+    """
+    if len(corners) != 8 or not max(corners.max(), inflation_radius) <= LARGEST_COORDINATE:
+        return None
+    try:
+        return Polytope._from_core(core.Polytope.from_faces(corners, _box_triangles(), inflation_radius))
+    except core.HullError:
+        return None
+
+
+@cache
+def _box_triangles() -> Ints:
+    return fans(prism_faces(4), 8, "box")
 
 
 def prepared(

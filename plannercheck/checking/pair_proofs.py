@@ -9,7 +9,8 @@ added. Where pairs have a padding of their own, copies of bodies follow the obst
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +53,6 @@ class MeetingProofs:
         self._has_copies = any(body.link is not None for body in bodies[self._own :])
         self._reach: RobotReach | None = None
         self._facts: NDArray[np.uint8] = np.zeros((self._own, 0), dtype=np.uint8)  # of bodies and obstacles
-        self._columns: dict[_Side, int] = {}
         if not self._has_copies:
             self._find_reach()
             self._find_facts(earlier)
@@ -70,23 +70,29 @@ class MeetingProofs:
     def _find_facts(self, earlier: MeetingProofs | None) -> None:
         """What is known of the obstacles: by the earlier checker, and by cells for those that it did not have."""
         own, preparation = self._own, self._preparation
-        obstacles = self._bodies[own:]
-        sides = list(zip(obstacles, preparation.paddings[own:].tolist(), strict=True))
-        self._columns = {side: k for k, side in enumerate(sides)}
+        count = len(self._bodies) - own
+        self._facts = np.zeros((own, count), dtype=np.uint8)
         if self._reach is None or not self._is_compiled:
             return
-        places = np.full(len(sides), -1, dtype=np.int64)
+        new = np.arange(count)
         if earlier is not None and earlier._reach is self._reach:
             known = earlier._columns
-            places = np.array([known.get(side, -1) for side in sides], dtype=np.int64)
-            self._facts = np.where(places >= 0, earlier._facts[:, places], 0) if len(known) else self._facts
-        if self._facts.shape[1] != len(sides):
-            self._facts = np.zeros((own, len(sides)), dtype=np.uint8)
-        new = np.flatnonzero(places < 0)
+            places = np.array([known.get(side, -1) for side in self._sides()], dtype=np.int64)
+            self._facts[:, places >= 0] = earlier._facts[:, places[places >= 0]]
+            new = np.flatnonzero(places < 0)
         if len(new):
             boxes = preparation.boxes((new + own).tolist())
-            poses = np.array([obstacles[k].pose for k in new.tolist()])
+            poses = np.concatenate([self._bodies[k].pose for k in (new + own).tolist()]).reshape(-1, 4, 4)
             self._facts[:, new] = self._reach.clear_of(boxes, poses)
+
+    def _sides(self) -> Iterable[_Side]:
+        own = self._own
+        return zip(self._bodies[own:], self._preparation.paddings[own:].tolist(), strict=True)
+
+    @cached_property
+    def _columns(self) -> dict[_Side, int]:
+        """Where each obstacle stands; only a checker that follows asks."""
+        return {side: k for k, side in enumerate(self._sides())}
 
     def of(self, pairs: Ints) -> tuple[Bools, Bools]:
         """Which pairs (k, 2) never meet within the limits, and which are at rest relative to each other."""

@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
-from plannercheck.bodies.polytope import Polytope, prepared
+from plannercheck.bodies.polytope import Polytope, polytope_of_box, prepared
 from plannercheck.bodies.shapes import Box, GeometryObject, InflatedHull, Shape, inflated_hull
 from plannercheck.checking.reach_bounds import Boxes, boxes_of
 from plannercheck.common.array_types import Floats
@@ -26,22 +26,27 @@ _FEW_POINTS = 32
 class _PreparedShape:
     """A shape with one padding: its hull and its polytope, once they are needed."""
 
-    __slots__ = ("_hull", "polytope")
+    __slots__ = ("_hull", "polytope", "setting")
 
-    def __init__(self) -> None:
+    def __init__(self, setting: tuple[float, float]) -> None:
+        self.setting = setting  # excess and padding
         self._hull: InflatedHull | None = None
         self.polytope: Polytope | None = None
 
-    def hull(self, shape: Shape, excess: float, padding: float) -> InflatedHull:
+    def hull(self, shape: Shape) -> InflatedHull:
         """Points, faces and inflation radius, the padding included."""
         if self._hull is None:
+            excess, padding = self.setting
             points, faces, inflation_radius = inflated_hull(shape, excess)
             self._hull = points, faces, inflation_radius + padding
         return self._hull
 
 
-# By shape, then by excess and padding. Shapes that compare equal are the same shape.
-_PREPARED: WeakKeyDictionary[Shape, dict[tuple[float, float], _PreparedShape]] = WeakKeyDictionary()
+# Of a shape, so many last used with different excesses or paddings are kept.
+_MOST_SETTINGS = 4
+
+# By shape, for each excess and padding, most often one. Shapes that compare equal are the same shape.
+_PREPARED: WeakKeyDictionary[Shape, tuple[_PreparedShape, ...]] = WeakKeyDictionary()
 
 # By inflation radius and points.
 _POLYTOPES: WeakValueDictionary[bytes, Polytope] = WeakValueDictionary()
@@ -73,7 +78,7 @@ class Preparation:
         self._entries: list[_PreparedShape] = []
         for body, part in zip(bodies, paddings.tolist(), strict=True):
             key = id(body.shape), part
-            entry = self._by_shape[key] = before.get(key) or _known(body.shape, excess, part)
+            entry = self._by_shape[key] = before.get(key) or _known(body.shape, (excess, part))
             self._entries.append(entry)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -91,7 +96,7 @@ class Preparation:
 
     def hull(self, body: int) -> InflatedHull:
         """Points, faces and inflation radius of a body, its padding included."""
-        return self._entries[body].hull(self._bodies[body].shape, self.excess, float(self.paddings[body]))
+        return self._entries[body].hull(self._bodies[body].shape)
 
     def hulls(self, count: int) -> list[InflatedHull]:
         """Those of the first bodies."""
@@ -109,6 +114,8 @@ class Preparation:
     def polytope(self, body: int) -> Polytope:
         """The prepared body."""
         entry = self._entries[body]
+        if entry.polytope is None and type(self._bodies[body].shape) is Box:
+            entry.polytope = polytope_of_box(*self.hull(body)[::2])  # equal boxes share it already
         if entry.polytope is None:
             points, faces, inflation_radius = self.hull(body)
             key = np.float64(inflation_radius).tobytes() + points.tobytes()
@@ -125,9 +132,12 @@ class Preparation:
         return tuple(entry.polytope for entry in self._entries)
 
 
-def _known(shape: Shape, excess: float, padding: float) -> _PreparedShape:
-    """What is known of a shape with a padding, to be added to."""
-    of_shape = _PREPARED.get(shape)
-    if of_shape is None:
-        of_shape = _PREPARED.setdefault(shape, {})
-    return of_shape.setdefault((excess, padding), _PreparedShape())
+def _known(shape: Shape, setting: tuple[float, float]) -> _PreparedShape:
+    """What is known of a shape with an excess and a padding, to be added to."""
+    of_shape = _PREPARED.get(shape, ())
+    for entry in of_shape:
+        if entry.setting == setting:
+            return entry
+    entry = _PreparedShape(setting)
+    _PREPARED[shape] = (*of_shape[1 - _MOST_SETTINGS :], entry)
+    return entry

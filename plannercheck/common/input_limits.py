@@ -64,11 +64,16 @@ def _may_be_deep(raw: bytes) -> bool:
     return True
 
 
+# By byte: whether it is neither a blank nor a mark with which a line begins.
+_IS_OTHER = np.ones(256, dtype=bool)
+_IS_OTHER[list(b" -?:\t\r")] = False
+
+
 def _widest_line_start(raw: bytes) -> int:
     """Most spaces and marks of sequences and keys at the beginning of a line: blocks nest by one column at least."""
     codes = np.frombuffer(raw, dtype=np.uint8)
     starts = np.concatenate([[0], np.flatnonzero(codes == ord("\n")) + 1])
-    others = np.flatnonzero(~np.isin(codes, np.frombuffer(b" -?:\t\r", dtype=np.uint8)))
+    others = np.flatnonzero(_IS_OTHER[codes])
     if not len(others):
         return len(codes)
     first = others[np.minimum(np.searchsorted(others, starts), len(others) - 1)]

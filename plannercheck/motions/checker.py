@@ -30,22 +30,19 @@ from plannercheck.proofs.proof import Proof
 
 @set_module("plannercheck")
 class Checker(StateChecker):
-    """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it.
-
-    Attributes:
-        motion_sampler: Computes how many states a motion needs, and interpolates them.
-    """
-
-    motion_sampler: MotionSampler
+    """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it."""
 
     _COMPILED: ClassVar[frozenset[str]] = StateChecker._COMPILED | {"motion_certifier", "_prover"}
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
-        for name in ("motion_certifier", "_prover"):  # cached for the earlier scene
+        for name in ("motion_certifier", "_prover", "motion_sampler"):  # of the earlier scene, or of what it attached
             self.__dict__.pop(name, None)
-        self.motion_sampler = self.robot.remembered(
-            ("motion sampler", self.excess), lambda: MotionSampler(self.robot, self.excess)
-        )
+
+    @cached_property
+    def motion_sampler(self) -> MotionSampler:
+        """Computes how many states a motion needs, and interpolates them; made once a robot, when first needed."""
+        key = "motion sampler", self.excess
+        return self.robot.remembered(key, lambda: MotionSampler(self.robot, self.excess))
 
     def check_motion(
         self,

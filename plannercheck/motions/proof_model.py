@@ -35,7 +35,10 @@ class PosedPairs(Protocol):
     bodies: tuple[GeometryObject, ...]
     pairs: Ints
     paddings: Floats
-    motion_sampler: MotionSampler
+
+    @property
+    def motion_sampler(self) -> MotionSampler:
+        """Whose whole turns a motion leaves out."""
 
     @property
     def polytopes(self) -> tuple[Polytope | None, ...]:

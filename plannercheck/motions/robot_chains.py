@@ -97,7 +97,7 @@ class RobotChains:
 
     def _chains_from_world(self, bodies: Ints64) -> Ints:
         """(k,) the chain from the world to each body."""
-        for body in np.unique(bodies[~self._is_known[bodies]]).tolist():
+        for body in sorted(set(bodies[~self._is_known[bodies]].tolist())):
             self._with_world[body] = self._builder.pair(body, self._own).chains[0]
             self._is_known[body] = True
         return self._with_world[bodies]

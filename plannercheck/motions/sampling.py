@@ -212,9 +212,11 @@ def _sliding_part(model: pin.Model, joint: int) -> slice:
 def _sliding_columns(robot: Robot) -> NDArray[np.int64]:
     """Numbers of Pinocchio's configurations that are lengths and are moved by the group."""
     model = robot.model
-    lengths = [np.arange(model.nq)[_sliding_part(model, joint)] for joint in range(1, model.njoints)]
+    is_length = np.zeros(model.nq, dtype=bool)
+    for joint in range(1, model.njoints):
+        is_length[_sliding_part(model, joint)] = True
     low, high = (robot.expand(row) for row in robot.random_configurations(2, seed=0))
-    return np.intersect1d(np.concatenate([*lengths, np.zeros(0, dtype=np.int64)]), np.flatnonzero(low != high))
+    return np.flatnonzero(is_length & (low != high))
 
 
 def _limits(model: pin.Model) -> Floats:

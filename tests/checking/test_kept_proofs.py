@@ -12,8 +12,12 @@ from random_trees import random_tree
 
 import plannercheck as pc
 from plannercheck.bodies.objects import Part
-from plannercheck.bodies.shapes import Box, Capsule, Cylinder, Hull, Sphere
-from plannercheck.checking import robot_reach
+from plannercheck.bodies.polytope import polytope_of_box
+from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Hull, Sphere
+from plannercheck.checking import prepared_bodies, robot_reach
+from plannercheck.checking.prepared_bodies import Preparation
+from plannercheck.checking.reach_bounds import boxes_of
+from plannercheck.robots import robot_memory
 from plannercheck.robots.description import shipped_robots
 from plannercheck.robots.loading import RobotParts
 from plannercheck.scenes.scene import shipped_scenes
@@ -135,9 +139,7 @@ def test_a_robot_whose_attributes_are_replaced_is_another_robot():
     robot.self_pairs = robot.self_pairs[:-5]
     assert_as_computed_anew(pc.Checker(robot, scene))
     bodies = robot.bodies
-    robot.bodies = tuple(
-        pc.bodies.shapes.GeometryObject(body.name, body.link, body.pose, Sphere(0.3)) for body in bodies
-    )
+    robot.bodies = tuple(GeometryObject(body.name, body.link, body.pose, Sphere(0.3)) for body in bodies)
     changed = pc.Checker(robot, scene)
     assert_as_computed_anew(changed)
     assert changed.check_states(q).sum() < before.sum()
@@ -148,7 +150,7 @@ def test_a_robot_whose_attributes_are_replaced_is_another_robot():
 def test_stand_ins_are_not_the_robots_own_bodies():
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
     own = pc.Checker(robot, scene)
-    rounds = [pc.bodies.shapes.GeometryObject(body.name, body.link, body.pose, Sphere(0.2)) for body in own.bodies]
+    rounds = [GeometryObject(body.name, body.link, body.pose, Sphere(0.2)) for body in own.bodies]
     assert_as_computed_anew(pc.Checker(robot, scene, bodies=rounds))
     assert_as_computed_anew(pc.Checker(robot, scene))
 
@@ -206,3 +208,34 @@ def test_a_table_of_allowed_collisions_says_what_each_pair_says():
         first, second = rng.choice(names, 4).tolist(), rng.choice(names, 5).tolist()
         truth = [[scene.is_allowed(a, b) for b in second] for a in first]
         np.testing.assert_array_equal(scene.allowed.table(first, second), truth)
+
+
+def test_a_box_is_prepared_as_any_hull_is():
+    rng = np.random.default_rng(1)
+    sizes = [*rng.uniform(1e-3, 3, (30, 3)), (1e-9, 1, 2), (1e-200, 1e-200, 1e-200), (1e40, 1, 1e-3)]
+    for size in sizes:
+        shape, radius = Box(tuple(size)), float(rng.choice([0.0, 0.03]))
+        found = polytope_of_box(shape.vertices_and_faces()[0], radius)
+        assert found is not None
+        assert found.core.serialise() == pc.Polytope(*shape.vertices_and_faces(), radius).core.serialise()
+    assert polytope_of_box(Box((0, 1, 1)).vertices_and_faces()[0], 0.0) is None
+    assert polytope_of_box(Box((1e60, 1, 1)).vertices_and_faces()[0], 0.0) is None
+
+
+def test_boxes_around_boxes_need_no_hulls():
+    rng = np.random.default_rng(2)
+    shapes = [Box(tuple(size)) for size in (*rng.uniform(0, 2, (20, 3)), (0, 1, 2), (0, 0, 0))]
+    bodies = [GeometryObject(f"{k}", None, np.eye(4), shape) for k, shape in enumerate(shapes)]
+    preparation = Preparation(bodies, 1e-4, rng.uniform(0, 0.1, len(bodies)))
+    for found, truth in zip(
+        preparation.boxes(range(len(bodies))), boxes_of(preparation.hulls(len(bodies))), strict=True
+    ):
+        np.testing.assert_array_equal(found, truth)
+
+
+def test_paddings_that_come_and_go_leave_little_behind():
+    robot = pc.Robot.load("panda")
+    for k in range(20):
+        pc.Checker(robot, padding=0.001 * k)
+    assert all(len(prepared_bodies._PREPARED[body.shape]) <= 4 for body in robot.bodies)
+    assert len(robot._parts.memory._results) <= robot_memory._MOST_RESULTS

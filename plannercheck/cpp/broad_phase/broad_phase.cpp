@@ -35,7 +35,7 @@ WorldBox world_box(const GeometryObject& object) {
 BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vector<std::array<std::int32_t, 2>>& pairs,
                        const std::vector<bool>& permanent, std::size_t links,
                        std::shared_ptr<const SampledPoses> sampled)
-    : links_(links), pairs_(pairs), obstacles_(0), tree_({}), sampled_(std::move(sampled)) {
+    : links_(links), pairs_(pairs), obstacles_(0), sampled_(std::move(sampled)), tree_({}) {
   // The index of a body among the movers or among the obstacles, in the order of the bodies.
   std::vector<std::int32_t> place(bodies.size(), -1);
   std::vector<bool> used(bodies.size(), false);

@@ -66,7 +66,8 @@ BlockOverlaps::Balls BlockOverlaps::balls_of(const GeometryObject& object) {
 
 BlockOverlaps::Box BlockOverlaps::box_of(const Polytope& body) {
   Box out;
-  const std::optional<InnerBox>& inner = body.inner_shapes().box;
+  // Obstacles are boxes more often than not, and need no balls.
+  const std::optional<InnerBox> inner = body.is_box != 0 ? InnerBox{body.low, body.high, 0} : body.inner_shapes().box;
   if (!inner) return out;
   const Vec3 middle = 0.5 * (body.low + body.high);
   for (std::size_t j = 0; j < 3; ++j) {
