@@ -11,7 +11,7 @@ from plannercheck.common.package_data import example_robot_data
 from plannercheck.robots.description import find_description, read_description
 
 TOLERANCES = (1e-6, 1e-4, 2e-2)
-SWITCHES = ("bounds", "overlaps")
+SWITCHES = ("bounds", "overlaps", "middle_states")
 
 
 def whole_robot(name, floating=False):
@@ -139,7 +139,7 @@ def test_motions_near_contact(tmp_path):
 
 def test_bounds_and_balls_save_work():
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
-    with_bounds, without_bounds, without_balls, _ = with_switches(robot, scene, own=True)
+    with_bounds, without_bounds, without_balls, *_ = with_switches(robot, scene, own=True)
     starts, ends = motions(with_bounds, np.random.default_rng(2), 200)
     for checker in (with_bounds, without_bounds, without_balls):
         checker.check_motions(starts, ends)

@@ -63,10 +63,11 @@ class BoundCertifier : public Pooled<MotionCertifier> {
 auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configurations q0, Configurations q1,
                    double tolerance, double kinematic_error, int threads) {
   const std::size_t width = q0.shape(1);
-  return bound.of_each_row<std::uint8_t>(q0.shape(0), threads, [&](std::size_t i, MotionCertifier::Workspace& w) {
-    const double *start = q0.data() + i * width, *end = q1.data() + i * width;
-    return bound.core().check(kinematics, start, end, tolerance, kinematic_error, w).answer;
-  });
+  return bound.of_rows<std::uint8_t>(
+      q0.shape(0), threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
+        bound.core().check(kinematics, q0.data() + row * width, q1.data() + row * width, n, tolerance, kinematic_error,
+                           answers, w);
+      });
 }
 
 // Configurations for which a kinematic error holds.
@@ -175,7 +176,7 @@ void bind_motion(nb::module_& m) {
              IndexTable<2> drives, InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry,
              IndexTable<3> entries, InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides,
              IndexTable<2> parts, int width, int link_count, double defect, double leverage, int depth, double extent,
-             InputArray<double, -1> travel, int joints, bool hints, bool bounds, bool overlaps) {
+             InputArray<double, -1> travel, int joints, bool hints, bool bounds, bool overlaps, nb::object states) {
             MotionModel model;
             for (std::size_t i = 0; i < bodies.size(); ++i)
               model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
@@ -192,7 +193,8 @@ void bind_motion(nb::module_& m) {
             model.extent = extent;
             model.travel.assign(travel.data(), travel.data() + travel.shape(0));
             model.joints = joints;
-            new (self) BoundCertifier(std::move(model), MotionOptions{hints, bounds, overlaps});
+            new (self) BoundCertifier(std::move(model), MotionOptions{hints, bounds, overlaps},
+                                      states.is_none() ? nullptr : shared_checker_core(states));
           },
           plain_floats)
       .def("check", &check_motions, plain_floats)
