@@ -71,6 +71,10 @@ class Checker(StateChecker):
         Returns:
             True if the motion is free.
         """
+        if resolution is None and self._kernel is not None:
+            known = self.motion_certifier.judge_rows(q0, q1, tolerance)
+            if known is not None:
+                return known
         starts, ends = self._single(q0), self._single(q1)
         if resolution is None and self.motion_sampler.is_vector_space and starts.shape == ends.shape:
             near = self.motion_sampler.short_way(starts, ends)

@@ -12,6 +12,7 @@
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
 #include "bindings/motion_arrays.hpp"
+#include "bindings/numpy_row.hpp"
 #include "bindings/ompl_states.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/verdict_dicts.hpp"
@@ -91,6 +92,9 @@ ErrorRange error_range(InputArray<double, -1> low, InputArray<double, -1> high, 
 // For planners, which ask for one motion at a time: its MotionAnswer, or kOutside if an end is outside of the range.
 constexpr int kOutside = 3;
 
+// Angles that are no further apart than this surely take the short way, rad.
+constexpr double kNearlyHalfTurn = 3.1415;
+
 template <class Row>
 int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
               const ErrorRange& range, double tolerance) {
@@ -140,6 +144,38 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
     return free;
   };
   return nb::cpp_function(is_free, plain_floats);
+}
+
+// A function of the ends of a motion and a tolerance, without the overhead of sets: whether the motion is free. It
+// returns None where more care is needed: for anything but NumPy rows of numbers in the range, for tolerances that are
+// no lengths, and where an angle takes the other way round.
+nb::object motion_row_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
+                               InputArray<double, -1> high, double kinematic_error,
+                               const std::vector<std::size_t>& angles) {
+  auto* bound = nb::cast<BoundCertifier*>(certifier);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  const auto is_free = [certifier, kinematics, bound, kernel, angles, array = NumpyArray(),
+                        range = error_range(low, high, kinematic_error)](nb::handle start, nb::handle end,
+                                                                         nb::handle length) -> nb::object {
+    const std::size_t width = range.low.size();
+    const NumpyRow from(array, start, width), to(array, end, width);
+    if (from.data() == nullptr || to.data() == nullptr || !PyFloat_Check(length.ptr())) return nb::none();
+    const double tolerance = PyFloat_AS_DOUBLE(length.ptr());
+    if (!(tolerance > 0 && std::isfinite(tolerance))) return nb::none();
+    // Copies, since other threads may write to the arrays once the GIL is released.
+    StateNumbers q0(width), q1(width);
+    std::copy_n(from.data(), width, q0.data());
+    std::copy_n(to.data(), width, q1.data());
+    for (const std::size_t k : angles) {
+      if (!(std::abs(q1.data()[k] - q0.data()[k]) <= kNearlyHalfTurn)) return nb::none();
+    }
+    int answer = kOutside;
+    without_gil([&] { answer = answer_of(*bound, *kernel, q0, q1, range, tolerance); });
+    if (answer > static_cast<int>(MotionAnswer::kRefused)) return nb::none();
+    return nb::bool_(answer == static_cast<int>(MotionAnswer::kFree));
+  };
+  return nb::cpp_function(is_free, nb::arg("start").none(), nb::arg("end").none(), nb::arg("tolerance").none(),
+                          plain_floats);
 }
 
 // See `explained_motion`; with proofs if wanted.
@@ -202,6 +238,7 @@ void bind_motion(nb::module_& m) {
       .def("explain", &explain_motion, plain_floats)
       .def("states", &motion_states, plain_floats)
       .def("statistics", &BoundCertifier::statistics, plain_floats);
+  m.def("motion_row_validity", &motion_row_validity, plain_floats);
   m.def("motion_validity", &motion_validity, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"),
         nb::arg("high"), nb::arg("tolerance"), nb::arg("kinematic_error"), nb::arg("elsewhere"), nb::arg("counts"),
         nb::arg("serialize").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(), plain_floats);
