@@ -106,7 +106,7 @@ class ChainedPairs:
             of_robot.depth,
             *of_robot.spread,
             *switches[:3],
-            part.core if switches.middle_states else None,
+            [part.core] if switches.middle_states else [],
         )
 
 

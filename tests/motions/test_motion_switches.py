@@ -72,15 +72,15 @@ def with_switches(robot, scene, own):
     return [pc.Checker(robot, scene, self_collision=own, **off) for off in chosen]
 
 
-# Up to 64 obstacles are tested one by one, more by the tree.
+# Up to 1,024 obstacles are tested in lanes, more by the tree.
 @pytest.mark.parametrize(
     ("name", "obstacles"),
-    [*((name, 5) for name in ROBOTS), ("panda", 90), ("tiago whole", 90), ("go2 floating", 90)],
+    [*((name, 5) for name in ROBOTS), ("panda", 1100), ("go2 floating", 1100)],
 )
 def test_switches_change_no_verdict(name, obstacles):
     generator = np.random.default_rng(len(name) + obstacles)
     robot = ROBOTS[name]()
-    scene = scattered(generator, obstacles, 0.2 if obstacles < 50 else 0.05)
+    scene = scattered(generator, obstacles, 0.2 if obstacles < 50 else 0.02)
     # Without an SRDF some robots always touch themselves.
     own = not name.startswith(("go2", "tiago"))
     checker, *others = with_switches(robot, scene, own)
