@@ -31,6 +31,7 @@ class CheckerSwitches:
         learning: The pair that collided most often is tested first, where any collision decides.
         reach: Pairs that can't meet within the limits are left out there.
         static_poses: Links that no joint of the group moves are posed once, as obstacles are.
+        middle_states: The middle states of several motions are judged first, together.
     """
 
     pair: Switches = field(default_factory=Switches)
@@ -40,6 +41,7 @@ class CheckerSwitches:
     learning: bool = True
     reach: bool = True
     static_poses: bool = True
+    middle_states: bool = True
 
     def core_options(self) -> tuple[Any, ...]:
         """The switches in the order in which core.Checker takes them."""

@@ -93,6 +93,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         learning: bool = True,
         reach: bool = True,
         static_poses: bool = True,
+        middle_states: bool = True,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
 
@@ -124,7 +125,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         self.excess = excess
         alone = without_attached(robot, () if scene is None else scene.attached)
         test = Switches(method, cached_plane, centre_axis, turned_axis, facet_plane, nearest_points)
-        switches = CheckerSwitches(test, bounds, boxes, overlaps, learning, reach, static_poses)
+        switches = CheckerSwitches(test, bounds, boxes, overlaps, learning, reach, static_poses, middle_states)
         self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, switches)
         self._prepare(scene if scene is not None else Scene("empty"), None)
 

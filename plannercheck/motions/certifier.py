@@ -21,6 +21,7 @@ from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.common.angles import nearest_turn
 from plannercheck.common.array_types import Bools, Floats, Ints
+from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
 from plannercheck.common.errors import PlannercheckError
@@ -142,6 +143,18 @@ class MotionCertifier:
             return np.ones(len(q0), dtype=bool)
         low, high = self._limits
         return np.asarray(((q0 >= low) & (q0 <= high) & (q1 >= low) & (q1 <= high)).all(axis=1))
+
+    @cached_property
+    def judge_rows(self) -> Callable[[Configuration, Configuration, float], bool | None]:
+        """A compiled judge of one motion between rows (nq,), and None for motions that need more care."""
+        robot, part = self._robot, self._pairs_within_limits
+        if part.touching or len(robot.joint_names) != robot.nq:
+            return _never_known
+        turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
+        judge: Callable[[Configuration, Configuration, float], bool | None] = core.motion_row_validity(
+            part.core, robot.kinematics, *self._range, self._errors.usual, turning
+        )
+        return judge
 
     def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
         """`check` of one motion between configurations given as lists: what planners call.
@@ -270,6 +283,10 @@ class MotionCertifier:
         if "_all_pairs" in vars(self) and self._all_pairs is not self._pairs_within_limits:
             parts.append(self._all_pairs)
         return sum_counters(part.core.statistics() for part in parts)
+
+
+def _never_known(_start: Configuration, _end: Configuration, _tolerance: float) -> None:
+    """For robots whose motions all need care."""
 
 
 def _refused(counts: Any, _start: Any, _end: Any) -> bool:

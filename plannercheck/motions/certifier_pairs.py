@@ -32,11 +32,13 @@ class MotionSwitches(NamedTuple):
         hints: Planes of earlier motions are tried.
         bounds: Pairs that are far apart at one state are left out by bounds of speed.
         overlaps: A ball inside one body that meets a box inside the other refuses a motion.
+        middle_states: The middle states of several motions are judged first, together.
     """
 
     hints: bool = True
     bounds: bool = True
     overlaps: bool = True
+    middle_states: bool = True
 
 
 class ChainedPairs:
@@ -103,7 +105,8 @@ class ChainedPairs:
             of_robot.leverage,
             of_robot.depth,
             *of_robot.spread,
-            *switches,
+            *switches[:3],
+            [part.core] if switches.middle_states else [],
         )
 
 

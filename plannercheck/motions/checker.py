@@ -68,6 +68,10 @@ class Checker(StateChecker):
         Returns:
             True if the motion is free.
         """
+        if resolution is None and self._kernel is not None:
+            known = self.motion_certifier.judge_rows(q0, q1, tolerance)
+            if known is not None:
+                return known
         starts, ends = self._single(q0), self._single(q1)
         if resolution is None and self.motion_sampler.is_vector_space and starts.shape == ends.shape:
             near = self.motion_sampler.short_way(starts, ends)
@@ -178,7 +182,7 @@ class Checker(StateChecker):
                 "here: choose sampled motions by resolution=, in m"
             )
         chosen = self._settings.switches
-        switches = MotionSwitches(chosen.pair.cached_plane, chosen.bounds, chosen.overlaps)
+        switches = MotionSwitches(chosen.pair.cached_plane, chosen.bounds, chosen.overlaps, chosen.middle_states)
         return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, switches)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:

@@ -5,8 +5,10 @@
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
@@ -211,6 +213,11 @@ auto body_poses(const BoundChecker& checker, LinkPoses poses) {
 }
 
 }  // namespace
+
+std::shared_ptr<const CheckerCore> shared_checker_core(nb::object checker) {
+  const CheckerCore* core = &nb::cast<const BoundChecker*>(checker)->core();
+  return {core, [checker = std::move(checker)](const CheckerCore*) {}};
+}
 
 void bind_checker(nb::module_& m) {
   nb::class_<SampledPoses>(m, "SampledPoses");

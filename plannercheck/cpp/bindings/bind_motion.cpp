@@ -12,6 +12,7 @@
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
 #include "bindings/motion_arrays.hpp"
+#include "bindings/numpy_row.hpp"
 #include "bindings/ompl_states.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/verdict_dicts.hpp"
@@ -63,10 +64,11 @@ class BoundCertifier : public Pooled<MotionCertifier> {
 auto check_motions(BoundCertifier& bound, const Kinematics& kinematics, Configurations q0, Configurations q1,
                    double tolerance, double kinematic_error, int threads) {
   const std::size_t width = q0.shape(1);
-  return bound.of_each_row<std::uint8_t>(q0.shape(0), threads, [&](std::size_t i, MotionCertifier::Workspace& w) {
-    const double *start = q0.data() + i * width, *end = q1.data() + i * width;
-    return bound.core().check(kinematics, start, end, tolerance, kinematic_error, w).answer;
-  });
+  return bound.of_rows<std::uint8_t>(
+      q0.shape(0), threads, [&](std::size_t row, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
+        bound.core().check(kinematics, q0.data() + row * width, q1.data() + row * width, n, tolerance, kinematic_error,
+                           answers, w);
+      });
 }
 
 // Configurations for which a kinematic error holds.
@@ -89,6 +91,9 @@ ErrorRange error_range(InputArray<double, -1> low, InputArray<double, -1> high, 
 
 // For planners, which ask for one motion at a time: its MotionAnswer, or kOutside if an end is outside of the range.
 constexpr int kOutside = 3;
+
+// Angles that are no further apart than this surely take the short way, rad.
+constexpr double kNearlyHalfTurn = 3.1415;
 
 template <class Row>
 int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
@@ -144,6 +149,38 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
   return nb::cpp_function(is_free, plain_floats);
 }
 
+// A function of the ends of a motion and a tolerance, without the overhead of sets: whether the motion is free. It
+// returns None where more care is needed: for anything but NumPy rows of numbers in the range, for tolerances that are
+// no lengths, and where an angle takes the other way round.
+nb::object motion_row_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
+                               InputArray<double, -1> high, double kinematic_error,
+                               const std::vector<std::size_t>& angles) {
+  auto* bound = nb::cast<BoundCertifier*>(certifier);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  const auto is_free = [certifier, kinematics, bound, kernel, angles, array = NumpyArray(),
+                        range = error_range(low, high, kinematic_error)](nb::handle start, nb::handle end,
+                                                                         nb::handle length) -> nb::object {
+    const std::size_t width = range.low.size();
+    const NumpyRow from(array, start, width), to(array, end, width);
+    if (from.data() == nullptr || to.data() == nullptr || !PyFloat_Check(length.ptr())) return nb::none();
+    const double tolerance = PyFloat_AS_DOUBLE(length.ptr());
+    if (!(tolerance > 0 && std::isfinite(tolerance))) return nb::none();
+    // Copies, since other threads may write to the arrays once the GIL is released.
+    StateNumbers q0(width), q1(width);
+    std::copy_n(from.data(), width, q0.data());
+    std::copy_n(to.data(), width, q1.data());
+    for (const std::size_t k : angles) {
+      if (!(std::abs(q1.data()[k] - q0.data()[k]) <= kNearlyHalfTurn)) return nb::none();
+    }
+    int answer = kOutside;
+    without_gil([&] { answer = answer_of(*bound, *kernel, q0, q1, range, tolerance); });
+    if (answer > static_cast<int>(MotionAnswer::kRefused)) return nb::none();
+    return nb::bool_(answer == static_cast<int>(MotionAnswer::kFree));
+  };
+  return nb::cpp_function(is_free, nb::arg("start").none(), nb::arg("end").none(), nb::arg("tolerance").none(),
+                          plain_floats);
+}
+
 // See `explained_motion`; with proofs if wanted.
 nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
                          InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
@@ -178,7 +215,7 @@ void bind_motion(nb::module_& m) {
              IndexTable<2> drives, InputArray<double, -1, 2> factors, InputArray<std::int32_t, -1> first_entry,
              IndexTable<3> entries, InputArray<double, -1> arms, InputArray<std::int32_t, -1> slides,
              IndexTable<2> parts, int width, int link_count, double defect, double leverage, int depth, double extent,
-             InputArray<double, -1> travel, int joints, bool hints, bool bounds, bool overlaps) {
+             InputArray<double, -1> travel, int joints, bool hints, bool bounds, bool overlaps, nb::list states) {
             MotionModel model;
             for (std::size_t i = 0; i < bodies.size(); ++i)
               model.bodies.push_back({bodies[i], links(i), pose_from(placements.data() + 16 * i)});
@@ -195,7 +232,8 @@ void bind_motion(nb::module_& m) {
             model.extent = extent;
             model.travel.assign(travel.data(), travel.data() + travel.shape(0));
             model.joints = joints;
-            new (self) BoundCertifier(std::move(model), MotionOptions{hints, bounds, overlaps});
+            new (self) BoundCertifier(std::move(model), MotionOptions{hints, bounds, overlaps},
+                                      states.size() == 0 ? nullptr : shared_checker_core(states[0]));
           },
           plain_floats)
       .def("check", &check_motions, plain_floats)
@@ -203,6 +241,7 @@ void bind_motion(nb::module_& m) {
       .def("explain", &explain_motion, plain_floats)
       .def("states", &motion_states, plain_floats)
       .def("statistics", &BoundCertifier::statistics, plain_floats);
+  m.def("motion_row_validity", &motion_row_validity, plain_floats);
   m.def("motion_validity", &motion_validity, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"),
         nb::arg("high"), nb::arg("tolerance"), nb::arg("kinematic_error"), nb::arg("elsewhere"), nb::arg("counts"),
         nb::arg("serialize").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(),

@@ -3,7 +3,14 @@
 
 #include <nanobind/nanobind.h>
 
+#include <memory>
+
 namespace plannercheck {
+
+class CheckerCore;
+
+// The core of a Checker of Python's, which keeps that Checker alive.
+std::shared_ptr<const CheckerCore> shared_checker_core(nanobind::object checker);
 
 void bind_kinematics(nanobind::module_& m);
 void bind_polytope(nanobind::module_& m);

@@ -17,8 +17,8 @@ double size_of(const GeometryObject& object) {
 
 }  // namespace
 
-MotionCertifier::MotionCertifier(MotionModel model, MotionOptions options)
-    : model_(std::move(model)), options_(options) {
+MotionCertifier::MotionCertifier(MotionModel model, MotionOptions options, std::shared_ptr<const CheckerCore> states)
+    : model_(std::move(model)), options_(options), states_(std::move(states)) {
   std::vector<bool> used(model_.bodies.size(), false);
   for (const CertifiedPair& pair : model_.pairs) {
     used[at(pair.a)] = used[at(pair.b)] = true;

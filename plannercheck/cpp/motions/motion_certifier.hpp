@@ -72,7 +72,9 @@ class MotionCollisions;
 
 class MotionCertifier {
  public:
-  MotionCertifier(MotionModel model, MotionOptions options);
+  // `states`: judges states by the same pairs, those apart that never move relative to each other and are apart; null
+  // for none.
+  MotionCertifier(MotionModel model, MotionOptions options, std::shared_ptr<const CheckerCore> states = nullptr);
 
   struct Workspace;  // incomplete here, since it holds lanes
   std::shared_ptr<Workspace> new_workspace() const;
@@ -84,6 +86,9 @@ class MotionCertifier {
   // `kinematic_error`: bounds the error of the computed poses, m.
   MotionReport check(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
                      double kinematic_error, Workspace& workspace) const;
+  // The answers of n motions, (n, width) each.
+  void check(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t n, double tolerance,
+             double kinematic_error, std::uint8_t* answers, Workspace& workspace) const;
   // The same in the order of the motion: where it is refused first. With `proofs`, records the proofs of all pairs,
   // which takes longer since no bounds settle anything.
   MotionReport explain(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
@@ -96,6 +101,7 @@ class MotionCertifier {
 
   MotionModel model_;
   MotionOptions options_;
+  std::shared_ptr<const CheckerCore> states_;
   std::vector<std::int32_t> movers_;  // bodies that move and are in a pair
   std::vector<std::int32_t> frames_;  // links
   std::vector<double> defects_;       // per static body: how far its placement is off rigid

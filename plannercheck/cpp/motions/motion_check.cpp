@@ -3,6 +3,8 @@
 // In: a certifier, a workspace, a motion. Out: a report. The bounds of the motion determine the first grid, and boxes
 // around whole paths choose the pairs for it. A pair passes spheres, boxes along the plane found last, and hulls along
 // planes of earlier motions, which are hints. Gaps and descents are those of swept_distance.hpp.
+#include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 
@@ -23,6 +25,11 @@ constexpr double kCoarse = 0.02;
 // A hint is tried only if the boxes overlap along it by at most this part of the smaller body's radius: deeper, the
 // hulls would have to leave that much of their boxes empty, which few do (a sixth of the Panda's pairs).
 constexpr double kDeepestHint = 1;
+
+// So many motions at once have their middle states judged: whole blocks of states.
+constexpr std::size_t kMiddles = 64;
+// Fewer states are judged one by one, which costs more than it saves (measured).
+constexpr std::size_t kFewestMiddles = 3;
 
 // All rounding here (poses of bodies, directions, products, boxes) is some hundred u = 2^-53 of the operands.
 constexpr double kRunRounding = 0x1p-42, kUnit = 0x1p-53;
@@ -61,6 +68,9 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   MotionScreen::Workspace screen;
   MotionCollisions::Workspace collisions;
   std::vector<std::int32_t> candidates, bodies, frames;
+  std::shared_ptr<CheckerCore::Workspace> states;
+  std::array<std::uint8_t, kMiddles> middle_is_free{};
+  std::vector<double> middles;  // configurations, row by row
 };
 
 class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
@@ -75,9 +85,16 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
         kinematic_error_(kinematic_error),
         filters_(model_, certifier.defects_, workspace.grid, workspace.bounds) {}
 
+  // For a motion that surely collides at a state.
+  MotionAnswer refused_or_imprecise(const double* q0, const double* q1) {
+    bound(q0, q1);
+    return is_precise() ? MotionAnswer::kRefused : MotionAnswer::kImprecise;
+  }
+
   MotionReport run(const double* q0, const double* q1) {
-    begin(q0, q1);
-    if (!(filters_.slack() <= kRoundingPart * tolerance_)) return {MotionAnswer::kImprecise, 0, 0, -1};
+    bound(q0, q1);
+    if (!is_precise()) return {MotionAnswer::kImprecise, 0, 0, -1};
+    begin();
     if (proofs_ != nullptr) {
       w_.candidates.resize(model_.pairs.size());
       std::iota(w_.candidates.begin(), w_.candidates.end(), 0);
@@ -101,19 +118,23 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // ----- the first grid
 
-  void begin(const double* q0, const double* q1) {
+  void bound(const double* q0, const double* q1) {
     w_.begin_motion();
     w_.path.set(q0, q1);
     rates_of(model_.chains, w_.path, w_.rates);
     certifier_.chain_table_->bound(model_.chains, w_.rates, w_.bounds);
+    set_rounding(q0, q1, w_.bounds.largest_curvature(), w_.bounds.longest_arm());
+  }
+
+  bool is_precise() const { return filters_.slack() <= kRoundingPart * tolerance_; }
+
+  void begin() {
     if (w_.prepared_for != &kinematics_) {
       w_.all = w_.grid.choice(kinematics_, certifier_.movers_, certifier_.frames_);
       w_.prepared_for = &kinematics_;
     }
-    const double largest = w_.bounds.largest_curvature();
     posed_ = &w_.all;
-    place(0, 1, first_intervals(largest, kCoarse));
-    set_rounding(q0, q1, largest, w_.bounds.longest_arm());
+    place(0, 1, first_intervals(w_.bounds.largest_curvature(), kCoarse));
   }
 
   void pose_grid(double from, double to, int intervals) { w_.grid.place(*posed_, w_.path, from, to, intervals); }
@@ -282,6 +303,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 std::shared_ptr<MotionCertifier::Workspace> MotionCertifier::new_workspace() const {
   auto workspace = std::make_shared<Workspace>(model_);
   workspace->collisions = collisions_->new_workspace();
+  if (states_ != nullptr) workspace->states = states_->new_workspace();
   return workspace;
 }
 
@@ -290,6 +312,37 @@ MotionCounters MotionCertifier::take_counters(Workspace& workspace) { return std
 MotionReport MotionCertifier::check(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
                                     double kinematic_error, Workspace& workspace) const {
   return MotionRun(*this, kinematics, tolerance, kinematic_error, workspace).run(q0, q1);
+}
+
+// The middle state of a motion comes first, since it is posed and judged together with those of other motions. If it
+// collides, no proof can call the motion free, because a proof covers the middle state as it is posed: the slack of a
+// proof has room for the rounding of that state's numbers and of its pose. So the motion is refused, unless it is so
+// large that its rounding is imprecise, which is looked at as for any other motion. Nothing is concluded from a middle
+// state that is free.
+void MotionCertifier::check(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t n,
+                            double tolerance, double kinematic_error, std::uint8_t* answers, Workspace& w) const {
+  const std::size_t width = at(model_.width);
+  constexpr double kMiddle = 0.5;
+  w.middles.resize(kMiddles * width);
+  for (std::size_t first = 0; first < n; first += kMiddles) {
+    const std::size_t count = std::min(kMiddles, n - first);
+    const bool judged = states_ != nullptr && count >= kFewestMiddles;
+    if (judged) {
+      for (std::size_t i = 0; i < count; ++i) {
+        w.path.set(q0 + (first + i) * width, q1 + (first + i) * width);
+        w.path.at(&kMiddle, 1, 1, &w.middles[i * width]);
+      }
+      states_->check_states(kinematics, w.middles.data(), count, w.middle_is_free.data(), *w.states);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (first + i > 0) poll_interruption();
+      MotionRun run(*this, kinematics, tolerance, kinematic_error, w);
+      const double *start = q0 + (first + i) * width, *end = q1 + (first + i) * width;
+      const bool collides = judged && w.middle_is_free[i] == 0;
+      answers[first + i] =
+          static_cast<std::uint8_t>(collides ? run.refused_or_imprecise(start, end) : run.run(start, end).answer);
+    }
+  }
 }
 
 MotionReport MotionCertifier::explain(const Kinematics& kinematics, const double* q0, const double* q1,

@@ -53,7 +53,7 @@ std::array<Lanes, 12> pose_in_lanes(const Pose& pose) {
 
 // All lanes joined into one number, by halves.
 template <class Join>
-double reduced(Lanes lanes, Join join) {
+double joined(Lanes lanes, Join join) {
   if constexpr (kLanes == 8) lanes = join(lanes, shuffled<4, 5, 6, 7, 0, 1, 2, 3>(lanes, lanes));
   if constexpr (kLanes == 8) lanes = join(lanes, shuffled<2, 3, 0, 1, 6, 7, 4, 5>(lanes, lanes));
   if constexpr (kLanes == 8) lanes = join(lanes, shuffled<1, 0, 3, 2, 5, 4, 7, 6>(lanes, lanes));
@@ -75,8 +75,8 @@ std::array<Vec3, 2> MotionFilters::box_around_path(std::int32_t index, std::int3
     for (std::size_t i = kStep; i <= grid_.intervals(); i += kStep) {
       low = smaller(low, load_lanes(row + i)), high = larger(high, load_lanes(row + i));
     }
-    box[0][k] = reduced(low, [](Lanes a, Lanes b) { return smaller(a, b); }) - grown;
-    box[1][k] = reduced(high, [](Lanes a, Lanes b) { return larger(a, b); }) + grown;
+    box[0][k] = joined(low, [](Lanes a, Lanes b) { return smaller(a, b); }) - grown;
+    box[1][k] = joined(high, [](Lanes a, Lanes b) { return larger(a, b); }) + grown;
   }
   return {Vec3{box[0][0], box[0][1], box[0][2]}, Vec3{box[1][0], box[1][1], box[1][2]}};
 }

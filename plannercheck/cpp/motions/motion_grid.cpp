@@ -42,6 +42,7 @@ void MotionGrid::place(Choice& choice, const ConfigurationPath& path, double fro
     const double part = static_cast<double>(i) / intervals;
     t_[i] = i < intervals_ ? from + part * (to - from) : to;
   }
+  step_ = (t_[intervals_] - t_[0]) / static_cast<double>(intervals_) * (1 + 1e-9) + 0x1p-50;
   path.at(t_.data(), filled, kGridRow, columns_.data());
   for (std::size_t first = 0; first < filled; first += kStep) {
     for (std::size_t c = 0; c < q_.size(); ++c) q_[c] = load_lanes(&columns_[c * kGridRow + first]);

@@ -43,7 +43,7 @@ class MotionGrid {
   std::size_t intervals() const { return intervals_; }
   double parameter(std::size_t state) const { return t_[state]; }
   // The length of the longest interval, rounded up, since parameters are rounded.
-  double step() const { return (t_[intervals_] - t_[0]) / static_cast<double>(intervals_) * (1 + 1e-9) + 0x1p-50; }
+  double step() const { return step_; }
 
   // Rows x, y, z of a body's centre; static bodies have none.
   const double* centre(std::int32_t body) const { return &centres_[mover(body) * 3 * kGridRow]; }
@@ -65,6 +65,7 @@ class MotionGrid {
   const std::vector<GeometryObject>* bodies_;
   std::size_t link_count_;
   std::size_t intervals_ = 1;
+  double step_ = 1;
   std::array<double, kGridRow> t_{};
   std::vector<std::int32_t> mover_of_;  // a body's place among those on links, of which alone there is data
   std::vector<double> columns_, centres_;

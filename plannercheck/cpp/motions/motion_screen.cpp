@@ -7,7 +7,7 @@ namespace plannercheck {
 namespace {
 
 // Scenes of up to this many obstacles are tested in lanes faster than by the tree (measured).
-constexpr std::size_t kFewObstacles = 64;
+constexpr std::size_t kFewObstaclesOnPaths = 1024;
 
 // A path is cut into pieces in which a body goes no further than this from the state that is looked at, m. Shorter
 // pieces take more tests, longer ones leave more pairs (measured).
@@ -87,7 +87,7 @@ void MotionScreen::bound_obstacles(const MotionModel& model, const std::vector<s
     }
     boxes.push_back({{lows[0], lows[1], lows[2]}, {highs[0], highs[1], highs[2]}});
   }
-  if (still.size() > kFewObstacles) tree_ = ObstacleTree(boxes);
+  if (still.size() > kFewObstaclesOnPaths) tree_ = ObstacleTree(boxes);
 }
 
 void MotionScreen::find_by_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
@@ -117,7 +117,7 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
                                   double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   const double room = filters.slack() + beyond;
   find_among_movers(grid, bounds, room, w, found);
-  if (row_ <= kFewObstacles) return find_near_paths(filters, found);
+  if (row_ <= kFewObstaclesOnPaths) return find_near_paths(filters, found);
   for (const Mover& mover : movers_) {
     w.found.clear();
     find_in_tree(grid, mover, bounds.speed(mover.chain), room, w.found);
