@@ -54,17 +54,7 @@ class Hint:
 
 
 def game_hint(p: Polytope, r: Polytope, pose_p: Affine, pose_r: Affine) -> Hint:
-    """Plays vertices of the first body against halfspaces of the second, which has an inside.
-
-    Args:
-        p: Given by vertices.
-        r: Given by halfspaces.
-        pose_p: Pose of the first body.
-        pose_r: Pose of the second body.
-
-    Returns:
-        The hint.
-    """
+    """Plays vertices of the first body against halfspaces of the second, which has an inside; poses in the world."""
     assert p.vertices is not None, "the first body is given by vertices"
     assert r.normals is not None, "the second body is given by halfspaces"
     assert r.offsets is not None, "halfspaces have offsets"
@@ -95,17 +85,7 @@ def in_frame(points: Floats, pose: Affine) -> Floats:
 
 
 def program_hint(p: Polytope, r: Polytope, pose_p: Affine, pose_r: Affine) -> Hint:
-    """Asks a linear program for the point deepest inside both bodies.
-
-    Args:
-        p: The first body.
-        r: The second body.
-        pose_p: Pose of the first body.
-        pose_r: Pose of the second body.
-
-    Returns:
-        The hint.
-    """
+    """Asks a linear program for the point deepest inside both bodies, whose poses are in the world."""
     program = _Program(p.dimension)
     for body, pose in ((p, pose_p), (r, pose_r)):
         program.add(body, pose)

@@ -65,17 +65,7 @@ def save_proofs(proofs: Sequence[ProofData], path: str | Path) -> None:
 
 
 def read_proofs(path: str | Path) -> tuple[ProofData, ...]:
-    """`proof.load_proofs`, as plain data.
-
-    Args:
-        path: Path of a file that `save_proofs` or `Proof.save` wrote.
-
-    Returns:
-        One a motion, at least one.
-
-    Raises:
-        PlannercheckError: If the file is no proof, is cut off, or of another version.
-    """
+    """The proofs of a file as plain data, at least one; arguments and errors as of `proof.load_proofs`."""
     path = Path(path)
     with error_context(f"proof file {str(path)!r}"):
         _check_suffix(path)

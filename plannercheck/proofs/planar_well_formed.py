@@ -15,7 +15,15 @@ from flint import arb
 from plannercheck.proofs.data import Hashes, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
-from plannercheck.proofs.numbers_of_proofs import HALF_TURN, LARGEST_DEFECT, LARGEST_NUMBER, check_length, check_numbers
+from plannercheck.proofs.numbers_of_proofs import (
+    HALF_TURN,
+    LARGEST_DEFECT,
+    check_length,
+    check_numbers,
+    check_pairs,
+    check_rigid,
+    check_vertices,
+)
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
 
 _WORLD = -1
@@ -37,9 +45,7 @@ def check_well_formed(proof: ProofData) -> None:
     _check_links(model)
     for index, body in enumerate(model.bodies):
         _check_body(body, len(model.links), f"body {index} ({body.name})")
-    for index, (a, b) in enumerate(model.pairs):
-        if a == b or not (0 <= a < len(model.bodies) and 0 <= b < len(model.bodies)):
-            raise UnprovedError(f"pair {index} is of bodies {a} and {b}: they must be two of {len(model.bodies)}")
+    check_pairs(model.pairs, len(model.bodies))
     _check_ends(model, motion)
     for index, piece in enumerate(motion.pieces):
         _check_piece(piece, f"piece {index}")
@@ -141,16 +147,8 @@ def _check_body(body: PlanarBody, links: int, what: str) -> None:
     matrix = np.reshape(body.pose, (2, 3))
     if body.link >= 0 and not (matrix == np.eye(2, 3)).all():
         raise UnprovedError(f"{what} is on a link, but has a pose of its own")
-    defect = float(np.linalg.norm(matrix[:, :2].T @ matrix[:, :2] - np.eye(2)))
-    if not defect <= LARGEST_DEFECT or not np.linalg.det(matrix[:, :2]) > 0:
-        raise UnprovedError(f"{what} has a pose that is not rigid: |M^T M - 1| is {defect:.3g}, or it is a reflection")
-    if type(body.vertices) is not np.ndarray or body.vertices.dtype != np.float64:
-        raise UnprovedError(f"{what} has vertices that are no array of doubles")
-    shape = body.vertices.shape
-    if len(shape) != 2 or shape[1] != 2 or not shape[0]:
-        raise UnprovedError(f"{what} has vertices of shape {shape}, not (n, 2)")
-    if not (np.abs(body.vertices) <= LARGEST_NUMBER).all():
-        raise UnprovedError(f"{what} has a vertex that is not finite, or beyond {LARGEST_NUMBER:g}")
+    check_rigid(matrix[:, :2], f"{what} has a pose")
+    check_vertices(body.vertices, 2, what)
     # Stretched by the pose, too: by less than the defect.
     held = arb(body.reach) / (1 + 2 * LARGEST_DEFECT if body.link < 0 else 1)
     for x, y in body.vertices.tolist():

@@ -16,7 +16,14 @@ from flint import arb
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Hashes, Joint, Model, Motion, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
-from plannercheck.proofs.numbers_of_proofs import HALF_TURN, LARGEST_DEFECT, LARGEST_NUMBER, check_length, check_numbers
+from plannercheck.proofs.numbers_of_proofs import (
+    HALF_TURN,
+    check_length,
+    check_numbers,
+    check_pairs,
+    check_rigid,
+    check_vertices,
+)
 
 # How far the length of an axis or a unit vector may be from 1.
 LARGEST_STRETCH = 1e-6
@@ -33,7 +40,7 @@ def check_well_formed(proof: ProofData) -> None:
     _check_margin(proof.margin)
     _check_tree(model)
     _check_bodies(model)
-    _check_pairs(model)
+    check_pairs(model.pairs, len(model.bodies))
     _check_ends(model, motion)
     if hashes_of(model) != proof.hashes:
         raise UnprovedError("the model is not the one whose content hashes the proof has")
@@ -116,12 +123,7 @@ def _check_columns(joint: Joint, columns: int, what: str) -> None:
 def _check_placement(rows: Sequence[float], what: str) -> None:
     check_length(rows, 12, what)
     check_numbers(rows, what)
-    matrix = np.reshape(rows, (3, 4))[:, :3]
-    defect = float(np.linalg.norm(matrix.T @ matrix - np.eye(3)))
-    if not defect <= LARGEST_DEFECT or not np.linalg.det(matrix) > 0:
-        raise UnprovedError(
-            f"{what} has a placement that is not rigid: |M^T M - 1| is {defect:.3g}, or it is a reflection"
-        )
+    check_rigid(np.reshape(rows, (3, 4))[:, :3], f"{what} has a placement")
 
 
 def _check_bodies(model: Model) -> None:
@@ -134,19 +136,7 @@ def _check_bodies(model: Model) -> None:
         check_length(body.centre, 3, what)
         if not 0 <= body.padding <= body.radius or body.reach < 0:
             raise UnprovedError(f"{what} has a negative length, or a padding beyond its radius")
-        if type(body.vertices) is not np.ndarray or body.vertices.dtype != np.float64:
-            raise UnprovedError(f"{what} has vertices that are no array of doubles")
-        shape = body.vertices.shape
-        if len(shape) != 2 or shape[1] != 3 or not shape[0]:
-            raise UnprovedError(f"{what} has vertices of shape {shape}, not (n, 3)")
-        if not (np.abs(body.vertices) <= LARGEST_NUMBER).all():
-            raise UnprovedError(f"{what} has a vertex that is not finite, or beyond {LARGEST_NUMBER:g}")
-
-
-def _check_pairs(model: Model) -> None:
-    for index, (a, b) in enumerate(model.pairs):
-        if a == b or not (0 <= a < len(model.bodies) and 0 <= b < len(model.bodies)):
-            raise UnprovedError(f"pair {index} is of bodies {a} and {b}: they must be two of {len(model.bodies)}")
+        check_vertices(body.vertices, 3, what)
 
 
 def _check_ends(model: Model, motion: Motion) -> None:
