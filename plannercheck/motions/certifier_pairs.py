@@ -6,6 +6,7 @@ In: a robot, its bodies, some of a checker's pairs. Out: `ChainedPairs`, a core 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,10 +16,11 @@ from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.checking.compiled_pairs import CompiledPairs
-from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.core import core
 from plannercheck.motions.robot_chains import chains_of_robot
 from plannercheck.robots.robot import Robot
+from plannercheck.robots.robot_memory import RobotMemory
 
 # Two bodies that never move relative to each other and are further apart than this, m, are apart at every
 # configuration: it is far above the rounding of kinematics.
@@ -79,10 +81,7 @@ class ChainedPairs:
         polytopes = part.polytopes
         self.rows = part.rows[moving]
         self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
-        static = np.flatnonzero(~moving).tolist()
-        self.touching = [
-            int(part.rows[k]) for k in static if not _permanently_apart(robot, table[k], polytopes, placements)
-        ]
+        self.touching = part.rows[~moving][~_permanently_apart(robot, table[~moving], polytopes, placements)].tolist()
         of_robot = chains_of_robot(robot, bodies, links, excess)
         chains = of_robot.of(table[moving].astype(np.int64))
         self.frames = chains.pairs[:, 2].tolist()
@@ -118,13 +117,27 @@ def _ordered(pairs: Ints, links: Ints) -> Ints:
     return table
 
 
-def _permanently_apart(robot: Robot, pair: Ints, polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
-    """Whether two bodies at rest are apart; kept with the robot, as most of them are its own."""
-    a, b = pair.tolist()
-    key = "permanently apart", polytopes[a], polytopes[b], poses[a].tobytes(), poses[b].tobytes()
+def _permanently_apart(robot: Robot, pairs: Ints, polytopes: Mapping[int, Polytope], poses: Floats) -> Bools:
+    """(k,) whether the bodies of pairs (k, 2) at rest are apart; kept with the robot, whose checkers ask again."""
+    is_own = np.asarray((pairs < len(robot.bodies)).all(axis=1)).tolist()
+    own = [pair for pair, mine in zip(pairs.tolist(), is_own, strict=True) if mine]
+    others = [pair for pair, mine in zip(pairs.tolist(), is_own, strict=True) if not mine]
+    kept: RobotMemory = robot.remembered("permanently apart", RobotMemory)  # of its own: obstacles come and go
+    found = iter(_separations(robot, own, polytopes, poses)) if own else iter(())
+    apart = {tuple(pair): next(found) for pair in own}
+    for a, b in others:
+        key = polytopes[a], polytopes[b], poses[[a, b]].tobytes()
+        apart[a, b] = kept.recall(key, partial(_are_separate, a, b, polytopes, poses))
+    return np.array([apart[a, b] for a, b in pairs.tolist()], dtype=bool)
 
-    def compute() -> bool:
-        certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
-        return isinstance(certificate, Separation) and certificate.gap > _PERMANENT_GAP
 
-    return robot.remembered(key, compute)
+def _separations(robot: Robot, pairs: list[list[int]], polytopes: Mapping[int, Polytope], poses: Floats) -> list[bool]:
+    """Of the robot's own pairs, all at once."""
+    sides = [k for pair in pairs for k in pair]
+    key = "own pairs permanently apart", tuple(polytopes[k] for k in sides), poses[sides].tobytes()
+    return robot.remembered(key, lambda: [_are_separate(a, b, polytopes, poses) for a, b in pairs])
+
+
+def _are_separate(a: int, b: int, polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
+    certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
+    return isinstance(certificate, Separation) and certificate.gap > _PERMANENT_GAP
