@@ -56,8 +56,8 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   ConfigurationPath path;
   std::vector<Rate> rates;
   ChainBounds bounds;
-  MotionGrid::Choice all, chosen;            // what the first grids and those inside them pose
-  const Kinematics* prepared_for = nullptr;  // by which `all` poses
+  MotionGrid::Choice all, chosen;  // what the first grids and those inside them pose
+  std::uint64_t prepared_for = 0;  // the kinematics by which `all` poses
   MotionScreen::Workspace screen;
   MotionCollisions::Workspace collisions;
   std::vector<std::int32_t> candidates, bodies, frames;
@@ -106,9 +106,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     w_.path.set(q0, q1);
     rates_of(model_.chains, w_.path, w_.rates);
     certifier_.chain_table_->bound(model_.chains, w_.rates, w_.bounds);
-    if (w_.prepared_for != &kinematics_) {
+    if (w_.prepared_for != kinematics_.id()) {
       w_.all = w_.grid.choice(kinematics_, certifier_.movers_, certifier_.frames_);
-      w_.prepared_for = &kinematics_;
+      w_.prepared_for = kinematics_.id();
     }
     const double largest = w_.bounds.largest_curvature();
     posed_ = &w_.all;
