@@ -60,6 +60,10 @@ class Settings:
     bodies: Sequence[GeometryObject] | None
     switches: CheckerSwitches
 
+    def __post_init__(self) -> None:
+        if isinstance(self.padding, Mapping):  # whoever gave it may change it, and a later scene asks for it again
+            object.__setattr__(self, "padding", dict(self.padding))
+
     def carrier(self, attached: Sequence[SceneObject], earlier: Robot | None) -> Robot:
         """The robot with what a scene attaches to it: an earlier checker's robot, if that carries the same."""
         carried = (*self.robot.carried, *attached)

@@ -259,6 +259,15 @@ def test_a_shape_that_changes_its_name_changes_its_padding(panda, q):
     assert (found & ~verdicts).any()
 
 
+def test_paddings_that_their_owner_changes_stay_what_they_were(panda, scene, q):
+    paddings = {"panda_hand": 0.02}
+    checker = pc.Checker(panda, scene, padding=paddings)
+    verdicts = checker.check_states(q)
+    paddings["panda_hand"] = 0.3
+    assert (checker.with_scene(scene).check_states(q) == verdicts).all()
+    assert (pc.Checker(panda, scene, padding=paddings).check_states(q) != verdicts).any()
+
+
 def test_what_a_pairs_own_distance_needed_is_not_taken_for_another_scene(panda, q):
     """Copies of padded bodies stand among the robot's: without them every obstacle has another place."""
     scene = pc.Scene("with a ball")

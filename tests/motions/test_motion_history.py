@@ -10,6 +10,8 @@ from scipy.spatial.transform import Rotation
 
 import plannercheck as pc
 from plannercheck import planar
+from plannercheck.common.core import core
+from plannercheck.robots.kinematics import joint_table
 
 ARM = """
 <robot name="arm"><link name="base"/>
@@ -156,3 +158,32 @@ def test_hints_are_held_at_every_state(tmp_path):
     free = plain.check_motions(starts, ends, tolerance=1e-6)
     assert 0.1 < free.mean() < 0.9
     assert (hinted.check_motions(starts, ends, tolerance=1e-6) == free).all()
+
+
+def table_of(robot, group):
+    """What the core makes kinematics from."""
+    posed = robot.with_group(group)
+    return joint_table(posed.model, posed.configuration_map, posed.frames)
+
+
+def test_what_was_prepared_for_a_kinematics_does_not_serve_the_next_one_at_its_place(tmp_path):
+    """Its links are posed by joints that move and joints that are held: others than those of the first."""
+    (tmp_path / "arm.urdf").write_text(ARM)
+    robot, scene = pc.Robot.from_urdf(tmp_path / "arm.urdf"), pc.Scene("one")
+    scene.add_box("box", (0.3, 0.3, 0.3), np.array([[1, 0, 0, 1.1], [0, 1, 0, 1.0], [0, 0, 1, 0], [0, 0, 0, 1]]))
+    ends = np.array([[0.0]]), np.array([[1.5]])
+
+    def answer(certifier, kernel):
+        return certifier.check(kernel, *ends, 1e-4, 1e-12, 1).tolist()
+
+    def certifier():
+        return pc.Checker(robot.with_group(["second"]), scene, reach=False).motion_certifier._pairs_within_limits.core
+
+    used, first, other = certifier(), core.Kinematics(*table_of(robot, ["second"])), table_of(robot, ["first"])
+    by_second, place = answer(used, first), id(first)
+    del first
+    kernels = [core.Kinematics(*other)]  # nearly always at the same place; if not, then one of the next
+    while id(kernels[-1]) != place and len(kernels) < 1000:
+        kernels.append(core.Kinematics(*other))
+    assert id(kernels[-1]) == place
+    assert answer(used, kernels[-1]) == answer(certifier(), kernels[-1]) != by_second

@@ -63,8 +63,8 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   ConfigurationPath path;
   std::vector<Rate> rates;
   ChainBounds bounds;
-  MotionGrid::Choice all, chosen;            // what the first grids and those inside them pose
-  const Kinematics* prepared_for = nullptr;  // by which `all` poses
+  MotionGrid::Choice all, chosen;  // what the first grids and those inside them pose
+  std::uint64_t prepared_for = 0;  // the kinematics by which `all` poses
   MotionScreen::Workspace screen;
   MotionCollisions::Workspace collisions;
   std::vector<std::int32_t> candidates, bodies, frames;
@@ -129,9 +129,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool is_precise() const { return filters_.slack() <= kRoundingPart * tolerance_; }
 
   void begin() {
-    if (w_.prepared_for != &kinematics_) {
+    if (w_.prepared_for != kinematics_.id()) {
       w_.all = w_.grid.choice(kinematics_, certifier_.movers_, certifier_.frames_);
-      w_.prepared_for = &kinematics_;
+      w_.prepared_for = kinematics_.id();
     }
     posed_ = &w_.all;
     place(0, 1, first_intervals(w_.bounds.largest_curvature(), kCoarse));
