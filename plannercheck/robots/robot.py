@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import contextlib
 import copy
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,31 +21,24 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import Configuration, read_only
+from plannercheck.common.arrays import read_only
 from plannercheck.common.checked_yaml import error_context
-from plannercheck.common.errors import unknown_name
 from plannercheck.common.public_names import set_module
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed
 from plannercheck.robots.description import RobotDescription, description_of
-from plannercheck.robots.joint_values import JointValues
-from plannercheck.robots.kinematic_error import KinematicRounding
-from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.loading import Reference, RobotParts, posed, robot_parts, urdf_description
 from plannercheck.robots.objects_in_frames import placed
 from plannercheck.robots.planning_groups import explicit_group
+from plannercheck.robots.posed_robot import PosedRobot
 from plannercheck.robots.reference_configuration import all_values, checked_values
 from plannercheck.robots.robot_table import robot_html
 from plannercheck.robots.urdf import Mimic
 
-Result = TypeVar("Result")
-
-_SAMPLES = 32  # configurations of `sampled_link_poses`: four of the blocks of eight that are judged at a time
-
 
 @set_module("plannercheck")
-class Robot:
+class Robot(PosedRobot):
     """A robot, posed by configurations of its planning group.
 
     Build one with `Robot.load` or `Robot.from_urdf`. Configurations are in Pinocchio's order, or, with a
@@ -145,11 +138,6 @@ class Robot:
         return self._map.joint_names
 
     @property
-    def link_names(self) -> tuple[str, ...]:
-        """The URDF's links in the order of Pinocchio's body frames."""
-        return self._parts.tree.names
-
-    @property
     def lower(self) -> Floats:
         """(nq,) lower limits in rad or m; -inf for continuous joints of a group."""
         return self._map.lower.copy()
@@ -158,24 +146,6 @@ class Robot:
     def upper(self) -> Floats:
         """(nq,) upper limits in rad or m; inf for continuous joints of a group."""
         return self._map.upper.copy()
-
-    def link_index(self, name: str) -> int:
-        """Index into link_names."""
-        if name not in self._link_indices:
-            raise unknown_name("link", name, self.link_names)
-        return self._link_indices[name]
-
-    def random_configurations(self, n: int, seed: int | np.random.Generator | None = None) -> Floats:
-        """Samples uniformly within the limits.
-
-        Args:
-            n: Number of configurations.
-            seed: A seed, or a generator.
-
-        Returns:
-            (n, nq), rad and m. Continuous joints are in [-pi, pi), unlimited positions within 1 m of zero.
-        """
-        return self.joint_values.random(n, seed)
 
     def check_configurations(self, q: ArrayLike) -> Floats:
         """Validates configurations: numbers, width, finite values, unit quaternions. Limits are not checked.
@@ -188,11 +158,6 @@ class Robot:
         """
         return self._map.checked(q)
 
-    @cached_property
-    def joint_values(self) -> JointValues:
-        """Configurations of a robot without a group, by one number for each joint."""
-        return JointValues(self._map, self.model, self.mimics, self.group is None)
-
     def expand(self, q: ArrayLike) -> Floats:
         """Fills in the held joints.
 
@@ -204,60 +169,6 @@ class Robot:
         """
         full = self._map.expand(self._map.checked(q))
         return full[0] if np.ndim(q) == 1 else full
-
-    def link_poses(self, q: Configuration) -> Floats:
-        """World poses of all links.
-
-        Args:
-            q: (nq,) or (n, nq) configurations of the group, or each joint's value of one by its name.
-
-        Returns:
-            (links, 4, 4) or (n, links, 4, 4), m, in the order of link_names. A configuration gets the same doubles
-            alone and in a batch, on every instruction set.
-        """
-        if isinstance(q, Mapping):
-            return self.link_poses(self.joint_values.named(q)[0])
-        rows = self._map.checked(q)
-        poses = self._forward.poses(rows)
-        return poses[0] if np.ndim(q) == 1 else poses
-
-    def pinocchio_link_poses(self, q: ArrayLike) -> Floats:
-        """World poses of all links by Pinocchio itself; arguments and result as of link_poses."""
-        poses = self._forward.pinocchio_poses(self._map.checked(q))
-        return poses[0] if np.ndim(q) == 1 else poses
-
-    @property
-    def sampled_link_poses(self) -> Floats:
-        """(k, links, 4, 4) at a few random configurations, m: poses used to choose the groups of the broad phase."""
-        return self.remembered("samples", lambda: read_only(self.link_poses(self.random_configurations(_SAMPLES, 0))))
-
-    @property
-    def kinematic_error(self) -> float:
-        """A proved bound, m: rounding of forward kinematics moves no point of a body further than this.
-
-        It holds for configurations within the limits (where there are none, within the range that is sampled). It is
-        infinite if Pinocchio itself poses the robot, since then nothing is proved.
-        """
-        return self.remembered("error", lambda: self.kinematic_error_within(*self._map.sampled_range()))
-
-    def kinematic_error_at(self, q: ArrayLike) -> float:
-        """The same bound at one configuration (nq,), which may be beyond the limits; m."""
-        row = self._map.checked(q)[0]
-        return self.kinematic_error_within(row, row)
-
-    def kinematic_error_within(self, lower: Floats, upper: Floats) -> float:
-        """The same bound for all configurations from `lower` to `upper`, (nq,) each; m."""
-        return float("inf") if self._rounding is None else self._rounding.bound(lower, upper)
-
-    @property
-    def kinematics(self) -> Any | None:
-        """The compiled kinematics; None if Pinocchio itself poses the robot."""
-        return self._forward.kernel
-
-    @property
-    def joint_table(self) -> JointTable | None:
-        """The compiled kinematics' joint table; None if it does not support some joint."""
-        return self._forward.table
 
     @property
     def configuration_map(self) -> ConfigurationMap:
@@ -278,19 +189,6 @@ class Robot:
     def frames(self) -> Sequence[int]:
         """Pinocchio's frames of the links, in the order of link_names."""
         return self._parts.tree.frames
-
-    def remembered(self, what: Hashable, compute: Callable[[], Result]) -> Result:
-        """A result about this robot without any scene, computed once for all its checkers (see robot_memory.py).
-
-        Args:
-            what: Names the result, and says all that it depends on besides the robot's bodies and kinematics.
-            compute: A function that computes it; the result must be immutable.
-        """
-        return self._parts.memory.recall((what, self._forward, self.bodies, self.reference.tobytes()), compute)
-
-    @property
-    def _rounding(self) -> KinematicRounding | None:
-        return self.remembered("rounding", lambda: self._forward.rounding(self.bodies, self._link_indices))
 
     def holding(self, values: Mapping[str, float | Sequence[float]]) -> Robot:
         """The same robot with joints held at other values (or, for joints of the group, with another reference).
@@ -355,7 +253,3 @@ class Robot:
 
     def _changed(self, **changes: Any) -> Robot:
         return Robot(replace(self._parts, **changes))
-
-    @cached_property
-    def _link_indices(self) -> dict[str, int]:
-        return {name: index for index, name in enumerate(self.link_names)}

@@ -322,7 +322,7 @@ MotionReport MotionCertifier::check(const Kinematics& kinematics, const double* 
 void MotionCertifier::check(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t n,
                             double tolerance, double kinematic_error, std::uint8_t* answers, Workspace& w) const {
   const std::size_t width = at(model_.width);
-  constexpr double kMiddle = 0.5;
+  const double middle = 0.5;
   w.middles.resize(kMiddles * width);
   for (std::size_t first = 0; first < n; first += kMiddles) {
     const std::size_t count = std::min(kMiddles, n - first);
@@ -330,7 +330,7 @@ void MotionCertifier::check(const Kinematics& kinematics, const double* q0, cons
     if (judged) {
       for (std::size_t i = 0; i < count; ++i) {
         w.path.set(q0 + (first + i) * width, q1 + (first + i) * width);
-        w.path.at(&kMiddle, 1, 1, &w.middles[i * width]);
+        w.path.at(&middle, 1, 1, &w.middles[i * width]);
       }
       states_->check_states(kinematics, w.middles.data(), count, w.middle_is_free.data(), *w.states);
     }
