@@ -124,8 +124,10 @@ def test_poses_in_any_form_give_the_verdict_of_their_numbers(form):
     for P, R in itertools.product(BODIES.values(), repeat=2):
         for _ in range(5):
             turned, b = random_pose(rng), FORMS[form](random_pose(rng))
-            turned[:3, 3] *= rng.integers(2)  # a rotation alone is rigid by columns, too
-            a = FORMS[form](turned)
+            a = FORMS[form](turned.copy())
+            turned[:3, 3] = 0  # a rotation alone is rigid by columns, too
+            alone = FORMS[form](turned)
+            assert pc.intersects(P, pc.Placed(R, b), alone) is shared_plainly(P, R, alone, b)
             expected = shared_plainly(P, R, a, b)
             assert pc.intersects(P, R, a, b) is expected
             assert intersects_checked(P, R, a, b) is expected
