@@ -147,3 +147,33 @@ def test_bounds_and_balls_save_work():
     assert pairs < 0.8 * all_pairs
     swept, all_swept = (c.motion_certifier.statistics()["swept"] for c in (with_bounds, without_balls))
     assert swept < all_swept
+
+
+BALLS = """<robot name="balls"><link name="base"/>
+<link name="left"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<link name="right"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="x" type="prismatic"><parent link="base"/><child link="left"/><axis xyz="1 0 0"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+<joint name="y" type="prismatic"><parent link="base"/><child link="right"/><axis xyz="1 0 0"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_balls_that_hardly_move(tmp_path):
+    """Bounds of speed and of paths are exact for balls that hardly move."""
+    (tmp_path / "balls.urdf").write_text(BALLS)
+    robot = pc.Robot.from_urdf(tmp_path / "balls.urdf")
+    gaps = np.array([2e-5, 5e-5, 9e-5, 1.5e-4, 3e-4, 1e-3])
+    starts = np.stack([np.zeros(len(gaps)), 0.2 + gaps], axis=1)
+    found = [c.check_motions(starts, starts + 1e-9).tolist() for c in with_switches(robot, None, own=True)]
+    assert found.count(found[0]) == len(found)
+    assert all(found[0])
+
+
+def test_middles_that_collide_do_not_hide_that_rounding_is_too_large():
+    robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
+    q = robot.random_configurations(400, 1)
+    q = q[~pc.Checker(robot, scene).check_states(q)][:10]
+    for checker in with_switches(robot, scene, own=True):
+        assert not checker.check_motions(q, q).any()
+        with pytest.raises(pc.PlannercheckError, match="rounding"):
+            checker.check_motions(q, q, tolerance=1e-13)
