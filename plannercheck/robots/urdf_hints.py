@@ -1,7 +1,7 @@
-"""Hints for numbers of a URDF that are probably mistakes: degrees, or missing limits.
+"""Hints for what is probably a mistake in a URDF: degrees, missing limits, shapes and joints of other formats.
 
-In: a URDF. Out: warnings that name the file, the element and the number, and say what the number looks like. Verdicts
-do not depend on them.
+In: a URDF. Out: warnings that name the file, the element and the number, and say what the number looks like; for a file
+that does not parse, the elements that no URDF has. Verdicts do not depend on them.
 """
 
 from __future__ import annotations
@@ -20,6 +20,10 @@ _LARGEST_USUAL_ANGLE = 2 * math.pi + 0.01
 # Limits in whole numbers from 30 to 720 are degrees: 30 rad are five turns, which are written as 31.4159.
 _LEAST_DEGREES, _MOST_DEGREES = 30.0, 720.0
 
+# What the format has; Bullet's files, for example, have capsules and spherical joints beside these.
+_SHAPES = ("box", "cylinder", "sphere", "mesh")
+_JOINTS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
 # How many elements a warning names.
 _SHOWN = 3
 
@@ -32,10 +36,33 @@ def warn_of_odd_numbers(file: UrdfFile) -> None:
     _warn(file.path, list(_unlimited(root)), "keep the joint at 0: give lower= and upper= in rad or m")
 
 
+def foreign_elements(root: Element) -> str:
+    """Names shapes and joints that no URDF has, and those that it has; empty if there are none."""
+    shapes = [
+        f"<{shape.tag}> of link {link.get('name')!r}"
+        for link in root.iterfind("link")
+        for shape in link.iterfind("collision/geometry/*")
+        if isinstance(shape.tag, str) and shape.tag not in _SHAPES
+    ]
+    joints = [
+        f"type {joint.get('type')!r} of joint {joint.get('name')!r}"
+        for joint in root.iterfind("joint")
+        if joint.get("type") is not None and joint.get("type") not in _JOINTS
+    ]
+    found = [(shapes, "shapes", _SHAPES), (joints, "types of joints", _JOINTS)]
+    return "; ".join(
+        f"URDFs have no {_some(names)}: their {what} are {', '.join(known)}" for names, what, known in found if names
+    )
+
+
+def _some(names: list[str]) -> str:
+    rest = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    return ", ".join(names[:_SHOWN]) + rest
+
+
 def _warn(path: Path, found: list[str], meaning: str) -> None:
     if found:
-        more = f" and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
-        warnings.warn(f"URDF {path}: {', '.join(found[:_SHOWN])}{more} {meaning}", RuntimeWarning, stacklevel=6)
+        warnings.warn(f"URDF {path}: {_some(found)} {meaning}", RuntimeWarning, stacklevel=6)
 
 
 def _turned(root: Element) -> Iterator[str]:

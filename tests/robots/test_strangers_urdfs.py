@@ -230,7 +230,11 @@ def test_a_zero_after_the_end_is_passed_over(tmp_path):
     [
         ('<robot name="r">', "<robot>", 'r.urdf: its <robot> has no name: write <robot name="...">'),
         ('lower="-1"', 'lower="-1.5."', "r.urdf does not parse: Error: joint [j]: lower value (-1.5.) is not a valid"),
-        ('type="revolute"', 'type="spherical"', "Joint [j] has no known type [spherical]"),
+        (
+            'type="revolute"',
+            'type="spherical"',
+            "URDFs have no type 'spherical' of joint 'j': their types of joints are revolute, ",
+        ),
         (URDF, "hello\n", "r.urdf does not parse: it is no XML (syntax error: line 1, column 0)"),
         (URDF, "", "r.urdf does not parse: it is empty"),
     ],
@@ -257,3 +261,17 @@ def test_meshes_whose_vertices_are_no_numbers_name_the_line(tmp_path, capfd, nam
     ):
         loaded(tmp_path, URDF.replace('<box size="1 1 1"/>', f'<mesh filename="{name}"/>', 1))
     assert capfd.readouterr() == ("", "")
+
+
+def test_shapes_and_joints_of_other_formats_are_named(tmp_path):
+    robot = tmp_path / "bullet.urdf"
+    robot.write_text(
+        '<robot name="r"><link name="hip"><collision><geometry><capsule radius="1" length="1"/></geometry></collision>'
+        '</link><link name="knee"/><joint name="turn" type="spherical"><parent link="hip"/><child link="knee"/></joint>'
+        "</robot>"
+    )
+    with pytest.raises(pc.PlannercheckError) as error:
+        pc.Robot.from_urdf(robot)
+    said = str(error.value)
+    assert "URDFs have no <capsule> of link 'hip': their shapes are box, cylinder, sphere, mesh" in said
+    assert "URDFs have no type 'spherical' of joint 'turn': their types of joints are revolute, " in said
