@@ -113,7 +113,7 @@ def _plain(text: str) -> Any:
 @lru_cache(maxsize=4096)
 def _resolved(text: str) -> Any:
     """The same by PyYAML's own resolver and constructor; words repeat, so results are kept."""
-    known = yaml.SafeLoader.yaml_implicit_resolvers
+    known = LOADER.yaml_implicit_resolvers
     tags = (*known.get(text[:1], ()), *known.get(None, ()))
     tag = next((tag for tag, pattern in tags if pattern.match(text)), "tag:yaml.org,2002:str")
     if tag not in _PLAIN_TAGS:

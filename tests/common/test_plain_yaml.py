@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from pathlib import Path
 
 import pytest
@@ -94,3 +95,15 @@ def test_the_plain_way_can_be_left_out(monkeypatch):
     truth = load_yaml(path.read_bytes())
     monkeypatch.setattr(plain_yaml, "_value_of_events", lambda text: (_ for _ in ()).throw(plain_yaml._NotPlainError))
     assert load_yaml(path.read_bytes()) == truth
+
+
+@pytest.mark.skipif(LOADER is yaml.SafeLoader, reason="needs libyaml's loader beside PyYAML's")
+def test_what_others_teach_another_loader_does_not_count(monkeypatch):
+    """Many programs have PyYAML's `SafeLoader` read 1e5 as a number; the loader of these files is another one."""
+    more = {"7": [*yaml.SafeLoader.yaml_implicit_resolvers["7"], ("tag:yaml.org,2002:float", re.compile("7e5"))]}
+    resolvers = {**yaml.SafeLoader.yaml_implicit_resolvers, **more}
+    monkeypatch.setattr(yaml.SafeLoader, "yaml_implicit_resolvers", resolvers)
+    plain_yaml._resolved.cache_clear()
+    assert yaml.safe_load("7e5") == 7e5
+    assert_same("7e5")
+    plain_yaml._resolved.cache_clear()
