@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.shapes import DEFAULT_EXCESS, inflated_hull
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
+from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.motion_ends import short_way
 from plannercheck.robots.configurations import NO_LIMIT
@@ -41,7 +42,7 @@ class MotionSampler:
         self._positions = np.maximum(_limits(robot.model), np.abs(robot.expand(robot.reference)))
         self._levers = lever_arms(robot, self._positions, excess)
         self._sliding = _sliding_columns(robot)
-        self._turning = np.flatnonzero(robot.configuration_map.turning_columns())
+        self._turning = read_only(np.flatnonzero(robot.configuration_map.turning_columns()))
         self.is_vector_space = len(robot.joint_names) == robot.nq  # one number a joint: angles and lengths
         self._column_levers = _column_levers(robot, self._levers) if self.is_vector_space else None
 

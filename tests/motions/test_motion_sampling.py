@@ -264,3 +264,11 @@ def test_every_sampled_state_is_looked_at(tmp_path, steps):
         assert checker.check_motion([0.0], [1.0], resolution) != sampled
         free = checker.check_motions([[0.0], [1.0], [0.0]], [[1.0], [0.0], [1.0]], resolution)
         assert (free != sampled).all()
+
+
+def test_nobody_can_write_to_what_the_checkers_of_a_robot_share():
+    """The columns that take the short way: were they changed, motions of all other checkers would change, too."""
+    sampler = pc.Checker(pc.Robot.load("kinova")).motion_sampler
+    assert len(sampler.whole_turns) > 0
+    with pytest.raises(ValueError, match="read-only"):
+        sampler.whole_turns[:] = 0
