@@ -51,9 +51,9 @@ std::array<Lanes, 12> pose_in_lanes(const Pose& pose) {
   return m;
 }
 
-// All lanes joined into one number, by halves.
-template <class Join>
-double joined(Lanes lanes, Join join) {
+// All lanes joined into one number, by halves. `Vector` is Lanes; as a parameter it keeps shuffles of other widths out.
+template <class Vector, class Join>
+double joined(Vector lanes, Join join) {
   if constexpr (kLanes == 8) lanes = join(lanes, shuffled<4, 5, 6, 7, 0, 1, 2, 3>(lanes, lanes));
   if constexpr (kLanes == 8) lanes = join(lanes, shuffled<2, 3, 0, 1, 6, 7, 4, 5>(lanes, lanes));
   if constexpr (kLanes == 8) lanes = join(lanes, shuffled<1, 0, 3, 2, 5, 4, 7, 6>(lanes, lanes));
