@@ -109,8 +109,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             excess: How far polytopes of curved shapes may stick out, as a part of the radius.
             bodies: Stand-ins for the robot's bodies and then the scene's, in their order, e.g. coarser ones; the pairs
                 stay as they are.
-            method: The solver of the pair test. Verdicts do not depend on it, nor on any argument that follows: see
-                `CheckerSwitches`, and `Switches` for those of the pair test.
+            method: The solver of the pair test. Neither it nor what follows changes verdicts, see `CheckerSwitches`.
 
         Raises:
             PlannercheckError: If an argument has none of the values above.

@@ -12,7 +12,7 @@
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
-#include "motions/motion_screen.hpp"
+#include "motions/motion_workspace.hpp"
 #include "narrow_phase/distance.hpp"
 
 namespace plannercheck {
@@ -26,8 +26,6 @@ constexpr double kCoarse = 0.02;
 // hulls would have to leave that much of their boxes empty, which few do (a sixth of the Panda's pairs).
 constexpr double kDeepestHint = 1;
 
-// So many motions at once have their middle states judged: whole blocks of states.
-constexpr std::size_t kMiddles = 64;
 // Fewer states are judged one by one, which costs more than it saves (measured).
 constexpr std::size_t kFewestMiddles = 3;
 
@@ -42,36 +40,6 @@ constexpr double kTurnRounding = 64 * kUnit, kPartRounding = 144 * kUnit;
 constexpr double kRoundingPart = 1.0 / 16;
 
 }  // namespace
-
-// The Space of adaptive_subdivision.hpp.
-struct SpatialMotions {
-  using Pair = CertifiedPair;
-  using Poses = PosedPair;
-  using Direction = Vec3;
-  using Grid = MotionGrid;
-  using Open = DirectedPair;
-  using Counters = MotionCounters;
-  using Workspace = MotionCertifier::Workspace;
-};
-
-struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
-  explicit Workspace(const MotionModel& model)
-      : SubdivisionWorkspace(MotionGrid(model.bodies, at(model.width), at(model.links)), model.pairs.size()),
-        path(at(model.width), model.parts),
-        bounds(model.chains.first_entry.size() - 1) {}
-
-  ConfigurationPath path;
-  std::vector<Rate> rates;
-  ChainBounds bounds;
-  MotionGrid::Choice all, chosen;  // what the first grids and those inside them pose
-  std::uint64_t prepared_for = 0;  // the kinematics by which `all` poses
-  MotionScreen::Workspace screen;
-  MotionCollisions::Workspace collisions;
-  std::vector<std::int32_t> candidates, bodies, frames;
-  std::shared_ptr<CheckerCore::Workspace> states;
-  std::array<std::uint8_t, kMiddles> middle_is_free{};
-  std::vector<double> middles;  // configurations, row by row
-};
 
 class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
  public:

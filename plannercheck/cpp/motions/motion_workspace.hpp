@@ -1,0 +1,50 @@
+// The data of one thread that checks motions: the grid, what is open on it, and room for what comes before.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "motions/adaptive_subdivision.hpp"
+#include "motions/motion_certifier.hpp"
+#include "motions/motion_collisions.hpp"
+#include "motions/motion_filters.hpp"
+#include "motions/motion_screen.hpp"
+
+namespace plannercheck {
+
+// So many motions at once have their middle states judged: whole blocks of states.
+inline constexpr std::size_t kMiddles = 64;
+
+// The Space of adaptive_subdivision.hpp.
+struct SpatialMotions {
+  using Pair = CertifiedPair;
+  using Poses = PosedPair;
+  using Direction = Vec3;
+  using Grid = MotionGrid;
+  using Open = DirectedPair;
+  using Counters = MotionCounters;
+  using Workspace = MotionCertifier::Workspace;
+};
+
+struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
+  explicit Workspace(const MotionModel& model)
+      : SubdivisionWorkspace(MotionGrid(model.bodies, at(model.width), at(model.links)), model.pairs.size()),
+        path(at(model.width), model.parts),
+        bounds(model.chains.first_entry.size() - 1) {}
+
+  ConfigurationPath path;
+  std::vector<Rate> rates;
+  ChainBounds bounds;
+  MotionGrid::Choice all, chosen;  // what the first grids and those inside them pose
+  std::uint64_t prepared_for = 0;  // the kinematics by which `all` poses
+  MotionScreen::Workspace screen;
+  MotionCollisions::Workspace collisions;
+  std::vector<std::int32_t> candidates, bodies, frames;
+  std::shared_ptr<CheckerCore::Workspace> states;
+  std::array<std::uint8_t, kMiddles> middle_is_free{};
+  std::vector<double> middles;  // configurations, row by row
+};
+
+}  // namespace plannercheck
