@@ -40,6 +40,8 @@ CHECKED = [
     "motion_check",
     "motion_filters",
     "motion_bounds",
+    "motion_screen",
+    "swept_distance",
     "motion_certifier_2d",
     "kinematic_error",
 ]
