@@ -6,6 +6,7 @@ sampled instead, so densely that no point moves further than it between two stat
 
 from __future__ import annotations
 
+import weakref
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -41,6 +42,14 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
         super().__init__(information)
         self._space = space
         self._counts = core.MotionCounts()
+        itself = weakref.ref(self)  # the core's functions take no part in the search for cycles
+
+        def judged(s1: Any, s2: Any) -> bool:
+            validator = itself()
+            assert validator is not None  # OMPL calls it
+            return validator._judged(s1, s2)
+
+        self.__dict__["checkMotion"] = core.kept_failures(judged, space.numbers.failure)
 
     def _is_free(self, s1: Any, s2: Any) -> bool:
         raise NotImplementedError
@@ -50,13 +59,11 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
         raise NotImplementedError
 
     def checkMotion(self, s1: Any, s2: Any) -> bool:  # noqa: N802  # OMPL's name
-        """Whether the motion between two states is free, both ends included."""
-        try:
-            free = self._is_free(s1, s2)
-        except BaseException as error:
-            if self._space.numbers.failure.keep(error):
-                return False
-            raise
+        """Whether the motion between two states is free, both ends included; objects have a compiled one."""
+        return self._judged(s1, s2)
+
+    def _judged(self, s1: Any, s2: Any) -> bool:
+        free = self._is_free(s1, s2)
         self._counts.add(free)
         return free
 

@@ -22,6 +22,7 @@ from ompl import base, util
 
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
+from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
@@ -139,11 +140,6 @@ def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
         return ExactStates(information, checker, space)
 
     def is_valid(state: Any) -> bool:
-        try:
-            return checker.is_valid(np.array(space.read(state)))
-        except BaseException as error:
-            if space.numbers.failure.keep(error):
-                return False
-            raise
+        return checker.is_valid(np.array(space.read(state)))
 
-    return is_valid
+    return core.kept_failures(is_valid, space.numbers.failure)

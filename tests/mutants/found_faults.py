@@ -29,7 +29,7 @@ class PutBack(NamedTuple):
 
 
 FAULTS = {
-    "1": PutBack("plane swing", ("planar-stored-direction-not-normalised", "planar-lines-outlive-motions")),
+    "1": PutBack("plane swing", ("planar-stored-direction-not-normalised", "motion-planes-of-earlier-motions-count")),
     "2": PutBack("placed,tree,chain", ("motions-own-displacement-from-the-child-forgotten",)),
     "3": PutBack("ompl", ("turns-ompls-angles-are-all-continuous-joints",)),
     "4": PutBack("far ends", ("turns-two-pi-is-a-double", "turns-rounding-of-given-ends-forgotten")),

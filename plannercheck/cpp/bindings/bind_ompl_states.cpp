@@ -3,6 +3,7 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "bindings/array_types.hpp"
@@ -32,6 +33,15 @@ auto rows_of(const PlannerStates& states, nb::list all) {
   return output_array(rows, {rows.size() / states.width(), states.width()});
 }
 
+// A judge in Python as a planner may call it: its exceptions are kept (PlannerFailure). A `try` in Python would not do,
+// since Python raises what signals bring also where a function begins, before its first line.
+nb::object kept_failures(nb::object judge, std::shared_ptr<PlannerFailure> failure) {
+  const auto judged = [judge, failure](nb::args states) {
+    return judged_or_failed(failure, [&] { return nb::cast<bool>(judge(*states)); });
+  };
+  return nb::cpp_function(judged, plain_floats);
+}
+
 }  // namespace
 
 void bind_ompl_states(nb::module_& m) {
@@ -44,6 +54,7 @@ void bind_ompl_states(nb::module_& m) {
       .def("arm", &PlannerFailure::arm, plain_floats)
       .def("disarm", &PlannerFailure::disarm, plain_floats)
       .def("keep", &PlannerFailure::keep, plain_floats);
+  m.def("kept_failures", &kept_failures, plain_floats);
   nb::class_<MotionCounts>(m, "MotionCounts")
       .def(nb::init<>(), plain_floats)
       .def("add", &MotionCounts::add, plain_floats)
