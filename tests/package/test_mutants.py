@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from found_faults import FAULTS
 from mutants import CHECKOUT, LISTS, BadMutantError, Mutant, fault_of, faults_of, read_mutants
 
 LEAST = 620
@@ -38,6 +39,11 @@ def test_the_tests_of_mutants_are_there_with_their_parameters():
     ran = subprocess.run(command, cwd=CHECKOUT, capture_output=True, text=True, check=False)
     assert [line for line in ran.stderr.splitlines() if "not found" in line] == []
     assert ran.returncode == 0, ran.stdout[-2000:]
+
+
+def test_the_faults_that_the_stress_has_to_find_are_mutants():
+    named = {name for fault in FAULTS.values() for name in fault.mutants}
+    assert named <= {mutant.name for mutant in read_mutants()}
 
 
 def test_an_entry_that_fits(tmp_path):
