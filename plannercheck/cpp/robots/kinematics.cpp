@@ -109,9 +109,9 @@ inline void turn_columns(int from, int to, Lanes cos, Lanes sin, Lanes* pose) {
 
 // pose * rotation, rotation 3x3 row-major.
 inline void rotate(const std::array<Lanes, 9>& r, Lanes* pose) {
-  for (int row = 0; row < 3; ++row) {
+  for (std::size_t row = 0; row < 3; ++row) {
     const Lanes a = pose[4 * row], b = pose[4 * row + 1], c = pose[4 * row + 2];
-    for (int col = 0; col < 3; ++col) pose[4 * row + col] = a * r[col] + b * r[3 + col] + c * r[6 + col];
+    for (std::size_t col = 0; col < 3; ++col) pose[4 * row + col] = a * r[col] + b * r[3 + col] + c * r[6 + col];
   }
 }
 
