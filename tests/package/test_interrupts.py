@@ -200,10 +200,13 @@ time.sleep(0.3)
 """
 
 
-def test_daemon_threads_do_not_abort_the_process():
+def test_daemon_threads_do_not_abort_the_process(tmp_path):
     """Python ends them by unwinding their stacks where they ask for its lock: no destructor may be in the way."""
     for _ in range(3):
-        ended = subprocess.run([sys.executable, "-c", DAEMONS], capture_output=True, text=True, timeout=60)
+        # From a folder without sources: Python would take these for the installed package.
+        ended = subprocess.run(
+            [sys.executable, "-c", DAEMONS], capture_output=True, text=True, timeout=60, cwd=tmp_path, check=False
+        )
         assert (ended.returncode, ended.stderr) == (0, "")
 
 

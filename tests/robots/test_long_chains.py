@@ -15,6 +15,7 @@ import pinocchio as pin
 import pytest
 
 import plannercheck as pc
+from plannercheck.checking.reach_bounds import Chains
 from plannercheck.checking.reach_screens import Screen
 from plannercheck.robots import kinematics
 from plannercheck.robots.self_pairs import self_pairs
@@ -93,7 +94,8 @@ def joints_that_move(urdf: str) -> list[str]:
 def test_what_is_screened_out_could_not_have_been_proved(seed, tmp_path, monkeypatch):
     urdf = tmp_path / "tree.urdf"
     urdf.write_text(branched(14, seed))
-    robot = pc.Robot.from_urdf(urdf, group=joints_that_move(urdf.read_text()))
+    # Two of the same: a robot remembers what is proved of it.
+    robot, again = (pc.Robot.from_urdf(urdf, group=joints_that_move(urdf.read_text())) for _ in range(2))
     asked = []
     may = Screen.may_be_proved
 
@@ -104,19 +106,24 @@ def test_what_is_screened_out_could_not_have_been_proved(seed, tmp_path, monkeyp
     monkeypatch.setattr(Screen, "may_be_proved", told)
     screened = pc.Checker(robot)
     monkeypatch.setattr(Screen, "may_be_proved", lambda self, pairs, columns: np.ones(len(pairs), dtype=bool))
-    whole = pc.Checker(robot)
+    whole = pc.Checker(again)
     assert np.array_equal(screened.unreachable, whole.unreachable)
     assert np.array_equal(screened.static, whole.static)
     labels = {(a.link, b.link) for a, b in (map(robot.bodies.__getitem__, row) for row in whole.pairs[whole.static])}
     assert all(at_rest(robot, a, b) for a, b in labels)
     assert len(asked) == 1
 
-    chains = whole._proofs._chains
-    assert chains is not None
+    chains = chains_of(whole)
     forks = chains.screen.forks(whole.pairs.astype(np.int64))
     for (a, b), fork in zip(whole.pairs.tolist(), chains.screen._depth[forks].tolist(), strict=True):
         shared = [x for x, y in zip(chains.chain(a), chains.chain(b), strict=False) if x == y]
         assert fork == len(shared)
+
+
+def chains_of(checker: pc.Checker) -> Chains:
+    reach = checker._proofs._reach
+    assert reach is not None
+    return reach._chains
 
 
 def at_rest(robot: pc.Robot, a: str, b: str) -> bool:
@@ -130,8 +137,7 @@ def at_rest(robot: pc.Robot, a: str, b: str) -> bool:
 @pytest.mark.parametrize("name", ["panda", "talos", "baxter"])
 def test_frames_are_posed_against_each_other_as_in_the_world(name):
     robot = pc.Robot.load(name)
-    chains = pc.Checker(robot)._proofs._chains
-    assert chains is not None
+    chains = chains_of(pc.Checker(robot))
     rng = np.random.default_rng(0)
     rows = robot.random_configurations(3, 0)
     count = chains._frames.link_joints.size
