@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.given_shapes import GivenBody, given_polytope
+from plannercheck.bodies.given_bodies import GivenBody, given_polytope
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core

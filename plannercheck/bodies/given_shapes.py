@@ -1,6 +1,6 @@
-"""Bodies as users give them: our shapes, arrays of points, and objects of trimesh, coal and python-fcl.
+"""Shapes as users give them: our own, arrays of points, and objects of trimesh, coal and python-fcl.
 
-In: any of these. Out: one of our shapes with its pose, or a prepared `Polytope`. Boxes, spheres, capsules, cylinders
+In: any of these. Out: one of our shapes with its pose. Boxes, spheres, capsules, cylinders
 and cones stay what they are, trimesh's primitives included. Meshes, convex polytopes and points become their convex
 hulls, as mesh files do. No library is imported for this: whoever has such an object has imported its library.
 """
@@ -14,8 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.meshes import hull_of_triangles
-from plannercheck.bodies.placed import Placed
-from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import (
     Box,
     Capsule,
@@ -25,7 +23,6 @@ from plannercheck.bodies.shapes import (
     Shape,
     Sphere,
     checked_pose,
-    checked_poses,
     inflated_hull,
 )
 from plannercheck.bodies.triangle_meshes import triangles_of_coal
@@ -37,8 +34,6 @@ from plannercheck.common.errors import PlannercheckError, shortened
 GeometryObject: TypeAlias = Any
 GivenShape: TypeAlias = Shape | ArrayLike | GeometryObject
 PlacedShape: TypeAlias = tuple[Shape, Floats | None]
-# What a query on a pair takes as one of its bodies.
-GivenBody: TypeAlias = Polytope | Placed | GivenShape
 
 _KNOWN = (
     "a shape such as Box, points (n, 3) in m, a trimesh.Trimesh, or a box, sphere, capsule, cylinder, cone, convex or "
@@ -68,49 +63,7 @@ def given_shape(value: GivenShape, what: str) -> PlacedShape:
         return value, None
     library = _library(value)
     with error_context(what):
-        return (Hull(_points(value)), None) if library is None else _READERS[library](value)
-
-
-def given_polytope(value: GivenBody, pose: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
-    """A prepared body and its pose (4, 4) in the world, m; a `Polytope` is taken as it is.
-
-    Args:
-        value: A `Polytope`, or what `given_shape` takes; cylinders and cones are the polytopes around them. Or a
-            `Placed`, which has its pose.
-        pose: The body's pose in the world; None is the identity.
-        name: The argument's name in errors: "P", whose pose is called "pose_p".
-    """
-    if isinstance(value, Placed):
-        if pose is not None:
-            raise PlannercheckError(f"{name} is a Placed, which has its pose: leave pose_{name.lower()} out")
-        return value.polytope, value.pose
-    placed = checked_pose(pose, f"pose_{name.lower()}")
-    if isinstance(value, Polytope):
-        return value, placed
-    if not is_geometry(value):
-        with error_context(name):
-            points = _points(value)
-        return Polytope(points, name=name), placed
-    shape, own = given_shape(value, name)
-    return Polytope(*inflated_hull(shape), name=name), in_frame(placed, own, name)
-
-
-def given_polytope_at_poses(value: GivenBody, poses: ArrayLike | None, name: str) -> tuple[Polytope, Floats]:
-    """The same for many poses (n, 4, 4), m, which come back in C order; or for one pose, and n is 1."""
-    if poses is None or not are_poses(poses):
-        polytope, pose = given_polytope(value, poses, name)
-        return polytope, np.ascontiguousarray(pose[None])
-    polytope, own = given_polytope(value, poses if isinstance(value, Placed) else None, name)
-    rows = checked_poses(poses, f"pose_{name.lower()}")
-    return polytope, np.array([in_frame(row, own, name) for row in rows], dtype=np.float64).reshape(-1, 4, 4)
-
-
-def are_poses(poses: ArrayLike | None) -> bool:
-    """Whether these are many poses, not one: an array of three dimensions, whatever its numbers."""
-    try:
-        return poses is not None and np.ndim(poses) == 3
-    except (TypeError, ValueError):  # e.g. lists of different lengths
-        return False
+        return (Hull(points_given(value)), None) if library is None else _READERS[library](value)
 
 
 def points_of_geometry(value: GivenShape, what: str) -> tuple[Floats, float]:
@@ -151,7 +104,7 @@ def _library(value: object) -> str | None:
     return next((name for name in _READERS if name in modules), None)
 
 
-def _points(value: GivenShape) -> Floats:
+def points_given(value: GivenShape) -> Floats:
     """Points (n, 3) in m."""
     try:
         given = np.asarray(value)
@@ -173,7 +126,7 @@ def _of_trimesh(value: Any) -> PlacedShape:
     if not hasattr(value, "vertices"):
         raise PlannercheckError(f"of trimesh, meshes are known, not {kind}: give each mesh, as scene.dump() lists them")
     faces = np.asarray(getattr(value, "faces", ()), dtype=np.int64)
-    return hull_of_triangles(_points(value.vertices), faces), None
+    return hull_of_triangles(points_given(value.vertices), faces), None
 
 
 _PRIMITIVES: dict[str, Callable[[Any], Shape]] = {

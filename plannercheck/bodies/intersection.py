@@ -25,7 +25,7 @@ from plannercheck.bodies.certificates import (
     separation,
     shared_point,
 )
-from plannercheck.bodies.given_shapes import GivenBody, are_poses, given_polytope, given_polytope_at_poses
+from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytope, given_polytope_at_poses
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose

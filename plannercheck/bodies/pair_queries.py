@@ -1,7 +1,7 @@
 """Queries on a pair of bodies in one call of the core, which looks at bodies and poses itself.
 
 In: what users pass to `intersects` and `distance`. Out: the answer, or None for all but a `Polytope` or `Placed` with
-poses in NumPy arrays of doubles that are surely rigid. For those `given_shapes` converts, or says what is wrong.
+poses in NumPy arrays of doubles that are surely rigid. For those `given_bodies` converts, or says what is wrong.
 """
 
 from __future__ import annotations

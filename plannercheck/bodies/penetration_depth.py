@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.distance import distance
-from plannercheck.bodies.given_shapes import GivenBody, given_polytope
+from plannercheck.bodies.given_bodies import GivenBody, given_polytope
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError

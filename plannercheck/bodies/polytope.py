@@ -74,7 +74,8 @@ class Polytope:
             PlannercheckError: If there are no points, they are not finite, the faces do not bound their hull, or the
                 inflation radius is negative.
         """
-        from plannercheck.bodies.given_shapes import is_geometry, points_of_geometry  # which makes polytopes itself
+        # Here, since points alone need no readers of meshes and YAML.
+        from plannercheck.bodies.given_shapes import is_geometry, points_of_geometry
 
         inflation_radius = inflation_radius if swell is None else swell
         if not isinstance(vertices, np.ndarray | list | tuple) and is_geometry(vertices):

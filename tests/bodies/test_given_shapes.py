@@ -10,7 +10,8 @@ import pytest
 import trimesh
 
 import plannercheck as pc
-from plannercheck.bodies.given_shapes import given_polytope, given_shape
+from plannercheck.bodies.given_bodies import given_polytope
+from plannercheck.bodies.given_shapes import given_shape
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Sphere
 
 CUBE = np.indices((2, 2, 2)).reshape(3, 8).T * 1.0
