@@ -22,7 +22,7 @@ from plannercheck.common.angles import nearest_turn, nearest_turns, wrapped
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.projections import register_projection
-from plannercheck.ompl.state_numbers import StateNumbers
+from plannercheck.ompl.state_numbers import NumberedSpace, StateNumbers
 from plannercheck.robots.configurations import PLAIN, ConfigurationMap, is_continuous
 from plannercheck.robots.robot import Robot
 
@@ -30,7 +30,7 @@ from plannercheck.robots.robot import Robot
 _COLUMNS: WeakKeyDictionary[Robot, tuple[NDArray[np.bool_], Floats, Floats, list[int]]] = WeakKeyDictionary()
 
 
-class JointSpace:
+class JointSpace(NumberedSpace):
     """The joint space of a robot.
 
     Attributes:
@@ -63,7 +63,6 @@ class JointSpace:
         self._turns: list[bool] = self.continuous.tolist()
         self._turning = any(self._turns)
         self._width = robot.nq
-        self._numbers: StateNumbers | None = None
 
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
@@ -78,18 +77,6 @@ class JointSpace:
             space.addSubspace(part, 1.0)
         register_projection(space)
         return space
-
-    @property
-    def numbers(self) -> StateNumbers:
-        """The numbers of states of these spaces."""
-        if self._numbers is None:
-            self.ompl_space()
-        assert self._numbers is not None
-        return self._numbers
-
-    def read(self, state: Any) -> list[float]:
-        """The configuration of an OMPL state, nq numbers."""
-        return self.numbers.read(state)
 
     def write(self, state: Any, q: Sequence[float] | Floats) -> None:
         """Sets an OMPL state to a configuration (nq,); angles are brought to [-pi, pi).

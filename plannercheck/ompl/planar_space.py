@@ -18,14 +18,14 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl.joint_space import bounded_space
 from plannercheck.ompl.projections import register_projection
-from plannercheck.ompl.state_numbers import StateNumbers
+from plannercheck.ompl.state_numbers import NumberedSpace, StateNumbers
 from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.spare_states import SpareStates
 
 
-class PlanarSpace:
+class PlanarSpace(NumberedSpace):
     """The configuration space of a planar robot.
 
     Attributes:
@@ -54,7 +54,6 @@ class PlanarSpace:
         self.continuous = robot.angles
         self._space: Any = None
         self._spare: SpareStates | None = None
-        self._numbers: StateNumbers | None = None
 
     def ompl_space(self) -> Any:
         """A new OMPL state space."""
@@ -86,18 +85,6 @@ class PlanarSpace:
             space.addSubspace(base.SO2StateSpace() if self.continuous[k] else bounded_space(*limits), 1.0)
         register_projection(space)
         return space
-
-    @property
-    def numbers(self) -> StateNumbers:
-        """The numbers of states of these spaces."""
-        if self._numbers is None:
-            self.ompl_space()
-        assert self._numbers is not None
-        return self._numbers
-
-    def read(self, state: Any) -> list[float]:
-        """The configuration of an OMPL state, nq numbers."""
-        return self.numbers.read(state)
 
     def write(self, state: Any, q: Sequence[float] | Floats) -> None:
         """Sets an OMPL state to a configuration (nq,); free angles are brought to [-pi, pi)."""

@@ -44,3 +44,25 @@ class StateNumbers:
         """(n, width), the numbers of n states."""
         rows: Floats = self._states.rows(states)
         return rows
+
+
+class NumberedSpace:
+    """What the spaces of robots in space and in the plane share: the numbers of their states."""
+
+    _numbers: StateNumbers | None = None  # `ompl_space` sets it
+
+    def ompl_space(self) -> Any:
+        """A new OMPL space."""
+        raise NotImplementedError
+
+    @property
+    def numbers(self) -> StateNumbers:
+        """The numbers of states of these spaces."""
+        if self._numbers is None:
+            self.ompl_space()
+        assert self._numbers is not None
+        return self._numbers
+
+    def read(self, state: Any) -> list[float]:
+        """The configuration of an OMPL state, nq numbers."""
+        return self.numbers.read(state)
