@@ -12,7 +12,6 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_kinematics(m);
   plannercheck::bind_ompl_states(m);
   plannercheck::bind_checker(m);
-  plannercheck::bind_sphere_model(m);
   plannercheck::bind_planar(m);
   plannercheck::bind_planar_motion(m);
   plannercheck::bind_motion(m);

@@ -16,7 +16,6 @@ void bind_kinematics(nanobind::module_& m);
 void bind_polytope(nanobind::module_& m);
 void bind_ompl_states(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);
-void bind_sphere_model(nanobind::module_& m);
 void bind_planar(nanobind::module_& m);
 void bind_planar_checker(nanobind::module_& m);
 void bind_planar_motion(nanobind::module_& m);

@@ -17,27 +17,25 @@ from typing import Any, Literal
 import numpy as np
 
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import GeometryObject, Hull
+from plannercheck.bodies.shapes import Box, Capsule, GeometryObject, Hull, Sphere
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import other_libraries
-from plannercheck.evaluation.bench.bounding_volumes import balls_around, box_around, capsule_around
+from plannercheck.evaluation.bench.bounding_volumes import ball_around, box_around, capsule_around
 from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.hausdorff import furthest, furthest_of_balls
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
 from plannercheck.evaluation.bench.peer_methods import CoalAtBest, VampFromPython, VampInside
-from plannercheck.evaluation.bench.sphere_model import SphereModel
 from plannercheck.evaluation.bench.truncated_hierarchies import inner_levels, outer_levels
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 
 Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "coal loop", "fcl", "vamp"]
+_Around = Callable[[Polytope], tuple[Box | Capsule | Sphere, Floats]]
 
 # All kinds except the exact ones, which are always compared, and coal's loop, which comes with coal.
 KINDS: tuple[Kind, ...] = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl", "vamp")
 
-# Balls a body.
-BALL_COUNTS = (1, 4, 16, 64)
 # States that slower methods judge in a round; their rates are over these.
 _ONE_BY_ONE_STATES, _COAL_STATES, _FCL_STATES = 5000, 1000, 200
 
@@ -79,7 +77,7 @@ def methods(checker: Checker, kinds: Iterable[Kind] = KINDS) -> Iterator[Method]
             case "inner" | "outer":
                 yield from _cut_off(checker, kind)
             case "spheres":
-                yield from (_spheres(checker, count) for count in BALL_COUNTS)
+                yield _wrapped(checker, kind, ball_around)
             case "capsules":
                 yield _wrapped(checker, kind, capsule_around)
             case "boxes":
@@ -191,26 +189,7 @@ def _hausdorff(checker: Checker, chosen: dict[int, Polytope], side: str, built: 
     return max(distances, default=0.0)
 
 
-def _spheres(checker: Checker, count: int) -> Method:
-    def build() -> SphereModel:
-        return SphereModel(checker, {k: balls_around(polytope, [count])[count] for k, polytope in _own(checker)})
-
-    def error(built: SphereModel) -> float:
-        off = []
-        for k, polytope in _own(checker):
-            balls = built.covers[k]
-            if polytope.dimension == 3:
-                radii = balls[:, 3] - polytope.inflation_radius + built.margin
-                off.append(furthest_of_balls(balls[:, :3], radii, polytope))
-            else:
-                off.append(float(balls[:, 3].max()))
-        return max(off, default=0.0)
-
-    note = "native loop in floats, eight states at once, posed by the same kernel"
-    return Method(f"{count} bounding spheres a body", "spheres", note, build, error, _by_batch)
-
-
-def _wrapped(checker: Checker, kind: Literal["capsules", "boxes"], wrap: Callable[[Polytope], Any]) -> Method:
+def _wrapped(checker: Checker, kind: Kind, wrap: _Around) -> Method:
     def build() -> Checker:
         substitutes = {}
         for k, polytope in _own(checker):
