@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.core import core
 from plannercheck.planar.links import GeometryObject
 from plannercheck.planar.robot import Robot
 
@@ -22,9 +23,9 @@ _ROOM = 1e-12
 _LEAST_ROOM = 1e-150
 
 
-def core_arguments(robot: Robot, bodies: Sequence[GeometryObject], pairs: Ints) -> tuple[Any, ...]:
-    """What the core's PlanarChecker and PlanarCertifier take, up to the pairs (bind_planar_checker.cpp)."""
-    return (
+def core_model(robot: Robot, bodies: Sequence[GeometryObject], pairs: Ints) -> Any:
+    """What the core's PlanarChecker and PlanarCertifier take (planar_arrays.hpp)."""
+    return core.PlanarModel(
         *robot.core_links(),
         [body.vertices for body in bodies],
         np.array([body.link for body in bodies], dtype=np.int32),

@@ -25,7 +25,7 @@ from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.explanation import explained_motion
 from plannercheck.motions.motion_ends import checked_ends, with_given_ends
 from plannercheck.motions.sampling import samples_are_free
-from plannercheck.planar.body_tables import core_arguments, pair_table
+from plannercheck.planar.body_tables import core_model, pair_table
 from plannercheck.planar.certificates import Certificate, certify
 from plannercheck.planar.curve_motions import CurveMotions
 from plannercheck.planar.curves import Curve, check_curve
@@ -93,8 +93,8 @@ class Checker(ExplainingChecker):
         self._labels = (*(robot.link_names[body.link] for body in robot.bodies), *self.scene.body_objects)
         self.pairs = read_only(pair_table(robot, len(self.bodies), self_collision))
         self.motion_sampler = MotionSampler(self.robot)
-        self._arguments = core_arguments(robot, self.bodies, self.pairs)
-        self._core = core.PlanarChecker(*self._arguments, bounds, getattr(core.Precision, method))
+        self._model = core_model(robot, self.bodies, self.pairs)
+        self._core = core.PlanarChecker(self._model, bounds, getattr(core.Precision, method))
         self._motions = CurveMotions(self.motion_sampler)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -283,7 +283,7 @@ class Checker(ExplainingChecker):
     @cached_property
     def motion_certifier(self) -> MotionCertifier:
         """Proves motions free; built when first needed."""
-        return MotionCertifier(*self._arguments)
+        return MotionCertifier(self._model)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike, curve: Curve = "straight") -> tuple[Floats, Floats, Floats]:
         """Starts and ends (n, nq), and the ends as given: angles without limits take the short way.

@@ -1,6 +1,6 @@
 """Proves planar motions free: a checker's bodies and pairs for the certifier (cpp/planar/motion_certifier_2d.hpp).
 
-In: the arguments of the core's planar checker; motions, given by both ends and, on curves, by their pieces. Out:
+In: the core's model of a planar checker; motions, given by both ends and, on curves, by their pieces. Out:
 whether they are free, how far, and proofs. The proofs cover the rounding of configurations and poses.
 """
 
@@ -23,9 +23,9 @@ STRAIGHT: Floats = np.zeros((0, PIECE_NUMBERS))
 class MotionCertifier:
     """Judges motions of one planar robot among given pairs of bodies. Immutable, so threads may share it."""
 
-    def __init__(self, *arguments: Any) -> None:
-        """Takes what the core's PlanarChecker takes, up to the pairs."""
-        self._core = core.PlanarCertifier(*arguments)
+    def __init__(self, model: Any) -> None:
+        """Takes the core's model of robot, bodies and pairs."""
+        self._core = core.PlanarCertifier(model)
         self._frames = self._core.frames().tolist()
 
     def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int, given: Floats | None = None) -> Bools:

@@ -83,7 +83,9 @@ class Robot:
         self.joint_names = tuple(name for link in self.links for name in _column_names(link))
         self.bodies = tuple(body for k, link in enumerate(self.links) for body in _bodies(link, k))
         self.lower, self.upper = (read_only(np.array(side)) for side in self._limits(_bounds))
-        self._kinematics = core.PlanarChecker(*self.core_links(), *_no_bodies(), True, core.Precision.filtered)
+        self._kinematics = core.PlanarChecker(
+            core.PlanarModel(*self.core_links(), *_no_bodies()), True, core.Precision.filtered
+        )
 
     @classmethod
     def load(cls, name_or_path: str | Path) -> Robot:

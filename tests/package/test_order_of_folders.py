@@ -27,7 +27,6 @@ LAYERS = [
     ["checking"],
     ["motions"],
     ["planar"],
-    ["evaluation"],
     ["bindings"],
 ]
 # What the core is held against shares nothing with it.

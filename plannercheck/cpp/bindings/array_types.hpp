@@ -26,6 +26,13 @@ inline Pose pose_from(const double* matrix) {
   return pose;
 }
 
+using PoseRows = InputArray<double, -1, 4, 4>;
+
+// One of several poses, or the only one.
+inline Pose pose_at(const PoseRows& poses, std::size_t i) {
+  return pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i));
+}
+
 inline std::vector<std::array<std::int32_t, 2>> pairs_from(InputArray<std::int32_t, -1, 2> pairs) {
   std::vector<std::array<std::int32_t, 2>> out(pairs.shape(0));
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = {pairs(i, 0), pairs(i, 1)};

@@ -19,12 +19,6 @@ namespace nb = nanobind;
 namespace plannercheck {
 namespace {
 
-using PoseRows = InputArray<double, -1, 4, 4>;
-
-PosedPolytope posed_at(const Polytope& body, PoseRows poses, std::size_t i) {
-  return {&body, pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i))};
-}
-
 void put_row(std::vector<double>& rows, std::size_t i, Vec3 v) {
   rows[3 * i] = v.x, rows[3 * i + 1] = v.y, rows[3 * i + 2] = v.z;
 }
@@ -39,7 +33,8 @@ nb::tuple distance_batch(const Polytope& a, PoseRows poses_a, const Polytope& b,
     PairCounters counters;
     for (std::size_t i = 0; i < n; ++i) {
       poll_interruption();
-      const PairDistance found = pair_distance(posed_at(a, poses_a, i), posed_at(b, poses_b, i), kNoLimit, counters);
+      const PairDistance found =
+          pair_distance({&a, pose_at(poses_a, i)}, {&b, pose_at(poses_b, i)}, kNoLimit, counters);
       overlap[i] = found.overlap, distance[i] = found.upper, lower[i] = found.lower;
       put_row(on_a, i, found.on_guest), put_row(on_b, i, found.on_host), put_row(directions, i, found.direction);
     }

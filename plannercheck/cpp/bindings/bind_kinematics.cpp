@@ -7,6 +7,7 @@
 #include <new>
 #include <vector>
 
+#include "bindings/array_types.hpp"
 #include "bindings/long_calls.hpp"
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
@@ -17,8 +18,6 @@ namespace nb = nanobind;
 namespace plannercheck {
 namespace {
 
-template <class Number, int... sizes>
-using Table = nb::ndarray<const Number, nb::shape<sizes...>, nb::c_contig, nb::device::cpu>;
 using PoseArray = nb::ndarray<nb::numpy, double, nb::ndim<4>>;
 
 Rigid rigid_from(const double* row_major) {
@@ -27,9 +26,10 @@ Rigid rigid_from(const double* row_major) {
   return rigid;
 }
 
-std::vector<JointSpec> joints_from(Table<int, -1> parents, Table<int, -1> kinds, Table<double, -1, 3> axes,
-                                   Table<double, -1, 3, 4> placements, Table<int, -1, 7> columns,
-                                   Table<double, -1, 7> multipliers, Table<double, -1, 7> offsets) {
+std::vector<JointSpec> joints_from(InputArray<int, -1> parents, InputArray<int, -1> kinds,
+                                   InputArray<double, -1, 3> axes, InputArray<double, -1, 3, 4> placements,
+                                   InputArray<int, -1, 7> columns, InputArray<double, -1, 7> multipliers,
+                                   InputArray<double, -1, 7> offsets) {
   std::vector<JointSpec> joints(parents.shape(0));
   for (size_t i = 0; i < joints.size(); ++i) {
     joints[i].parent = parents(i);
@@ -41,13 +41,13 @@ std::vector<JointSpec> joints_from(Table<int, -1> parents, Table<int, -1> kinds,
   return joints;
 }
 
-std::vector<LinkSpec> links_from(Table<int, -1> joints, Table<double, -1, 3, 4> placements) {
+std::vector<LinkSpec> links_from(InputArray<int, -1> joints, InputArray<double, -1, 3, 4> placements) {
   std::vector<LinkSpec> links(joints.shape(0));
   for (size_t i = 0; i < links.size(); ++i) links[i] = {joints(i), rigid_from(placements.data() + 12 * i)};
   return links;
 }
 
-PoseArray pose_array(const Kinematics& kinematics, Table<double, -1, -1> q, Table<unsigned char, -1> needed) {
+PoseArray pose_array(const Kinematics& kinematics, InputArray<double, -1, -1> q, InputArray<unsigned char, -1> needed) {
   if (static_cast<int>(q.shape(1)) != kinematics.width()) throw nb::value_error("q must be (n, width)");
   if (static_cast<int>(needed.shape(0)) != kinematics.link_count()) throw nb::value_error("needed must be (links,)");
   const size_t n = q.shape(0), links = needed.shape(0);
@@ -65,9 +65,10 @@ void bind_kinematics(nb::module_& m) {
   nb::class_<Kinematics>(m, "Kinematics")
       .def(
           "__init__",
-          [](Kinematics* self, int width, Table<int, -1> parents, Table<int, -1> kinds, Table<double, -1, 3> axes,
-             Table<double, -1, 3, 4> placements, Table<int, -1, 7> columns, Table<double, -1, 7> multipliers,
-             Table<double, -1, 7> offsets, Table<int, -1> link_joints, Table<double, -1, 3, 4> link_placements) {
+          [](Kinematics* self, int width, InputArray<int, -1> parents, InputArray<int, -1> kinds,
+             InputArray<double, -1, 3> axes, InputArray<double, -1, 3, 4> placements, InputArray<int, -1, 7> columns,
+             InputArray<double, -1, 7> multipliers, InputArray<double, -1, 7> offsets, InputArray<int, -1> link_joints,
+             InputArray<double, -1, 3, 4> link_placements) {
             new (self) Kinematics(width, joints_from(parents, kinds, axes, placements, columns, multipliers, offsets),
                                   links_from(link_joints, link_placements));
           },

@@ -19,15 +19,8 @@ using Rows = InputArray<double, -1, -1>;
 
 class BoundPlanarChecker : public Pooled<PlanarChecker> {
  public:
-  // links: rows of parent, joint, column; anchors: rows of x, y, angle. circles: rows of x, y, radius of each body;
-  // boxes: rows of least x, y, largest x, y.
-  BoundPlanarChecker(InputArray<std::int32_t, -1, 3> links, InputArray<double, -1, 3> anchors, std::int32_t width,
-                     const nb::list& polygons, InputArray<std::int32_t, -1> mounts, InputArray<double, -1, 3, 3> poses,
-                     InputArray<double, -1, 3> circles, InputArray<double, -1, 4> boxes,
-                     InputArray<std::int32_t, -1, 2> pairs, bool bounds, Precision first)
-      : Pooled(planar_arrays::links_from(links, anchors), width,
-               planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), pairs_from(pairs), bounds, first),
-        polygons_(polygons) {}
+  BoundPlanarChecker(const PlanarModel& model, bool bounds, Precision first)
+      : Pooled(model.links, model.width, model.bodies, model.pairs, bounds, first), polygons_(model.polygons) {}
 
   nb::dict statistics() {
     const PlanarCheckerCounters total = counted();
@@ -84,11 +77,13 @@ auto link_poses(const BoundPlanarChecker& checker, Rows q) {
 }  // namespace planar_binding
 
 void bind_planar_checker(nb::module_& m) {
-  nb::class_<planar_binding::BoundPlanarChecker>(m, "PlanarChecker")
-      .def(nb::init<InputArray<std::int32_t, -1, 3>, InputArray<double, -1, 3>, std::int32_t, const nb::list&,
+  nb::class_<PlanarModel>(m, "PlanarModel")
+      .def(nb::init<InputArray<std::int32_t, -1, 3>, InputArray<double, -1, 3>, std::int32_t, nb::list,
                     InputArray<std::int32_t, -1>, InputArray<double, -1, 3, 3>, InputArray<double, -1, 3>,
-                    InputArray<double, -1, 4>, InputArray<std::int32_t, -1, 2>, bool, Precision>(),
-           plain_floats)
+                    InputArray<double, -1, 4>, InputArray<std::int32_t, -1, 2>>(),
+           plain_floats);
+  nb::class_<planar_binding::BoundPlanarChecker>(m, "PlanarChecker")
+      .def(nb::init<const PlanarModel&, bool, Precision>(), plain_floats)
       .def("first_of_states", &planar_binding::first_of_states, plain_floats)
       .def("all_of_states", &planar_binding::all_of_states, plain_floats)
       .def("motions_are_free", &planar_binding::motions_are_free, plain_floats)

@@ -24,14 +24,8 @@ using Pieces = InputArray<double, -1, static_cast<int>(kPieceNumbers)>;
 
 class BoundPlanarCertifier : public Pooled<PlanarCertifier> {
  public:
-  // Arguments as those of PlanarChecker.
-  BoundPlanarCertifier(InputArray<std::int32_t, -1, 3> links, InputArray<double, -1, 3> anchors, std::int32_t width,
-                       const nb::list& polygons, InputArray<std::int32_t, -1> mounts,
-                       InputArray<double, -1, 3, 3> poses, InputArray<double, -1, 3> circles,
-                       InputArray<double, -1, 4> boxes, InputArray<std::int32_t, -1, 2> pairs)
-      : Pooled(planar_arrays::links_from(links, anchors), width,
-               planar_arrays::bodies_from(polygons, mounts, poses, circles, boxes), pairs_from(pairs)),
-        polygons_(polygons) {}
+  explicit BoundPlanarCertifier(const PlanarModel& model)
+      : Pooled(model.links, model.width, model.bodies, model.pairs), polygons_(model.polygons) {}
 
   nb::dict statistics() {
     const GridCounters total = counted();
@@ -120,10 +114,7 @@ auto pair_frames(const BoundPlanarCertifier& bound) {
 void bind_planar_motion(nb::module_& m) {
   using namespace planar_motion_binding;
   nb::class_<BoundPlanarCertifier>(m, "PlanarCertifier")
-      .def(nb::init<InputArray<std::int32_t, -1, 3>, InputArray<double, -1, 3>, std::int32_t, const nb::list&,
-                    InputArray<std::int32_t, -1>, InputArray<double, -1, 3, 3>, InputArray<double, -1, 3>,
-                    InputArray<double, -1, 4>, InputArray<std::int32_t, -1, 2>>(),
-           plain_floats)
+      .def(nb::init<const PlanarModel&>(), plain_floats)
       .def("check", &check_straight, plain_floats)
       .def("check_pieces", &check_pieces, plain_floats)
       .def("explain", &explain_pieces, plain_floats)

@@ -62,8 +62,8 @@ auto rows_of(const std::vector<Triangle>& triangles) {
 
 nb::dict shape_of(const Hierarchy& h) {
   nb::dict out;
-  std::size_t longest = 0;
-  for (const ChainRange& chain : h.chains) longest = std::max(longest, static_cast<std::size_t>(chain.length));
+  std::int32_t longest = 0;
+  for (const ChainRange& chain : h.chains) longest = std::max(longest, chain.length);
   out["vertices"] = h.points.size();
   out["levels"] = h.depth + 1;
   out["longest_chain"] = longest;
@@ -118,8 +118,6 @@ nb::tuple extremes(const Polytope& body, InputArray<double, -1, 3> directions, b
   return nb::make_tuple(output_array(vertices, {vertices.size()}), output_array(blocks, {blocks.size()}));
 }
 
-using PoseRows = InputArray<double, -1, 4, 4>;
-
 // Pairs of poses of the same two bodies; a single pose goes with all of the other's.
 class PosedRows : public PairBatch {
  public:
@@ -131,8 +129,8 @@ class PosedRows : public PairBatch {
 
   std::size_t size() const { return size_; }
   bool guest_is_a() const { return !a_hosts_; }
-  PosedPolytope guest(std::size_t i) const final { return guest_.posed(i); }
-  PosedPolytope host(std::size_t i) const final { return host_.posed(i); }
+  PosedPolytope guest(std::size_t i) const final { return {guest_.body, pose_at(guest_.poses, i)}; }
+  PosedPolytope host(std::size_t i) const final { return {host_.body, pose_at(host_.poses, i)}; }
 
   void test(const PairOptions& options, PairCounters& counters) {
     test_pairs(*guest_.body, *host_.body, size_, options, *this, counters);
@@ -142,10 +140,6 @@ class PosedRows : public PairBatch {
   struct Side {
     const Polytope* body;
     PoseRows poses;
-
-    PosedPolytope posed(std::size_t i) const {
-      return {body, pose_from(poses.data() + (poses.shape(0) == 1 ? 0 : 16 * i))};
-    }
   };
 
   std::size_t size_;
@@ -223,16 +217,10 @@ void bind_polytope(nb::module_& m) {
       .value("exact", Solver::kExact);
 
   nb::class_<PairOptions>(m, "PairOptions")
-      .def(
-          "__init__",
-          [](PairOptions* self, Solver solver, bool cached_plane, bool centre_axis, bool turned_axis, bool facet_plane,
-             bool nearest_points, bool double_double, bool warm_start, bool interleaving) {
-            new (self) PairOptions{solver,         cached_plane,  centre_axis, turned_axis, facet_plane,
-                                   nearest_points, double_double, warm_start,  interleaving};
-          },
-          nb::arg("solver"), nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("turned_axis"),
-          nb::arg("facet_plane"), nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"),
-          nb::arg("interleaving"), plain_floats);
+      .def(nb::init<Solver, bool, bool, bool, bool, bool, bool, bool, bool>(), nb::arg("solver"),
+           nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("turned_axis"), nb::arg("facet_plane"),
+           nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"), nb::arg("interleaving"),
+           plain_floats);
 
   nb::class_<Polytope>(m, "Polytope")
       .def_static("from_points", &polytope_from_points, plain_floats)

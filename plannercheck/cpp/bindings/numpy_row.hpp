@@ -67,41 +67,54 @@ inline bool is_aligned_for_doubles(const void* data) {
   return reinterpret_cast<std::uintptr_t>(data) % alignof(double) == 0;
 }
 
-// Keeps the array's memory alive while it exists, if the caller keeps the array.
+// An array of native doubles: its fields, and its memory kept alive while this exists, if the caller keeps the array.
+struct NumpyDoubles {
+  const void* data = nullptr;
+  int dimensions = 0;
+  const Py_ssize_t *shape = nullptr, *strides = nullptr;
+
+  NumpyDoubles() = default;
+  NumpyDoubles(const NumpyDoubles&) = delete;
+  NumpyDoubles& operator=(const NumpyDoubles&) = delete;
+  ~NumpyDoubles() {
+    if (view_.obj != nullptr) PyBuffer_Release(&view_);
+  }
+
+  // False for anything else.
+  bool read(const NumpyArray& array, nanobind::handle object) {
+    if (const NumpyArray::Head* const head = array.doubles_in(object)) {
+      data = head->data, dimensions = head->dimensions, shape = head->shape, strides = head->strides;
+      return true;
+    }
+    if (!array.is_class_of(object)) return false;
+    if (PyObject_GetBuffer(object.ptr(), &view_, PyBUF_STRIDED_RO | PyBUF_FORMAT) != 0) {
+      PyErr_Clear();
+      view_.obj = nullptr;
+      return false;
+    }
+    data = view_.buf, dimensions = view_.ndim, shape = view_.shape, strides = view_.strides;
+    return std::strcmp(view_.format, "d") == 0;
+  }
+
+ private:
+  Py_buffer view_{};
+};
+
 class NumpyRow {
  public:
   NumpyRow(const NumpyArray& array, nanobind::handle object, std::size_t width) {
-    if (const NumpyArray::Head* const head = array.doubles_in(object)) {
-      const auto step = static_cast<Py_ssize_t>(sizeof(double));
-      const bool is_row = head->dimensions == 1 && static_cast<std::size_t>(head->shape[0]) == width;
-      if (is_row && (head->strides[0] == step || width < 2)) take(head->data);
-      return;
-    }
-    if (!array.is_class_of(object)) return;
-    if (PyObject_GetBuffer(object.ptr(), &view_, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) != 0) {
-      PyErr_Clear();  // strided
-      view_.obj = nullptr;
-      return;
-    }
-    const bool is_row = view_.ndim == 1 && static_cast<std::size_t>(view_.shape[0]) == width;
-    if (is_row && std::strcmp(view_.format, "d") == 0) take(view_.buf);
-  }
-  NumpyRow(const NumpyRow&) = delete;
-  NumpyRow& operator=(const NumpyRow&) = delete;
-  ~NumpyRow() {
-    if (view_.obj != nullptr) PyBuffer_Release(&view_);
+    if (!row_.read(array, object) || row_.dimensions != 1) return;
+    const bool is_dense = row_.strides[0] == static_cast<Py_ssize_t>(sizeof(double)) || width < 2;
+    if (static_cast<std::size_t>(row_.shape[0]) == width && is_dense && is_aligned_for_doubles(row_.data))
+      data_ = static_cast<const double*>(row_.data);
   }
 
   // Null for anything but `width` native doubles in a row.
   const double* data() const { return data_; }
 
  private:
-  Py_buffer view_{};
+  NumpyDoubles row_;
   const double* data_ = nullptr;
-
-  void take(const void* data) {
-    if (is_aligned_for_doubles(data)) data_ = static_cast<const double*>(data);
-  }
 };
 
 }  // namespace plannercheck

@@ -52,8 +52,6 @@ class PlanarGrid {
   std::vector<PlanarLinkLanes> lanes_;
   std::vector<double> rows_, centres_;  // rows cos, sin, x, y of each link; x, y of each body
   std::vector<std::array<double, 4>> boxes_;
-
-  static std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 };
 
 }  // namespace plannercheck

@@ -24,7 +24,6 @@ struct Finding {
 // chains, later rounds keep one of two halves. Correctness invariant (the paper's, in a form that also covers a guest
 // inside the host): the polygons share a point if and only if the hull of the guest's remaining vertices meets the
 // intersection of the half-planes of the host's remaining edges.
-// intersection of the half-planes of the host's edges that are left.
 class Walk {
  public:
   Walk(const PosedPolygon& guest, const PosedPolygon& host, const PlanarStart& start, int turn, Precision first,
