@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "narrow_phase/simplex_projection.hpp"
 #include "narrow_phase/support_exact_direction.hpp"
 
 namespace plannercheck {
@@ -22,7 +23,7 @@ struct Corner {
 
 struct Nearest {
   std::vector<Corner> corners;  // the smallest set whose hull holds the nearest point in its interior
-  std::vector<Dyadic> weights;
+  std::array<Dyadic, 4> weights;
   DyadicVec3 direction;  // towards the nearest point; 0 if that is the origin
 };
 
@@ -46,8 +47,7 @@ class Candidates {
 
  private:
   const std::vector<Corner>& corners_;
-  std::vector<Dyadic> weights_;
-  DyadicVec3 direction_;
+  SimplexProjection<Dyadic, DyadicVec3> projection_;
 
   bool passes(unsigned set) {
     std::array<const DyadicVec3*, 4> p{};
@@ -55,64 +55,16 @@ class Candidates {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       if ((set >> i & 1U) != 0) p[n++] = &corners_[i].point;
     }
-    const bool inside = n == 1   ? take_point(*p[0])
-                        : n == 2 ? take_segment(*p[0], *p[1])
-                        : n == 3 ? take_triangle(*p[0], *p[1], *p[2])
-                                 : take_tetrahedron(*p[0], *p[1], *p[2], *p[3]);
-    return inside && none_nearer(set, *p[0]);
-  }
-
-  bool take_point(const DyadicVec3& a) {
-    weights_ = {Dyadic(1.0)};
-    direction_ = a;
-    return true;
-  }
-
-  bool take_segment(const DyadicVec3& a, const DyadicVec3& b) {
-    const DyadicVec3 e = b - a;
-    const Dyadic along = -dot(a, e);
-    if (along.sign() <= 0) return false;
-    const Dyadic rest = dot(b, e);
-    if (rest.sign() <= 0) return false;
-    direction_ = rest * a + along * b;
-    weights_ = {rest, along};
-    return true;
-  }
-
-  bool take_triangle(const DyadicVec3& a, const DyadicVec3& b, const DyadicVec3& c) {
-    const DyadicVec3 bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
-    const DyadicVec3 n = ab + bc + ca;  // (b − a) × (c − a)
-    if (is_zero(n)) return false;
-    weights_.clear();
-    for (const DyadicVec3* side : {&bc, &ca, &ab}) {
-      weights_.push_back(dot(n, *side));
-      if (weights_.back().sign() <= 0) return false;
-    }
-    const int side = dot(a, bc).sign();  // = n·a
-    direction_ = side > 0 ? n : side < 0 ? -n : DyadicVec3();
-    return true;
-  }
-
-  // Whether the origin is strictly inside: four volumes of one sign.
-  bool take_tetrahedron(const DyadicVec3& a, const DyadicVec3& b, const DyadicVec3& c, const DyadicVec3& d) {
-    const DyadicVec3 cd = cross(c, d), ab = cross(a, b);
-    weights_ = {dot(b, cd), -dot(a, cd), dot(d, ab), -dot(c, ab)};
-    const int sign = weights_[0].sign();
-    for (Dyadic& w : weights_) {
-      if (w.sign() == 0 || w.sign() != sign) return false;
-    }
-    if (sign < 0) {
-      for (Dyadic& w : weights_) w = -w;
-    }
-    direction_ = {};
-    return true;
+    if (!projection_.run(p, n)) return false;
+    if (n == 4 || (n == 3 && projection_.height.sign() == 0)) projection_.towards = {};  // the origin is among them
+    return none_nearer(set, *p[0]);
   }
 
   // Whether no corner outside the set is nearer along the direction (which is then that of the nearest point).
   bool none_nearer(unsigned set, const DyadicVec3& on_plane) const {
-    if (is_zero(direction_)) return true;
+    if (is_zero(projection_.towards)) return true;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
-      if ((set >> i & 1U) == 0 && dot(direction_, corners_[i].point - on_plane).sign() < 0) return false;
+      if ((set >> i & 1U) == 0 && dot(projection_.towards, corners_[i].point - on_plane).sign() < 0) return false;
     }
     return true;
   }
@@ -122,8 +74,8 @@ class Candidates {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       if ((set >> i & 1U) != 0) out.corners.push_back(corners_[i]);
     }
-    out.weights = std::move(weights_);
-    out.direction = std::move(direction_);
+    out.weights = std::move(projection_.weight);
+    out.direction = std::move(projection_.towards);
     return out;
   }
 };

@@ -2,9 +2,8 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstring>
+#include <utility>
 
-#include "math/double4.hpp"
 #include "math/vec.hpp"
 
 namespace plannercheck {
@@ -15,13 +14,11 @@ namespace {
 constexpr double kPivotRounding = 1e-11;
 
 // maximise Σ z_i over Σ_i (a_ij + shift) z_i <= 1 for every column j, z >= 0. With the payoffs shifted to be positive
-// the optimum is 1 / (value + shift); z is proportional to the rows' weights, the prices to the columns'. Rows are
-// padded to blocks of four, so that a pivot takes a few vector operations.
+// the optimum is 1 / (value + shift); z is proportional to the rows' weights, the prices to the columns'.
 class Tableau {
  public:
-  Tableau(const Game& game, double shift)
-      : constraints_(game.columns), variables_(game.rows), blocks_(at(game.rows) / kBlock + 1) {
-    for (int j = 0; j <= constraints_; ++j) std::memset(entries_[at(j)].data(), 0, blocks_ * kBlock * sizeof(double));
+  Tableau(const Game& game, double shift) : constraints_(game.columns), variables_(game.rows) {
+    entry(constraints_, variables_) = 0;
     for (int j = 0; j < constraints_; ++j) {
       for (int i = 0; i < variables_; ++i) entry(j, i) = game.payoff[at(i)][at(j)] + shift;
       entry(j, variables_) = 1;
@@ -57,20 +54,12 @@ class Tableau {
   }
 
  private:
-  static constexpr std::size_t kBlock = kDouble4Lanes;
-
   int constraints_, variables_;
-  std::size_t blocks_;  // of a row: variables and the right-hand side
-  std::array<std::array<double, kMaxActives + kBlock>, kMaxActives + 1> entries_;
+  std::array<std::array<double, kMaxActives + 1>, kMaxActives + 1> entries_;  // the right-hand side comes last
   std::array<int, kMaxActives> basic_, free_;
 
   double& entry(int row, int column) { return entries_[at(row)][at(column)]; }
   double entry(int row, int column) const { return entries_[at(row)][at(column)]; }
-
-  Double4 load(int row, std::size_t block) const { return load_double4(&entries_[at(row)][block * kBlock]); }
-  void store(int row, std::size_t block, Double4 numbers) {
-    store_double4(&entries_[at(row)][block * kBlock], numbers);
-  }
 
   int entering() const {
     int best = -1;
@@ -98,16 +87,14 @@ class Tableau {
   }
 
   void pivot(int row, int column) {
-    std::array<Double4, kMaxActives / kBlock + 1> pivots;
     const double inverse = 1 / entry(row, column);
-    for (std::size_t k = 0; k < blocks_; ++k) store(row, k, load(row, k) * inverse);
+    for (int i = 0; i <= variables_; ++i) entry(row, i) *= inverse;
     entry(row, column) = inverse;
-    for (std::size_t k = 0; k < blocks_; ++k) pivots[k] = load(row, k);
     for (int j = 0; j <= constraints_; ++j) {
       if (j == row) continue;
       const double factor = entry(j, column);
       entry(j, column) = 0;
-      for (std::size_t k = 0; k < blocks_; ++k) store(j, k, load(j, k) - factor * pivots[k]);
+      for (int i = 0; i <= variables_; ++i) entry(j, i) -= factor * entry(row, i);
     }
     std::swap(basic_[at(row)], free_[at(column)]);
   }
@@ -115,9 +102,9 @@ class Tableau {
 
 void normalise(std::array<double, kMaxActives>& weights, int count) {
   double sum = 0;
-  for (int i = 0; i < count; ++i) sum += weights[static_cast<std::size_t>(i)];
+  for (int i = 0; i < count; ++i) sum += weights[at(i)];
   for (int i = 0; i < count; ++i) {
-    double& w = weights[static_cast<std::size_t>(i)];
+    double& w = weights[at(i)];
     w = sum > 0 && std::isfinite(sum) ? w / sum : (i == 0 ? 1.0 : 0.0);
   }
 }
@@ -128,9 +115,8 @@ void solve(const Game& game, Mixture& mixture) {
   double lowest = game.payoff[0][0], highest = lowest;
   for (int i = 0; i < game.rows; ++i) {
     for (int j = 0; j < game.columns; ++j) {
-      const double a = game.payoff[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-      lowest = smaller(lowest, a);
-      highest = larger(highest, a);
+      lowest = smaller(lowest, game.payoff[at(i)][at(j)]);
+      highest = larger(highest, game.payoff[at(i)][at(j)]);
     }
   }
   // The shift keeps the entries near the spread in size, so that the tableau's rounding is relative to the spread.
@@ -139,7 +125,7 @@ void solve(const Game& game, Mixture& mixture) {
   tableau.optimise();
   tableau.read(mixture);
   double total = 0;
-  for (int i = 0; i < game.rows; ++i) total += mixture.row[static_cast<std::size_t>(i)];
+  for (int i = 0; i < game.rows; ++i) total += mixture.row[at(i)];
   mixture.value = total > 0 ? 1 / total - (spread - lowest) : highest;
   normalise(mixture.row, game.rows);
   normalise(mixture.column, game.columns);
