@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -129,7 +130,7 @@ def _with_motions(family: str, stage: Stage, aims: list[Aim], rng: np.random.Gen
     motions = joined([moved(family, stage, aim, each, rng) for aim in aims])
     checker = space_checker(stage.recipe, stage.robot)
     tolerance = float(rng.choice(_TOLERANCES.get(family, _USUAL_TOLERANCES)))
-    return Draw(family, stage.recipe, _sharpest(checker, motions, size, rng), tolerance)
+    return Draw(family, stage.recipe, sharpest(checker, motions, size, rng), tolerance)
 
 
 def shipped_draw(family: str, rng: np.random.Generator) -> Draw:
@@ -283,7 +284,7 @@ def _tidy(recipe: SpaceRecipe, rng: np.random.Generator) -> None:
     recipe["obstacles"] = [body for body in recipe["obstacles"] if body["shape"]]
 
 
-def _sharpest(checker: Checker, motions: Motions, n: int, rng: np.random.Generator) -> Motions:
+def sharpest(checker: Any, motions: Motions, n: int, rng: np.random.Generator) -> Motions:
     """So many of the motions: first those whose ends are free, but some as they come."""
     ends_free = checker.check_states(motions.q0) & checker.check_states(motions.q1)
     rank = rng.random(len(ends_free))

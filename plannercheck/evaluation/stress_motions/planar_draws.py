@@ -14,7 +14,7 @@ import numpy as np
 from plannercheck import planar
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress_motions.aims import Motions, joined, lengths, lifted, parameters
-from plannercheck.evaluation.stress_motions.draws import MOTIONS, Draw
+from plannercheck.evaluation.stress_motions.draws import MOTIONS, Draw, sharpest
 from plannercheck.evaluation.stress_motions.recipes import LinkRecipe, PlaneRecipe, PolygonRecipe, planar_robot_of
 from plannercheck.evaluation.stress_motions.subjects import PlaneSubject
 
@@ -39,7 +39,7 @@ _LONGEST_TURN = 3.1
 _STEP = 1e-5
 _ALONG, _FEW, _FIXED_ROOT = 0.6, 0.3, 0.2
 _JITTER = (-7.0, -2.0)
-_CANDIDATES, _AS_THEY_COME = 3, 0.25
+_CANDIDATES = 3
 
 
 def planar_draw(family: str, rng: np.random.Generator) -> Draw:
@@ -51,11 +51,10 @@ def planar_draw(family: str, rng: np.random.Generator) -> Draw:
     curve = family == "plane curves"
     makers = [_curve_motions if curve else _straight_motions for _ in range(int(rng.integers(*_OBSTACLES)))]
     motions = joined([make(recipe, robot, len(makers), rng) for make in makers])
-    subject = PlaneSubject(recipe)
     tolerance = float(rng.choice([1e-4, 1e-4, 1e-3]))
     if curve:
         return Draw(family, recipe, motions, tolerance)
-    return Draw(family, recipe, _sharpest(subject, motions, rng), tolerance)
+    return Draw(family, recipe, sharpest(PlaneSubject(recipe).checker, motions, MOTIONS, rng), tolerance)
 
 
 def _recipe(family: str, rng: np.random.Generator) -> PlaneRecipe:
@@ -243,12 +242,3 @@ def _curve_motions(recipe: PlaneRecipe, robot: planar.Robot, shares: int, rng: n
     passed = ends.copy()  # of the others only the end is known
     passed[0] = state
     return Motions(starts, ends, inside, passed, known)
-
-
-def _sharpest(subject: PlaneSubject, motions: Motions, rng: np.random.Generator) -> Motions:
-    """So many of the motions: first those whose ends are free, but some as they come."""
-    free = subject.checker.check_states(motions.q0) & subject.checker.check_states(motions.q1)
-    rank = rng.random(len(free)) + np.where(free, 0.0, 1.0)
-    some = rng.random(len(rank)) < _AS_THEY_COME
-    rank[some] = rng.random(int(some.sum()))
-    return motions.of(rng.permutation(np.argsort(rank, kind="stable")[:MOTIONS]))

@@ -6,10 +6,13 @@ clearances share no code with the proofs of motions.
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
+from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.evaluation.stress_motions.recipes import (
     PlaneRecipe,
@@ -19,7 +22,6 @@ from plannercheck.evaluation.stress_motions.recipes import (
     space_checker,
 )
 from plannercheck.motions.certifier_answers import MotionResult
-from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.robot import Robot as PlanarRobot
 from plannercheck.proofs import Proof
 from plannercheck.robots.robot import Robot
@@ -28,127 +30,85 @@ from plannercheck.robots.robot import Robot
 _BLOCK = 256
 
 
-class Subject(Protocol):
+class Subject(ABC):
     """A checker, asked about motions between configurations (n, nq)."""
 
-    robot: Any
-    checker: Any
-    padding: float
+    padding = 0.0
+
+    def __init__(self, checker: Any, how: Mapping[str, Any]) -> None:
+        """Takes a new checker, and how its robot moves, as the checker's methods take it."""
+        self.checker, self.robot, self._how = checker, checker.robot, how
 
     def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int = 1) -> Bools:
         """(n,) whether motions are free, asked all together."""
+        return np.asarray(self.checker.check_motions(q0, q1, None, tolerance, threads, **self._how))
 
     def check_one(self, q0: Floats, q1: Floats, tolerance: float) -> bool:
         """Whether one motion (nq,) to (nq,) is free."""
+        return bool(self.checker.check_motion(q0, q1, None, tolerance, **self._how))
 
-    def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
-        """What `explain_motion` is made of, without the search for the first collision."""
-
-    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
-        """The `MotionVerdict` of one motion."""
-
-    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
-        """(k, nq) of one motion at parameters (k,)."""
-
-    def clearances(self, q: Floats) -> Floats:
-        """(n,) least distances at configurations (n, nq), m; at most 0 where they collide."""
-
-    def placed(self, q: Floats) -> Floats:
-        """(n, links, …) poses of the links at configurations (n, nq)."""
-
-    def slack(self, q0: Floats, q1: Floats) -> float:
-        """How far beyond the tolerance a motion may be refused, m: of curves, what their pieces may be off."""
+    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> MotionVerdict:
+        """The verdict of one motion."""
+        found: MotionVerdict = self.checker.explain_motion(q0, q1, tolerance, **self._how)
+        return found
 
     def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
         """A proof, or None, for each motion."""
+        found: tuple[Proof | None, ...] = self.checker.certify_motions(q0, q1, tolerance, **self._how)
+        return found
+
+    def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
+        """What `explain_motion` is made of, without the search for the first collision."""
+        start, end, *pieces = self._motion(q0, q1)
+        found: MotionResult = self.checker.motion_certifier.motion_result(start, end, tolerance, proofs, *pieces, q1)
+        return found
+
+    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+        """(k, nq) of one motion at parameters (k,)."""
+        start, end, *pieces = self._motion(q0, q1)
+        return np.asarray(self.checker.motion_certifier.states(start, end, parameters, *pieces))
+
+    def placed(self, q: Floats) -> Floats:
+        """(n, links, …) poses of the links at configurations (n, nq)."""
+        return np.asarray(self.robot.link_poses(q))
+
+    @abstractmethod
+    def clearances(self, q: Floats) -> Floats:
+        """(n,) least distances at configurations (n, nq), m; at most 0 where they collide."""
+
+    def slack(self, q0: Floats, q1: Floats) -> float:
+        """How far beyond the tolerance a motion may be refused, m: of curves, what their pieces may be off."""
+        return 0.0
+
+    @abstractmethod
+    def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, ...]:
+        """A motion as its certifier takes it: start, end and, in the plane, pieces."""
 
 
-class SpaceSubject:
+class SpaceSubject(Subject):
     """A checker in space."""
 
     def __init__(self, recipe: SpaceRecipe, robot: Robot | None = None) -> None:
         """Builds a new checker; `robot` if it was built already."""
-        self.checker = space_checker(recipe, robot)
-        self.robot, self.padding = self.checker.robot, float(recipe["padding"])
-
-    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int = 1) -> Bools:
-        """See `Subject`."""
-        return self.checker.check_motions(q0, q1, tolerance=tolerance, threads=threads)
-
-    def check_one(self, q0: Floats, q1: Floats, tolerance: float) -> bool:
-        """See `Subject`."""
-        return self.checker.check_motion(q0, q1, tolerance=tolerance)
-
-    def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
-        """See `Subject`."""
-        (start,), (end,) = self.checker._motion_ends(q0[None], q1[None])
-        return self.checker.motion_certifier.motion_result(start, end, tolerance, proofs, q1)
-
-    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
-        """See `Subject`."""
-        return self.checker.explain_motion(q0, q1, tolerance=tolerance)
-
-    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
-        """See `Subject`."""
-        (start,), (end,) = self.checker._motion_ends(q0[None], q1[None])
-        return self.checker.motion_certifier.states(start, end, parameters)
+        super().__init__(space_checker(recipe, robot), {})
+        self.padding = float(recipe["padding"])
 
     def clearances(self, q: Floats) -> Floats:
         """See `Subject`."""
-        return self.checker.clearances(q)
+        return np.asarray(self.checker.clearances(q))
 
-    def placed(self, q: Floats) -> Floats:
-        """See `Subject`."""
-        return self.robot.link_poses(q)
-
-    def slack(self, q0: Floats, q1: Floats) -> float:
-        """See `Subject`."""
-        return 0.0
-
-    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
-        """See `Subject`."""
-        return self.checker.certify_motions(q0, q1, tolerance)
+    def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, ...]:
+        (start,), (end,) = self.checker._motion_ends(q0[None], q1[None])
+        return start, end
 
 
-class PlaneSubject:
+class PlaneSubject(Subject):
     """A checker in the plane, and how the root moves."""
-
-    padding = 0.0
 
     def __init__(self, recipe: PlaneRecipe, robot: PlanarRobot | None = None) -> None:
         """Builds a new checker; `robot` if it was built already."""
-        self.checker: PlanarChecker = planar_checker(recipe, robot)
-        self.robot = self.checker.robot
-        self._curve: Any = recipe["curve"]
-        self._radius = recipe["radius"]
-
-    def check(self, q0: Floats, q1: Floats, tolerance: float, threads: int = 1) -> Bools:
-        """See `Subject`."""
-        return self.checker.check_motions(
-            q0, q1, None, tolerance, threads, curve=self._curve, turning_radius=self._radius
-        )
-
-    def check_one(self, q0: Floats, q1: Floats, tolerance: float) -> bool:
-        """See `Subject`."""
-        return self.checker.check_motion(q0, q1, None, tolerance, curve=self._curve, turning_radius=self._radius)
-
-    def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
-        """See `Subject`."""
-        start, end, pieces = self._motion(q0, q1)
-        return self.checker.motion_certifier.motion_result(start, end, tolerance, proofs, pieces, q1)
-
-    def explain(self, q0: Floats, q1: Floats, tolerance: float) -> Any:
-        """See `Subject`."""
-        return self.checker.explain_motion(q0, q1, tolerance, curve=self._curve, turning_radius=self._radius)
-
-    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
-        """See `Subject`."""
-        start, end, pieces = self._motion(q0, q1)
-        return self.checker.motion_certifier.states(start, end, parameters, pieces)
-
-    def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, Floats, Floats]:
-        (start,), (end,), _ = self.checker._motion_ends(q0[None], q1[None], self._curve)
-        return start, end, self.checker._motions.pieces(start, end, self._curve, self._radius)
+        how = {"curve": recipe["curve"], "turning_radius": recipe["radius"]}
+        super().__init__(planar_checker(recipe, robot), how)
 
     def clearances(self, q: Floats) -> Floats:
         """See `Subject`."""
@@ -163,18 +123,15 @@ class PlaneSubject:
             least = np.minimum(least, _corner_distances(placed[a], placed[b]))
         return np.where(checker.check_states(q), least, np.minimum(least, 0.0))
 
-    def placed(self, q: Floats) -> Floats:
-        """See `Subject`."""
-        return self.robot.link_poses(q)
-
     def slack(self, q0: Floats, q1: Floats) -> float:
         """See `Subject`."""
         _, _, pieces = self._motion(q0, q1)
         return 4 * float(pieces[:, -1].max(initial=0.0))
 
-    def certify(self, q0: Floats, q1: Floats, tolerance: float) -> tuple[Proof | None, ...]:
-        """See `Subject`."""
-        return self.checker.certify_motions(q0, q1, tolerance, curve=self._curve, turning_radius=self._radius)
+    def _motion(self, q0: Floats, q1: Floats) -> tuple[Floats, ...]:
+        curve, radius = self._how["curve"], self._how["turning_radius"]
+        (start,), (end,), _ = self.checker._motion_ends(q0[None], q1[None], curve)
+        return start, end, self.checker._motions.pieces(start, end, curve, radius)
 
 
 def _corner_distances(a: Floats, b: Floats) -> Floats:
