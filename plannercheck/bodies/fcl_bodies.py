@@ -94,17 +94,19 @@ class FclBodies:
     def _form(self, vertices: Floats, faces: Indices, inflation_radius: float) -> tuple[Any, Floats] | None:
         """The object and its placement (4, 4) in the body's frame; None if FCL has no fitting one."""
         if inflation_radius == 0:
-            return (self._convex(vertices, faces), np.eye(4)) if len(faces) else None
+            return (self._fcl.CollisionObject(fcl_hull(vertices, faces)), np.eye(4)) if len(faces) else None
         if len(vertices) > _ENDS:
             return None
         placement, length = _along_z(vertices[0], vertices[-1])
         shape = self._fcl.Capsule(inflation_radius, length) if length else self._fcl.Sphere(inflation_radius)
         return self._fcl.CollisionObject(shape), placement
 
-    def _convex(self, vertices: Floats, faces: Indices) -> Any:
-        # FCL wants one flat list: for each face its number of corners, then the corners.
-        flat = np.column_stack([np.full(len(faces), 3), faces]).ravel().tolist()
-        return self._fcl.CollisionObject(self._fcl.Convex(vertices, len(faces), flat))
+
+def fcl_hull(vertices: Floats, faces: Indices) -> Any:
+    """A convex hull in FCL, of vertices (n, 3), m, and outward triangles (m, 3)."""
+    # FCL wants one flat list: for each face its number of corners, then the corners.
+    flat = np.column_stack([np.full(len(faces), 3), faces]).ravel().tolist()
+    return load_fcl().Convex(vertices, len(faces), flat)
 
 
 def _along_z(start: Floats, end: Floats) -> tuple[Floats, float]:

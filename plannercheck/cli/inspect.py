@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import functools
-import math
 import time
 import warnings
 from collections.abc import Callable
@@ -31,6 +30,7 @@ from plannercheck.cli.common import (
 )
 from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.timing import least_seconds
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.urdf import read_geometry
@@ -300,10 +300,4 @@ def times_without(build: Callable[..., Checker], q: NDArray[np.float64], rounds:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of links that rest on obstacles: they were given before
         checkers = {"nothing": build(), **{skip: build(**{skip: False}) for skip in SKIPS}}
-    best = dict.fromkeys(checkers, math.inf)
-    for turn in range(rounds):
-        for name in list(checkers) if turn % 2 == 0 else reversed(list(checkers)):
-            began = time.thread_time()
-            checkers[name].check_states(q)
-            best[name] = min(best[name], time.thread_time() - began)
-    return best
+    return least_seconds({name: functools.partial(each.check_states, q) for name, each in checkers.items()}, rounds)

@@ -205,6 +205,32 @@ class CoalLoop:
             self.library.coal_loop_delete(self.handle)
 
 
+class CoalAtBest:
+    """coal's loop, asked as is fastest for the first states that it gets."""
+
+    def __init__(self, checker: Checker) -> None:
+        """Builds the loop."""
+        self._loop = CoalLoop.of_checker(checker)
+        self._variant: Variant | None = None
+
+    @property
+    def note(self) -> str:
+        """How coal is asked."""
+        return f"C++ loop over poses given beforehand: {self._variant}"
+
+    def states(self, q: Floats) -> CoalStates:
+        """Configurations (n, nq) as coal takes them."""
+        found = self._loop.states(q)
+        if self._variant is None:
+            self._variant = self._loop.fastest(found)[0]
+        return found
+
+    def check(self, states: CoalStates) -> Bools:
+        """Which are free."""
+        assert self._variant is not None
+        return self._loop.check(states, self._variant)
+
+
 def _simple(shape: Shape | None) -> tuple[int, tuple[float, ...]]:
     """The kind and the lengths of a shape that coal has without a polytope around it."""
     match shape:

@@ -22,11 +22,12 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import other_libraries
 from plannercheck.evaluation.bench.bounding_volumes import ball_around, box_around, capsule_around
+from plannercheck.evaluation.bench.coal_loop import CoalAtBest
 from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.hausdorff import furthest, furthest_of_balls
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
-from plannercheck.evaluation.bench.peer_methods import CoalAtBest, VampFromPython, VampInside
 from plannercheck.evaluation.bench.truncated_hierarchies import inner_levels, outer_levels
+from plannercheck.evaluation.bench.vamp_model import VampModel
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 
@@ -227,12 +228,9 @@ def _coal(checker: Checker) -> Iterator[Method]:
         library()  # compiled now, not while building is timed
     note = "computeCollisions from Python, stopping at the first collision; the error is the tolerance"
     for tolerance in other_libraries.COAL_TOLERANCES:
-        for name, build in (
-            ("AABB tree", other_libraries.coal_with_tree),
-            ("all pairs", other_libraries.coal_all_pairs),
-        ):
+        for name, with_tree in (("AABB tree", True), ("all pairs", False)):
             title = f"Pinocchio + coal, {name}, tolerance {tolerance:g}"
-            built = partial(build, checker, tolerance)
+            built = partial(other_libraries.coal, checker, tolerance, with_tree)
             yield Method(title, "coal", note, built, partial(_stated, tolerance), _by_call, _COAL_STATES)
     yield Method(
         COAL_AT_BEST,
@@ -253,20 +251,25 @@ def _fcl(checker: Checker) -> Method:
 
 def _vamp(checker: Checker) -> Iterator[Method]:
     """VAMP's balls are its own: how far they are off is not known."""
-    yield Method(
-        "VAMP, in C++",
+    called = Method(
+        "VAMP, from Python",
         "vamp",
-        VampInside.note,
-        partial(VampInside, checker),
+        "validate, called from Python; each call copies the obstacles",
+        partial(VampModel, checker),
         _unknown,
-        VampInside.check,
+        VampModel.states_free,
         _ONE_BY_ONE_STATES,
-        VampInside.paths,
-        VampInside.copying,
+        VampModel.rows,
     )
-    python = partial(VampFromPython, checker)
-    judge, rows = VampFromPython.check, VampFromPython.rows
-    yield Method("VAMP, from Python", "vamp", VampFromPython.note, python, _unknown, judge, _ONE_BY_ONE_STATES, rows)
+    yield replace(
+        called,
+        name="VAMP, in C++",
+        note="a call for each state, less what a call with nothing to judge takes; eight lanes judge the same state",
+        judge=VampModel.free,
+        prepare=lambda built, q: built.paths(q, q),
+        overhead=lambda built, paths: built.copying(len(paths)),
+    )
+    yield called
 
 
 def _by_call(built: other_libraries.Judge, q: Any) -> Bools:

@@ -142,10 +142,6 @@ def _by_states(make: Callable[[Any], other_libraries.Judge], note: str, cases: S
     return Ready(works, note=note)
 
 
-def _coal_tree(checker: Any) -> other_libraries.Judge:
-    return other_libraries.coal_with_tree(checker, other_libraries.COAL_TOLERANCES[0])
-
-
 def _vamp(taken_off: bool, cases: Sequence[MotionCase]) -> Ready:
     models = [VampModel(case.checker) for case in cases]
     if any(model.states_a_radian != STATES_A_RADIAN for model in models):
@@ -168,7 +164,7 @@ METHODS: Sequence[MotionMethod] = (
     MotionMethod(COAL_AT_BEST, _coal_at_best),
     MotionMethod(
         "Pinocchio + coal, AABB tree",
-        partial(_by_states, _coal_tree, "computeCollisions from Python, coarse to fine"),
+        partial(_by_states, other_libraries.coal, "computeCollisions from Python, coarse to fine"),
         _FEW,
     ),
     MotionMethod(

@@ -9,6 +9,7 @@ poses it, and boxes along the world's axes, in numpy, leave out pairs that are f
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,35 +28,32 @@ Judge = Callable[[Floats], NDArray[np.bool_]]
 COAL_TOLERANCES = (1e-6, 1e-3)
 
 
-def coal_with_tree(checker: Checker, tolerance: float) -> Judge:
-    """Pinocchio's `computeCollisions` with its dynamic AABB tree over all bodies."""
-    import pinocchio as pin
+class CoalQuery:
+    """Whether a state collides, by Pinocchio's `computeCollisions`, which stops at the first collision.
 
-    model, geometry = checker.robot.model, coal_geometry_model(checker)
-    data, geometry_data = model.createData(), coal_geometry_data(geometry, tolerance)
-    tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(model, geometry, geometry_data)
+    Attributes:
+        ask: The query, of all numbers of Pinocchio's model, and True.
+    """
 
-    def judge(q: Floats) -> NDArray[np.bool_]:
-        # The manager does not keep geometry and geometry_data alive: this function does.
-        assert geometry is not None
-        assert geometry_data is not None
-        full = checker.robot.expand(q)
-        return np.array([not pin.computeCollisions(model, data, tree, row, True) for row in full], dtype=bool)
+    def __init__(self, checker: Checker, tolerance: float = COAL_TOLERANCES[0], with_tree: bool = True) -> None:
+        """Asks Pinocchio's dynamic AABB tree over all bodies, or pair by pair; `tolerance` is coal's, m."""
+        import pinocchio as pin
 
-    return judge
+        model, self._geometry = checker.robot.model, coal_geometry_model(checker)  # the tree keeps neither alive
+        data, self._geometry_data = model.createData(), coal_geometry_data(self._geometry, tolerance)
+        asked: tuple[Any, ...] = (self._geometry, self._geometry_data)
+        if with_tree:
+            asked = (pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(model, *asked),)
+        self.ask: Callable[[Floats, bool], bool] = partial(pin.computeCollisions, model, data, *asked)
 
 
-def coal_all_pairs(checker: Checker, tolerance: float) -> Judge:
-    """Pinocchio's `computeCollisions` pair by pair."""
-    import pinocchio as pin
-
-    model, geometry = checker.robot.model, coal_geometry_model(checker)
-    data, geometry_data = model.createData(), coal_geometry_data(geometry, tolerance)
+def coal(checker: Checker, tolerance: float = COAL_TOLERANCES[0], with_tree: bool = True) -> Judge:
+    """Pinocchio and coal, state by state; arguments as of `CoalQuery`."""
+    query = CoalQuery(checker, tolerance, with_tree)
 
     def judge(q: Floats) -> NDArray[np.bool_]:
-        full = checker.robot.expand(q)
-        free = [not pin.computeCollisions(model, data, geometry, geometry_data, row, True) for row in full]
-        return np.array(free, dtype=bool)
+        ask = query.ask
+        return np.array([not ask(row, True) for row in checker.robot.expand(q)], dtype=bool)
 
     return judge
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.bodies.fcl_bodies import load_fcl
+from plannercheck.bodies.fcl_bodies import fcl_hull, load_fcl
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
@@ -104,10 +104,7 @@ def coal_at_best(bodies: Bodies) -> JudgeMaker:
 def fcl_ready(bodies: Bodies) -> JudgeMaker:
     """FCL's objects at their poses, asked from Python."""
     fcl = load_fcl()
-    shapes = []
-    for body in bodies:
-        flat = np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel().tolist()
-        shapes.append(fcl.Convex(body.vertices, len(body.faces), flat))
+    shapes = [fcl_hull(body.vertices, body.faces) for body in bodies]
     request = fcl.CollisionRequest(num_max_contacts=1, enable_contact=False)
 
     def posed_judge(posed: Posed) -> Judge:

@@ -21,7 +21,7 @@ import numpy as np
 from ompl import base, geometric
 
 from plannercheck.common.array_types import Floats
-from plannercheck.evaluation.bench.other_libraries import COAL_TOLERANCES, coal_geometry_data, coal_geometry_model
+from plannercheck.evaluation.bench.other_libraries import CoalQuery
 from plannercheck.evaluation.bench.problems import Task
 from plannercheck.evaluation.bench.vamp_model import VampModel
 from plannercheck.motions.checker import Checker
@@ -65,15 +65,7 @@ class CoalTree:
 
     def __init__(self, checker: Checker) -> None:
         """Makes the tree."""
-        import pinocchio as pin
-
-        robot = checker.robot
-        self._judge = pin.computeCollisions
-        self._model, self._geometry = robot.model, coal_geometry_model(checker)
-        self._data = self._model.createData()
-        self._geometry_data = coal_geometry_data(self._geometry, COAL_TOLERANCES[0])
-        tree = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager
-        self._tree = tree(self._model, self._geometry, self._geometry_data)  # which keeps neither of the two alive
+        robot, self._query = checker.robot, CoalQuery(checker)
         self._full = np.array(robot.expand(np.zeros(robot.nq)))
         moved = [np.flatnonzero(np.array(robot.expand(row)) != self._full) for row in np.eye(robot.nq)]
         assert all(len(entries) == 1 for entries in moved)  # one number a joint, none that follows another
@@ -83,7 +75,7 @@ class CoalTree:
     def __call__(self, state: Any) -> bool:
         """The verdict on an OMPL state."""
         self._full[self._columns] = [state[k] for k in range(self._nq)]
-        return not self._judge(self._model, self._data, self._tree, self._full, True)
+        return not self._query.ask(self._full, True)
 
 
 def _plannercheck(task: Task, settings: Settings) -> Planner:

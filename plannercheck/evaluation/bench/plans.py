@@ -20,6 +20,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.planners import PLANNERS, Found, Planner, Settings
 from plannercheck.evaluation.bench.problems import Task
+from plannercheck.evaluation.bench.timing import in_turns
 from plannercheck.motions.checker import Checker
 
 STATES = 200
@@ -157,12 +158,11 @@ def measure(
 def _by_turns(planners: dict[str, Planner], seed: int, rounds: int) -> dict[str, Found]:
     """What each planner found, with its least times."""
     best: dict[str, Found] = {}
-    for turn in range(rounds):
-        for name in list(planners) if turn % 2 == 0 else reversed(list(planners)):
-            found = planners[name](seed)
-            before = best.get(name, found)
-            calls = [call for call in (before.call, found.call) if call is not None]
-            best[name] = found._replace(search=min(before.search, found.search), call=min(calls, default=None))
+    for name in in_turns(planners, rounds):
+        found = planners[name](seed)
+        before = best.get(name, found)
+        calls = [call for call in (before.call, found.call) if call is not None]
+        best[name] = found._replace(search=min(before.search, found.search), call=min(calls, default=None))
     return {name: best[name] for name in planners}
 
 

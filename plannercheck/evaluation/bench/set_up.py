@@ -24,7 +24,8 @@ from plannercheck.bodies.shapes import Cylinder
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.motion_sets import MotionCase, random_sets
-from plannercheck.evaluation.bench.other_libraries import COAL_TOLERANCES, coal_with_tree
+from plannercheck.evaluation.bench.other_libraries import coal
+from plannercheck.evaluation.bench.timing import in_turns
 from plannercheck.evaluation.bench.vamp_model import VampModel
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
@@ -183,20 +184,19 @@ def _least(
     """Of each step the milliseconds of its fastest round, and what it prepared again; rounds alternate in direction."""
     start, end = case.starts[0], case.ends[0]
     best: dict[str, tuple[list[float], int | None]] = {}
-    for turn in range(rounds):
-        for what in list(steps) if turn % 2 == 0 else reversed(list(steps)):
-            clock = [time.thread_time()]
-            made = steps[what]()
+    for what in in_turns(steps, rounds):
+        clock = [time.thread_time()]
+        made = steps[what]()
+        clock.append(time.thread_time())
+        if isinstance(made, Checker):
+            made.is_valid(start)
             clock.append(time.thread_time())
-            if isinstance(made, Checker):
-                made.is_valid(start)
-                clock.append(time.thread_time())
-                made.check_motion(start, end)
-                clock.append(time.thread_time())
-            spent = _milliseconds(clock)
-            if what not in best or sum(spent) < sum(best[what][0]):
-                follows = isinstance(made, Checker) and what != _FROM_SCRATCH
-                best[what] = spent, _prepared_again(checker, made) if follows else None
+            made.check_motion(start, end)
+            clock.append(time.thread_time())
+        spent = _milliseconds(clock)
+        if what not in best or sum(spent) < sum(best[what][0]):
+            follows = isinstance(made, Checker) and what != _FROM_SCRATCH
+            best[what] = spent, _prepared_again(checker, made) if follows else None
     return {what: best[what] for what in steps}
 
 
@@ -245,7 +245,7 @@ def _peer_rows(checker: Checker, case: MotionCase, rounds: int, skipped: Report)
     """Other libraries, from our bodies to their first verdict."""
     rows = []
     peers: list[tuple[str, Callable[[Checker], Any], Callable[[Any, Floats], object]]] = [
-        ("Pinocchio + coal: geometry and AABB tree", _coal, lambda built, q: built(q)),
+        ("Pinocchio + coal: geometry and AABB tree", coal, lambda built, q: built(q)),
         ("VAMP: its environment", VampModel, lambda built, q: built.states_free(built.rows(q))),
     ]
     for what, build, judge in peers:
@@ -271,7 +271,3 @@ def _peer_spent(
 
 def _milliseconds(clock: Sequence[float]) -> list[float]:
     return [1e3 * float(step) for step in np.diff(clock)]
-
-
-def _coal(checker: Checker) -> Callable[[Floats], Any]:
-    return coal_with_tree(checker, COAL_TOLERANCES[0])

@@ -9,7 +9,7 @@ processor time of the calling thread, the only one that contenders use, so time 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 Work = Callable[[], object]
 Contenders = Mapping[str, Work | Sequence[Work]]
@@ -19,6 +19,13 @@ _SHORTEST = 1e-3
 # Seconds that a round takes at least, on average: a shared machine's clock changes every few tenths of a second, and
 # every contender should have met its fast state.
 _LEAST_ROUND = 0.1
+
+
+def in_turns(names: Iterable[str], rounds: int) -> Iterator[str]:
+    """All names in each round, every other round backwards."""
+    listed = list(names)
+    for turn in range(rounds):
+        yield from listed if turn % 2 == 0 else reversed(listed)
 
 
 def least_seconds(contenders: Contenders, rounds: int) -> dict[str, float]:

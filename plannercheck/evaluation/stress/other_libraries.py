@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
-import numpy as np
-
-from plannercheck.bodies.fcl_bodies import load_fcl
+from plannercheck.bodies.fcl_bodies import fcl_hull, load_fcl
+from plannercheck.evaluation.bench.other_libraries import coal_hull
 from plannercheck.evaluation.stress.random_cases import Draw
 from plannercheck.evaluation.stress.sample_bodies import Specimen
 
@@ -44,10 +43,7 @@ class Fcl:
             return _inflated_shape(body, self._fcl.Sphere, self._fcl.Capsule)
         if body.polytope.dimension < 3:
             return None
-        faces = body.polytope.faces
-        # FCL wants one flat list: for each face its number of corners, then the corners.
-        flat = np.column_stack([np.full(len(faces), 3), faces]).ravel().tolist()
-        return self._fcl.Convex(body.vertices, len(faces), flat)
+        return fcl_hull(body.vertices, body.polytope.faces)
 
     def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
         placed = [
@@ -77,10 +73,7 @@ class Coal:
             return _inflated_shape(body, self._coal.Sphere, self._coal.Capsule)
         if body.polytope.dimension < 3:
             return None
-        points, triangles = self._coal.StdVec_Vec3s(), self._coal.StdVec_Triangle()
-        points.extend(list(body.vertices))
-        triangles.extend([self._coal.Triangle(*face) for face in body.polytope.faces.tolist()])
-        return self._coal.Convex(points, triangles)
+        return coal_hull(body.polytope, body.family)
 
     def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
         placed = (self._coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (pose_p, pose_r))
