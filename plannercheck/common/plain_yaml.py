@@ -23,6 +23,9 @@ LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _WHOLE = re.compile(r"-?(?:0|[1-9][0-9]{0,15})\Z")
 _DECIMAL = re.compile(r"-?[0-9]+\.[0-9]*(?:[eE][-+][0-9]+)?\Z")
 
+# Levels of documents that are read line by line, at most (see cpp/bindings/bind_plain_yaml.cpp).
+DEEPEST_LINES = 64
+
 # Longer texts are not kept.
 _LONGEST_WORD = 64
 
@@ -42,7 +45,7 @@ def load_yaml(text: bytes | str) -> Any:
     Raises:
         yaml.YAMLError, UnicodeDecodeError, ValueError: As `yaml.safe_load` does.
     """
-    value = _value_of_lines(text)
+    value = value_of_lines(text)
     if value is not None:
         return value
     try:
@@ -51,8 +54,8 @@ def load_yaml(text: bytes | str) -> Any:
         return yaml.load(text, Loader=LOADER)  # a safe one, chosen above
 
 
-def _value_of_lines(text: bytes | str) -> Any:
-    """The value of a document of plain lines; None if it may be anything else."""
+def value_of_lines(text: bytes | str) -> Any:
+    """The value of a document of plain lines; None if it may be anything else, or is nested deeper than that."""
     if not text.isascii():
         return None
     try:

@@ -182,7 +182,7 @@ def test_random_lines(seed):
             column += len(dashes) if rng.random() < 0.8 else 0
         text = "\n".join(lines)
         assert_same(text)
-        read += plain_yaml._value_of_lines(text) is not None
+        read += plain_yaml.value_of_lines(text) is not None
     assert read > 20
 
 
@@ -201,7 +201,7 @@ def test_documents_as_programs_write_them_are_read_by_the_core(seed):
     for _ in range(50):
         document = {"first": [node(4)], "second": node(3)}
         text = yaml.safe_dump(document, default_flow_style=rng.choice([None, False]), width=10_000)
-        value = plain_yaml._value_of_lines(text)
+        value = plain_yaml.value_of_lines(text)
         assert value is not None
         assert repr(value) == repr(yaml.safe_load(text))
 
@@ -215,7 +215,7 @@ def test_what_is_kept_is_short():
 def test_the_plain_way_can_be_left_out(monkeypatch):
     path = Path(FILES[0])
     truth = load_yaml(path.read_bytes())
-    monkeypatch.setattr(plain_yaml, "_value_of_lines", lambda text: None)
+    monkeypatch.setattr(plain_yaml, "value_of_lines", lambda text: None)
     assert load_yaml(path.read_bytes()) == truth
     monkeypatch.setattr(plain_yaml, "_value_of_events", lambda text: (_ for _ in ()).throw(plain_yaml.NotPlainError))
     assert load_yaml(path.read_bytes()) == truth

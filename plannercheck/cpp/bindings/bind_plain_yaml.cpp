@@ -26,7 +26,9 @@ namespace {
 
 struct NotCovered {};
 
-constexpr int kDeepestFlow = 32;
+// Levels of blocks and of a flow collection within; both together are DEEPEST_LINES in common/plain_yaml.py.
+constexpr std::size_t kDeepestBlocks = 48;
+constexpr int kDeepestFlow = 16;
 // Texts of more characters are not kept by `word`, nor are longer numbers read here.
 constexpr std::size_t kLongestWord = 64;
 constexpr std::size_t kMostDigits = 16;  // of a whole number
@@ -166,6 +168,7 @@ class BlockReader {
   }
 
   void begin(std::size_t column, bool is_list) {
+    if (open_.size() == kDeepestBlocks) throw NotCovered{};
     nb::object made = is_list ? nb::object(nb::list()) : nb::object(nb::dict());
     if (!open_.empty()) {
       put(made);
@@ -211,7 +214,7 @@ class BlockReader {
   // The value in a flow collection that begins at a place, which goes on behind it.
   nb::object flow(std::string_view text, std::size_t& place, int depth) {
     place = past_spaces(text, place);
-    if (place == text.size() || depth > kDeepestFlow) throw NotCovered{};
+    if (place == text.size() || depth >= kDeepestFlow) throw NotCovered{};
     const std::size_t begin = place;
     switch (text[begin]) {
       case '[':
