@@ -149,13 +149,16 @@ class SceneObject:
         return freed.moved(pose)
 
 
-def scene_object(name: str, parts: Parts, pose: ArrayLike | None = None) -> SceneObject:
+def scene_object(
+    name: str, parts: Parts, pose: ArrayLike | None = None, subframes: Mapping[str, Floats] | None = None
+) -> SceneObject:
     """Makes an obstacle.
 
     Args:
         name: The object's name.
         parts: One shape, or several posed ones; shapes of other libraries and points as `given_shape` takes them.
         pose: (4, 4) of the object's frame in the world, m; None is the identity.
+        subframes: As of `SceneObject`.
 
     Returns:
         The object.
@@ -163,11 +166,13 @@ def scene_object(name: str, parts: Parts, pose: ArrayLike | None = None) -> Scen
     shapes = tuple(_known_part(part, f"object {name!r}") for part in _listed(parts))
     if not name or not shapes:
         raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
-    return SceneObject(name, shapes, checked_pose(pose, f"object {name!r}"))
+    return SceneObject(name, shapes, checked_pose(pose, f"object {name!r}"), subframes=subframes or {})
 
 
 def _listed(parts: Parts) -> tuple[Part | GivenShape, ...]:
     """The shapes or parts as a tuple; a list of points is one shape."""
+    if type(parts) is tuple and all(type(part) is Part for part in parts):
+        return parts
     if is_geometry(parts) or isinstance(parts, Part | str) or hasattr(parts, "__array__"):
         return (parts,)
     if not isinstance(parts, Iterable):
@@ -180,6 +185,8 @@ def _known_part(part: Part | GivenShape, what: str) -> Part:
     """The part with one of our shapes; its pose includes the pose that another library gave the shape."""
     given, pose, source = (part.shape, part.pose, part.source) if isinstance(part, Part) else (part, None, None)
     shape, own = given_shape(given, what)
+    if isinstance(part, Part) and shape is given:
+        return part
     return Part(shape, pose if own is None else in_frame(checked_pose(pose, what), own, what), source)
 
 

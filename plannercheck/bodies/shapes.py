@@ -17,7 +17,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -267,8 +267,13 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
     if pose is None:
         return _frozen(np.eye(4))
     if core.is_surely_rigid(pose, tolerance):  # most of all; what follows takes 10 µs
-        return _frozen(np.array(pose, dtype=np.float64))
+        return pose if _is_nobodys(pose) else _frozen(np.array(pose, dtype=np.float64))
     return _frozen(_checked_matrix(pose, what, tolerance))
+
+
+def _is_nobodys(pose: ArrayLike) -> TypeGuard[Points]:
+    """Whether nobody can write to an array of ours: then objects, their parts and bodies may share it."""
+    return type(pose) is np.ndarray and pose.base is None and not pose.flags.writeable and pose.flags.c_contiguous
 
 
 def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:

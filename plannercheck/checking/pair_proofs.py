@@ -69,21 +69,30 @@ class MeetingProofs:
 
     def _find_facts(self, earlier: MeetingProofs | None) -> None:
         """What is known of the obstacles: by the earlier checker, and by cells for those that it did not have."""
-        own, preparation = self._own, self._preparation
+        own = self._own
         count = len(self._bodies) - own
         self._facts = np.zeros((own, count), dtype=np.uint8)
         if self._reach is None or not self._is_compiled:
             return
-        new = np.arange(count)
-        if earlier is not None and earlier._reach is self._reach:
-            known = earlier._columns
-            places = np.array([known.get(side, -1) for side in self._sides()], dtype=np.int64)
-            self._facts[:, places >= 0] = earlier._facts[:, places[places >= 0]]
-            new = np.flatnonzero(places < 0)
-        if len(new):
-            boxes = preparation.boxes((new + own).tolist())
-            poses = np.concatenate([self._bodies[k].pose for k in (new + own).tolist()]).reshape(-1, 4, 4)
-            self._facts[:, new] = self._reach.clear_of(boxes, poses)
+        shared = 0 if earlier is None else self._reach.shared_with(earlier._reach)
+        places = np.full(count, -1, dtype=np.int64)
+        if earlier is not None and shared:
+            columns = earlier._columns
+            places = np.array([columns.get(side, -1) for side in self._sides()], dtype=np.int64)
+            known = np.flatnonzero(places >= 0)
+            self._facts[:shared, known] = earlier._facts[:shared, places[known]]
+            if shared < own:  # of what the robot carries, nothing is known
+                self._look(known, shared)
+        self._look(np.flatnonzero(places < 0))
+
+    def _look(self, obstacles: NDArray[np.int64], first: int = 0) -> None:
+        """Finds by cells what is known of some obstacles (n,) and the bodies from `first` on."""
+        if not len(obstacles):
+            return
+        assert self._reach is not None
+        numbers = (obstacles + self._own).tolist()
+        poses = np.concatenate([self._bodies[k].pose for k in numbers]).reshape(-1, 4, 4)
+        self._facts[first:, obstacles] = self._reach.clear_of(self._preparation.boxes(numbers), poses, first)
 
     def _sides(self) -> Iterable[_Side]:
         own = self._own

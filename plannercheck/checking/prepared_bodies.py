@@ -2,20 +2,32 @@
 
 In: bodies and their paddings. Out: `Preparation`, which makes the hull and the `Polytope` of a body when they are first
 asked for, so that bodies which no configuration within the limits can touch cost nothing. What has been made of a shape
-stays as long as the shape: checkers of the same robot, and of scenes that share objects, prepare nothing twice. Equal
-hulls share one polytope.
+stays as long as the shape: checkers of the same robot, and of scenes that share objects, prepare nothing twice. Curved
+shapes that were used last stay a while longer, since the next scene from a file may have the same ones. Equal hulls
+share one polytope.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
 from plannercheck.bodies.polytope import Polytope, polytope_of_box, prepared
-from plannercheck.bodies.shapes import Box, GeometryObject, InflatedHull, Shape, inflated_hull
+from plannercheck.bodies.shapes import (
+    Box,
+    Capsule,
+    Cone,
+    Cylinder,
+    GeometryObject,
+    InflatedHull,
+    Shape,
+    Sphere,
+    inflated_hull,
+)
 from plannercheck.checking.reach_bounds import Boxes, boxes_of
 from plannercheck.common.array_types import Floats
 
@@ -41,6 +53,10 @@ class _PreparedShape:
             self._hull = points, faces, inflation_radius + padding
         return self._hull
 
+
+# Of these, some are kept beyond their scene, unless they may be large.
+_CURVED = (Sphere, Cylinder, Cone, Capsule)
+_USUAL_EXCESS = 1e-5
 
 # Of a shape, so many last used with different excesses or paddings are kept.
 _MOST_SETTINGS = 4
@@ -132,8 +148,16 @@ class Preparation:
         return tuple(entry.polytope for entry in self._entries)
 
 
+@lru_cache(maxsize=64)
+def _lasting(shape: Shape, setting: tuple[float, float]) -> _PreparedShape:
+    """What is known of a curved shape: it is its sizes, so that equal ones are the same whoever made them."""
+    return _PreparedShape(setting)
+
+
 def _known(shape: Shape, setting: tuple[float, float]) -> _PreparedShape:
     """What is known of a shape with an excess and a padding, to be added to."""
+    if type(shape) in _CURVED and setting[0] >= _USUAL_EXCESS:
+        return _lasting(shape, setting)
     of_shape = _PREPARED.get(shape, ())
     for entry in of_shape:
         if entry.setting == setting:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +20,8 @@ import numpy as np
 from plannercheck.bodies.shapes import GeometryObject, InflatedHull
 from plannercheck.checking.neighbourhoods import Neighbourhood, neighbourhood
 from plannercheck.checking.reach_screens import Screen, joint_tree
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.robots.configurations import LARGEST_VALUE
 from plannercheck.robots.kinematics import SLIDE, TURNS, JointTable
@@ -286,10 +287,17 @@ class Chains:
         count = CELLS[len(cut)]
         low, high = self.robot.lower[list(cut)], self.robot.upper[list(cut)]
         half = np.maximum(high - low, 0.0) / (2 * count)
-        steps = np.array(list(itertools.product(range(count), repeat=len(cut))))
+        steps = _numbers_of_cells(len(cut))
         q = np.tile(self._base, (len(steps), 1))
         q[:, list(cut)] = low + half * (2 * steps + 1)
-        return np.random.default_rng(0).permutation(q), half
+        return q, half
+
+
+@cache
+def _numbers_of_cells(columns: int) -> Ints64:
+    """(cells, columns) the cells of so many columns by their numbers along each, in random order."""
+    steps = np.array(list(itertools.product(range(CELLS[columns]), repeat=columns)), dtype=np.int64)
+    return read_only(np.random.default_rng(0).permutation(steps))
 
 
 def _rows(points: Sequence[Sequence[float]], wanted: Sequence[int]) -> Floats:

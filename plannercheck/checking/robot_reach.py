@@ -78,24 +78,49 @@ class RobotReach:
         apart[~is_new] = self._carrier.own_pairs(pairs[~is_new])[0]
         return apart
 
-    def clear_of(self, boxes: Boxes, poses: Floats) -> Bools:
-        """(bodies, n) which bodies never meet which of n obstacles: boxes at poses (n, 4, 4) in the world, m."""
+    @property
+    def carrier_count(self) -> int:
+        """How many of the bodies are the robot's own, if it carries something; else 0."""
+        return 0 if self._carrier is None else self._carrier._chains.count
+
+    def shared_with(self, other: RobotReach | None) -> int:
+        """Of how many bodies, the first ones, both say the same: of robots that may carry different objects."""
+        mine, others = (self, self._carrier), () if other is None else (other, other._carrier)
+        return next((one._chains.count for one in mine if one is not None and one in others), 0)
+
+    def clear_of(self, boxes: Boxes, poses: Floats, first: int = 0) -> Bools:
+        """Which bodies never meet which obstacles.
+
+        Args:
+            boxes: Those of n obstacles.
+            poses: (n, 4, 4) in the world, m.
+            first: The first body that is asked for: 0 or `carrier_count`.
+
+        Returns:
+            (bodies, n).
+        """
         if not self.is_proved:
-            return np.zeros((self._chains.count, len(poses)), dtype=bool)
+            return np.zeros((self._chains.count - first, len(poses)), dtype=bool)
         sizes = sizes_of(boxes, poses)
         corners = np.ascontiguousarray(boxes.low), np.ascontiguousarray(boxes.high)
         clear = self._cells.clear_of(poses, *corners, np.ascontiguousarray(boxes.inflation_radius), sizes)
-        return np.asarray(clear).view(bool)
+        mine = np.asarray(clear).view(bool)
+        if self._carrier is None or first:
+            return mine
+        return np.concatenate([self._carrier.clear_of(boxes, poses), mine])
 
     @cached_property
     def _cells(self) -> Any:
-        """The cells of all cuts, compiled; bodies beyond one joint share their centres."""
+        """The cells of all cuts of the bodies that the carrier does not have, compiled.
+
+        Bodies beyond one joint share their centres.
+        """
         chains = self._chains
         numbers: dict[int, int] = {}
         sets: list[Floats] = []
         rows: list[tuple[int, float, float]] = []
         first_cut = [0]
-        for body in range(chains.count):
+        for body in range(self.carrier_count, chains.count):
             chain = chains.chain(body)
             columns = chains.columns(chain)
             for count in range(len(columns) + 1):

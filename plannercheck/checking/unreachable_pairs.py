@@ -44,6 +44,9 @@ RELATIVE = 1e-5
 # Where the cells of a cut are split: most pairs that may meet do so in one of the first cells, and arrays stay small.
 _BATCHES = (4, 32, *range(96, 600, 64))
 
+# The same for few pairs, whose arrays are small anyway.
+_FEW_PAIRS, _FEW_BATCHES = 8, (4, 96)
+
 # Up to this many obstacles a cut is not split: splitting would take more time than it saves.
 _FEW_OBSTACLES = 8
 
@@ -156,7 +159,7 @@ def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[Bound
     q, half = chains.cells(cut)
     around = chains.neighbourhood({end.frame for both in ends for end in both})
     apart = np.ones((3, len(pairs)), dtype=bool)
-    for part in np.split(q, _BATCHES):
+    for part in np.split(q, _BATCHES if len(pairs) > _FEW_PAIRS else _FEW_BATCHES):
         left = np.flatnonzero(apart.any(axis=0))
         if len(left) and len(part):
             poses = around.poses(part)

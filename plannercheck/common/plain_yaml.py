@@ -1,7 +1,9 @@
-"""YAML without anchors and tags, built from the parser's events: half the time of PyYAML's nodes and constructors.
+"""YAML without anchors and tags in a fraction of PyYAML's time.
 
-In: the text of one document. Out: the values that `yaml.safe_load` gives. What is not plain (anchors, aliases, tags,
-merged keys, several documents, broken texts) is left to PyYAML itself: values and errors are always its own.
+In: the text of one document. Out: the values that `yaml.safe_load` gives. Most files are read line by line by the core
+(cpp/bindings/bind_plain_yaml.cpp), in a tenth of the time. Most others are built from the parser's events, in half the
+time of PyYAML's nodes and constructors. What is not plain (anchors, aliases, tags, merged keys, several documents,
+broken texts) is left to PyYAML itself: values and errors are always its own.
 """
 
 from __future__ import annotations
@@ -12,6 +14,8 @@ from typing import Any
 
 import yaml
 
+from plannercheck.common.core import core
+
 # libyaml's loader is ten times faster; PyYAML comes without it on some platforms.
 LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -19,13 +23,16 @@ LOADER: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _WHOLE = re.compile(r"-?(?:0|[1-9][0-9]{0,15})\Z")
 _DECIMAL = re.compile(r"-?[0-9]+\.[0-9]*(?:[eE][-+][0-9]+)?\Z")
 
+# Levels of documents that are read line by line, at most (see cpp/bindings/bind_plain_yaml.cpp).
+DEEPEST_LINES = 64
+
 # Longer texts are not kept.
 _LONGEST_WORD = 64
 
 _PLAIN_TAGS = frozenset(f"tag:yaml.org,2002:{kind}" for kind in ("null", "bool", "int", "float", "timestamp", "str"))
 
 
-class _NotPlainError(Exception):
+class NotPlainError(Exception):
     """The document needs PyYAML's own constructors."""
 
 
@@ -38,10 +45,23 @@ def load_yaml(text: bytes | str) -> Any:
     Raises:
         yaml.YAMLError, UnicodeDecodeError, ValueError: As `yaml.safe_load` does.
     """
+    value = value_of_lines(text)
+    if value is not None:
+        return value
     try:
         return _value_of_events(text)
-    except (_NotPlainError, yaml.YAMLError, ValueError, TypeError):
+    except (NotPlainError, yaml.YAMLError, ValueError, TypeError):
         return yaml.load(text, Loader=LOADER)  # a safe one, chosen above
+
+
+def value_of_lines(text: bytes | str) -> Any:
+    """The value of a document of plain lines; None if it may be anything else, or is nested deeper than that."""
+    if not text.isascii():
+        return None
+    try:
+        return core.plain_yaml(text.encode() if isinstance(text, str) else text, _resolved)
+    except (NotPlainError, ValueError):  # of a word
+        return None
 
 
 def _value_of_events(text: bytes | str) -> Any:
@@ -50,11 +70,11 @@ def _value_of_events(text: bytes | str) -> Any:
         next_event = loader.get_event
         next_event()  # the stream's start
         if type(next_event()) is not yaml.DocumentStartEvent:
-            raise _NotPlainError
+            raise NotPlainError
         value = _node(next_event)
         next_event()  # the document's end
         if type(next_event()) is not yaml.StreamEndEvent:
-            raise _NotPlainError
+            raise NotPlainError
         return value
     finally:
         loader.dispose()
@@ -72,11 +92,11 @@ def _node(next_event: Any) -> Any:
         kind = type(event)
         if kind is yaml.ScalarEvent:
             if event.anchor is not None or event.tag is not None:
-                raise _NotPlainError
+                raise NotPlainError
             value = event.value if event.style else _plain(event.value)
         elif kind is yaml.MappingStartEvent or kind is yaml.SequenceStartEvent:
             if event.anchor is not None or event.tag is not None:
-                raise _NotPlainError
+                raise NotPlainError
             outer.append((values, key))
             values, key = ({} if kind is yaml.MappingStartEvent else []), _NO_KEY
             continue
@@ -84,14 +104,14 @@ def _node(next_event: Any) -> Any:
             value = values
             values, key = outer.pop()
         else:
-            raise _NotPlainError
+            raise NotPlainError
         if type(values) is list:
             values.append(value)
             if values is root:
                 return value
         elif key is _NO_KEY:
             if type(value) is list or type(value) is dict:
-                raise _NotPlainError  # PyYAML says that it can't be a key
+                raise NotPlainError  # PyYAML says that it can't be a key
             key = value
         else:
             values[key] = value
@@ -117,5 +137,5 @@ def _resolved(text: str) -> Any:
     tags = (*known.get(text[:1], ()), *known.get(None, ()))
     tag = next((tag for tag, pattern in tags if pattern.match(text)), "tag:yaml.org,2002:str")
     if tag not in _PLAIN_TAGS:
-        raise _NotPlainError
+        raise NotPlainError
     return yaml.constructor.SafeConstructor().construct_object(yaml.ScalarNode(tag, text))

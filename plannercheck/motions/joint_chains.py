@@ -153,7 +153,7 @@ def motion_chains(
     Returns:
         The chains.
     """
-    builder = ChainBuilder(model, configurations, table, frames, bodies, links, excess)
+    builder = ChainBuilder(JointTree(model, configurations, table, frames), bodies, links, excess)
     chained = tuple(builder.pair(int(a), int(b)) for a, b in pairs)
     return MotionChains(
         chained,
@@ -166,26 +166,31 @@ def motion_chains(
     )
 
 
+class PairParts(NamedTuple):
+    """The chains of a pair, each joint by joint from the body outwards.
+
+    Attributes:
+        frame: Index of the link in whose frame both bodies are seen, -1 for the world.
+        first: The joints of the first body.
+        second: Those of the second body; none for a body at rest in the frame.
+    """
+
+    frame: int
+    first: tuple[ChainJoint, ...]
+    second: tuple[ChainJoint, ...]
+
+
 class ChainBuilder:
     """Chains of pairs; shared parts are computed once.
 
     Attributes:
+        tree: The joints.
         chains: All chains so far, with entries from the frame to the body.
     """
 
-    def __init__(
-        self,
-        model: pin.Model,
-        configurations: ConfigurationMap,
-        table: JointTable,
-        frames: Sequence[int],
-        bodies: Sequence[GeometryObject],
-        links: Sequence[int],
-        excess: float,
-    ) -> None:
-        """Arguments as for `motion_chains`."""
-        self._tree, self._bodies = JointTree(model, configurations, table, frames), bodies
-        self._links, self._excess = links, excess
+    def __init__(self, tree: JointTree, bodies: Sequence[GeometryObject], links: Sequence[int], excess: float) -> None:
+        """Arguments as for `motion_chains`; the tree is that of the robot's joints."""
+        self.tree, self._bodies, self._links, self._excess = tree, bodies, links, excess
         self._arms: dict[tuple[int, tuple[int, ...]], tuple[ChainJoint, ...]] = {}
         self._index: dict[tuple[ChainJoint, ...], int] = {}
         self._points: dict[int, tuple[Floats, float]] = {}
@@ -193,25 +198,29 @@ class ChainBuilder:
 
     def pair(self, first: int, second: int) -> ChainedPair:
         """The frame and chains of a pair."""
-        tree, links = self._tree, self._links
+        parts = self.parts(first, second)
+        return ChainedPair(first, second, parts.frame, (self.index(parts.first), self.index(parts.second)))
+
+    def parts(self, first: int, second: int) -> PairParts:
+        """The same, joint by joint."""
+        tree, links = self.tree, self._links
         start = tree.link_joints[links[first]]
         end = tree.link_joints[links[second]] if links[second] >= 0 else -1
         joints, path_links = tree.joint_path(start, end)
         up_count = next((k for k, joint in enumerate(joints) if not tree.carries(joint, start)), len(joints))
         mine = self._chain_joints(first, joints, up_count)
         if links[second] < 0:
-            return ChainedPair(first, second, -1, (self._chain(mine), -1))
+            return PairParts(-1, mine, ())
         theirs = self._chain_joints(second, joints[::-1], len(joints) - up_count)
         chord_deviations = [
             _chord_deviation(mine[:k]) + _chord_deviation(theirs[: len(joints) - k]) for k in range(len(path_links))
         ]
         usable = [k for k, joint in enumerate(path_links) if joint in tree.link_on]
         best = min(usable, key=lambda k: chord_deviations[k])
-        frame = tree.link_on[path_links[best]]
-        return ChainedPair(first, second, frame, (self._chain(mine[:best]), self._chain(theirs[: len(joints) - best])))
+        return PairParts(tree.link_on[path_links[best]], mine[:best], theirs[: len(joints) - best])
 
-    def _chain(self, entries: tuple[ChainJoint, ...]) -> int:
-        """The index of a chain, given by its entries from the body outwards."""
+    def index(self, entries: tuple[ChainJoint, ...]) -> int:
+        """The index of a chain, given by its entries from the body outwards; -1 for one of none."""
         if not entries:
             return -1
         if entries not in self._index:
@@ -227,7 +236,7 @@ class ChainBuilder:
 
     def _compute(self, body: int, joints: Sequence[int], up_count: int) -> tuple[ChainJoint, ...]:
         """Joints from the body outwards; it hangs on the first `up_count`, the others are crossed from below."""
-        tree = self._tree
+        tree = self.tree
         points, inflation_radius = self._vertices(body)
         slides: tuple[int, ...] = ()
         known: tuple[Floats, Floats] | None = None  # points c of the last axis, and D(c)
@@ -263,7 +272,7 @@ class ChainBuilder:
             vertices, _, inflation_radius = inflated_hull(item.shape, self._excess)
             pose = np.asarray(item.pose)
             if self._links[body] >= 0:
-                pose = self._tree.link_poses[self._links[body]] @ pose
+                pose = self.tree.link_poses[self._links[body]] @ pose
             self._points[body] = vertices @ pose[:3, :3].T + pose[:3, 3], float(inflation_radius)
         return self._points[body]
 

@@ -16,7 +16,8 @@ import numpy as np
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 from plannercheck.common.arrays import read_only
-from plannercheck.motions.joint_chains import ChainBuilder, ChainJoint, chain_arrays
+from plannercheck.motions.joint_axes import JointTree
+from plannercheck.motions.joint_chains import ChainBuilder, ChainJoint, PairParts, chain_arrays
 from plannercheck.motions.joint_drives import Spread, defect, drives, spread
 from plannercheck.robots.robot import Robot
 
@@ -50,32 +51,52 @@ class RobotChains:
         spread: How far from the world's origin joints and links may be.
     """
 
-    def __init__(self, robot: Robot, bodies: Sequence[GeometryObject], links: Sequence[int], excess: float) -> None:
+    drives: tuple[Ints, Floats, Ints]
+    defect: float
+    leverage: float
+    depth: int
+    spread: Spread
+    _builder: ChainBuilder
+
+    def __init__(
+        self,
+        robot: Robot,
+        bodies: Sequence[GeometryObject],
+        links: Sequence[int],
+        excess: float,
+        carrier: RobotChains | None = None,
+    ) -> None:
         """Poses the joints at rest.
 
         Args:
             robot: The robot, posed by the compiled kernel.
-            bodies: The bodies on its links.
+            bodies: The bodies on its links, what they carry last.
             links: Each body's link, -1 if no joint moves the body.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
+            carrier: The same for the robot without what it carries; its results are taken over.
         """
         table = robot.joint_table
         assert table is not None
-        self._lock, self._own = threading.Lock(), len(bodies)
+        self._lock, self._own, self._carrier = threading.Lock(), len(bodies), carrier
         # One more link, that of any body beyond those given: it is at rest.
         self._links = np.array([*links, -1], dtype=np.int32)
-        self._builder = ChainBuilder(
-            robot.model, robot.configuration_map, table, robot.frames, bodies, self._links.tolist(), excess
-        )
-        self.drives: tuple[Ints, Floats, Ints] = drives(table)
-        self.defect = defect(table)
+        tree = JointTree(robot.model, robot.configuration_map, table, robot.frames) if carrier is None else carrier.tree
+        self._builder = ChainBuilder(tree, bodies, self._links.tolist(), excess)
+        self.drives = drives(table) if carrier is None else carrier.drives
+        self.defect = defect(table) if carrier is None else carrier.defect
         self.leverage = float(max(1.0, np.abs(table.multipliers).sum()))
         self.depth = robot.configuration_map.lengths.depth
-        self.spread: Spread = spread(table)
+        self.spread = spread(table) if carrier is None else carrier.spread
         self._with_world = np.full(self._own, -1, dtype=np.int32)
         self._is_known = np.zeros(self._own, dtype=bool)  # which of the above
         self._own_pairs: dict[bytes, Ints] = {}
+        self._known_parts: dict[tuple[int, int], PairParts] = {}  # for robots that carry something
         self._flat: dict[bytes, tuple[Ints, Ints, Floats, Ints]] = {}
+
+    @property
+    def tree(self) -> JointTree:
+        """The joints."""
+        return self._builder.tree
 
     def of(self, pairs: Ints64) -> ChosenChains:
         """The chains of pairs (k, 2), of which the first body moves; obstacles follow the bodies."""
@@ -98,7 +119,7 @@ class RobotChains:
     def _chains_from_world(self, bodies: Ints64) -> Ints:
         """(k,) the chain from the world to each body."""
         for body in sorted(set(bodies[~self._is_known[bodies]].tolist())):
-            self._with_world[body] = self._builder.pair(body, self._own).chains[0]
+            self._with_world[body] = self._builder.index(self._parts(body, self._own).first)
             self._is_known[body] = True
         return self._with_world[bodies]
 
@@ -106,10 +127,22 @@ class RobotChains:
         """(k, 3) frame and chains of pairs (k, 2) that both move."""
         key = pairs.tobytes()
         if key not in self._own_pairs:
-            made = (self._builder.pair(a, b) for a, b in pairs.tolist())
-            rows = np.array([(pair.frame, *pair.chains) for pair in made], dtype=np.int32).reshape(-1, 3)
-            self._own_pairs[key] = read_only(rows)
+            index = self._builder.index
+            made = (self._parts(a, b) for a, b in pairs.tolist())
+            rows = [(parts.frame, index(parts.first), index(parts.second)) for parts in made]
+            self._own_pairs[key] = read_only(np.array(rows, dtype=np.int32).reshape(-1, 3))
         return self._own_pairs[key]
+
+    def _parts(self, first: int, second: int) -> PairParts:
+        """The chains of two bodies, the second of which may be one at rest; the carrier knows those of its own."""
+        carrier = self._carrier
+        if carrier is None or first >= carrier._own or carrier._own <= second < self._own:
+            return self._builder.parts(first, second)
+        with carrier._lock:
+            key = first, min(second, carrier._own)
+            if key not in carrier._known_parts:
+                carrier._known_parts[key] = carrier._builder.parts(*key)
+            return carrier._known_parts[key]
 
     def _arrays(self, chosen: Ints64) -> tuple[Ints, Ints, Floats, Ints]:
         key = chosen.tobytes()
@@ -144,4 +177,12 @@ def chains_of_robot(robot: Robot, bodies: Sequence[GeometryObject], links: Ints,
     if (links[count:] >= 0).any():  # a pair has a padding of its own
         return RobotChains(robot, bodies, links.tolist(), excess)
     own, hung = tuple(bodies[:count]), tuple(links[:count].tolist())
-    return robot.remembered(("chains", own, hung, excess), lambda: RobotChains(robot, own, hung, excess))
+    alone = next((k for k, body in enumerate(own) if body.carried is not None), count)
+
+    def compute() -> RobotChains:
+        carrier = None
+        if alone < count:
+            carrier = chains_of_robot(robot.carrying(()), own[:alone], links[:alone], excess)
+        return RobotChains(robot, own, hung, excess, carrier)
+
+    return robot.remembered(("chains", own, hung, excess), compute)

@@ -249,10 +249,10 @@ def is_continuous(joint: pin.JointModel) -> bool:
 
 def joint_by_name(model: pin.Model, name: str) -> pin.JointModel:
     """The joint of that name, or an error that lists the valid ones."""
-    names = list(model.names)[1:]
-    if name not in names:
-        raise unknown_name("joint", name, names)
-    return model.joints[model.getJointId(name)]
+    number = model.getJointId(name) if isinstance(name, str) else 0
+    if not 0 < number < model.njoints:  # 0 is the universe
+        raise unknown_name("joint", name, list(model.names)[1:])
+    return model.joints[number]
 
 
 def joint_limits(model: pin.Model, joint: pin.JointModel) -> list[tuple[float, float]]:

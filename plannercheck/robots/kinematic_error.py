@@ -43,6 +43,7 @@ than 1e-9 of it, as long as `turn` stays below 1e-10; `_REST` covers it, and `_U
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -80,6 +81,9 @@ _UNDERFLOW = 1e-300  # m
 
 # Above this, the terms that _REST covers are no longer proved to be small.
 _LARGEST_TURN = 1e-10
+
+# Ranges of configurations whose errors of links are kept: a robot is asked for two of them again and again.
+_MOST_RANGES = 4
 
 # The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp).
 _TURN_AXIS, _UNIT_TURN_Z, _UNIT_TURN_AXIS, _SLIDE, _PLANAR, _BALL, _FREE = 3, 6, 7, 8, 9, 10, 11
@@ -158,9 +162,14 @@ class KinematicRounding:
         self._table = table
         self._joint_placements = [_placement(p) for p in table.placements]
         self._link_placements = [_placement(p) for p in table.link_placements]
-        self._bodies = [
-            (link, _placement(body.pose[:3]), radius_of(body.shape)) for link, body in zip(links, bodies, strict=True)
-        ]
+        self._bodies = _read_bodies(bodies, links)
+        self._known: dict[bytes, list[PoseError]] = {}  # of links, by range
+
+    def with_bodies(self, bodies: Sequence[GeometryObject], links: Sequence[int]) -> KinematicRounding:
+        """The bound for the same robot with more bodies, which alone are read; arguments as for the robot's own."""
+        more = copy.copy(self)
+        more._bodies = [*self._bodies, *_read_bodies(bodies, links)]
+        return more
 
     def bound(self, lower: Floats, upper: Floats) -> float:
         """How far a point of a body may be from where exact kinematics puts it.
@@ -180,6 +189,16 @@ class KinematicRounding:
         return max((error.of_points(radius) * _REST + _UNDERFLOW for error, radius in errors), default=0.0)
 
     def _link_errors(self, lower: Floats, upper: Floats) -> list[PoseError]:
+        key = lower.tobytes() + upper.tobytes()
+        found = self._known.get(key)
+        if found is None:
+            found = self._new_link_errors(lower, upper)
+            if len(self._known) >= _MOST_RANGES:
+                self._known.clear()
+            self._known[key] = found
+        return found
+
+    def _new_link_errors(self, lower: Floats, upper: Floats) -> list[PoseError]:
         table = self._table
         joints: list[PoseError] = []
         for i, parent in enumerate(table.parents.tolist()):
@@ -189,6 +208,10 @@ class KinematicRounding:
             _placed(placement, joint, joints)
             for placement, joint in zip(self._link_placements, table.link_joints.tolist(), strict=True)
         ]
+
+
+def _read_bodies(bodies: Sequence[GeometryObject], links: Sequence[int]) -> list[tuple[int, Placement, float]]:
+    return [(link, _placement(body.pose[:3]), radius_of(body.shape)) for link, body in zip(links, bodies, strict=True)]
 
 
 def radius_of(shape: Shape) -> float:

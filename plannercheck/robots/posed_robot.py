@@ -127,11 +127,23 @@ class PosedRobot:
             what: Names the result, and says all that it depends on besides the robot's bodies and kinematics.
             compute: A function that computes it; the result must be immutable.
         """
-        return self._parts.memory.recall((what, self._forward, self.bodies, self.reference.tobytes()), compute)
+        return self._recall(what, self.bodies, compute)
+
+    def _recall(self, what: Hashable, bodies: tuple[GeometryObject, ...], compute: Callable[[], Result]) -> Result:
+        return self._parts.memory.recall((what, self._forward, bodies, self.reference.tobytes()), compute)
 
     @property
     def _rounding(self) -> KinematicRounding | None:
-        return self.remembered("rounding", lambda: self._forward.rounding(self.bodies, self._link_indices))
+        return self.remembered("rounding", self._read_rounding)
+
+    def _read_rounding(self) -> KinematicRounding | None:
+        """What the robot alone has is read once, whatever it carries."""
+        carried = [body for body in self.bodies if body.carried is not None]
+        own = self.bodies[: len(self.bodies) - len(carried)]
+        alone = self._recall("rounding", own, lambda: self._forward.rounding(own, self._link_indices))
+        if alone is None or not carried:
+            return alone
+        return alone.with_bodies(carried, [self._link_indices[str(body.link)] for body in carried])
 
     @cached_property
     def _link_indices(self) -> dict[str, int]:

@@ -217,7 +217,9 @@ class Robot(PosedRobot):
         Returns:
             A new robot with the same bodies.
         """
-        return self._changed(group=name, joints=explicit_group(self.model, joints, self._parts.mimics))
+        listed, parts = tuple(joints), self._parts
+        checked = parts.memory.recall(("group", listed), lambda: explicit_group(self.model, listed, parts.mimics))
+        return self._changed(group=name, joints=checked)
 
     def carrying(self, objects: Iterable[SceneObject]) -> Robot:
         """The same robot with other carried objects.

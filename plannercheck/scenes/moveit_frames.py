@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.objects import PoseFrame, SceneFrames, SceneObject, StatedJoints
+from plannercheck.common.arrays import read_only
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, required, sequence
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.scenes.contents import SceneContents
@@ -74,13 +75,16 @@ class Frame:
     @property
     def is_world(self) -> bool:
         """Whether it is the planning frame itself."""
-        return self.pose_frame is None and not self.name and np.array_equal(self.pose, np.eye(4))
+        return self is _WORLD or (self.pose_frame is None and not self.name and np.array_equal(self.pose, np.eye(4)))
 
     def holds(self, item: SceneObject) -> SceneObject:
         """The object whose pose is given in this frame, posed in the world or with a pose frame."""
         if self.is_world and item.pose_frame is None and not item.frame:
             return item
         return dataclasses.replace(item.moved(self.pose @ item.pose), pose_frame=self.pose_frame, frame=self.name)
+
+
+_WORLD = Frame(None, read_only(np.eye(4)))
 
 
 def find_frame(scene: SceneContents, name: str, state: StatedJoints, later: Collection[str] = ()) -> Frame:
@@ -100,7 +104,7 @@ def find_frame(scene: SceneContents, name: str, state: StatedJoints, later: Coll
     """
     frames = scene.frames
     if name in _planning_names(frames):
-        return Frame(None, np.eye(4))
+        return _WORLD
     if not name:
         raise PlannercheckError(
             f"its header names no frame, which could be {_DEFAULT!r} or the planning frame {frames.planning!r}: name it"

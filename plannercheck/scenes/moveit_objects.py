@@ -89,7 +89,7 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
         posed = [(_primitive(p), q) for p, q in _posed(node, "primitives", "primitive_poses")]
         posed += [(_mesh(m, find_file), q) for m, q in _posed(node, "meshes", "mesh_poses")]
         frame = header_frame(node)
-    if len(posed) == 1 and np.array_equal(placed, np.eye(4)) and not (own and is_all_zeros(own)):
+    if len(posed) == 1 and (not own or (np.array_equal(placed, np.eye(4)) and not is_all_zeros(own))):
         return ObjectMessage(name, (Part(posed[0][0]),), posed[0][1], frame, subframes)
     return ObjectMessage(name, tuple(Part(shape, q) for shape, q in posed), placed, frame, subframes)
 
@@ -97,7 +97,7 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
 def _object_pose(node: Node) -> Matrix:
     """An object's own pose; all zeros means an unset pose, hence the identity, as with Eigen in MoveIt."""
     with error_context("pose"):
-        return np.eye(4) if node and is_all_zeros(node) else pose(node)
+        return np.eye(4) if not node or is_all_zeros(node) else pose(node)
 
 
 def _posed(node: Node, shapes: str, poses: str) -> list[tuple[Node, Matrix]]:

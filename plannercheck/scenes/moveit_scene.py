@@ -12,7 +12,6 @@ and the poses of links in whose frames objects are posed. Link padding is kept a
 
 from __future__ import annotations
 
-import dataclasses
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -104,8 +103,7 @@ def _add_obstacle(scene: SceneContents, read: ObjectMessage, joints: StatedJoint
         if not read.parts:
             raise PlannercheckError("has neither primitives nor meshes")
         frame = find_frame(scene, read.frame, joints, later)
-    item = dataclasses.replace(scene_object(read.name, read.parts, read.pose), subframes=read.subframes)
-    scene.put(frame.holds(item))
+    scene.put(frame.holds(scene_object(read.name, read.parts, read.pose, read.subframes)))
 
 
 def attach_from_state(scene: SceneContents, state: Node, folder: Path) -> None:

@@ -84,6 +84,128 @@ def test_damaged_files(seed):
         assert_same(text[:start] + rng.choice(["", *"[]{}:-,#&*!|>'\"%@`?\n ", *SCALARS]) + text[start + count :])
 
 
+WORDS = (
+    *(
+        "a",
+        "b1",
+        "long_name",
+        "yes",
+        "null",
+        "-7",
+        "0",
+        "1.5",
+        "-2.5e-3",
+        "1e5",
+        "a b",
+        "a - b",
+        "a, b",
+        "x (y)",
+        "a:b",
+    ),
+    *(
+        "package://p/m.stl",
+        "2026-01-02",
+        "12:30",
+        ".5",
+        "-",
+        "-a",
+        "--",
+        "---",
+        "...",
+        '"q"',
+        "'q r'",
+        "'",
+        '"a',
+        "#",
+        "",
+    ),
+    *(
+        "[]",
+        "{}",
+        "[1, 2.5, -3]",
+        "[true, false]",
+        "[ 1,2 , a ]",
+        "[1, ]",
+        "[,]",
+        "[a: 1]",
+        "{a: 1}",
+        "{a: [1, {b: 2}]}",
+    ),
+    *(
+        "{a}",
+        "{a:1}",
+        "{a: }",
+        "[[[[1]]]]",
+        "[1",
+        "1]",
+        "[a b, -c]",
+        "[a:b]",
+        "a # b",
+        "a #b",
+        "a#b",
+        "a: b",
+        "&a",
+        "!a",
+    ),
+    *(
+        "9007199254740993.0",
+        "123456789012345678",
+        "0.1e999",
+        "00.5",
+        "1_0.5",
+        "-0",
+        "-0.0",
+        "5.",
+        "1.0E+5",
+        "% b",
+        "a%",
+    ),
+)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_lines(seed):
+    """Lines of all kinds, whose indentation often fits: read by the core, or left to the others."""
+    rng, read = random.Random(seed), 0
+    for _ in range(300):
+        lines, column = [], 0
+        for _ in range(rng.randrange(1, 9)):
+            column = max(0, column + rng.choice([-4, -2, -2, 0, 0, 0, 0, 0, 0, 2, 2, rng.choice([1, -1, 0, 0])]))
+            dashes = "- " * rng.choice([0, 0, 0, 0, 1, 1, 2])
+            key = rng.choice(
+                ["a:", "b:", "c:", "yes:", "key_1:", "_k:", "null:", rng.choice(["", "a :", "1:", "'a':"])]
+            )
+            value = rng.choice(WORDS) if rng.random() < 0.4 else rng.choice(["1", "x", "2.5", "y z", ""])
+            comment = rng.choice(["", "", "", "", "", " # c", rng.choice(["# c", " #"])])
+            line = " " * column + dashes + key + (" " if key and value else "") + value + comment
+            lines.append(line if rng.random() < 0.9 else rng.choice(["", "  ", "# c", "   # c", "---", line + "  "]))
+            column += len(dashes) if rng.random() < 0.8 else 0
+        text = "\n".join(lines)
+        assert_same(text)
+        read += plain_yaml.value_of_lines(text) is not None
+    assert read > 20
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_documents_as_programs_write_them_are_read_by_the_core(seed):
+    rng = random.Random(seed)
+
+    def node(depth):
+        kind = rng.randrange(2 + 2 * (depth > 0))
+        if kind == 2:
+            return {f"key_{rng.randrange(99)}": node(depth - 1) for _ in range(rng.randrange(1, 5))}
+        if kind == 3:
+            return [node(depth - 1) for _ in range(rng.randrange(1, 5))]
+        return rng.choice([rng.random(), rng.randrange(-99, 99), "name of it", True, None, [0.5, 1, -2.25], "a/b.stl"])
+
+    for _ in range(50):
+        document = {"first": [node(4)], "second": node(3)}
+        text = yaml.safe_dump(document, default_flow_style=rng.choice([None, False]), width=10_000)
+        value = plain_yaml.value_of_lines(text)
+        assert value is not None
+        assert repr(value) == repr(yaml.safe_load(text))
+
+
 def test_what_is_kept_is_short():
     plain_yaml._resolved.cache_clear()
     load_yaml(f"a: {'x' * 100}")
@@ -93,7 +215,9 @@ def test_what_is_kept_is_short():
 def test_the_plain_way_can_be_left_out(monkeypatch):
     path = Path(FILES[0])
     truth = load_yaml(path.read_bytes())
-    monkeypatch.setattr(plain_yaml, "_value_of_events", lambda text: (_ for _ in ()).throw(plain_yaml._NotPlainError))
+    monkeypatch.setattr(plain_yaml, "value_of_lines", lambda text: None)
+    assert load_yaml(path.read_bytes()) == truth
+    monkeypatch.setattr(plain_yaml, "_value_of_events", lambda text: (_ for _ in ()).throw(plain_yaml.NotPlainError))
     assert load_yaml(path.read_bytes()) == truth
 
 

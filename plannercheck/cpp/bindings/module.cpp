@@ -19,4 +19,5 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_pair_queries(m);
   plannercheck::bind_game(m);
   plannercheck::bind_reach(m);
+  plannercheck::bind_plain_yaml(m);
 }

@@ -24,5 +24,6 @@ void bind_distance(nanobind::module_& m);
 void bind_pair_queries(nanobind::module_& m);
 void bind_game(nanobind::module_& m);
 void bind_reach(nanobind::module_& m);
+void bind_plain_yaml(nanobind::module_& m);
 
 }  // namespace plannercheck
