@@ -17,13 +17,6 @@ constexpr std::size_t kMostPieces = 8;
 // Of centres and distances in floats: their numbers err by 2^-24 of themselves.
 constexpr double kFloatRounding = 0x1p-22;
 
-// A ball in floats that holds all points within a distance of a centre.
-FloatSphere ball_around(Vec3 centre, double distance) {
-  const double held = distance + norm_1(centre) * kFloatRounding;
-  const float radius = static_cast<float>(held * (1 + kFloatRounding)) + 1e-37F;
-  return {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z), far_beyond(radius)};
-}
-
 // One piece of a motion: the state of the grid nearest to its middle, and the longest part of the motion between that
 // state and the piece's ends.
 struct MotionPiece {
@@ -102,6 +95,10 @@ void MotionScreen::bound_obstacles(const MotionModel& model, const std::vector<s
 void MotionScreen::find_by_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
   found.clear();
   for (const MovingPair& pair : moving_pairs_) found.push_back(pair.pair);
+  find_near_paths(filters, found);
+}
+
+void MotionScreen::find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
   for (const Mover& mover : movers_) {
     const Floats box = filters.box_around_path(mover.body, mover.chain);
     for (std::size_t k = 0; k < eights_.size(); ++k) {
@@ -114,7 +111,7 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
                                   double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   const double room = filters.slack() + beyond;
   find_among_movers(grid, bounds, room, w, found);
-  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_in_list(grid, filters, bounds, room, found);
+  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_paths(filters, found);
   for (const Mover& mover : movers_) {
     w.found.clear();
     find_in_tree(grid, mover, bounds.speed(mover.chain), room, w.found);
@@ -127,45 +124,18 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
   }
 }
 
-// Seen from the motion's middle, each body's ball first: its path has a box only if some obstacle is near.
-void MotionScreen::find_in_list(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds,
-                                double room, std::vector<std::int32_t>& found) const {
-  const MotionPiece piece = piece_of(grid, 0, 1);
-  for (const Mover& mover : movers_) {
-    const double distance = mover.radius + bounds.speed(mover.chain) * piece.part + room;
-    const FloatSphere ball = ball_around(grid.centre_at(mover.body, piece.state), distance);
-    Floats box{};
-    bool boxed = false;
-    for (std::size_t k = 0; k < eights_.size(); ++k) {
-      const unsigned near_ball = near(eights_[k], ball) & mover.paired[k];
-      if (near_ball == 0) continue;
-      if (!boxed) box = filters.box_around_path(mover.body, mover.chain);
-      boxed = true;
-      take(mover, k, near_ball & meeting(eights_[k], box), found);
-    }
-  }
-}
-
 void MotionScreen::take(const Mover& mover, std::size_t eight, unsigned near, std::vector<std::int32_t>& found) {
   for (; near != 0; near &= near - 1) {
     found.push_back(mover.pair[eight * kFloats + static_cast<std::size_t>(__builtin_ctz(near))]);
   }
 }
 
-// Which boxes a ball may touch, one bit each.
-unsigned MotionScreen::near(const Eight& boxes, const FloatSphere& ball) {
-  const auto outside = [&](std::size_t k, float c) {
-    return larger(larger(boxes.side[k] - c, c + boxes.side[k + 3]), Floats{});
-  };
-  const Floats x = outside(0, ball.x), y = outside(1, ball.y), z = outside(2, ball.z);
-  return ~float_bits((x * x + y * y) + z * z > ball.limit);
-}
-
 // Which boxes another one may meet: none beyond any of its sides.
 unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
-  FloatMask apart = boxes.side[0] > box[0];
-  for (std::size_t k = 1; k < 6; ++k) apart |= boxes.side[k] > box[k];
-  return ~float_bits(apart);
+  Floats beyond = boxes.side[0] - box[0];
+#pragma GCC unroll 5
+  for (std::size_t k = 1; k < 6; ++k) beyond = larger(beyond, boxes.side[k] - box[k]);
+  return ~float_bits(beyond > Floats{});
 }
 
 // Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds.
@@ -194,7 +164,11 @@ void MotionScreen::find_in_tree(const MotionGrid& grid, const Mover& mover, doub
   for (std::size_t k = 0; k < pieces; ++k) {
     const MotionPiece piece = piece_of(grid, k, pieces);
     const Vec3 centre = grid.centre_at(mover.body, piece.state);
-    tree_.collect(ball_around(centre, mover.radius + way * piece.part + room), found);
+    const double distance = mover.radius + way * piece.part + room + norm_1(centre) * kFloatRounding;
+    const float radius = static_cast<float>(distance * (1 + kFloatRounding)) + 1e-37F;
+    tree_.collect(
+        {static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z), far_beyond(radius)},
+        found);
   }
   if (pieces == 1) return;
   std::sort(found.begin(), found.end());

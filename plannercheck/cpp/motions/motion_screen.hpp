@@ -4,11 +4,11 @@
 //
 // By speeds: a body's points move at most at the speed that bounds them, so a pair whose bodies are further apart at
 // one state than both can go from there to either end is apart throughout. Spheres around the bodies are held against
-// each other and against obstacles' boxes, eight at a time or, where they are many, in a tree. What is left out keeps
-// more than `beyond` away: twice the tolerance, while without this screen a pair is refused only at a state within the
-// tolerance. So verdicts do not depend on it.
+// each other and, where obstacles are many, against a tree of their boxes. What is left out keeps more than `beyond`
+// away: twice the tolerance, while without this screen a pair is refused only at a state within the tolerance. So
+// verdicts do not depend on it.
 //
-// By paths: boxes around whole paths are held against those of the obstacles.
+// By paths: boxes around whole paths are held against those of the obstacles, eight at a time, in floats.
 #pragma once
 
 #include <array>
@@ -68,12 +68,10 @@ class MotionScreen {
   void bound_obstacles(const MotionModel& model, const std::vector<std::int32_t>& still);
   void find_among_movers(const MotionGrid& grid, const ChainBounds& bounds, double room, Workspace& w,
                          std::vector<std::int32_t>& found) const;
-  void find_in_list(const MotionGrid& grid, const MotionFilters& filters, const ChainBounds& bounds, double room,
-                    std::vector<std::int32_t>& found) const;
+  void find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const;
   void find_in_tree(const MotionGrid& grid, const Mover& mover, double way, double room,
                     std::vector<std::int32_t>& found) const;
   static void take(const Mover& mover, std::size_t eight, unsigned near, std::vector<std::int32_t>& found);
-  static unsigned near(const Eight& boxes, const FloatSphere& ball);
   static unsigned meeting(const Eight& boxes, Floats box);
 };
 
