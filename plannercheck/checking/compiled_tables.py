@@ -95,6 +95,13 @@ class CompiledTables:
         judge: Callable[[Configuration], bool | None] = core.row_validity(self.within_limits.core, kernel)
         return judge
 
+    def set_validity(self, kernel: Any | None) -> Callable[[Any], NDArray[np.uint8] | None]:
+        """The same of sets, arrays (n, nq) of rows that need no care: (n,) 1 for free."""
+        if kernel is None or self._source.robot.configuration_map.units:
+            return _never_known
+        judge: Callable[[Any], NDArray[np.uint8] | None] = core.set_validity(self.within_limits.core, kernel)
+        return judge
+
     def check_states(self, kernel: Any, rows: Floats, threads: int) -> Bools:
         """(n,) whether each configuration (n, nq) is free of collision; `kernel` poses the links."""
         return self.judged(lambda table, part: table.core.check_states(kernel, part, threads).view(bool), rows)

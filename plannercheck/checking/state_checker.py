@@ -68,7 +68,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
     _proofs: MeetingProofs
 
     # Attributes with compiled objects or a lock, which can't be pickled; they are made again.
-    _COMPILED: ClassVar[frozenset[str]] = frozenset({"_tables", "_judge_row", "_proofs"})
+    _COMPILED: ClassVar[frozenset[str]] = frozenset({"_tables", "_judge_row", "_judge_set", "_proofs"})
 
     def __init__(  # noqa: D417 (`CheckerSwitches` documents the switches)
         self,
@@ -171,6 +171,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
     def _compile(self) -> None:
         self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable)
         self._judge_row = self._tables.row_validity(self._kernel)
+        self._judge_set = self._tables.set_validity(self._kernel)
 
     def _pair_source(self) -> PairSource:
         switches = self._settings.switches
@@ -274,6 +275,9 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         Returns:
             (n,), True means valid.
         """
+        known = self._judge_set(q) if type(threads) is int and threads == 1 else None
+        if known is not None:
+            return known.view(bool)
         rows = self.robot.check_configurations(q)
         threads = checked_threads(threads, len(rows))
         if self._kernel is None:

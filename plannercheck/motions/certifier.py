@@ -147,14 +147,23 @@ class MotionCertifier:
     @cached_property
     def judge_rows(self) -> Callable[[Configuration, Configuration, float], bool | None]:
         """A compiled judge of one motion between rows (nq,), and None for motions that need more care."""
+        judge: Callable[[Configuration, Configuration, float], bool | None]
+        judge = self._compiled_judge(core.motion_row_validity)
+        return judge
+
+    @cached_property
+    def judge_sets(self) -> Callable[[Any, Any, float], NDArray[np.uint8] | None]:
+        """The same of sets of motions, between arrays (n, nq): (n,) 1 for free."""
+        judge: Callable[[Any, Any, float], NDArray[np.uint8] | None]
+        judge = self._compiled_judge(core.motion_set_validity)
+        return judge
+
+    def _compiled_judge(self, of_certifier: Callable[..., Any]) -> Any:
         robot, part = self._robot, self._pairs_within_limits
         if part.touching or len(robot.joint_names) != robot.nq:
             return _never_known
         turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
-        judge: Callable[[Configuration, Configuration, float], bool | None] = core.motion_row_validity(
-            part.core, robot.kinematics, *self._range, self._errors.usual, turning
-        )
-        return judge
+        return of_certifier(part.core, robot.kinematics, *self._range, self._errors.usual, turning)
 
     def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
         """`check` of one motion between configurations given as lists: what planners call.

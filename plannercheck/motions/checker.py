@@ -99,6 +99,10 @@ class Checker(StateChecker):
         Returns:
             (n,), True means free.
         """
+        if resolution is None and type(threads) is int and threads == 1 and self._kernel is not None:
+            known = self.motion_certifier.judge_sets(q0, q1, tolerance)
+            if known is not None:
+                return known.view(bool)
         starts, ends = self._motion_ends(q0, q1)
         given = contiguous(q1).reshape(ends.shape)
         if resolution is None:

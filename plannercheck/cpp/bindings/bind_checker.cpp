@@ -123,6 +123,24 @@ nb::object row_validity(nb::object checker, nb::object kinematics) {
   return nb::cpp_function(is_free, nb::arg("q").none(), plain_floats);
 }
 
+// The same for sets of configurations, an (n, nq) array: an array (n,) of whether each is free, or None.
+nb::object set_validity(nb::object checker, nb::object kinematics) {
+  auto* judge = nb::cast<BoundChecker*>(checker);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  const auto width = static_cast<std::size_t>(kernel->width());
+  const auto are_free = [checker, kinematics, judge, kernel, width, array = NumpyArray()](nb::handle rows) -> nb::object {
+    const NumpyRows q(array, rows, width);
+    bool may_judge = q.n > 0;
+    for (std::size_t i = 0; may_judge && i < q.n; ++i) may_judge = judge->may_judge(q.data + i * width);
+    if (!may_judge) return nb::none();
+    return nb::cast(judge->of_rows<std::uint8_t>(
+        q.n, 1, [&](std::size_t, std::size_t n, std::uint8_t* valid, CheckerCore::Workspace& w) {
+          judge->core().check_states(*kernel, q.data, n, valid, w);
+        }));
+  };
+  return nb::cpp_function(are_free, nb::arg("q").none(), plain_floats);
+}
+
 // A function that OMPL calls with states (ompl_states.hpp). It passes states beyond the limits to `elsewhere`, which
 // takes a list.
 nb::object state_validity(nb::object checker, nb::object kinematics, nb::object elsewhere, nb::object serialize,
@@ -236,6 +254,7 @@ void bind_checker(nb::module_& m) {
       .def("statistics", &BoundChecker::statistics, plain_floats);
   m.def("placed_on_links", &placed_on_links, plain_floats);
   m.def("row_validity", &row_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
+  m.def("set_validity", &set_validity, nb::arg("checker"), nb::arg("kinematics"), plain_floats);
   m.def("state_validity", &state_validity, nb::arg("checker"), nb::arg("kinematics"), nb::arg("elsewhere"),
         nb::arg("serialize").none() = nb::none(), nb::arg("failure").none() = nb::none(), plain_floats);
 }

@@ -181,6 +181,45 @@ nb::object motion_row_validity(nb::object certifier, nb::object kinematics, Inpu
                           plain_floats);
 }
 
+// The same for sets of motions, (n, nq) arrays of starts and of ends: an array (n,) of whether each is free, or None if
+// any of them needs more care.
+nb::object motion_set_validity(nb::object certifier, nb::object kinematics, InputArray<double, -1> low,
+                               InputArray<double, -1> high, double kinematic_error,
+                               const std::vector<std::size_t>& angles) {
+  auto* bound = nb::cast<BoundCertifier*>(certifier);
+  const auto* kernel = nb::cast<const Kinematics*>(kinematics);
+  const auto are_free = [certifier, kinematics, bound, kernel, angles, array = NumpyArray(),
+                         range = error_range(low, high, kinematic_error)](nb::handle starts, nb::handle ends,
+                                                                          nb::handle length) -> nb::object {
+    const std::size_t width = range.low.size();
+    const NumpyRows from(array, starts, width), to(array, ends, width);
+    if (from.n == 0 || from.n != to.n || !PyFloat_Check(length.ptr())) return nb::none();
+    const double tolerance = PyFloat_AS_DOUBLE(length.ptr());
+    if (!(tolerance > 0 && std::isfinite(tolerance))) return nb::none();
+    for (std::size_t i = 0; i < from.n; ++i) {
+      const double *q0 = from.data + i * width, *q1 = to.data + i * width;
+      bool known = true;
+      for (std::size_t c = 0; c < width; ++c) {
+        known &= q0[c] >= range.low[c] && q0[c] <= range.high[c] && q1[c] >= range.low[c] && q1[c] <= range.high[c];
+      }
+      for (const std::size_t k : angles) known &= std::abs(q1[k] - q0[k]) <= kNearlyHalfTurn;
+      if (!known) return nb::none();
+    }
+    bool answered = true;
+    const auto free = bound->of_rows<std::uint8_t>(
+        from.n, 1, [&](std::size_t, std::size_t n, std::uint8_t* answers, MotionCertifier::Workspace& w) {
+          bound->core().check(*kernel, from.data, to.data, n, tolerance, range.error, answers, w);
+          for (std::size_t i = 0; i < n; ++i) {
+            answered &= answers[i] <= static_cast<std::uint8_t>(MotionAnswer::kRefused);
+            answers[i] = answers[i] == static_cast<std::uint8_t>(MotionAnswer::kFree) ? 1 : 0;
+          }
+        });
+    return answered ? nb::cast(free) : nb::none();
+  };
+  return nb::cpp_function(are_free, nb::arg("starts").none(), nb::arg("ends").none(), nb::arg("tolerance").none(),
+                          plain_floats);
+}
+
 // See `explained_motion`; with proofs if wanted.
 nb::tuple explain_motion(BoundCertifier& bound, const Kinematics& kinematics, InputArray<double, -1> q0,
                          InputArray<double, -1> q1, double tolerance, double kinematic_error, bool proved) {
@@ -242,6 +281,7 @@ void bind_motion(nb::module_& m) {
       .def("states", &motion_states, plain_floats)
       .def("statistics", &BoundCertifier::statistics, plain_floats);
   m.def("motion_row_validity", &motion_row_validity, plain_floats);
+  m.def("motion_set_validity", &motion_set_validity, plain_floats);
   m.def("motion_validity", &motion_validity, nb::arg("certifier"), nb::arg("kinematics"), nb::arg("low"),
         nb::arg("high"), nb::arg("tolerance"), nb::arg("kinematic_error"), nb::arg("elsewhere"), nb::arg("counts"),
         nb::arg("serialize").none() = nb::none(), nb::arg("angles") = std::vector<std::size_t>(),

@@ -1,4 +1,4 @@
-// Doubles in a NumPy array, read in place: where they are, and one row of them. A general array argument takes 0.3 µs
+// Doubles in a NumPy array, read in place: where they are, one row of them, and rows of one width. A general array argument takes 0.3 µs
 // longer, Python's buffer protocol 0.05 µs (measured).
 #pragma once
 
@@ -115,6 +115,22 @@ class NumpyRow {
  private:
   NumpyDoubles row_;
   const double* data_ = nullptr;
+};
+
+// Rows of `width` doubles one after the other: n rows at `data`, which is null for anything else.
+struct NumpyRows {
+  NumpyRows(const NumpyArray& array, nanobind::handle object, std::size_t width) {
+    const NumpyArray::Head* const head = array.doubles_in(object);
+    if (head == nullptr || head->dimensions != 2 || static_cast<std::size_t>(head->shape[1]) != width) return;
+    const auto step = static_cast<Py_ssize_t>(sizeof(double));
+    const bool in_order = head->strides[1] == step && head->strides[0] == step * head->shape[1];
+    if (!in_order || !is_aligned_for_doubles(head->data)) return;
+    data = reinterpret_cast<const double*>(head->data);
+    n = static_cast<std::size_t>(head->shape[0]);
+  }
+
+  const double* data = nullptr;
+  std::size_t n = 0;
 };
 
 }  // namespace plannercheck
