@@ -1,7 +1,7 @@
 """Hashes of what must not depend on the instruction set: `PLANNERCHECK_LEVEL=v2 python tests/package/level_digest.py`.
 
 Out: one line of JSON with a hash each of serialised bodies, verdicts and stages on stress pairs, link poses, and
-verdicts on robot states, planar motions.
+verdicts on robot states (in batches, and one by one, which other code judges), motions, planar motions.
 """
 
 from __future__ import annotations
@@ -57,6 +57,28 @@ def of_states() -> str:
     return digest([first.tobytes(), np.packbits(pairs).tobytes()])
 
 
+def of_single_states() -> str:
+    """Verdicts of configurations that are asked for one by one."""
+    verdicts = []
+    for name, scene in zip(ROBOTS, ("bookshelf", "kitchen", None), strict=True):
+        checker = pc.Checker(pc.Robot.load(name), pc.Scene.load(scene) if scene else None)
+        verdicts += [checker.is_valid(q) for q in checker.robot.random_configurations(STATES, 4)]
+    return digest([bytes(verdicts)])
+
+
+def of_motions() -> str:
+    """Verdicts of motions together and one by one, and where those end that are explained."""
+    checker = pc.Checker(pc.Robot.load("panda"), pc.Scene.load("bookshelf"))
+    q = checker.robot.random_configurations(STATES, 5)
+    q = q[checker.check_states(q)]
+    starts, ends = q[:-1], 0.8 * q[:-1] + 0.2 * q[1:]
+    parts = [checker.check_motions(starts, ends).tobytes()]
+    for a, b in zip(starts[:100], ends, strict=False):
+        found = checker.explain_motion(a, b)
+        parts += [bytes([checker.check_motion(a, b)]), repr((found.free, found.free_until)).encode()]
+    return digest(parts)
+
+
 def of_planar_motions() -> str:
     """Verdicts, where motions end, and what proves them, straight and on curves."""
     checker = pc.planar.Checker(pc.planar.Robot.load("truck_trailer"), pc.planar.Scene.load("parking"))
@@ -79,6 +101,8 @@ if __name__ == "__main__":
                 "pairs": of_pairs(given),
                 "poses": of_poses(),
                 "states": of_states(),
+                "single states": of_single_states(),
+                "motions": of_motions(),
                 "planar motions": of_planar_motions(),
             }
         )
