@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_bodies import GivenBody, given_polytope
 from plannercheck.bodies.pair_queries import queries
+from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
 
@@ -64,7 +66,7 @@ def distance(
         The distance with nearest points.
 
     Raises:
-        PlannercheckError: If a pose is not finite or not rigid.
+        PlannercheckError: If a pose is not finite or not rigid, or a body is a solid.
     """
     known = queries.distance(P, R, pose_p, pose_r)
     if known is None:
@@ -73,11 +75,21 @@ def distance(
     return Distance(apart, point_p, point_r, lower_bound, direction)
 
 
+def refuse_solids(what: str, *bodies: Polytope) -> None:
+    """Raises if one of these is a solid, of which only its hull could be measured."""
+    if any(body.solid is not None for body in bodies):
+        raise PlannercheckError(
+            f"{what} of solids are not there yet: take hulls (geometry='hull', or pc.Polytope(solid.vertices)), which "
+            "are nearer than their solids"
+        )
+
+
 def distance_checked(
     P: GivenBody, R: GivenBody, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None
 ) -> Distance:
     """`distance` for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
+    refuse_solids("distances", P, R)
     overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None])
     return Distance(0.0 if overlap[0] else float(found[0]), on_p[0], on_r[0], float(lower[0]), along[0])

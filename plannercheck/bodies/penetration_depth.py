@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.distance import distance
+from plannercheck.bodies.distance import distance, refuse_solids
 from plannercheck.bodies.given_bodies import GivenBody, given_polytope
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
@@ -73,10 +73,11 @@ def depth(
         The depth.
 
     Raises:
-        PlannercheckError: If a pose is not finite or not rigid, or the bodies have too many vertices.
+        PlannercheckError: If a pose is not finite or not rigid, a body is a solid, or they have too many vertices.
     """
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
+    refuse_solids("depths", P, R)
     count = len(P.vertices) * len(R.vertices)
     if count > MOST_DIFFERENCES:
         raise PlannercheckError(
