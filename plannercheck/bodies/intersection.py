@@ -29,6 +29,7 @@ from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytop
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
+from plannercheck.bodies.solid_certificates import Enclosure, contact_certificate
 from plannercheck.common.array_types import Bools
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -164,7 +165,7 @@ def certify(
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
     method: Method = "oracle",
-) -> Certificate:
+) -> Certificate | Enclosure:
     """The verdict of `intersects` with its proof.
 
     Args:
@@ -175,10 +176,11 @@ def certify(
         method: See `Switches`.
 
     Returns:
-        A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates.
+        A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates. Of solids the point is one of
+        two triangles, which are then the certificate's bodies; where one body is inside the other, an `Enclosure`.
 
     Raises:
-        PlannercheckError: If a pose is not finite or not rigid.
+        PlannercheckError: If a pose is not finite or not rigid, or solids are apart whose hulls are not.
     """
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
@@ -187,10 +189,12 @@ def certify(
 
 def certify_posed(
     P: Polytope, R: Polytope, pose_p: ArrayLike, pose_r: ArrayLike, method: Method = "oracle"
-) -> Certificate:
+) -> Certificate | Enclosure:
     """`certify` of bodies on links, whose poses may be less rigid than given ones (robots/unit_lengths.py)."""
     pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
     bodies = PosedBody(P.vertices, pose_p, P.inflation_radius), PosedBody(R.vertices, pose_r, R.inflation_radius)
+    if P.solid is not None or R.solid is not None:
+        return _certify_solids(P, R, bodies)
     for stage in (method, METHODS[-1]):
         found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
         certificate = _shared_point(found, bodies) if found["shared"] else _separation(found, bodies)
@@ -198,6 +202,22 @@ def certify_posed(
         if certificate is not None:
             return certificate
     raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")
+
+
+def _certify_solids(P: Polytope, R: Polytope, bodies: Bodies) -> Certificate | Enclosure:
+    """The proof that solids share a point; or that their hulls, posed as `bodies`, do not."""
+    poses = bodies[0].pose, bodies[1].pose
+    contact = contact_certificate(P, R, *poses)
+    if contact is not None:
+        return contact
+    found = core.certify_pair(P.core, poses[0], R.core, poses[1], pair_options(METHODS[-1]), True)
+    certificate = _separation(found, bodies) if np.any(found.get("normal", 0)) else None
+    if certificate is None:
+        raise PlannercheckError(
+            "these solids are apart, but their hulls are not: certificates of that are not there yet; pc.intersects "
+            "gives the verdict"
+        )
+    return certificate
 
 
 def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:

@@ -3,6 +3,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/shared_ptr.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -45,9 +46,11 @@ auto points_of(const Solid& solid) {
   return output_array(flat, {solid.points.size(), std::size_t{3}});
 }
 
+// In the order in which they were given.
 auto triangles_of(const Solid& solid) {
-  std::vector<std::int32_t> flat;
-  for (const MeshTriangle& t : solid.triangles) flat.insert(flat.end(), t.begin(), t.end());
+  std::vector<std::int32_t> flat(3 * solid.triangles.size());
+  for (std::size_t k = 0; k < solid.triangles.size(); ++k)
+    std::copy_n(solid.triangles[k].begin(), 3, flat.begin() + 3 * solid.source[k]);
   return output_array(flat, {solid.triangles.size(), std::size_t{3}});
 }
 
