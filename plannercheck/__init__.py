@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.shapes import Hull as Hull
     from plannercheck.bodies.shapes import Sphere as Sphere
     from plannercheck.bodies.solid_certificates import Enclosure as Enclosure
+    from plannercheck.bodies.solid_separations import SolidSeparation as SolidSeparation
     from plannercheck.bodies.solids import Solid as Solid
     from plannercheck.checking.verdicts import ValidityReport as ValidityReport
     from plannercheck.checking.verdicts import Verdict as Verdict
@@ -64,6 +65,7 @@ _HOMES = {
     "Separation": "bodies.certificates",
     "SharedPoint": "bodies.certificates",
     "Solid": "bodies.solids",
+    "SolidSeparation": "bodies.solid_separations",
     "Sphere": "bodies.shapes",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
@@ -106,6 +108,7 @@ __all__ = [
     "Separation",
     "SharedPoint",
     "Solid",
+    "SolidSeparation",
     "Sphere",
     "ValidityReport",
     "Verdict",

@@ -150,7 +150,7 @@ class Separation(OwnsArrays):
             True if the exact plane separates strictly, the gap is a lower bound of the distance, and the doubles are
             the exact values, rounded.
         """
-        return self._doubles_agree() and _separates(self.plane, self.bodies)
+        return self._doubles_agree() and separates_exactly(self.plane, self.bodies)
 
     def _doubles_agree(self) -> bool:
         plane = self.plane
@@ -265,7 +265,8 @@ def direction_of(normal: Floats) -> Point:
     return Fraction(x), Fraction(y), Fraction(z)
 
 
-def _separates(plane: ExactPlane, bodies: Bodies) -> bool:
+def separates_exactly(plane: ExactPlane, bodies: Bodies) -> bool:
+    """Whether a plane keeps two bodies apart, by its gap at least, proved with all their vertices."""
     if plane.length <= 0 or plane.length**2 < sum(x * x for x in plane.normal):
         return False
     low, high, inflation_p, inflation_r = _extents(plane.normal, bodies)

@@ -30,6 +30,7 @@ from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
 from plannercheck.bodies.solid_certificates import Enclosure, contact_certificate
+from plannercheck.bodies.solid_separations import SolidSeparation, separate_solids
 from plannercheck.common.array_types import Bools
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -37,6 +38,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 
 Method: TypeAlias = Literal["oracle", "walk", "exact"]
+SolidCertificate: TypeAlias = Certificate | Enclosure | SolidSeparation
 
 METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
 
@@ -165,7 +167,7 @@ def certify(
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
     method: Method = "oracle",
-) -> Certificate | Enclosure:
+) -> SolidCertificate:
     """The verdict of `intersects` with its proof.
 
     Args:
@@ -177,10 +179,11 @@ def certify(
 
     Returns:
         A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates. Of solids the point is one of
-        two triangles, which are then the certificate's bodies; where one body is inside the other, an `Enclosure`.
+        two triangles, which are then the certificate's bodies; where one body is inside the other, an `Enclosure`;
+        where only their hulls meet, a `SolidSeparation`.
 
     Raises:
-        PlannercheckError: If a pose is not finite or not rigid, or solids are apart whose hulls are not.
+        PlannercheckError: If a pose is not finite or not rigid.
     """
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
@@ -189,7 +192,7 @@ def certify(
 
 def certify_posed(
     P: Polytope, R: Polytope, pose_p: ArrayLike, pose_r: ArrayLike, method: Method = "oracle"
-) -> Certificate | Enclosure:
+) -> SolidCertificate:
     """`certify` of bodies on links, whose poses may be less rigid than given ones (robots/unit_lengths.py)."""
     pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
     bodies = PosedBody(P.vertices, pose_p, P.inflation_radius), PosedBody(R.vertices, pose_r, R.inflation_radius)
@@ -204,20 +207,11 @@ def certify_posed(
     raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")
 
 
-def _certify_solids(P: Polytope, R: Polytope, bodies: Bodies) -> Certificate | Enclosure:
-    """The proof that solids share a point; or that their hulls, posed as `bodies`, do not."""
+def _certify_solids(P: Polytope, R: Polytope, bodies: Bodies) -> SolidCertificate:
+    """The proof that solids share a point, or that they do not."""
     poses = bodies[0].pose, bodies[1].pose
     contact = contact_certificate(P, R, *poses)
-    if contact is not None:
-        return contact
-    found = core.certify_pair(P.core, poses[0], R.core, poses[1], pair_options(METHODS[-1]), True)
-    certificate = _separation(found, bodies) if np.any(found.get("normal", 0)) else None
-    if certificate is None:
-        raise PlannercheckError(
-            "these solids are apart, but their hulls are not: certificates of that are not there yet; pc.intersects "
-            "gives the verdict"
-        )
-    return certificate
+    return separate_solids(P, R, *poses, certify_posed) if contact is None else contact
 
 
 def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:

@@ -66,8 +66,8 @@ class Enclosure(OwnsArrays):
     def verify(self) -> bool:
         """Whether the outer triangles are closed and wind around the point so often, proved in exact arithmetic."""
         exact = [rounded(x) for x in _place(self.inner)]
-        is_around = self.winding_number != 0 and _winding_number(self.inner, self.outer) == self.winding_number
-        return exact == self.point.tolist() and is_around and _edges_cancel(self.outer.triangles)
+        is_around = self.winding_number != 0 and winding_about(self.inner, self.outer) == self.winding_number
+        return exact == self.point.tolist() and is_around and edges_cancel(self.outer.triangles)
 
 
 def contact_certificate(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> SharedPoint | Enclosure | None:
@@ -118,7 +118,7 @@ def _enclosure(first_is_inside: bool, inner: tuple[Polytope, int, Floats], outer
     vertices = body.vertices[:1] if body.solid is None else body.solid.points()[vertex : vertex + 1]
     point, around = PosedBody(vertices, pose), PosedSurface(*_surface(outer[0]), outer[1])
     place = np.array([rounded(x) for x in _place(point)])
-    return Enclosure(place, _winding_number(point, around) or 0, first_is_inside, point, around)
+    return Enclosure(place, winding_about(point, around) or 0, first_is_inside, point, around)
 
 
 def _surface(body: Polytope) -> Surface:
@@ -145,7 +145,7 @@ def _place(body: PosedBody) -> Point:
     return x, y, z
 
 
-def _winding_number(point: PosedBody, around: PosedSurface) -> int | None:
+def winding_about(point: PosedBody, around: PosedSurface) -> int | None:
     """How often closed triangles wind around a point, exactly; None if it is on one of them."""
     surface, inner = in_common_unit(IntegerHull(around.points, around.pose), IntegerHull(point.vertices, point.pose))
     posed = np.array([surface.point(k) for k in range(len(around.points))], dtype=object)
@@ -184,7 +184,8 @@ def _dot(a: NDArray[np.object_], b: NDArray[np.object_]) -> NDArray[np.object_]:
     return np.asarray((a * b).sum(axis=1))
 
 
-def _edges_cancel(triangles: Ints) -> bool:
+def edges_cancel(triangles: Ints) -> bool:
+    """Whether each directed edge of triangles (k, 3) occurs as often as its reverse."""
     a, b = np.asarray(triangles, dtype=np.int64)[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).T
     count = int(triangles.max()) + 1
     return np.array_equal(np.sort(a * count + b), np.sort(b * count + a))

@@ -22,6 +22,7 @@ from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, inflated_hull
 from plannercheck.bodies.solid_certificates import Enclosure
+from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
@@ -157,7 +158,7 @@ class _Certification:
             certificate = certify_posed(self._polytope(p), self._polytope(r), poses[p], poses[r])
         except UnprovedVerdictError:
             return False
-        if isinstance(certificate, Enclosure):
+        if isinstance(certificate, Enclosure | SolidSeparation):
             return False
         return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()
 

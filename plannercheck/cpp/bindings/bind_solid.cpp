@@ -83,6 +83,8 @@ void bind_solid(nb::module_& m) {
       .def(nb::new_(&solid_from), plain_floats)
       .def("points", &points_of, plain_floats)
       .def("triangles", &triangles_of, plain_floats)
+      .def(
+          "order", [](const Solid& s) { return output_array(s.source, {s.source.size()}); }, plain_floats)
       .def("contains", &contains, plain_floats)
       .def_ro("is_closed", &Solid::is_closed)
       .def_prop_ro("components", [](const Solid& s) { return s.components.size(); })
