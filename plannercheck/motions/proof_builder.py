@@ -83,6 +83,9 @@ class Builder:
             end: (nq,) the end of the short way round.
             asked_end: (nq,) the end as it was asked for.
             tolerance: m.
+
+        Raises:
+            PlannercheckError: If solids are apart on the motion, but their hulls are not.
         """
         result = self._motion_result(start, end, asked_end, tolerance)
         if result is None:
@@ -92,8 +95,21 @@ class Builder:
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
         resting = _resting_directions(self._checker, result.proofs, start)
-        entries = _entries(empty, result.proofs, resting)
+        entries, lost = _entries(empty, result.proofs, resting)
+        self._refuse_solids(lost)
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
+
+    def _refuse_solids(self, lost: Sequence[int]) -> None:
+        """Raises if one of the pairs without a proof has a solid: a proof is of hulls, which meet on this motion."""
+        for pair in lost:
+            bodies = self._checker.pairs[pair].tolist()
+            prepared = [self._checker.polytopes[body] for body in bodies]
+            if any(polytope is not None and polytope.solid is not None for polytope in prepared):
+                first, second = (self._checker.bodies[body].label for body in bodies)
+                raise PlannercheckError(
+                    f"this motion is free, but its proof is not: the hulls of {first} and {second} meet on it, and "
+                    "proofs of motions are of hulls so far"
+                )
 
     def _motion_result(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> MotionResult | None:
         """The certifier's proofs of all pairs; None if the motion is not free or a pair has no proof."""
@@ -133,7 +149,10 @@ def _resting_directions(checker: CertifiedPairs, planes: Sequence[Plane], q: Flo
     return {k: tuple(c.normal.tolist()) for k, c in found.items() if isinstance(c, Separation)}
 
 
-def _entries(empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[float, ...]]) -> tuple[Entry, ...]:
+def _entries(
+    empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[float, ...]]
+) -> tuple[tuple[Entry, ...], list[int]]:
+    """The entries of all pairs, and the pairs whose entries will be refused."""
     import flint
 
     from plannercheck.proofs.entries import EntryChecker
@@ -144,39 +163,44 @@ def _entries(empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[
     for plane in planes:
         of_pair.setdefault(plane.pair, []).append(plane)
     bits, flint.ctx.prec = flint.ctx.prec, 64
+    found, lost = list[Entry](), list[int]()
     try:
         checker = EntryChecker(empty)
-        return tuple(
-            entry
-            for pair in range(len(empty.model.pairs))
-            for entry in _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair)).over(0.0, 1.0, 0)
-        )
+        for pair in range(len(empty.model.pairs)):
+            entries = _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair))
+            found += entries.over(0.0, 1.0, 0)
+            lost += [pair] if entries.lost else []
+        return tuple(found), lost
     except UnprovedError:  # the verifier will refuse this motion and say why
-        return ()
+        return (), lost
     finally:
         flint.ctx.prec = bits
 
 
 class _PairEntries:
-    """The entries of one pair."""
+    """The entries of one pair.
+
+    Attributes:
+        lost: Whether an interval was found that no entry keeps apart; then the proof will be refused.
+    """
 
     def __init__(
         self, checker: EntryChecker, pair: int, planes: Sequence[Plane], resting: tuple[float, ...] | None
     ) -> None:
         self._checker, self._pair, self._resting = checker, pair, resting
         self._planes = sorted(planes, key=lambda plane: plane.start)
-        self._lost = False
+        self.lost = False
 
     def over(self, start: float, end: float, depth: int) -> list[Entry]:
         """What keeps the pair apart from start to end."""
         candidates = self._candidates(start, end)
-        if self._lost:
+        if self.lost:
             return candidates[-1:]
         for entry in candidates:
             if self._checker.holds(entry, _WITHIN):
                 return [entry]
         if depth >= _DEEPEST:
-            self._lost = True  # the proof will be refused: the rest is not worth the search
+            self.lost = True  # the proof will be refused: the rest is not worth the search
             return candidates[-1:]
         cut = self._cut(start, end, depth)
         return self.over(start, cut, depth + 1) + self.over(cut, end, depth + 1)
