@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.solid_certificates import Enclosure
+from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import PairCertificate, ValidityReport
 from plannercheck.common.array_types import Floats
@@ -109,6 +110,8 @@ def _certificates(checker: AnyChecker, rows: Floats, first_pair: NDArray[np.int3
                 point[row] = certificate.point
             elif isinstance(certificate, Separation | PlanarSeparation):
                 normal[row], offset[row], gap[row] = certificate.normal, certificate.offset, certificate.gap
+            elif isinstance(certificate, SolidSeparation):  # by more than one plane
+                gap[row] = certificate.gap
     return {"explained_pair": explained, "point": point, "normal": normal, "offset": offset, "gap": gap}
 
 

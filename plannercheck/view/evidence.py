@@ -33,7 +33,6 @@ class Evidence:
         balls = [_ball(body) for body in checker.polytopes]
         self._centres = np.array([centre for centre, _ in balls]).reshape(-1, 3)
         self._radii = np.array([radius for _, radius in balls])
-        self._has_solid = np.array([body is not None and body.solid is not None for body in checker.polytopes])
 
     def witnesses(self, frame: int, poses: Floats, colliding: Bools) -> list[Witness]:
         """A common point for each colliding pair.
@@ -51,7 +50,7 @@ class Evidence:
         ]
 
     def planes(self, frame: int, poses: Floats, colliding: Bools, count: int) -> list[Plane]:
-        """Separating planes of the nearest pairs of convex bodies that do not collide.
+        """Separating planes of the nearest pairs that do not collide; of solids, where a plane separates their hulls.
 
         Args:
             frame: Index of the frame.
@@ -59,8 +58,7 @@ class Evidence:
             colliding: (pairs,) which pairs collide.
             count: Largest number of planes.
         """
-        convex = ~self._has_solid[self._checker.pairs].any(axis=1)
-        found = (self._plane(frame, k, poses) for k in self._nearest(count, poses, np.flatnonzero(~colliding & convex)))
+        found = (self._plane(frame, k, poses) for k in self._nearest(count, poses, np.flatnonzero(~colliding)))
         return [plane for plane in found if plane is not None]
 
     def _nearest(self, count: int, poses: Floats, rows: NDArray[np.int64]) -> list[int]:
