@@ -24,6 +24,7 @@ from plannercheck.bodies.integers import dot as product
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.exact_numbers import is_unit_normal, root_above, rounded, rounded_down
 from plannercheck.common.public_names import set_module
 
 Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -32,9 +33,6 @@ Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
 _MOST_VERTICES = 4
 # Bits of a normal's length; it is rounded up by less than doubles can show.
 _LENGTH_BITS = 64
-# The error of a unit normal in doubles: two roundings of each entry, with room to spare.
-_NORMAL_ROUNDING = Fraction(1, 2**50)
-_LARGEST_DOUBLE = Fraction(float(np.finfo(np.float64).max))
 
 
 class UnprovedVerdictError(PlannercheckError):
@@ -156,11 +154,8 @@ class Separation(OwnsArrays):
         plane = self.plane
         if not np.isfinite([*self.normal, self.offset, self.gap]).all() or plane.length <= 0:
             return False
-        is_normal = all(
-            abs(Fraction(float(rounded)) * plane.length - exact) <= _NORMAL_ROUNDING * plane.length
-            for rounded, exact in zip(self.normal, plane.normal, strict=True)
-        )
-        is_offset = self.offset == _rounded(plane.offset / plane.length)
+        is_normal = is_unit_normal(self.normal.tolist(), plane.normal, plane.length)
+        is_offset = self.offset == rounded(plane.offset / plane.length)
         return is_normal and is_offset and 0 <= Fraction(self.gap) <= plane.gap
 
     def __eq__(self, other: object) -> bool:
@@ -204,7 +199,7 @@ class SharedPoint(OwnsArrays):
             True if the exact point is in both bodies, and the doubles are the exact values, rounded.
         """
         return (
-            [float(x) for x in self.point] == [_rounded(x) for x in self.place.point]
+            [float(x) for x in self.point] == [rounded(x) for x in self.place.point]
             and _holds_point(self.bodies[0], self.first, self.place.first, self.place.point)
             and _holds_point(self.bodies[1], self.second, self.place.second, self.place.point)
         )
@@ -235,8 +230,8 @@ def separation(direction: Point, bodies: Bodies) -> Separation | None:
     plane = _plane_between(direction, bodies)
     if plane is None:
         return None
-    normal = np.array([_rounded(x / plane.length) for x in plane.normal])
-    return Separation(normal, _rounded(plane.offset / plane.length), _rounded_down(plane.gap), plane, bodies)
+    normal = np.array([rounded(x / plane.length) for x in plane.normal])
+    return Separation(normal, rounded(plane.offset / plane.length), rounded_down(plane.gap), plane, bodies)
 
 
 def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies) -> SharedPoint:
@@ -255,7 +250,7 @@ def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies
     part = inflation_p / (inflation_p + inflation_r) if inflation_p else Fraction(0)
     point = (p[0] + part * (r[0] - p[0]), p[1] + part * (r[1] - p[1]), p[2] + part * (r[2] - p[2]))
     place = ExactPoint(point, tuple(first.values()), tuple(second.values()))
-    return SharedPoint(np.array([_rounded(x) for x in point]), _mixture(first), _mixture(second), place, bodies)
+    return SharedPoint(np.array([rounded(x) for x in point]), _mixture(first), _mixture(second), place, bodies)
 
 
 def direction_of(normal: Floats) -> Point:
@@ -279,7 +274,7 @@ def _plane_between(direction: Point, bodies: Bodies) -> ExactPlane | None:
     if apart <= 0 or apart**2 <= inflation**2 * square:
         return None
     bits = _LENGTH_BITS
-    while apart <= inflation * (length := _root_above(square, bits)):
+    while apart <= inflation * (length := root_above(square, bits)):
         bits *= 2
     offset = (low + high + (inflation_r - inflation_p) * length) / 2
     return ExactPlane(direction, length, offset, apart / length - inflation)
@@ -301,15 +296,6 @@ def _in_integers(direction: Point) -> tuple[Integers, int]:
     return (x, y, z), denominator
 
 
-def _root_above(square: Fraction, bits: int) -> Fraction:
-    """An upper bound of the root, larger by at most a part of 2^(1 - bits)."""
-    # Shifted by an even number of bits, so that the integer root has the bits that are wanted.
-    shift = max(0, bits - (square.numerator.bit_length() - square.denominator.bit_length()) // 2)
-    scaled = -(-(square.numerator << (2 * shift)) // square.denominator)
-    root = math.isqrt(scaled)
-    return Fraction(root if root * root == scaled else root + 1, 1 << shift)
-
-
 def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...], point: Point) -> bool:
     """Whether weights are convex and agree with the rounded ones, and the point within the radius of their mixture."""
     vertices = [int(v) for v in mixture.vertices]
@@ -317,7 +303,7 @@ def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...
         return False
     if not all(0 <= v < len(body.vertices) for v in vertices) or min(weights) < 0 or sum(weights) != 1:
         return False
-    if [float(w) for w in mixture.weights] != [_rounded(w) for w in weights]:
+    if [float(w) for w in mixture.weights] != [rounded(w) for w in weights]:
         return False
     apart = (x - m for x, m in zip(point, _mixed(body, vertices, weights), strict=True))
     return sum(x * x for x in apart) <= Fraction(body.inflation_radius) ** 2
@@ -333,15 +319,4 @@ def _mixed(body: PosedBody, vertices: list[int], weights: Iterable[Fraction]) ->
 
 
 def _mixture(weights: dict[int, Fraction]) -> Mixture:
-    return Mixture(np.array(list(weights), dtype=np.int64), np.array([_rounded(w) for w in weights.values()]))
-
-
-def _rounded(number: Fraction) -> float:
-    """The nearest double; the largest one beyond it."""
-    return float(max(-_LARGEST_DOUBLE, min(number, _LARGEST_DOUBLE)))
-
-
-def _rounded_down(number: Fraction) -> float:
-    """A double that is at most a positive number."""
-    nearest = _rounded(number)
-    return nearest if Fraction(nearest) <= number else math.nextafter(nearest, 0.0)
+    return Mixture(np.array(list(weights), dtype=np.int64), np.array([rounded(w) for w in weights.values()]))
