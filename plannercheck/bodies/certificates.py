@@ -24,6 +24,7 @@ from plannercheck.bodies.integers import dot as product
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.exact_numbers import is_unit_normal, root_above, rounded, rounded_down
 from plannercheck.common.public_names import set_module
 
 Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -32,9 +33,6 @@ Point: TypeAlias = tuple[Fraction, Fraction, Fraction]
 _MOST_VERTICES = 4
 # Bits of a normal's length; it is rounded up by less than doubles can show.
 _LENGTH_BITS = 64
-# The error of a unit normal in doubles: two roundings of each entry, with room to spare.
-_NORMAL_ROUNDING = Fraction(1, 2**50)
-_LARGEST_DOUBLE = Fraction(float(np.finfo(np.float64).max))
 
 
 class UnprovedVerdictError(PlannercheckError):
@@ -156,10 +154,7 @@ class Separation(OwnsArrays):
         plane = self.plane
         if not np.isfinite([*self.normal, self.offset, self.gap]).all() or plane.length <= 0:
             return False
-        is_normal = all(
-            abs(Fraction(float(rounded)) * plane.length - exact) <= _NORMAL_ROUNDING * plane.length
-            for rounded, exact in zip(self.normal, plane.normal, strict=True)
-        )
+        is_normal = is_unit_normal(self.normal.tolist(), plane.normal, plane.length)
         is_offset = self.offset == rounded(plane.offset / plane.length)
         return is_normal and is_offset and 0 <= Fraction(self.gap) <= plane.gap
 
@@ -236,7 +231,7 @@ def separation(direction: Point, bodies: Bodies) -> Separation | None:
     if plane is None:
         return None
     normal = np.array([rounded(x / plane.length) for x in plane.normal])
-    return Separation(normal, rounded(plane.offset / plane.length), _rounded_down(plane.gap), plane, bodies)
+    return Separation(normal, rounded(plane.offset / plane.length), rounded_down(plane.gap), plane, bodies)
 
 
 def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies) -> SharedPoint:
@@ -280,7 +275,7 @@ def _plane_between(direction: Point, bodies: Bodies) -> ExactPlane | None:
     if apart <= 0 or apart**2 <= inflation**2 * square:
         return None
     bits = _LENGTH_BITS
-    while apart <= inflation * (length := _root_above(square, bits)):
+    while apart <= inflation * (length := root_above(square, bits)):
         bits *= 2
     offset = (low + high + (inflation_r - inflation_p) * length) / 2
     return ExactPlane(direction, length, offset, apart / length - inflation)
@@ -300,15 +295,6 @@ def _in_integers(direction: Point) -> tuple[Integers, int]:
     denominator = math.lcm(*(x.denominator for x in direction))
     x, y, z = (x.numerator * (denominator // x.denominator) for x in direction)
     return (x, y, z), denominator
-
-
-def _root_above(square: Fraction, bits: int) -> Fraction:
-    """An upper bound of the root, larger by at most a part of 2^(1 - bits)."""
-    # Shifted by an even number of bits, so that the integer root has the bits that are wanted.
-    shift = max(0, bits - (square.numerator.bit_length() - square.denominator.bit_length()) // 2)
-    scaled = -(-(square.numerator << (2 * shift)) // square.denominator)
-    root = math.isqrt(scaled)
-    return Fraction(root if root * root == scaled else root + 1, 1 << shift)
 
 
 def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...], point: Point) -> bool:
@@ -335,14 +321,3 @@ def _mixed(body: PosedBody, vertices: list[int], weights: Iterable[Fraction]) ->
 
 def _mixture(weights: dict[int, Fraction]) -> Mixture:
     return Mixture(np.array(list(weights), dtype=np.int64), np.array([rounded(w) for w in weights.values()]))
-
-
-def rounded(number: Fraction) -> float:
-    """The nearest double; the largest one beyond it."""
-    return float(max(-_LARGEST_DOUBLE, min(number, _LARGEST_DOUBLE)))
-
-
-def _rounded_down(number: Fraction) -> float:
-    """A double that is at most a positive number."""
-    nearest = rounded(number)
-    return nearest if Fraction(nearest) <= number else math.nextafter(nearest, 0.0)

@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies import exact_reference
-from plannercheck.bodies.certificates import Point, PosedBody, SharedPoint, rounded, shared_point
+from plannercheck.bodies.certificates import Point, PosedBody, SharedPoint, shared_point
 from plannercheck.bodies.integers import IntegerHull, in_common_unit
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.core import core
+from plannercheck.common.exact_numbers import rounded
 from plannercheck.common.public_names import set_module
 
 Surface: TypeAlias = tuple[Floats, Ints]  # points (n, 3), m, and triangles (k, 3)

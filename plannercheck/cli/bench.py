@@ -6,7 +6,7 @@ In: a subcommand and its options. Out: a table on the terminal and, with --outpu
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from plannercheck.cli import bench_planning
@@ -22,14 +22,14 @@ from plannercheck.cli.bench_options import (
     show_how,
     sizes,
 )
-from plannercheck.cli.common import table
+from plannercheck.cli.common import table, table_of
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import ablation, complexity, pairs, plots, states
 from plannercheck.evaluation.bench import scene_size as scale
 from plannercheck.evaluation.bench import tables as output
 from plannercheck.evaluation.bench.ablation import SwitchRow
-from plannercheck.evaluation.bench.complexity import ComplexityRow
+from plannercheck.evaluation.bench.complexity import ComplexityRow, GrowthRow
 from plannercheck.evaluation.bench.methods import KINDS, methods
 from plannercheck.evaluation.bench.motion_sets import along_motions
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
@@ -132,26 +132,18 @@ def _print_states(rows: Sequence[StateRow]) -> None:
     kind = "random states" if first.which == "random" else f"states {first.which}"
     counts = f"{first.pairs} pairs, {first.states} {kind}, {first.valid:.0%} valid"
     print(f"\n{first.robot} in {first.scene}: {counts}")
-    header = ("method", "µs a state", "x", "false free %", "false coll. %", "error mm", "kB", "prepared s", "states")
-    print(
-        table(
-            header,
-            [
-                (
-                    row.method,
-                    f"{row.microseconds:.2f}",
-                    f"{row.ratio:.2f}",
-                    f"{100 * row.false_free:.3f}",
-                    f"{100 * row.false_collision:.3f}",
-                    output.number(None if row.error is None else 1e3 * row.error),
-                    output.size_of(row.resident),
-                    f"{row.preparation:.2f}",
-                    row.states,
-                )
-                for row in rows
-            ],
-        )
-    )
+    columns: dict[str, Callable[[StateRow], object]] = {
+        "method": lambda row: row.method,
+        "µs a state": lambda row: f"{row.microseconds:.2f}",
+        "x": lambda row: f"{row.ratio:.2f}",
+        "false free %": lambda row: f"{100 * row.false_free:.3f}",
+        "false coll. %": lambda row: f"{100 * row.false_collision:.3f}",
+        "error mm": lambda row: output.number(None if row.error is None else 1e3 * row.error),
+        "kB": lambda row: output.size_of(row.resident),
+        "prepared s": lambda row: f"{row.preparation:.2f}",
+        "states": lambda row: row.states,
+    }
+    print(table_of(rows, columns))
     show_how(rows)
     for name, ratio, asked in _asked(rows):
         print(f"{name}: {ratio:.1f} times (asked for: {asked})")
@@ -237,18 +229,15 @@ def _run_complexity(options: argparse.Namespace) -> None:
         print(
             "\nvisited vertices a doubling of n adds (mean); exponents of a power law through the means and the worst"
         )
-        cells = [
-            (
-                row.where,
-                row.family,
-                row.method,
-                f"{row.per_doubling:.1f}",
-                f"{row.exponent:.2f}",
-                f"{row.exponent_worst:.2f}",
-            )
-            for row in grown
-        ]
-        print(table(("where", "bodies", "method", "a doubling", "exponent", "of the worst"), cells))
+        columns: dict[str, Callable[[GrowthRow], object]] = {
+            "where": lambda row: row.where,
+            "bodies": lambda row: row.family,
+            "method": lambda row: row.method,
+            "a doubling": lambda row: f"{row.per_doubling:.1f}",
+            "exponent": lambda row: f"{row.exponent:.2f}",
+            "of the worst": lambda row: f"{row.exponent_worst:.2f}",
+        }
+        print(table_of(grown, columns))
         keep(options.output, "complexity_growth", grown)
     keep(options.output, "complexity", rows, plots.visited_against_vertices)
 

@@ -6,7 +6,7 @@ In: options. Out: tables on the terminal and, with --output, CSV and JSON in a f
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from plannercheck.cli.bench_options import (
     Subcommand,
@@ -21,10 +21,11 @@ from plannercheck.cli.bench_options import (
     positive_number,
     show_how,
 )
-from plannercheck.cli.common import table
+from plannercheck.cli.common import table_of
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import from_files, motions, plans, set_up
+from plannercheck.evaluation.bench.from_files import FromFilesRow
 from plannercheck.evaluation.bench.motion_sets import MotionSet, random_sets, recorded_set
 from plannercheck.evaluation.bench.motions import MotionRow
 from plannercheck.evaluation.bench.planners import Settings
@@ -120,19 +121,15 @@ def _motion_sets(robot: Robot, options: argparse.Namespace) -> Iterator[MotionSe
 def _print_motions(rows: Sequence[MotionRow]) -> None:
     first = rows[0]
     print(f"\n{first.robot}, {first.where}, {first.kind}: {first.motions} motions, {first.free:.0%} free")
-    header = ("method", "µs a motion", "x", "false free %", "false coll. %", "motions")
-    cells = [
-        (
-            row.method,
-            f"{row.microseconds:.2f}",
-            f"{row.ratio:.2f}",
-            f"{100 * row.false_free:.2f}",
-            f"{100 * row.false_collision:.2f}",
-            row.motions,
-        )
-        for row in rows
-    ]
-    print(table(header, cells))
+    columns: dict[str, Callable[[MotionRow], object]] = {
+        "method": lambda row: row.method,
+        "µs a motion": lambda row: f"{row.microseconds:.2f}",
+        "x": lambda row: f"{row.ratio:.2f}",
+        "false free %": lambda row: f"{100 * row.false_free:.2f}",
+        "false coll. %": lambda row: f"{100 * row.false_collision:.2f}",
+        "motions": lambda row: row.motions,
+    }
+    print(table_of(rows, columns))
     show_how(rows)
 
 
@@ -148,32 +145,30 @@ def _run_setup(options: argparse.Namespace) -> None:
         solved = [
             from_files.measure(path, robot, options.every, options.first, options.time) for path in options.problems
         ]
-        header = ("from files to a path", "solved", "read ms", "checker ms", "plan ms", "median ms", "mean ms")
-        cells = [
-            (
-                row.set,
-                f"{row.solved} of {row.problems}",
-                *(number(value) for value in (row.read, row.checker, row.plan, row.total, row.total_mean)),
-            )
-            for row in solved
-        ]
-        print(f"\n{table(header, cells)}")
+        columns: dict[str, Callable[[FromFilesRow], object]] = {
+            "from files to a path": lambda row: row.set,
+            "solved": lambda row: f"{row.solved} of {row.problems}",
+            "read ms": lambda row: number(row.read),
+            "checker ms": lambda row: number(row.checker),
+            "plan ms": lambda row: number(row.plan),
+            "median ms": lambda row: number(row.total),
+            "mean ms": lambda row: number(row.total_mean),
+        }
+        print(f"\n{table_of(solved, columns)}")
         keep(options.output, "from_files", solved)
 
 
 def _print_setup(rows: Sequence[SetUpRow]) -> None:
     first = rows[0]
     print(f"\n{first.robot} in {first.scene}: {first.pairs} pairs")
-    header = ("step", "ms", "first verdict ms", "first motion ms", "prepared again")
-    cells = [
-        (
-            row.what,
-            *(number(value) for value in (row.milliseconds, row.first_verdict, row.first_motion)),
-            "-" if row.prepared is None else row.prepared,
-        )
-        for row in rows
-    ]
-    print(table(header, cells))
+    columns: dict[str, Callable[[SetUpRow], object]] = {
+        "step": lambda row: row.what,
+        "ms": lambda row: number(row.milliseconds),
+        "first verdict ms": lambda row: number(row.first_verdict),
+        "first motion ms": lambda row: number(row.first_motion),
+        "prepared again": lambda row: "-" if row.prepared is None else row.prepared,
+    }
+    print(table_of(rows, columns))
 
 
 def _run_plans(options: argparse.Namespace) -> None:
@@ -198,24 +193,21 @@ def _run_plans(options: argparse.Namespace) -> None:
 
 
 def _print_plans(rows: Sequence[PlanRow]) -> None:
-    header = (
-        *("set", "planner", "solved", "median ms", "mean ms", "95 % ms", "whole call ms", "refused", "colliding"),
-        *("deepest mm: median", "most"),
-    )
-    cells = [
-        (
-            row.set,
-            row.planner,
-            f"{row.solved} of {row.tried}",
-            *(number(value) for value in (row.median_ms, row.mean_ms, row.p95_ms, row.call_median_ms)),
-            row.refused,
-            row.colliding,
-            *(number(value) for value in (row.deepest_median_mm, row.deepest_mm)),
-        )
-        for row in rows
-    ]
-    if cells:
-        print(f"\n{table(header, cells)}", flush=True)
+    columns: dict[str, Callable[[PlanRow], object]] = {
+        "set": lambda row: row.set,
+        "planner": lambda row: row.planner,
+        "solved": lambda row: f"{row.solved} of {row.tried}",
+        "median ms": lambda row: number(row.median_ms),
+        "mean ms": lambda row: number(row.mean_ms),
+        "95 % ms": lambda row: number(row.p95_ms),
+        "whole call ms": lambda row: number(row.call_median_ms),
+        "refused": lambda row: row.refused,
+        "colliding": lambda row: row.colliding,
+        "deepest mm: median": lambda row: number(row.deepest_median_mm),
+        "most": lambda row: number(row.deepest_mm),
+    }
+    if rows:
+        print(f"\n{table_of(rows, columns)}", flush=True)
 
 
 SUBCOMMANDS = {

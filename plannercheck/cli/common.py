@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,8 @@ from plannercheck.robots.joint_values import own_joints as joints_of_their_own
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
 from plannercheck.scenes.scene_paths import MeshKind
+
+T = TypeVar("T")
 
 
 def add_robot_argument(parser: argparse.ArgumentParser) -> None:
@@ -149,6 +151,11 @@ def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
         padded = (c.rjust(w) if r else c.ljust(w) for c, w, r in zip(row, widths, right, strict=True))
         lines.append("  ".join(padded).rstrip())
     return "\n".join(lines)
+
+
+def table_of(rows: Iterable[T], columns: Mapping[str, Callable[[T], object]]) -> str:
+    """The same of records: what a cell of each column says of one."""
+    return table(list(columns), [[cell(row) for cell in columns.values()] for row in rows])
 
 
 def _is_number(cell: str) -> bool:

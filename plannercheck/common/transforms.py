@@ -60,7 +60,7 @@ def rotation_of_rpy(rpy: Sequence[float]) -> Matrix:
     )
 
 
-def pose_of(position: Sequence[float], rotation: Matrix | None = None) -> Matrix:
+def pose_of(position: Sequence[float] | Matrix, rotation: Matrix | None = None) -> Matrix:
     """Pose (4, 4) of a position and a rotation (3, 3), by default none."""
     pose = _IDENTITY.copy()
     pose[:3, 3] = position

@@ -6,7 +6,6 @@ fractions, and `verify`, which proves them in fractions from the bodies' own num
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TypeAlias
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import OwnsArrays
+from plannercheck.common.exact_numbers import is_unit_normal, root_above, rounded, rounded_down
 from plannercheck.common.public_names import set_module
 from plannercheck.ndim.exact import ExactCertificate, ExactSeparation, ExactSharedPoint, combined
 from plannercheck.ndim.integers import dot
@@ -26,12 +26,8 @@ Objects = NDArray[np.object_]
 Vector: TypeAlias = tuple[Fraction, ...]
 Weights: TypeAlias = dict[int, Fraction]
 
+# Bits of a normal's length; it is rounded up by less than doubles can show.
 _ROOT_BITS = 128
-_LARGEST_DOUBLE = Fraction(float(np.finfo(np.float64).max))
-
-
-# A unit normal in doubles: two roundings an entry, and some to spare.
-_NORMAL_ROUNDING = Fraction(1, 2**50)
 
 
 @set_module("plannercheck.ndim")
@@ -142,12 +138,9 @@ class Separation(OwnsArrays):
             return False
         if not np.isfinite([*self.normal, self.offset, self.gap]).all():
             return False
-        length = _root_above(Fraction(sum(x * x for x in exact)))
-        is_normal = all(
-            abs(Fraction(rounded) * length - x) <= _NORMAL_ROUNDING * length
-            for rounded, x in zip(self.normal.tolist(), exact, strict=True)
-        )
-        return is_normal and self.offset == _rounded(self.exact_offset / length)
+        length = root_above(Fraction(sum(x * x for x in exact)), _ROOT_BITS)
+        is_normal = is_unit_normal(self.normal.tolist(), exact, length)
+        return is_normal and self.offset == rounded(self.exact_offset / length)
 
 
 @set_module("plannercheck.ndim")
@@ -184,7 +177,7 @@ class SharedPoint(OwnsArrays):
         d = len(self.shapes[0].pose.shift)
         if self.point.shape != (d,) or len(self.exact_point) != d:
             return False
-        return self.point.tolist() == [_rounded(x) for x in self.exact_point] and all(
+        return self.point.tolist() == [rounded(x) for x in self.exact_point] and all(
             _holds(shape, weights, self.exact_point) for shape, weights in zip(self.shapes, self.weights, strict=True)
         )
 
@@ -222,11 +215,11 @@ def _separation(
     high = _bound(r, direction, found.rows_r) * unit
     offset = (low + high) / 2
     square = Fraction(sum(x * x for x in direction))
-    length = _root_above(square)
+    length = root_above(square, _ROOT_BITS)
     return Separation(
-        normal=np.array([_rounded(x / length) for x in direction]),
-        offset=_rounded(offset / length),
-        gap=_rounded_down((low - high) / length),
+        normal=np.array([rounded(x / length) for x in direction]),
+        offset=rounded(offset / length),
+        gap=rounded_down((low - high) / length),
         effort=effort,
         hyperplanes=trail,
         exact_normal=tuple(Fraction(x) for x in direction),
@@ -257,7 +250,7 @@ def _shared_point(
         {k: Fraction(w, found.denominator) for k, w in weights.items()}
         for weights in (found.weights_p, found.weights_r)
     )
-    return SharedPoint(np.array([_rounded(x) for x in point]), effort, trail, point, (first, second), shapes)
+    return SharedPoint(np.array([rounded(x) for x in point]), effort, trail, point, (first, second), shapes)
 
 
 def _extent(shape: PosedShape, multipliers: Weights, direction: Objects) -> Fraction | None:
@@ -305,20 +298,3 @@ def _solved(matrix: Objects, right: Objects) -> Objects:
 def fractions_of(values: Floats) -> Objects:
     """Doubles as exact numbers, in an array of the same shape."""
     return np.array([Fraction(value) for value in values.ravel().tolist()], dtype=object).reshape(values.shape)
-
-
-def _root_above(square: Fraction) -> Fraction:
-    """A number of at least the root's size, larger by at most a part of 2^-126."""
-    shift = max(0, _ROOT_BITS - (square.numerator.bit_length() - square.denominator.bit_length()) // 2)
-    scaled = -(-(square.numerator << (2 * shift)) // square.denominator)
-    root = math.isqrt(scaled)
-    return Fraction(root if root * root == scaled else root + 1, 1 << shift)
-
-
-def _rounded(number: Fraction) -> float:
-    return float(max(-_LARGEST_DOUBLE, min(number, _LARGEST_DOUBLE)))
-
-
-def _rounded_down(number: Fraction) -> float:
-    nearest = _rounded(number)
-    return nearest if Fraction(nearest) <= number else math.nextafter(nearest, 0.0)

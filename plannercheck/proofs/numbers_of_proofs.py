@@ -1,4 +1,4 @@
-"""Limits of what a proof holds, in space and in the plane: numbers, placements, vertices, pairs.
+"""Limits of what a proof holds, in space and in the plane: numbers, placements, vertices, pairs, intervals.
 
 In: parts of a proof. Out: nothing, or an `UnprovedError`.
 """
@@ -6,12 +6,13 @@ In: parts of a proof. Out: nothing, or an `UnprovedError`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.proofs.data import Entry
 from plannercheck.proofs.faults import UnprovedError
 
 # The largest norm of M^T M - 1 of a placement, or of a pose in the world.
@@ -62,3 +63,37 @@ def check_pairs(pairs: Iterable[tuple[int, int]], bodies: int) -> None:
     for index, (a, b) in enumerate(pairs):
         if a == b or not (0 <= a < bodies and 0 <= b < bodies):
             raise UnprovedError(f"pair {index} is of bodies {a} and {b}: they must be two of {bodies}")
+
+
+def check_tiled(
+    entries: Iterable[Entry], pairs: int, check_entry: Callable[[Entry, int], None], whole: str, has_end: bool = False
+) -> None:
+    """Raises an `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
+
+    Args:
+        entries: Of all pairs.
+        pairs: How many there are.
+        check_entry: Checks what else an entry says, the k-th.
+        whole: The end of the interval, for errors.
+        has_end: Whether the end counts by itself: each pair then has an entry from 1 to 1 after the others.
+    """
+    reached: dict[int, float] = {}
+    ended: set[int] = set()
+    for k, entry in enumerate(entries):
+        if not 0 <= entry.pair < pairs:
+            raise UnprovedError(f"entry {k} is of pair {entry.pair}, of {pairs}")
+        so_far = reached.get(entry.pair, 0.0)
+        if has_end and entry.start == entry.end == 1.0 == so_far and entry.pair not in ended:
+            ended.add(entry.pair)
+        elif not entry.start < entry.end or so_far != entry.start:
+            raise UnprovedError(
+                f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so "
+                f"far, at {so_far!r}"
+            )
+        reached[entry.pair] = entry.end
+        if entry.by not in ("plane", "balls"):
+            raise UnprovedError(f"entry {k} is by {entry.by!r:.40}, which is not known")
+        check_entry(entry, k)
+    for pair in range(pairs):
+        if reached.get(pair, 0.0) != 1.0 or (has_end and pair not in ended):
+            raise UnprovedError(f"pair {pair} is proved up to {reached.get(pair, 0.0)!r} alone, not to {whole}")

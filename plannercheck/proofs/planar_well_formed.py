@@ -7,12 +7,11 @@ check the verifier may index and compute.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from flint import arb
 
-from plannercheck.proofs.data import Hashes, ProofData
+from plannercheck.proofs.data import Entry, Hashes, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.numbers_of_proofs import (
@@ -22,6 +21,7 @@ from plannercheck.proofs.numbers_of_proofs import (
     check_numbers,
     check_pairs,
     check_rigid,
+    check_tiled,
     check_vertices,
 )
 from plannercheck.proofs.planar_proof import Piece, PlanarBody, PlanarLink, PlanarModel, PlanarMotion
@@ -80,34 +80,13 @@ def least_margin(model: PlanarModel, motion: PlanarMotion) -> float:
 def check_tiling(proof: ProofData) -> None:
     """Raises an `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
 
-    On curves the end counts by itself: each pair has an entry from 1 to 1 after the others.
+    On curves the end counts by itself.
     """
-    assert isinstance(proof.model, PlanarModel)
     assert isinstance(proof.motion, PlanarMotion)
-    has_end = bool(proof.motion.pieces)
-    reached: dict[int, float] = {}
-    ended: set[int] = set()
-    for k, entry in enumerate(proof.entries):
-        if not 0 <= entry.pair < len(proof.model.pairs):
-            raise UnprovedError(f"entry {k} is of pair {entry.pair}, of {len(proof.model.pairs)}")
-        so_far = reached.get(entry.pair, 0.0)
-        if has_end and entry.start == entry.end == 1.0 == so_far and entry.pair not in ended:
-            ended.add(entry.pair)
-        elif not entry.start < entry.end or so_far != entry.start:
-            raise UnprovedError(
-                f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so "
-                f"far, at {so_far!r}"
-            )
-        reached[entry.pair] = entry.end
-        _check_entry(entry, k)
-    for pair in range(len(proof.model.pairs)):
-        if reached.get(pair, 0.0) != 1.0 or (has_end and pair not in ended):
-            raise UnprovedError(f"pair {pair} is proved up to {reached.get(pair, 0.0)!r} alone, not to the end")
+    check_tiled(proof.entries, len(proof.model.pairs), _check_entry, "the end", bool(proof.motion.pieces))
 
 
-def _check_entry(entry: Any, k: int) -> None:
-    if entry.by not in ("plane", "balls"):
-        raise UnprovedError(f"entry {k} is by {entry.by!r:.40}, which is not known")
+def _check_entry(entry: Entry, k: int) -> None:
     if entry.by == "plane":
         if len(entry.direction) != 2 or not any(entry.direction):
             raise UnprovedError(f"entry {k} needs a direction of two numbers that are not both 0")

@@ -13,7 +13,7 @@ import flint
 import numpy as np
 from flint import arb
 
-from plannercheck.proofs.data import JOINT_VALUES, WORLD, Hashes, Joint, Model, Motion, ProofData
+from plannercheck.proofs.data import JOINT_VALUES, WORLD, Entry, Hashes, Joint, Model, Motion, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.numbers_of_proofs import (
@@ -22,6 +22,7 @@ from plannercheck.proofs.numbers_of_proofs import (
     check_numbers,
     check_pairs,
     check_rigid,
+    check_tiled,
     check_vertices,
 )
 
@@ -56,24 +57,14 @@ def hashes_of(model: Model) -> Hashes:
 def check_tiling(proof: ProofData) -> None:
     """Raises a `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is."""
     assert isinstance(proof.model, Model)
-    reached: dict[int, float] = {}
-    for k, entry in enumerate(proof.entries):
-        if not 0 <= entry.pair < len(proof.model.pairs):
-            raise UnprovedError(f"entry {k} is of pair {entry.pair}, of {len(proof.model.pairs)}")
-        if not entry.start < entry.end or reached.get(entry.pair, 0.0) != entry.start:
-            raise UnprovedError(
-                f"entry {k}, [{entry.start!r}, {entry.end!r}], does not begin where pair {entry.pair} is proved so "
-                f"far, at {reached.get(entry.pair, 0.0)!r}"
-            )
-        reached[entry.pair] = entry.end
-        if entry.by not in ("plane", "balls"):
-            raise UnprovedError(f"entry {k} is by {entry.by!r:.40}, which is not known")
-        if entry.by == "plane" and not (len(entry.direction) == 3 and WORLD <= entry.frame < len(proof.model.links)):
+    links = len(proof.model.links)
+
+    def check_entry(entry: Entry, k: int) -> None:
+        if entry.by == "plane" and not (len(entry.direction) == 3 and WORLD <= entry.frame < links):
             raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
         check_numbers(entry.direction, f"direction of entry {k}")
-    for pair in range(len(proof.model.pairs)):
-        if reached.get(pair, 0.0) != 1.0:
-            raise UnprovedError(f"pair {pair} is proved up to {reached.get(pair, 0.0)!r} alone, not to 1")
+
+    check_tiled(proof.entries, len(proof.model.pairs), check_entry, "1")
 
 
 def _check_margin(margin: float) -> None:

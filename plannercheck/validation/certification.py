@@ -25,6 +25,7 @@ from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
+from plannercheck.common.counters import sum_fields
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 
@@ -106,13 +107,8 @@ def certify_verdicts(checker: Checker, q: Floats, first_pair: NDArray[np.int32])
 
 def merged(reports: list[CertificationReport]) -> CertificationReport:
     """One report for several sets; rows stay as they are."""
-    return CertificationReport(
-        states=sum(report.states for report in reports),
-        shared_points=sum(report.shared_points for report in reports),
-        planes=sum(report.planes for report in reports),
-        boxes=sum(report.boxes for report in reports),
-        unproved=tuple(found for report in reports for found in report.unproved),
-    )
+    counts = sum_fields(reports, "states", "shared_points", "planes", "boxes")
+    return CertificationReport(**counts, unproved=tuple(found for report in reports for found in report.unproved))
 
 
 class _Certification:

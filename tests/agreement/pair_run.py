@@ -17,6 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 from contact_differences import differ_from_contact
+from solids import dyadic_poses, random_poses, width
 from table import ErrorTable
 
 import plannercheck as pc
@@ -125,8 +126,8 @@ def posed(p: Solid, r: Solid, rng: np.random.Generator) -> Iterator[tuple[Points
     """Poses of both bodies with the gap in m, NaN if not known."""
     gaps = rng.choice([-1, 1], CONTACT_POSES) * rng.choice(GAPS, CONTACT_POSES) * min(p.size, r.size)
     yield from zip(*contacts.contact_poses(p, r, gaps, rng), gaps.tolist(), strict=True)
-    yield from zip(*contacts.random_poses(p, r, RANDOM_POSES, rng), [math.nan] * RANDOM_POSES, strict=True)
-    yield from zip(*contacts.dyadic_poses(p, r, DYADIC_POSES, rng), [0.0] * DYADIC_POSES, strict=True)
+    yield from zip(*random_poses(p, r, RANDOM_POSES, rng), [math.nan] * RANDOM_POSES, strict=True)
+    yield from zip(*dyadic_poses(p, r, DYADIC_POSES, rng), [0.0] * DYADIC_POSES, strict=True)
 
 
 def doubtful(ours: bool, theirs: bool, gap: float, tally: Tally) -> bool:
@@ -155,7 +156,7 @@ def is_clear(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap: float = ma
 
     A known gap below 0 bounds the overlap; one above 0 is the distance.
     """
-    clear = CLEAR * min(p.width, r.width)
-    if min(p.width, r.width) <= WIDE or abs(gap) <= clear:
+    clear = CLEAR * min(width(p), width(r))
+    if min(width(p), width(r)) <= WIDE or abs(gap) <= clear:
         return False
     return differ_from_contact(p, r, pose_p, pose_r, clear)

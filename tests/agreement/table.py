@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections import Counter
 
+from solids import width
+
 from plannercheck.evaluation.stress.contact_poses import Solid
 
 # Lower ends of the rows: the smaller body's size, m, and the flatter body's width over its size.
@@ -28,7 +30,7 @@ class ErrorTable:
     def add(self, p: Solid, r: Solid, gap: float, truth: bool, theirs: bool) -> None:
         """Counts a pair; gap in m, NaN if unknown; truth and FCL's verdict are True for a collision."""
         size = min(p.size, r.size)
-        flatness = min(p.width / p.size, r.width / r.size)
+        flatness = min(width(p) / p.size, width(r) / r.size)
         column = len(GAP_STEPS) if math.isnan(gap) else gap_column(abs(gap) / size)
         key = (row_of(size, SIZE_STEPS), row_of(flatness, FLATNESS_STEPS), column)
         self.pairs[key, truth] += 1

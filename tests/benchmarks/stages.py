@@ -9,11 +9,16 @@ against that of the states that doubles settle, taken in turns.
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+from solids import random_poses
 
 import plannercheck as pc
 from plannercheck.bodies.intersection import pair_options
@@ -53,7 +58,7 @@ def near_touching(
 
 def random(p: contacts.Solid, r: contacts.Solid, rng: np.random.Generator) -> tuple[contacts.Points, contacts.Points]:
     """Poses of which about half collide."""
-    return contacts.random_poses(p, r, POSES, rng)
+    return random_poses(p, r, POSES, rng)
 
 
 def show_pairs(name: str, posed: Callable[..., tuple[contacts.Points, contacts.Points]]) -> list[dict[str, object]]:

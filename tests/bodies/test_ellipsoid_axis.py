@@ -7,12 +7,13 @@ import itertools
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from solids import random_poses
 
 import plannercheck as pc
 from plannercheck.bodies.intersection import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import family
-from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses, random_poses
+from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
 
 CENTRE_AXIS = 1  # stage
 LONG = np.array([1.0, 0.1, 0.1])

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from solids import random_poses
 
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.fcl_bodies import FclBodies
@@ -21,7 +22,7 @@ def test_fcl_is_right_at_clear_gaps() -> None:
     rng = np.random.default_rng(5)
     bodies = FclBodies([(SOLID.vertices, SOLID.faces)] * 2)
     verdicts = []
-    for pose_p, pose_r in zip(*contacts.random_poses(SOLID, SOLID, 200, rng), strict=True):
+    for pose_p, pose_r in zip(*random_poses(SOLID, SOLID, 200, rng), strict=True):
         bodies.place(0, pose_p)
         bodies.place(1, pose_r)
         verdicts.append(bodies.collides(0, 1))
@@ -33,7 +34,7 @@ def test_fcl_does_not_depend_on_the_orientation_of_faces() -> None:
     rng = np.random.default_rng(6)
     outward = FclBodies([(SOLID.vertices, SOLID.faces)] * 2)
     inward = FclBodies([(SOLID.vertices, SOLID.faces[:, ::-1])] * 2)
-    poses = np.stack(contacts.random_poses(SOLID, SOLID, 200, rng), axis=1)
+    poses = np.stack(random_poses(SOLID, SOLID, 200, rng), axis=1)
     pair = np.array([[0, 1]])
     assert [outward.collide_all(p, pair) for p in poses] == [inward.collide_all(p, pair) for p in poses]
 
@@ -41,7 +42,7 @@ def test_fcl_does_not_depend_on_the_orientation_of_faces() -> None:
 def test_boxes_apart_means_free() -> None:
     rng = np.random.default_rng(7)
     bodies = FclBodies([(SOLID.vertices, SOLID.faces)] * 2)
-    poses = np.stack(contacts.random_poses(SOLID, SOLID, 300, rng), axis=1)
+    poses = np.stack(random_poses(SOLID, SOLID, 300, rng), axis=1)
     poses[:, 0, :3, 3] += 2 * contacts.random_directions(300, rng)
     meet = bodies.boxes_meet(poses, np.array([[0, 1]]))[:, 0]
     assert 30 < np.count_nonzero(meet) < 270
@@ -76,7 +77,7 @@ def test_inflated_points_and_segments_are_spheres_and_capsules() -> None:
     assert bodies.known.all()
     pairs = np.array([[0, 1], [1, 2], [0, 2], [1, 1], [0, 0]])
     verdicts = []
-    for pose_p, pose_r in zip(*contacts.random_poses(SOLID, SOLID, 100, rng), strict=True):
+    for pose_p, pose_r in zip(*random_poses(SOLID, SOLID, 100, rng), strict=True):
         for p, r in pairs.tolist():
             truth = exact.intersects(hulls[p][0], hulls[r][0], pose_p, pose_r, inflation_radii[p], inflation_radii[r])
             poses = np.stack([pose_p, pose_r])

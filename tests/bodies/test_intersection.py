@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from pair_ways import CENTRE_AXIS, NEAR, PAIRS, UNIT, WAYS, assert_all_ways_agree, moved
-from solids import solid_of
+from solids import dyadic_poses, random_poses, solid_of
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
@@ -22,7 +22,7 @@ from plannercheck.evaluation.stress.contact_poses import Solid
 @pytest.mark.parametrize(("first", "second", "n"), PAIRS)
 def test_random_poses(first, second, n):
     (p, P), (r, R) = solid_of(first, n, 1), solid_of(second, n, 2)
-    truth = assert_all_ways_agree(P, R, *contacts.random_poses(p, r, 24, np.random.default_rng(n)))
+    truth = assert_all_ways_agree(P, R, *random_poses(p, r, 24, np.random.default_rng(n)))
     assert 0 < truth.sum() < len(truth)
 
 
@@ -40,7 +40,7 @@ def test_near_contact(first, second, n):
 )
 def test_exact_contact(first, second, n):
     (p, P), (r, R) = solid_of(first, n, 5), solid_of(second, n, 6)
-    truth = assert_all_ways_agree(P, R, *contacts.dyadic_poses(p, r, 40, np.random.default_rng(n)))
+    truth = assert_all_ways_agree(P, R, *dyadic_poses(p, r, 40, np.random.default_rng(n)))
     assert truth.any()
 
 
@@ -62,7 +62,7 @@ def test_identical_and_nested_bodies_collide(name):
     whole = pc.Polytope(points)
     centre = whole.centre.ravel()
     core_of = pc.Polytope(centre + 1e-3 * (points - centre))
-    turned = contacts.random_poses(*[Solid("", whole.vertices, whole.faces)] * 2, 1, np.random.default_rng(1))[0]
+    turned = random_poses(*[Solid("", whole.vertices, whole.faces)] * 2, 1, np.random.default_rng(1))[0]
     for method in METHODS:
         for pose in (None, turned[0]):
             assert pc.intersects(whole, whole, pose, pose, method)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from solids import random_poses
 
 import plannercheck as pc
 from plannercheck.bodies.certificates import PosedBody, direction_of, separation
 from plannercheck.bodies.intersection import pair_options
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress.body_families import family
-from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses, random_poses
+from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
 
 GAPS = (1e-1, 1e-4, 1e-9, 1e-15, 0.0, -1e-12, -1e-2)
 EACH = 12

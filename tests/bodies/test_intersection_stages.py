@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from pair_ways import DOUBLE_DOUBLE, EXACT, NEAREST_POINTS, SOLVER, UNIT, moved
-from solids import solid_of
+from solids import dyadic_poses, solid_of
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
@@ -130,7 +130,7 @@ def test_stages_behind_the_filter_change_no_verdict(first, second, n, inflation_
 @pytest.mark.parametrize(("first", "second"), [("box", "box"), ("lattice", "lattice"), ("lattice", "box")])
 def test_exact_contacts_are_decided_from_the_vertices_that_filters_found(first, second):
     (p, P), (r, R) = solid_of(first, 60, 23), solid_of(second, 60, 24)
-    poses_p, poses_r = contacts.dyadic_poses(p, r, 240, np.random.default_rng(25))
+    poses_p, poses_r = dyadic_poses(p, r, 240, np.random.default_rng(25))
     stages = assert_stages_behind_the_filter_agree(P, R, poses_p, poses_r)
     assert (stages[True, True] == EXACT).any()
 

@@ -60,7 +60,8 @@ import numpy as np
 import plannercheck as pc
 from plannercheck.common.core import core
 from plannercheck.bodies.intersection import pair_options
-from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses, random_poses
+from plannercheck.evaluation.stress.contact_poses import Solid, contact_poses
+from solids import random_poses
 from plannercheck.evaluation.stress.body_families import family
 
 counter = ctypes.CDLL(None).allocations_so_far
@@ -99,7 +100,8 @@ def counter(tmp_path_factory):
 
 def counted(counter, program, *arguments):
     """What a program prints that runs with the counter: numbers of allocations for few and for many, by call."""
-    environment = {**os.environ, "LD_PRELOAD": str(counter)}
+    support = os.pathsep.join([str(Path(__file__).parents[1] / "support"), os.environ.get("PYTHONPATH", "")])
+    environment = {**os.environ, "LD_PRELOAD": str(counter), "PYTHONPATH": support}
     run = subprocess.run(
         [sys.executable, "-c", program, *arguments], env=environment, capture_output=True, text=True, check=False
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from solids import centroid
 
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.evaluation.stress.contact_poses import Points, Solid, unit
@@ -18,7 +19,7 @@ def differ_from_contact(p: Solid, r: Solid, pose_p: Points, pose_r: Points, gap:
     """
     if not exact.intersects(p.vertices, r.vertices, pose_p, pose_r):
         return exact.distance(p.vertices, r.vertices, pose_p, pose_r) > gap
-    arms = p.vertices - p.centroid
+    arms = p.vertices - centroid(p)
     part = min(1.0, gap / np.linalg.norm(arms, axis=1).max())
     if overlap_along_facets(p, r, pose_p, pose_r) <= gap:
         return False

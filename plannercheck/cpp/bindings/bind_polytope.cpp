@@ -49,6 +49,15 @@ std::shared_ptr<Polytope> polytope_from_faces(InputArray<double, -1, 3> vertices
   return body;
 }
 
+std::shared_ptr<Polytope> polytope_from_bytes(nb::bytes data) {
+  return std::make_shared<Polytope>(parse_polytope(static_cast<const char*>(data.data()), data.size()));
+}
+
+nb::bytes bytes_of(const Polytope& body) {
+  const std::string data = serialise(body);
+  return nb::bytes(data.data(), data.size());
+}
+
 auto rows_of(const std::vector<Vec3>& points) {
   std::vector<double> flat;
   for (const Vec3& p : points) flat.insert(flat.end(), {p.x, p.y, p.z});
@@ -73,8 +82,19 @@ nb::dict shape_of(const Hierarchy& h) {
   return out;
 }
 
+auto vertices_of(const Polytope& b) { return rows_of(b.inner.points); }
+auto triangles_of(const Polytope& b) { return rows_of(b.triangles); }
+auto source_of(const Polytope& b) { return output_array(b.source, {b.source.size()}); }
+auto polar_points_of(const Polytope& b) { return rows_of(b.polar.points); }
+auto centre_of(const Polytope& b) { return rows_of(std::vector<Vec3>{b.centre}); }
+auto inner_shape_of(const Polytope& b) { return shape_of(b.inner); }
+auto polar_shape_of(const Polytope& b) { return shape_of(b.polar); }
+
 // For each vertex the level at which it is removed.
-auto levels_of(const Hierarchy& h) { return output_array(h.level, {h.level.size()}); }
+auto levels_of(const Polytope& b, bool of_polar) {
+  const Hierarchy& h = of_polar ? b.polar : b.inner;
+  return output_array(h.level, {h.level.size()});
+}
 
 // A scan on rounded products may have stopped at a vertex that is extreme up to kScanError: compares it with all.
 std::int32_t surely_extreme(const Hierarchy& h, std::int32_t v, Vec3 u) {
@@ -227,37 +247,17 @@ void bind_polytope(nb::module_& m) {
   nb::class_<Polytope>(m, "Polytope")
       .def_static("from_points", &polytope_from_points, plain_floats)
       .def_static("from_faces", &polytope_from_faces, plain_floats)
-      .def_static(
-          "parse",
-          [](nb::bytes data) {
-            return std::make_shared<Polytope>(parse_polytope(static_cast<const char*>(data.data()), data.size()));
-          },
-          plain_floats)
-      .def(
-          "serialise",
-          [](const Polytope& b) {
-            const std::string data = serialise(b);
-            return nb::bytes(data.data(), data.size());
-          },
-          plain_floats)
-      .def(
-          "vertices", [](const Polytope& b) { return rows_of(b.inner.points); }, plain_floats)
-      .def(
-          "triangles", [](const Polytope& b) { return rows_of(b.triangles); }, plain_floats)
-      .def(
-          "source", [](const Polytope& b) { return output_array(b.source, {b.source.size()}); }, plain_floats)
-      .def(
-          "polar_points", [](const Polytope& b) { return rows_of(b.polar.points); }, plain_floats)
-      .def(
-          "levels", [](const Polytope& b, bool of_polar) { return levels_of(of_polar ? b.polar : b.inner); },
-          plain_floats)
-      .def(
-          "centre", [](const Polytope& b) { return rows_of(std::vector<Vec3>{b.centre}); }, plain_floats)
+      .def_static("parse", &polytope_from_bytes, plain_floats)
+      .def("serialise", &bytes_of, plain_floats)
+      .def("vertices", &vertices_of, plain_floats)
+      .def("triangles", &triangles_of, plain_floats)
+      .def("source", &source_of, plain_floats)
+      .def("polar_points", &polar_points_of, plain_floats)
+      .def("levels", &levels_of, plain_floats)
+      .def("centre", &centre_of, plain_floats)
       .def("inner_shapes", &inner_shapes_of, plain_floats)
-      .def(
-          "inner_shape", [](const Polytope& b) { return shape_of(b.inner); }, plain_floats)
-      .def(
-          "polar_shape", [](const Polytope& b) { return shape_of(b.polar); }, plain_floats)
+      .def("inner_shape", &inner_shape_of, plain_floats)
+      .def("polar_shape", &polar_shape_of, plain_floats)
       .def_ro("facets", &Polytope::facet_count)
       .def_ro("radius", &Polytope::radius)
       .def_ro("origin_radius", &Polytope::origin_radius)

@@ -58,18 +58,16 @@ class SteppedTest {
     if (axis_->centres_share()) return end(axis_->shared_by_centres());
     if (options_->turned_axis) axis_->turn();
     ++counters_->guest_queries;
-    return search(SearchStep::kLowest, guest_.body->inner, axis_->towards_host());
+    return search(&SteppedTest::after_lowest, guest_.body->inner, axis_->towards_host());
   }
 
   // One step of the descent; at its end, what follows from its vertex. False once the verdict is known.
-  bool step() { return descent_.step(counters_->queries) || proceed(); }
+  bool step() { return descent_.step(counters_->queries) || (this->*after_)(); }
 
   std::size_t pair() const { return pair_; }
   const PairVerdict& verdict() const { return verdict_; }
 
  private:
-  enum class SearchStep { kLowest, kHighest, kFirstFacet, kActive };
-
   const PairOptions* options_ = nullptr;
   CachedPlane* cache_ = nullptr;
   PairCounters* counters_ = nullptr;
@@ -80,14 +78,14 @@ class SteppedTest {
   Descent descent_;
   DeferredSupport deferred_support_{descent_, {}};
   std::optional<DoubleOracle<DeferredSupport>> oracle_;
-  SearchStep search_step_ = SearchStep::kLowest;
+  bool (SteppedTest::*after_)() = nullptr;  // what follows the descent
   std::int32_t lowest_ = 0;
   Vec3 of_guest_, first_;
   int rounds_ = 0;
   PairVerdict verdict_;
 
-  bool search(SearchStep search_step, const Levels& levels, Vec3 direction) {
-    search_step_ = search_step;
+  bool search(bool (SteppedTest::*after)(), const Levels& levels, Vec3 direction) {
+    after_ = after;
     descent_.start(levels, direction, counters_->queries);
     return true;
   }
@@ -97,25 +95,11 @@ class SteppedTest {
     return false;
   }
 
-  bool proceed() {
-    switch (search_step_) {
-      case SearchStep::kLowest:
-        return after_lowest();
-      case SearchStep::kHighest:
-        return after_highest();
-      case SearchStep::kFirstFacet:
-        return after_first_facet();
-      case SearchStep::kActive:
-        return after_active();
-    }
-    return false;
-  }
-
   bool after_lowest() {
     lowest_ = descent_.vertex(), of_guest_ = descent_.point();
     if (!axis_->is_beyond_centre(of_guest_)) return begin_solver(lowest_);
     ++counters_->host_queries;
-    return search(SearchStep::kHighest, host_.body->inner, axis_->towards_guest());
+    return search(&SteppedTest::after_highest, host_.body->inner, axis_->towards_guest());
   }
 
   bool after_highest() {
@@ -128,7 +112,7 @@ class SteppedTest {
     frame_.emplace(guest_, host_);
     first_ = first_point(*frame_, lowest);
     ++counters_->host_queries;
-    return search(SearchStep::kFirstFacet, host_.body->polar, first_);
+    return search(&SteppedTest::after_first_facet, host_.body->polar, first_);
   }
 
   bool after_first_facet() {
@@ -136,7 +120,7 @@ class SteppedTest {
     oracle_.emplace(*frame_, deferred_support_, *counters_);
     oracle_->start(lowest_, descent_.vertex());
     rounds_ = 0;
-    search_step_ = SearchStep::kActive;
+    after_ = &SteppedTest::after_active;
     return ask();
   }
 

@@ -11,6 +11,7 @@ import numpy as np
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, Sphere
 from plannercheck.common.array_types import Floats
+from plannercheck.common.transforms import pose_of
 
 # Steps towards the furthest point: the ball is within some per cent of the least (Badoiu and Clarkson).
 _STEPS = 32
@@ -22,7 +23,7 @@ _SMALLEST = 1e-9  # m; a box needs some thickness
 def ball_around(body: Polytope) -> tuple[Sphere, Floats]:
     """A ball and its pose (4, 4) in the body's frame."""
     ball = _ball(body.vertices, body.inflation_radius)
-    return Sphere(float(ball[3])), _pose(np.eye(3), ball[:3])
+    return Sphere(float(ball[3])), pose_of(ball[:3])
 
 
 def _ball(points: Floats, inflation_radius: float) -> Floats:
@@ -46,7 +47,7 @@ def _box_along(body: Polytope, axes: Floats) -> tuple[Box, Floats]:
     along = body.vertices @ axes
     low, high = along.min(axis=0) - body.inflation_radius, along.max(axis=0) + body.inflation_radius
     size = (high - low) * (1 + _GROWTH) + _SMALLEST
-    return Box(tuple(size.tolist())), _pose(axes, axes @ (low + high) / 2)
+    return Box(tuple(size.tolist())), pose_of(axes @ (low + high) / 2, axes)
 
 
 def capsule_around(body: Polytope) -> tuple[Capsule, Floats]:
@@ -63,7 +64,7 @@ def _capsule_along(body: Polytope, axes: Floats) -> tuple[Capsule, Floats]:
     low, high = (along[:, 2] + reach).min(), (along[:, 2] - reach).max()
     low, high = min(low, (low + high) / 2), max(high, (low + high) / 2)  # a ball would do: any point between
     radius = (seen[3] + body.inflation_radius) * (1 + _GROWTH) + _SMALLEST
-    return Capsule(radius, high - low + _SMALLEST), _pose(axes, axes @ np.array([seen[0], seen[1], (low + high) / 2]))
+    return Capsule(radius, high - low + _SMALLEST), pose_of(axes @ np.array([seen[0], seen[1], (low + high) / 2]), axes)
 
 
 def _volume(capsule: Capsule) -> float:
@@ -79,9 +80,3 @@ def _principal_axes(points: Floats) -> Floats:
     axes = np.linalg.eigh(np.cov(points.T) if len(points) > 1 else np.eye(3))[1][:, ::-1]
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     return np.asarray(axes)
-
-
-def _pose(axes: Floats, centre: Floats) -> Floats:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = axes, centre
-    return pose

@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.transforms import pose_of
 from plannercheck.evaluation.bench.build_cost import Built, built, resident_bytes
 from plannercheck.evaluation.bench.motion_sets import random_motions
 from plannercheck.evaluation.bench.timing import Work, least_seconds
@@ -108,9 +109,7 @@ def boxes_around(count: int, seed: int) -> Scene:
         low, high = _NEAR_DISTANCES if k < NEAR else _FAR_DISTANCES
         direction = rng.normal(size=3)
         place = direction / np.linalg.norm(direction) * rng.uniform(low, high)
-        pose = np.eye(4)
-        pose[:3, :3] = _rotation(rng)
-        pose[:3, 3] = place
+        pose = pose_of(place, _rotation(rng))
         scene.add_box(f"box {k}", tuple(rng.uniform(*_EDGES, 3)), pose)
     return scene
 

@@ -23,6 +23,7 @@ import numpy as np
 from plannercheck.bodies.shapes import Cylinder
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.transforms import pose_of
 from plannercheck.evaluation.bench.motion_sets import MotionCase, random_sets
 from plannercheck.evaluation.bench.other_libraries import coal
 from plannercheck.evaluation.bench.timing import in_turns
@@ -145,14 +146,14 @@ def _steps(checker: Checker, rng: np.random.Generator) -> Iterator[tuple[str, St
     yield "with_scene, one box more", _changed(checker, lambda scene: _add(scene, rng))
     if checker.scene.object_names:
         last = checker.scene.object_names[-1]
-        carrying = checker.attach(f"{_OWN} can", Cylinder(0.03, 0.1), link, _at(0, 0, 0.2))
+        carrying = checker.attach(f"{_OWN} can", Cylinder(0.03, 0.1), link, pose_of((0, 0, 0.2)))
         yield "with_scene, one object moved", _changed(checker, lambda scene: scene.move(last, _anywhere(rng)))
         yield "with_scene, one object gone", _changed(checker, lambda scene: scene.remove(last))
         yield (
             "with_scene while another is attached, one moved",
             _changed(carrying, lambda scene: scene.move(last, _anywhere(rng))),
         )
-    yield "attach", lambda: checker.attach(f"{_OWN} tin", Cylinder(0.03, 0.1), link, _at(0, 0, 0.2))
+    yield "attach", lambda: checker.attach(f"{_OWN} tin", Cylinder(0.03, 0.1), link, pose_of((0, 0, 0.2)))
 
 
 def _changed(checker: Checker, change: Callable[[Scene], object]) -> Step:
@@ -169,13 +170,7 @@ def _add(scene: Scene, rng: np.random.Generator) -> None:
 
 
 def _anywhere(rng: np.random.Generator) -> Floats:
-    return _at(*rng.uniform(0.3, 0.8, 3))
-
-
-def _at(x: float, y: float, z: float) -> Floats:
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
+    return pose_of(rng.uniform(0.3, 0.8, 3))
 
 
 def _least(

@@ -20,8 +20,6 @@ Points = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 VERTEX, EDGE, FACET = range(3)
-# Directions taken at once against all vertices, to bound memory.
-BLOCK = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,30 +62,9 @@ class Solid:
         return sums
 
     @cached_property
-    def centroid(self) -> Points:
-        """The centre of volume, (3,), m."""
-        middle = self.vertices.mean(axis=0)
-        corners = self.vertices[self.faces] - middle
-        volumes = np.linalg.det(corners)
-        return np.asarray(middle + volumes @ corners.sum(axis=1) / (4 * volumes.sum()))
-
-    @cached_property
     def size(self) -> float:
         """The longest edge of the axis-aligned box, m."""
         return float(np.ptp(self.vertices, axis=0).max())
-
-    @cached_property
-    def width(self) -> float:
-        """The least extent along a facet's normal, m: at least the true width, and equal to it for a box.
-
-        0 for bodies without facets, inflated or not.
-        """
-        if len(self.faces) == 0:
-            return 0.0
-        directions = np.unique(np.round(self.normals[np.any(self.normals != 0, axis=1)], 6), axis=0)
-        some = directions[:: max(1, len(directions) // 2000)]
-        blocks = np.array_split(some, 1 + len(some) // BLOCK)
-        return float(min(np.ptp(block @ self.vertices.T, axis=1).min() for block in blocks))
 
 
 def contact_poses(p: Solid, r: Solid, gaps: Points, rng: np.random.Generator) -> tuple[Points, Points]:
@@ -112,34 +89,6 @@ def contact_poses(p: Solid, r: Solid, gaps: Points, rng: np.random.Generator) ->
     pose_r[:, :3, 3] = rng.uniform(-1, 1, size=(k, 3))
     touch = pose_r[:, :3, 3] + turned(pose_r, point_r)
     pose_p[:, :3, 3] = touch + gaps[:, None] * direction - turned(pose_p, point_p)
-    return pose_p, pose_r
-
-
-def random_poses(p: Solid, r: Solid, k: int, rng: np.random.Generator) -> tuple[Points, Points]:
-    """Poses at random distances, of which about half collide for round bodies; (k, 4, 4) each, m."""
-    pose_p, pose_r = identities(k), identities(k)
-    pose_p[:, :3, :3] = turns_onto(random_directions(k, rng), random_directions(k, rng), rng)
-    pose_r[:, :3, :3] = turns_onto(random_directions(k, rng), random_directions(k, rng), rng)
-    pose_r[:, :3, 3] = rng.uniform(-1, 1, size=(k, 3))
-    centre_p, centre_r = p.vertices.mean(axis=0), r.vertices.mean(axis=0)
-    apart = random_directions(k, rng) * rng.uniform(0, 0.6 * (p.size + r.size), size=(k, 1))
-    pose_p[:, :3, 3] = pose_r[:, :3, 3] + turned(pose_r, centre_r) - turned(pose_p, centre_p) + apart
-    return pose_p, pose_r
-
-
-def dyadic_poses(p: Solid, r: Solid, k: int, rng: np.random.Generator) -> tuple[Points, Points]:
-    """Poses (k, 4, 4) without rounding: quarter turns, a vertex of p on a vertex or an edge's middle of r, m.
-
-    Bodies with short coordinates touch exactly, or miss or overlap by a few units in the last place.
-    """
-    pose_p, pose_r = identities(k), identities(k)
-    pose_p[:, :3, :3] = quarter_turns(k, rng)
-    pose_r[:, :3, :3] = quarter_turns(k, rng)
-    corners = r.faces[rng.integers(0, len(r.faces), k)]
-    second = np.where(rng.integers(0, 2, k) == 0, corners[:, 0], corners[:, 1])
-    target = turned(pose_r, (r.vertices[corners[:, 0]] + r.vertices[second]) / 2)
-    offset = target - turned(pose_p, p.vertices[rng.integers(0, len(p.vertices), k)])
-    pose_p[:, :3, 3] = offset + rng.integers(-1, 2, size=(k, 3)) * np.spacing(np.abs(offset))
     return pose_p, pose_r
 
 
