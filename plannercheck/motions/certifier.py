@@ -150,9 +150,8 @@ class MotionCertifier:
         robot, part = self._robot, self._pairs_within_limits
         if part.touching or len(robot.joint_names) != robot.nq:
             return _never_known
-        turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
         judge: Callable[[Configuration, Configuration, float], bool | None] = core.motion_row_validity(
-            part.core, robot.kinematics, *self._range, self._errors.usual, turning
+            part.core, robot.kinematics, *self._range, self._errors.usual, list(self._errors.turning)
         )
         return judge
 
