@@ -84,8 +84,8 @@ class CompiledPairs:
         links, placements = (array[self._used] for array in source.mounts)
         places = (np.cumsum(is_used, dtype=np.int32) - 1)[table]
         self.is_still = (links < 0)[places].all(axis=1)
-        anything = np.full(robot.nq, LARGEST_VALUE)
-        lower, upper = (np.clip(limit, -anything, anything) for limit in limits or (-anything, anything))
+        least, most = limits or (np.full(robot.nq, -LARGEST_VALUE), np.full(robot.nq, LARGEST_VALUE))
+        lower, upper = np.maximum(least, -LARGEST_VALUE), np.minimum(most, LARGEST_VALUE)
         self.core = core.Checker(
             [polytope.core for polytope in self.polytopes.values()],
             links,

@@ -162,8 +162,7 @@ class MotionCertifier:
         robot, part = self._robot, self._pairs_within_limits
         if part.touching or len(robot.joint_names) != robot.nq:
             return _never_known
-        turning = np.flatnonzero(robot.configuration_map.turning_columns()).tolist()
-        return of_certifier(part.core, robot.kinematics, *self._range, self._errors.usual, turning)
+        return of_certifier(part.core, robot.kinematics, *self._range, self._errors.usual, list(self._errors.turning))
 
     def is_free(self, q0: list[float], q1: list[float], tolerance: float) -> bool:
         """`check` of one motion between configurations given as lists: what planners call.

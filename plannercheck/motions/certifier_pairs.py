@@ -111,10 +111,12 @@ class ChainedPairs:
 
 def _ordered(pairs: Ints, links: Ints) -> Ints:
     """Pairs in which the first body moves, if either does."""
-    table = pairs.copy()
-    swapped = (links[pairs[:, 0]] < 0) & (links[pairs[:, 1]] >= 0)
-    table[swapped] = table[swapped][:, ::-1]
-    return table
+    moves = links[pairs] >= 0
+    swapped = np.flatnonzero(moves[:, 1] > moves[:, 0])
+    if len(swapped):
+        pairs = pairs.copy()
+        pairs[swapped] = pairs[swapped][:, ::-1]
+    return pairs
 
 
 def _permanently_apart(robot: Robot, pairs: Ints, polytopes: Mapping[int, Polytope], poses: Floats) -> Bools:

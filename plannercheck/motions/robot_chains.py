@@ -21,6 +21,9 @@ from plannercheck.motions.joint_chains import ChainBuilder, ChainJoint, PairPart
 from plannercheck.motions.joint_drives import Spread, defect, drives, spread
 from plannercheck.robots.robot import Robot
 
+# Of so many choices of pairs, each of at most so many, the arrays are kept: a moved obstacle has the pairs that it had.
+_MOST_CHOICES, _MOST_PAIRS_KEPT = 8, 4096
+
 
 class ChosenChains(NamedTuple):
     """The chains of some pairs, as the core takes them.
@@ -92,6 +95,7 @@ class RobotChains:
         self._own_pairs: dict[bytes, Ints] = {}
         self._known_parts: dict[tuple[int, int], PairParts] = {}  # for robots that carry something
         self._flat: dict[bytes, tuple[Ints, Ints, Floats, Ints]] = {}
+        self._chosen: dict[bytes, ChosenChains] = {}
 
     @property
     def tree(self) -> JointTree:
@@ -100,8 +104,17 @@ class RobotChains:
 
     def of(self, pairs: Ints64) -> ChosenChains:
         """The chains of pairs (k, 2), of which the first body moves; obstacles follow the bodies."""
+        if len(pairs) > _MOST_PAIRS_KEPT:
+            with self._lock:
+                return self._of(pairs)
+        key = pairs.tobytes()
         with self._lock:
-            return self._of(pairs)
+            found = self._chosen.get(key)
+            if found is None:
+                if len(self._chosen) >= _MOST_CHOICES:
+                    self._chosen.clear()
+                found = self._chosen[key] = self._of(pairs)
+        return found
 
     def _of(self, pairs: Ints64) -> ChosenChains:
         rows = np.empty((len(pairs), 5), dtype=np.int32)
@@ -111,7 +124,7 @@ class RobotChains:
         rows[at_rest, 3] = self._chains_from_world(pairs[at_rest, 0])
         rows[~at_rest, 2:] = self._of_own(pairs[~at_rest])
         chosen, rows[:, 3:] = _by_first_use(rows[:, 3:])
-        return ChosenChains(rows, *self._arrays(chosen))
+        return ChosenChains(read_only(rows), *self._arrays(chosen))
 
     def _are_at_rest(self, bodies: Ints64) -> Bools:
         return np.asarray(self._links[np.minimum(bodies, self._own)] < 0)

@@ -33,6 +33,7 @@ class RoundingBounds:
         low: (nq,) lower end of the range in which the usual bound holds, rad and m.
         high: (nq,) upper end of that range.
         usual: The usual bound, m.
+        turning: Columns of angles that whole turns do not change.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -42,7 +43,7 @@ class RoundingBounds:
         self.low, self.high = low - _MARGIN, high + _MARGIN
         self.usual = robot.kinematic_error_within(self.low, self.high)
         self._far: dict[bytes, float] = {}
-        self._turns = bool(robot.configuration_map.turning_columns().any())
+        self.turning: tuple[int, ...] = tuple(np.flatnonzero(robot.configuration_map.turning_columns()).tolist())
 
     def of_motion(self, q0: Floats, q1: Floats, given: Floats) -> float:
         """The error of computed poses on one motion (nq,) to (nq,) whose end was given as `given`, m."""
@@ -58,7 +59,7 @@ class RoundingBounds:
         """
         low, high = self.low, self.high
         near = (q0 >= low) & (q0 <= high) & (given >= low) & (given <= high)
-        if self._turns:  # else the given ends are these ends
+        if self.turning:  # else the given ends are these ends
             near &= (q1 >= low) & (q1 <= high)
         if near.all():
             return lambda rows: [(self.usual, rows)]

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any, Literal
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +24,6 @@ from plannercheck.ompl.projections import register_projection
 from plannercheck.ompl.state_numbers import NumberedSpace, StateNumbers
 from plannercheck.robots.configurations import PLAIN, ConfigurationMap, is_continuous
 from plannercheck.robots.robot import Robot
-
-# Cached results of questions to Pinocchio, which would take a tenth of a short plan's time.
-_COLUMNS: WeakKeyDictionary[Robot, tuple[NDArray[np.bool_], Floats, Floats, list[int]]] = WeakKeyDictionary()
 
 
 class JointSpace(NumberedSpace):
@@ -51,9 +47,9 @@ class JointSpace(NumberedSpace):
         Raises:
             PlannercheckError: If a joint takes several numbers, or has no limits and is no angle.
         """
-        if robot not in _COLUMNS:
-            _COLUMNS[robot] = _columns(robot)
-        self.continuous, self._lower, self._upper, self._free = _COLUMNS[robot]
+        # Kept, since questions to Pinocchio would take a tenth of a short plan's time.
+        found = robot.remembered(("joint space", robot.group), lambda: _columns(robot))
+        self.continuous, self._lower, self._upper, self._free = found
         if self._free:
             self._lower, self._upper = self._lower.copy(), self._upper.copy()
             self._lower[self._free] = np.min([self._lower, *held], axis=0)[self._free]
