@@ -29,7 +29,7 @@ TABLES: dict[str, Callable[[], str]] = {
         *(planning.changing_scenes, inside.motions_cost, inside.hierarchies, inside.preparation),
         *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
         *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
-        *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games),
+        *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games, inside.levels),
     )
 }
 

@@ -191,6 +191,19 @@ def switches() -> str:
     return table(("states", "off", "µs a state", "×"), lines) + "\n" + provenance(found)
 
 
+def levels() -> str:
+    """µs on the widest instruction set, and the next one's time over it, by kind of work and robot."""
+    found = record("levels")
+    rows = {(row["work"], row["robot"]): list(row["microseconds"].values()) for row in found["rows"]}
+    first, other = found["rows"][0]["microseconds"]
+    robots = list(dict.fromkeys(robot for _, robot in rows))
+    lines = [
+        [work, *(f"{number(wide)} ({narrow / wide:.2f})" for wide, narrow in (rows[work, robot] for robot in robots))]
+        for work in dict.fromkeys(work for work, _ in rows)
+    ]
+    return table([f"µs on {first} ({other} over it)", *robots], lines) + "\n" + provenance(found)
+
+
 def scale() -> str:
     """Scenes of many boxes."""
     found = record("scale")
