@@ -13,6 +13,7 @@ import trimesh
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
+from plannercheck.bodies import solid_certificates
 from plannercheck.bodies.hull_equality import is_hull
 from plannercheck.bodies.solid_certificates import winding_number
 from plannercheck.bodies.solids import Solid
@@ -420,3 +421,18 @@ def test_winding_numbers_count():
     assert winding_number(cube + 3, corners) == 0
     assert winding_number(cube + 1, corners) is None  # a corner is at the origin
     assert winding_number(cube, np.vstack([corners, [[0, 0, 1], [2, 2, 2]]])) == 1
+
+
+def test_rays_through_edges_and_vertices_are_not_used():
+    """Around the origin, triangles whose edges and corners lie on the first rays that are tried."""
+    for direction in solid_certificates._DIRECTIONS[:3]:
+        d = np.array(direction)
+        side = np.array([d[1], -d[0], 0])
+        third = np.cross(d, side)
+        # Of a tetrahedron around the origin: one corner, or the middle of one edge, on the ray.
+        for corners in (
+            [d, -d + side, -d - 2 * side + third, -d - third],
+            [d + side, d - side, -d + third, -2 * d - third],
+        ):
+            points = np.array([[int(x) for x in corner] for corner in corners], dtype=object)
+            assert abs(winding_number(points, TRIANGLES)) == 1

@@ -225,6 +225,19 @@ def test_what_only_filling_refuses_is_nothing_for_solids(rail):
     assert found.only_filling > 20
 
 
+def test_solids_inside_one_another_are_not_refused_by_filling(rail):
+    """A tetrahedron in the wall of the ring collides, though no surfaces meet."""
+    robot = rail({"ball": "solid", "ring": "solid"})
+    meshes = {"ring_0": TriangleMesh.of(np.asarray(RING.vertices), np.asarray(RING.faces))}
+    meshes["ball_0"] = TriangleMesh.of(*robot.bodies[[body.name for body in robot.bodies].index("ball_0")].shape.used)
+    q = np.array([[0.45]])
+    checker = pc.Checker(robot)
+    (pair,) = checker.explain(q[0]).collisions
+    assert isinstance(pair.certificate, pc.Enclosure)
+    found = refused_by_filling(checker, meshes, q)
+    assert (found.refused, found.only_filling) == (1, 0)
+
+
 def test_matrices_of_pairs_are_of_solids(rail):
     (pair,) = [each for each in collision_matrix(rail(), 300).pairs if {each.link_a, each.link_b} == {"ball", "ring"}]
     (hulls,) = [
