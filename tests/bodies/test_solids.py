@@ -244,6 +244,21 @@ def test_the_last_bit_decides():
     assert 10 < sum(said) < 50
 
 
+def test_skew_faces_whose_bends_doubles_do_not_show():
+    """Faces of skew boxes of whole numbers of 40 bits, with a vertex that is off by the last bit, or not."""
+    rng = np.random.default_rng(5)
+    cut = CUBE.subdivide()
+    lattice, corners = np.asarray(cut.vertices) + 1, np.asarray(cut.faces)
+    for is_bent in (False, True) * 10:
+        points = lattice @ rng.integers(-(2**40), 2**40, (3, 3))
+        if is_bent:
+            k, axis = rng.integers(len(points)), rng.integers(3)
+            points[k, axis] = np.nextafter(points[k, axis], rng.choice([-np.inf, np.inf]))
+        made = Solid(points, corners)
+        assert made.equals_hull == fractions_say(*made.used)
+        assert is_bent or made.equals_hull
+
+
 def test_random_flat_faces_against_fractions():
     """Hulls of a few whole numbers, cut at random: coplanar facets, vertices without volume of their own."""
     rng = np.random.default_rng(4)
