@@ -154,7 +154,7 @@ def test_equal_hulls_of_a_solid_and_a_hull_are_prepared_apart(rail):
     scene = pc.Scene("both")
     pose = np.eye(4)
     pose[2, 3] = 3
-    scene.add("hull", pc.Hull(np.asarray(RING.vertices)), pose)
+    scene.add("hull", pc.Hull(pc.Solid(RING.vertices, RING.faces).used[0]), pose)  # the very points
     pose[2, 3] = 5
     scene.add("solid", pc.Solid(RING.vertices, RING.faces), pose)
     scene.add("same", pc.Solid(RING.vertices.copy(), RING.faces.copy()), pose)
@@ -171,7 +171,10 @@ def test_pickled_checkers_keep_their_solids(rail):
     again = pickle.loads(pickle.dumps(checker))
     assert again.check_states(ROWS).tolist() == checker.check_states(ROWS).tolist()
     assert content_hash(again) == content_hash(checker)
-    assert content_hash(pc.Checker(rail("hull"))) != content_hash(checker)
+    solid, scenes = pc.Solid(RING.vertices, RING.faces), [pc.Scene("same"), pc.Scene("same")]
+    scenes[0].add("ring", solid)
+    scenes[1].add("ring", pc.Hull(solid.used[0]))
+    assert len({content_hash(pc.Checker(rail("hull"), scene)) for scene in scenes}) == 2
 
 
 def test_obstacles_that_are_solids(rail):
