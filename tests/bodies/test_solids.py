@@ -13,6 +13,7 @@ import trimesh
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
+from plannercheck.bodies import solid_certificates
 from plannercheck.bodies.hull_equality import is_hull
 from plannercheck.bodies.solid_certificates import winding_number
 from plannercheck.bodies.solids import Solid
@@ -243,6 +244,21 @@ def test_the_last_bit_decides():
     assert 10 < sum(said) < 50
 
 
+def test_skew_faces_whose_bends_doubles_do_not_show():
+    """Faces of skew boxes of whole numbers of 40 bits, with a vertex that is off by the last bit, or not."""
+    rng = np.random.default_rng(5)
+    cut = CUBE.subdivide()
+    lattice, corners = np.asarray(cut.vertices) + 1, np.asarray(cut.faces)
+    for is_bent in (False, True) * 10:
+        points = lattice @ rng.integers(-(2**40), 2**40, (3, 3))
+        if is_bent:
+            k, axis = rng.integers(len(points)), rng.integers(3)
+            points[k, axis] = np.nextafter(points[k, axis], rng.choice([-np.inf, np.inf]))
+        made = Solid(points, corners)
+        assert made.equals_hull == fractions_say(*made.used)
+        assert is_bent or made.equals_hull
+
+
 def test_random_flat_faces_against_fractions():
     """Hulls of a few whole numbers, cut at random: coplanar facets, vertices without volume of their own."""
     rng = np.random.default_rng(4)
@@ -420,3 +436,18 @@ def test_winding_numbers_count():
     assert winding_number(cube + 3, corners) == 0
     assert winding_number(cube + 1, corners) is None  # a corner is at the origin
     assert winding_number(cube, np.vstack([corners, [[0, 0, 1], [2, 2, 2]]])) == 1
+
+
+def test_rays_through_edges_and_vertices_are_not_used():
+    """Around the origin, triangles whose edges and corners lie on the first rays that are tried."""
+    for direction in solid_certificates._DIRECTIONS[:3]:
+        d = np.array(direction)
+        side = np.array([d[1], -d[0], 0])
+        third = np.cross(d, side)
+        # Of a tetrahedron around the origin: one corner, or the middle of one edge, on the ray.
+        for corners in (
+            [d, -d + side, -d - 2 * side + third, -d - third],
+            [d + side, d - side, -d + third, -2 * d - third],
+        ):
+            points = np.array([[int(x) for x in corner] for corner in corners], dtype=object)
+            assert abs(winding_number(points, TRIANGLES)) == 1

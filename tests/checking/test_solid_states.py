@@ -154,7 +154,7 @@ def test_equal_hulls_of_a_solid_and_a_hull_are_prepared_apart(rail):
     scene = pc.Scene("both")
     pose = np.eye(4)
     pose[2, 3] = 3
-    scene.add("hull", pc.Hull(np.asarray(RING.vertices)), pose)
+    scene.add("hull", pc.Hull(pc.Solid(RING.vertices, RING.faces).used[0]), pose)  # the very points
     pose[2, 3] = 5
     scene.add("solid", pc.Solid(RING.vertices, RING.faces), pose)
     scene.add("same", pc.Solid(RING.vertices.copy(), RING.faces.copy()), pose)
@@ -171,7 +171,10 @@ def test_pickled_checkers_keep_their_solids(rail):
     again = pickle.loads(pickle.dumps(checker))
     assert again.check_states(ROWS).tolist() == checker.check_states(ROWS).tolist()
     assert content_hash(again) == content_hash(checker)
-    assert content_hash(pc.Checker(rail("hull"))) != content_hash(checker)
+    solid, scenes = pc.Solid(RING.vertices, RING.faces), [pc.Scene("same"), pc.Scene("same")]
+    scenes[0].add("ring", solid)
+    scenes[1].add("ring", pc.Hull(solid.used[0]))
+    assert len({content_hash(pc.Checker(rail("hull"), scene)) for scene in scenes}) == 2
 
 
 def test_obstacles_that_are_solids(rail):
@@ -223,6 +226,19 @@ def test_what_only_filling_refuses_is_nothing_for_solids(rail):
     assert refused_by_filling(pc.Checker(rail()), meshes, ROWS).only_filling == 0
     found = refused_by_filling(pc.Checker(rail("hull")), meshes, ROWS)
     assert found.only_filling > 20
+
+
+def test_solids_inside_one_another_are_not_refused_by_filling(rail):
+    """A tetrahedron in the wall of the ring collides, though no surfaces meet."""
+    robot = rail({"ball": "solid", "ring": "solid"})
+    meshes = {"ring_0": TriangleMesh.of(np.asarray(RING.vertices), np.asarray(RING.faces))}
+    meshes["ball_0"] = TriangleMesh.of(*robot.bodies[[body.name for body in robot.bodies].index("ball_0")].shape.used)
+    q = np.array([[0.45]])
+    checker = pc.Checker(robot)
+    (pair,) = checker.explain(q[0]).collisions
+    assert isinstance(pair.certificate, pc.Enclosure)
+    found = refused_by_filling(checker, meshes, q)
+    assert (found.refused, found.only_filling) == (1, 0)
 
 
 def test_matrices_of_pairs_are_of_solids(rail):

@@ -119,6 +119,12 @@ def test_pieces(gripper):
     assert "base_0" in every  # all concave and open ones
 
 
+def test_pieces_by_options_leave_named_links_alone(gripper):
+    """Options that choose links by themselves would take the base, which is concave."""
+    assert "base_0" in robot_of(gripper, decomposition=pc.Decomposition()).pieces
+    assert not robot_of(gripper, decomposition=pc.Decomposition(), geometry={"base": "hull"}).pieces
+
+
 def test_yaml(gripper):
     text = "urdf: gripper.urdf\nsrdf: gripper.srdf\ngroup: finger\npackage_dirs: [.]\n"
     (gripper / "hull.yaml").write_text(text)
