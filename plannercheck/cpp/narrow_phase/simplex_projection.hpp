@@ -13,6 +13,8 @@
 namespace plannercheck {
 
 inline bool positive(const Dyadic& x) { return x.sign() > 0; }
+inline void set_to_one(Dyadic& x) { x = 1.0; }
+inline void set_to_one(DoubleDouble& x) { x = {1, 0}; }
 
 // The rest, `weight` and `towards`, is meaningless where `run` returns false.
 template <class Number, class Vector>
@@ -31,7 +33,7 @@ class SimplexProjection {
 
  private:
   bool point(const Vector& a) {
-    weight[0] = Number{1.0};
+    set_to_one(weight[0]);
     towards = a;
     return true;
   }

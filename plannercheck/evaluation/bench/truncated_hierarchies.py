@@ -12,12 +12,9 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats, Ints64
-
-Exact = NDArray[np.object_]
 
 # As in cpp/bodies/hierarchy.hpp: vertices of at most this degree are removed.
 _REMOVED_DEGREE = 8
@@ -98,7 +95,7 @@ def _bounded_by(polar_points: Floats, body: Polytope) -> Polytope | None:
     dual = Polytope(polar_points)
     exact = np.array([[Fraction(x) for x in row] for row in dual.vertices.tolist()], dtype=object)
     a, b, c = (exact[dual.faces[:, k]] for k in range(3))
-    normals = _cross(b - a, c - a)
+    normals = np.cross(b - a, c - a)
     offsets = (normals * a).sum(axis=1)
     if offsets.min() <= 0:
         return None
@@ -106,10 +103,3 @@ def _bounded_by(polar_points: Floats, body: Polytope) -> Polytope | None:
     if np.linalg.norm(corners, axis=1).max() > _LONGEST * body.core.radius:
         return None
     return Polytope(body.centre + corners * (1 + _GROWTH))
-
-
-def _cross(a: Exact, b: Exact) -> Exact:
-    """Cross products (n, 3), for any kind of numbers."""
-    x, y, z = range(3)
-    columns = [a[:, i] * b[:, k] - a[:, k] * b[:, i] for i, k in ((y, z), (z, x), (x, y))]
-    return np.stack(columns, axis=1)
