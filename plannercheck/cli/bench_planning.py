@@ -24,7 +24,7 @@ from plannercheck.cli.bench_options import (
 from plannercheck.cli.common import table
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import from_files, motions, plans, set_up
+from plannercheck.evaluation.bench import from_files, many_boxes, motions, plans, set_up
 from plannercheck.evaluation.bench.motion_sets import MotionSet, random_sets, recorded_set
 from plannercheck.evaluation.bench.motions import MotionRow
 from plannercheck.evaluation.bench.planners import Settings
@@ -65,6 +65,9 @@ def _add_setup(parser: argparse.ArgumentParser) -> None:
         "--scene", nargs="+", default=["bookshelf"], help="names or files; none for no obstacles (default: bookshelf)"
     )
     add_problems(parser, ", done from scene file and request to a path")
+    parser.add_argument(
+        "--boxes", type=positive, nargs="+", default=[], metavar="N", help="also scenes of N boxes, e.g. 1000 100000"
+    )
     _add_limit(parser)
     add_seed(parser)
 
@@ -145,9 +148,10 @@ def _run_setup(options: argparse.Namespace) -> None:
     keep(options.output, "setup", rows)
     if options.problems:
         robot = Robot.load(options.robot)
-        solved = [
+        sets = [
             from_files.measure(path, robot, options.every, options.first, options.time) for path in options.problems
         ]
+        solved = [each.row() for each in (*sets, *([from_files.together(sets)] if len(sets) > 1 else []))]
         header = ("from files to a path", "solved", "read ms", "checker ms", "plan ms", "median ms", "mean ms")
         cells = [
             (
@@ -159,6 +163,28 @@ def _run_setup(options: argparse.Namespace) -> None:
         ]
         print(f"\n{table(header, cells)}")
         keep(options.output, "from_files", solved)
+    if options.boxes:
+        _run_boxes(options)
+
+
+def _run_boxes(options: argparse.Namespace) -> None:
+    rows = [
+        many_boxes.measure(options.robot, count, are_near, options.seed)
+        for count in options.boxes
+        for are_near in (False, True)
+    ]
+    header = ("boxes", "where", "scene s", "checker s", "first motion ms", "MB: scene", "and checker", "and motion")
+    cells = [
+        (
+            row.boxes,
+            row.where,
+            *(number(value) for value in (row.scene, row.checker, row.first_motion)),
+            *(number(value) for value in (row.scene_mb, row.checker_mb, row.motion_mb)),
+        )
+        for row in rows
+    ]
+    print(f"\n{table(header, cells)}")
+    keep(options.output, "boxes", rows)
 
 
 def _print_setup(rows: Sequence[SetUpRow]) -> None:
