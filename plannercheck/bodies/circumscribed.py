@@ -22,6 +22,10 @@ from plannercheck.common.errors import PlannercheckError
 # Relative growth that covers the rounding of the points (under 8 units in the last place, 2^-49).
 ROUNDING_MARGIN = 2.0**-48
 
+# Corners (8, 3) of a cube from -1 to 1, as `prism_faces(4)` refers to them.
+BOX_SIGNS = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))])
+BOX_SIGNS.setflags(write=False)
+
 # The most divisions of an octahedron's edge: 4 * 500^2 + 2 points are a million, more than a ball needs.
 MAX_DIVISIONS = 500
 

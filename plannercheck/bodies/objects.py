@@ -17,7 +17,7 @@ from typing import TypeAlias
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_shapes import GivenShape, given_shape, in_frame, is_geometry
-from plannercheck.bodies.shapes import GeometryObject, Shape, checked_pose
+from plannercheck.bodies.shapes import Box, GeometryObject, Shape, checked_pose
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only_copy
 from plannercheck.common.errors import PlannercheckError
@@ -25,7 +25,7 @@ from plannercheck.common.public_names import set_module
 
 
 @set_module("plannercheck")
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Part:
     """One shape of an object.
 
@@ -90,7 +90,7 @@ class PoseFrame:
     known: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class SceneObject:
     """An object of a scene.
 
@@ -120,13 +120,17 @@ class SceneObject:
     bodies: tuple[GeometryObject, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        names = [self.name] if len(self.parts) == 1 else [f"{self.name}/{k}" for k in range(len(self.parts))]
         carried = None if self.link is None else self.name
-        bodies = (
+        if len(self.parts) == 1 and self.parts[0].pose is None:  # most of all
+            bodies = (GeometryObject(self.name, self.link, self.pose, self.parts[0].shape, carried),)
+            object.__setattr__(self, "bodies", bodies)
+            return
+        names = [self.name] if len(self.parts) == 1 else [f"{self.name}/{k}" for k in range(len(self.parts))]
+        posed = (
             GeometryObject(name, self.link, in_frame(self.pose, part.pose, f"object {name!r}"), part.shape, carried)
             for name, part in zip(names, self.parts, strict=True)
         )
-        object.__setattr__(self, "bodies", tuple(bodies))
+        object.__setattr__(self, "bodies", tuple(posed))
 
     def moved(self, pose: ArrayLike | None) -> SceneObject:
         """The same object elsewhere: in the world, or on its link."""
@@ -163,7 +167,10 @@ def scene_object(
     Returns:
         The object.
     """
-    shapes = tuple(_known_part(part, f"object {name!r}") for part in _listed(parts))
+    if type(parts) is Box:  # scenes may have very many
+        shapes: tuple[Part, ...] = (Part(parts),)
+    else:
+        shapes = tuple(_known_part(part, f"object {name!r}") for part in _listed(parts))
     if not name or not shapes:
         raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
     return SceneObject(name, shapes, checked_pose(pose, f"object {name!r}"), subframes=subframes or {})

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies import polytope_files as body_files
-from plannercheck.bodies.circumscribed import prism_faces
+from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import contiguous, read_only
@@ -240,22 +240,27 @@ class Polytope:
         return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
 
 
-def polytope_of_box(corners: Floats, inflation_radius: float) -> Polytope | None:
-    """The polytope of a box's corners, as `Box.vertices_and_faces` lists them, without looking at either again.
+def polytopes_of_boxes(sizes: Floats, inflation_radii: Floats) -> list[Polytope | None]:
+    """The polytopes of boxes, without looking at their corners and faces one by one.
 
     Args:
-        corners: (8, 3) m.
-        inflation_radius: m.
+        sizes: (n, 3) full edge lengths of boxes, m.
+        inflation_radii: (n,) m.
 
     Returns:
-        The same as `Polytope` gives; None where that may refuse the box, or where the box has no volume.
+        The same as `Polytope` gives for each; None where that may refuse the box, or where the box has no volume.
     """
-    if len(corners) != 8 or not max(corners.max(), inflation_radius) <= LARGEST_COORDINATE:
-        return None
-    try:
-        return Polytope._from_core(core.Polytope.from_faces(corners, _box_triangles(), inflation_radius))
-    except core.HullError:
-        return None
+    out: list[Polytope | None] = [None] * len(sizes)
+    largest = np.maximum(sizes.max(axis=1, initial=0.0) / 2, inflation_radii)
+    usable = np.flatnonzero((largest <= LARGEST_COORDINATE) & (sizes > 0).all(axis=1))
+    made = core.Polytope.of_boxes(
+        np.ascontiguousarray(sizes[usable]), np.ascontiguousarray(inflation_radii[usable]), BOX_SIGNS, _box_triangles()
+    )
+    known: dict[int, Polytope] = {}
+    for k, body in zip(usable.tolist(), made, strict=True):
+        if body is not None:
+            out[k] = known.setdefault(id(body), Polytope._from_core(body))
+    return out
 
 
 @cache

@@ -21,7 +21,14 @@ from typing import TypeAlias, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.bodies.circumscribed import ROUNDING_MARGIN, ball_around, capsule_faces, prism_faces, ring_around
+from plannercheck.bodies.circumscribed import (
+    BOX_SIGNS,
+    ROUNDING_MARGIN,
+    ball_around,
+    capsule_faces,
+    prism_faces,
+    ring_around,
+)
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
@@ -43,6 +50,9 @@ RIGID_TOLERANCE = 1e-6
 POSED_TOLERANCE = 3.6e-6
 
 
+_THREE_FLOATS = [float] * 3
+
+
 @set_module("plannercheck")
 @dataclass(frozen=True)
 class Box:
@@ -55,7 +65,9 @@ class Box:
     size: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        size = _numbers(self.size, "box size")
+        size = self.size
+        if type(size) not in (tuple, list) or [type(edge) for edge in size] != _THREE_FLOATS:
+            size = _numbers(size, "box size")  # type: ignore[assignment]  # of any length
         if len(size) != 3:
             raise PlannercheckError(f"box size needs 3 edge lengths in m, not {len(size)}: {list(size)}")
         edges = (_length(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
@@ -66,8 +78,7 @@ class Box:
         if min(self.size) == 0:
             corners = itertools.product(*({-edge / 2, edge / 2} for edge in self.size))
             return np.array(list(corners)) + 0.0, None
-        signs = np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
-        return signs * (np.array(self.size) / 2), prism_faces(4)
+        return BOX_SIGNS * (np.array(self.size) / 2), prism_faces(4)
 
 
 @set_module("plannercheck")
@@ -223,7 +234,7 @@ def inflated_hull(shape: Shape, excess: float = DEFAULT_EXCESS) -> InflatedHull:
     return *shape.vertices_and_faces(excess), 0.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class GeometryObject:
     """A collision body: a shape, posed on its link, or in the world.
 

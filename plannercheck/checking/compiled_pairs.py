@@ -80,7 +80,9 @@ class CompiledPairs:
         is_used = np.zeros(self._count, dtype=bool)
         is_used[table.ravel()] = True
         self._used = np.flatnonzero(is_used)
-        self.polytopes = {k: source.preparation.polytope(k) for k in self._used.tolist()}
+        used = self._used.tolist()
+        source.preparation.prepare(used)
+        self.polytopes = {k: source.preparation.polytope(k) for k in used}
         links, placements = (array[self._used] for array in source.mounts)
         places = (np.cumsum(is_used, dtype=np.int32) - 1)[table]
         self.is_still = (links < 0)[places].all(axis=1)

@@ -16,7 +16,7 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
-from plannercheck.bodies.polytope import Polytope, polytope_of_box, prepared
+from plannercheck.bodies.polytope import Polytope, polytopes_of_boxes, prepared
 from plannercheck.bodies.shapes import (
     Box,
     Capsule,
@@ -62,6 +62,9 @@ _USUAL_EXCESS = 1e-5
 # Of a shape, so many last used with different excesses or paddings are kept.
 _MOST_SETTINGS = 4
 
+# Of a scene of more bodies than these, boxes are not looked up among those of other scenes: making them is as fast.
+_MOST_LOOKED_UP = 1000
+
 # By shape, for each excess and padding, most often one. Shapes that compare equal are the same shape.
 _PREPARED: WeakKeyDictionary[Shape, tuple[_PreparedShape, ...]] = WeakKeyDictionary()
 
@@ -93,9 +96,16 @@ class Preparation:
         before = {} if earlier is None else earlier._by_shape
         self._by_shape: dict[tuple[int, float], _PreparedShape] = {}
         self._entries: list[_PreparedShape] = []
+        are_few = len(bodies) <= _MOST_LOOKED_UP
+        settings = {part: (excess, part) for part in set(paddings.tolist())}
         for body, part in zip(bodies, paddings.tolist(), strict=True):
-            key = id(body.shape), part
-            entry = self._by_shape[key] = before.get(key) or _known(body.shape, (excess, part))
+            shape = body.shape
+            key = id(shape), part
+            entry = self._by_shape.get(key) or before.get(key)
+            if entry is None:
+                is_known = are_few or type(shape) is not Box
+                entry = _known(shape, settings[part]) if is_known else _PreparedShape(settings[part])
+            self._by_shape[key] = entry
             self._entries.append(entry)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -121,18 +131,37 @@ class Preparation:
 
     def boxes(self, bodies: Sequence[int]) -> Boxes:
         """The boxes and balls around some bodies' hulls; those that are boxes need no hull."""
-        shapes = [self._bodies[body].shape for body in bodies]
-        if not all(type(shape) is Box for shape in shapes):
-            return boxes_of([self.hull(body) for body in bodies])
-        high = np.array([shape.size for shape in shapes if isinstance(shape, Box)]).reshape(-1, 3) / 2
+        chosen = np.asarray(bodies, dtype=np.int64)
+        are_boxes = np.array([type(self._bodies[body].shape) is Box for body in bodies], dtype=bool)
+        high = self._sizes(chosen[are_boxes].tolist()) / 2
         radius = np.sqrt((high**2).sum(axis=1))
-        return Boxes(-high, high, np.zeros_like(high), radius, self.paddings[np.asarray(bodies, dtype=np.int64)])
+        found = Boxes(-high, high, np.zeros_like(high), radius, self.paddings[chosen[are_boxes]])
+        if are_boxes.all():
+            return found
+        others = boxes_of([self.hull(body) for body in chosen[~are_boxes].tolist()])
+        order = np.argsort(np.concatenate([np.flatnonzero(are_boxes), np.flatnonzero(~are_boxes)]))
+        return Boxes(*(np.concatenate(both)[order] for both in zip(found, others, strict=True)))
+
+    def _sizes(self, bodies: Sequence[int]) -> Floats:
+        """(n, 3) edge lengths of bodies that are boxes, m."""
+        shapes = (self._bodies[body].shape for body in bodies)
+        numbers = [edge for shape in shapes if isinstance(shape, Box) for edge in shape.size]
+        return np.array(numbers, dtype=np.float64).reshape(-1, 3)
+
+    def prepare(self, bodies: Sequence[int]) -> None:
+        """Prepares those of some bodies that are boxes, all at once."""
+        asked = [body for body in bodies if self._entries[body].polytope is None]
+        asked = [body for body in asked if type(self._bodies[body].shape) is Box]
+        if asked:
+            made = polytopes_of_boxes(self._sizes(asked), self.paddings[asked])
+            for body, polytope in zip(asked, made, strict=True):
+                self._entries[body].polytope = polytope
 
     def polytope(self, body: int) -> Polytope:
         """The prepared body."""
         entry = self._entries[body]
-        if entry.polytope is None and type(self._bodies[body].shape) is Box:
-            entry.polytope = polytope_of_box(*self.hull(body)[::2])  # equal boxes share it already
+        if entry.polytope is None:
+            self.prepare([body])
         if entry.polytope is None:
             entry.polytope = self._prepared(body)
         return entry.polytope

@@ -24,8 +24,9 @@ from plannercheck.cli.bench_options import (
 from plannercheck.cli.common import table_of
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench import from_files, motions, plans, set_up
+from plannercheck.evaluation.bench import from_files, many_boxes, motions, plans, set_up
 from plannercheck.evaluation.bench.from_files import FromFilesRow
+from plannercheck.evaluation.bench.many_boxes import BoxesRow
 from plannercheck.evaluation.bench.motion_sets import MotionSet, random_sets, recorded_set
 from plannercheck.evaluation.bench.motions import MotionRow
 from plannercheck.evaluation.bench.planners import Settings
@@ -66,6 +67,9 @@ def _add_setup(parser: argparse.ArgumentParser) -> None:
         "--scene", nargs="+", default=["bookshelf"], help="names or files; none for no obstacles (default: bookshelf)"
     )
     add_problems(parser, ", done from scene file and request to a path")
+    parser.add_argument(
+        "--boxes", type=positive, nargs="+", default=[], metavar="N", help="also scenes of N boxes, e.g. 1000 100000"
+    )
     _add_limit(parser)
     add_seed(parser)
 
@@ -142,9 +146,10 @@ def _run_setup(options: argparse.Namespace) -> None:
     keep(options.output, "setup", rows)
     if options.problems:
         robot = Robot.load(options.robot)
-        solved = [
+        sets = [
             from_files.measure(path, robot, options.every, options.first, options.time) for path in options.problems
         ]
+        solved = [each.row() for each in (*sets, *([from_files.together(sets)] if len(sets) > 1 else []))]
         columns: dict[str, Callable[[FromFilesRow], object]] = {
             "from files to a path": lambda row: row.set,
             "solved": lambda row: f"{row.solved} of {row.problems}",
@@ -156,6 +161,28 @@ def _run_setup(options: argparse.Namespace) -> None:
         }
         print(f"\n{table_of(solved, columns)}")
         keep(options.output, "from_files", solved)
+    if options.boxes:
+        _run_boxes(options)
+
+
+def _run_boxes(options: argparse.Namespace) -> None:
+    rows = [
+        many_boxes.measure(options.robot, count, are_near, options.seed)
+        for count in options.boxes
+        for are_near in (False, True)
+    ]
+    columns: dict[str, Callable[[BoxesRow], object]] = {
+        "boxes": lambda row: row.boxes,
+        "where": lambda row: row.where,
+        "scene s": lambda row: number(row.scene),
+        "checker s": lambda row: number(row.checker),
+        "first motion ms": lambda row: number(row.first_motion),
+        "MB: scene": lambda row: number(row.scene_mb),
+        "and checker": lambda row: number(row.checker_mb),
+        "and motion": lambda row: number(row.motion_mb),
+    }
+    print(f"\n{table_of(rows, columns)}")
+    keep(options.output, "boxes", rows)
 
 
 def _print_setup(rows: Sequence[SetUpRow]) -> None:

@@ -60,8 +60,14 @@ def preparations(monkeypatch):
 
     monkeypatch.setattr(prepared_bodies, "Polytope", counted(prepared_bodies.Polytope))
     monkeypatch.setattr(prepared_bodies, "prepared", counted(prepared_bodies.prepared))
-    of_box = prepared_bodies.polytope_of_box
-    monkeypatch.setattr(prepared_bodies, "polytope_of_box", lambda *given: names.append("box") or of_box(*given))
+    of_boxes = prepared_bodies.polytopes_of_boxes
+
+    def counted_boxes(sizes, radii):
+        names.extend(["box"] * len(sizes))
+        return of_boxes(sizes, radii)
+
+    monkeypatch.setattr(prepared_bodies, "polytopes_of_boxes", counted_boxes)
+    prepared_bodies._lasting.cache_clear()
     return names
 
 

@@ -12,7 +12,7 @@ from random_trees import random_tree
 
 import plannercheck as pc
 from plannercheck.bodies.objects import Part
-from plannercheck.bodies.polytope import polytope_of_box
+from plannercheck.bodies.polytope import polytopes_of_boxes
 from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Hull, Sphere
 from plannercheck.checking import prepared_bodies, robot_reach
 from plannercheck.checking.prepared_bodies import Preparation
@@ -210,21 +210,25 @@ def test_a_table_of_allowed_collisions_says_what_each_pair_says():
         np.testing.assert_array_equal(scene.allowed.table(first, second), truth)
 
 
-def test_a_box_is_prepared_as_any_hull_is():
+def test_boxes_are_prepared_as_any_hulls_are():
     rng = np.random.default_rng(1)
     sizes = [*rng.uniform(1e-3, 3, (30, 3)), (1e-9, 1, 2), (1e-200, 1e-200, 1e-200), (1e40, 1, 1e-3)]
-    for size in sizes:
-        shape, radius = Box(tuple(size)), float(rng.choice([0.0, 0.03]))
-        found = polytope_of_box(shape.vertices_and_faces()[0], radius)
-        assert found is not None
-        assert found.core.serialise() == pc.Polytope(*shape.vertices_and_faces(), radius).core.serialise()
-    assert polytope_of_box(Box((0, 1, 1)).vertices_and_faces()[0], 0.0) is None
-    assert polytope_of_box(Box((1e60, 1, 1)).vertices_and_faces()[0], 0.0) is None
+    sizes = np.array([*sizes, *sizes[:5], (0, 1, 1), (1e60, 1, 1), (5e-324, 1, 1)])  # the last three have no volume
+    radii = rng.choice([0.0, 0.03], len(sizes))
+    found = polytopes_of_boxes(sizes, radii)
+    for size, radius, polytope in zip(sizes[:-3].tolist(), radii.tolist(), found, strict=False):
+        made = pc.Polytope(*Box(tuple(size)).vertices_and_faces(), radius)
+        assert polytope.core.serialise() == made.core.serialise()
+    assert found[-3:] == [None, None, None]
+    same = [(k, k + 33) for k in range(5) if radii[k] == radii[k + 33]]
+    assert same
+    assert all(found[a] is found[b] for a, b in same)
 
 
 def test_boxes_around_boxes_need_no_hulls():
     rng = np.random.default_rng(2)
     shapes = [Box(tuple(size)) for size in (*rng.uniform(0, 2, (20, 3)), (0, 1, 2), (0, 0, 0))]
+    shapes[3:3] = [Cylinder(0.1, 0.3), Sphere(0.2)]
     bodies = [GeometryObject(f"{k}", None, np.eye(4), shape) for k, shape in enumerate(shapes)]
     preparation = Preparation(bodies, 1e-4, rng.uniform(0, 0.1, len(bodies)))
     for found, truth in zip(

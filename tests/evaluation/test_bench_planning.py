@@ -193,6 +193,15 @@ def test_setup_without_a_scene_has_nothing_to_load_or_move(monkeypatch):
     assert any("VAMP" in note for note in notes)
 
 
+def test_setup_of_very_many_boxes(tmp_path, monkeypatch):
+    monkeypatch.setattr("plannercheck.evaluation.bench.set_up.measure", lambda *_: [])
+    monkeypatch.setattr("plannercheck.cli.bench_planning._print_setup", lambda rows: None)
+    assert main(["bench", "setup", "--boxes", "300", "--output", str(tmp_path)]) == 0
+    rows = read(tmp_path / "boxes.csv")
+    assert [row["where"] for row in rows] == ["in a slab around the robot", "all within reach"]
+    assert all(float(row["checker"]) > 0 and float(row["checker_mb"]) >= float(row["scene_mb"]) for row in rows)
+
+
 def test_setup_from_files_to_a_path(problems, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("plannercheck.evaluation.bench.set_up.measure", lambda *arguments: [])
     monkeypatch.setattr("plannercheck.cli.bench_planning._print_setup", lambda rows: None)

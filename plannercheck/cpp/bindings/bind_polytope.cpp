@@ -4,7 +4,12 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
+#include <array>
+#include <map>
 #include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "bindings/array_types.hpp"
 #include "bindings/long_calls.hpp"
@@ -56,6 +61,37 @@ std::shared_ptr<Polytope> polytope_from_bytes(nb::bytes data) {
 nb::bytes bytes_of(const Polytope& body) {
   const std::string data = serialise(body);
   return nb::bytes(data.data(), data.size());
+}
+
+// The polytopes of n boxes of these full edge lengths; equal boxes share one. None where a box has no hull with volume.
+// signs: (8, 3) of the corners, in the order to which `faces` refer.
+nb::list polytopes_of_boxes(InputArray<double, -1, 3> sizes, InputArray<double, -1> inflation_radii,
+                            InputArray<double, 8, 3> signs, InputArray<std::int32_t, -1, 3> faces) {
+  if (inflation_radii.shape(0) != sizes.shape(0)) throw std::invalid_argument("sizes and radii are not of as many boxes");
+  std::vector<Triangle> triangles(faces.shape(0));
+  for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
+  std::map<std::array<double, 4>, std::shared_ptr<Polytope>> known;
+  std::vector<std::shared_ptr<Polytope>> bodies(sizes.shape(0));
+  without_gil([&] {
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      if (k > 0) poll_interruption();
+      const std::array<double, 4> key{sizes(k, 0), sizes(k, 1), sizes(k, 2), inflation_radii(k)};
+      const auto [place, is_new] = known.try_emplace(key);
+      if (is_new) {
+        std::vector<Vec3> corners;
+        for (std::size_t c = 0; c < 8; ++c)
+          corners.push_back({signs(c, 0) * (key[0] / 2), signs(c, 1) * (key[1] / 2), signs(c, 2) * (key[2] / 2)});
+        try {
+          place->second = inflated(prepare_polytope(verified_hull(corners, triangles)), key[3]);
+        } catch (const HullError&) {  // None
+        }
+      }
+      bodies[k] = place->second;
+    }
+  });
+  nb::list out;
+  for (std::shared_ptr<Polytope>& body : bodies) out.append(body == nullptr ? nb::none() : nb::cast(std::move(body)));
+  return out;
 }
 
 auto rows_of(const std::vector<Vec3>& points) {
@@ -247,6 +283,7 @@ void bind_polytope(nb::module_& m) {
   nb::class_<Polytope>(m, "Polytope")
       .def_static("from_points", &polytope_from_points, plain_floats)
       .def_static("from_faces", &polytope_from_faces, plain_floats)
+      .def_static("of_boxes", &polytopes_of_boxes, plain_floats)
       .def_static("parse", &polytope_from_bytes, plain_floats)
       .def("serialise", &bytes_of, plain_floats)
       .def("vertices", &vertices_of, plain_floats)

@@ -7,12 +7,14 @@ is done once: a scene that was seen before would be faster. The disk cache of pr
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.problems import checker_of, name_of_set
 from plannercheck.ompl import plan
@@ -45,7 +47,35 @@ class FromFilesRow:
     total_mean: float
 
 
-def measure(path: Path, robot: Robot, every: int, first: int | None, limit: float) -> FromFilesRow:
+@dataclass(frozen=True)
+class Timed:
+    """The solved problems of a set.
+
+    Attributes:
+        set: Its name.
+        tried: Number of problems that were tried.
+        steps: (solved, 3) ms of reading, checker and plan.
+    """
+
+    set: str
+    tried: int
+    steps: Floats
+
+    def row(self) -> FromFilesRow:
+        """Their medians."""
+        total = self.steps.sum(axis=1)
+        read, built, planned = np.median(self.steps, axis=0).tolist()
+        return FromFilesRow(
+            self.set, self.tried, len(total), read, built, planned, float(np.median(total)), float(total.mean())
+        )
+
+
+def together(sets: Sequence[Timed]) -> Timed:
+    """All problems of some sets."""
+    return Timed("all", sum(each.tried for each in sets), np.concatenate([each.steps for each in sets]))
+
+
+def measure(path: Path, robot: Robot, every: int, first: int | None, limit: float) -> Timed:
     """Does every so-many-th problem of a set.
 
     Args:
@@ -73,9 +103,4 @@ def measure(path: Path, robot: Robot, every: int, first: int | None, limit: floa
             spent.append(1e3 * np.diff(clock))
     if not spent:
         raise PlannercheckError(f"no problem of {name_of_set(path)} was solved: nothing can be timed")
-    steps = np.array(spent)
-    total = steps.sum(axis=1)
-    read, built, planned = np.median(steps, axis=0).tolist()
-    return FromFilesRow(
-        name_of_set(path), len(numbers), len(steps), read, built, planned, float(np.median(total)), float(total.mean())
-    )
+    return Timed(name_of_set(path), len(numbers), np.array(spent))
