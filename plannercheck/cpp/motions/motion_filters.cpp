@@ -51,23 +51,26 @@ std::array<Lanes, 12> pose_in_lanes(const Pose& pose) {
   return m;
 }
 
-// All lanes joined into one number, by halves. `Vector` is Lanes; as a parameter it keeps shuffles of other widths out.
-template <class Vector, class Join>
-double joined(Vector lanes, Join join) {
-  if constexpr (kLanes == 8) lanes = join(lanes, shuffled<4, 5, 6, 7, 0, 1, 2, 3>(lanes, lanes));
-  if constexpr (kLanes == 8) lanes = join(lanes, shuffled<2, 3, 0, 1, 6, 7, 4, 5>(lanes, lanes));
-  if constexpr (kLanes == 8) lanes = join(lanes, shuffled<1, 0, 3, 2, 5, 4, 7, 6>(lanes, lanes));
-  if constexpr (kLanes == 4) lanes = join(lanes, shuffled<2, 3, 0, 1>(lanes, lanes));
-  if constexpr (kLanes == 4) lanes = join(lanes, shuffled<1, 0, 3, 2>(lanes, lanes));
-  if constexpr (kLanes == 2) lanes = join(lanes, shuffled<1, 0>(lanes, lanes));
-  return lanes[0];
+// The largest number of each of six vectors, in their order, of all at once by halves.
+Floats largest_of_each(const std::array<Floats, 6>& v) {
+  const auto of_two = [](Floats a, Floats b) {
+    return larger(shuffled<0, 8, 2, 10, 4, 12, 6, 14>(a, b), shuffled<1, 9, 3, 11, 5, 13, 7, 15>(a, b));
+  };
+  const auto of_four = [](Floats a, Floats b) {
+    return larger(shuffled<0, 1, 8, 9, 4, 5, 12, 13>(a, b), shuffled<2, 3, 10, 11, 6, 7, 14, 15>(a, b));
+  };
+  const Floats last = of_two(v[4], v[5]), a = of_four(of_two(v[0], v[1]), of_two(v[2], v[3])), b = of_four(last, last);
+  return larger(shuffled<0, 1, 2, 3, 8, 9, 10, 11>(a, b), shuffled<4, 5, 6, 7, 12, 13, 14, 15>(a, b));
 }
+
+// Of a path's corners in floats: rounding them, and the sum with what they grow by, errs by 2^-24 of the numbers each.
+constexpr double kCornerRounding = 0x1p-22;
 
 }  // namespace
 
-std::array<Vec3, 2> MotionFilters::box_around_path(std::int32_t index, std::int32_t chain) const {
+Floats MotionFilters::box_around_path(std::int32_t index, std::int32_t chain) const {
   const double grown = sphere_radius(body(index)) + chord_deviation(curvature(chain)) + slack_;
-  std::array<std::array<double, 3>, 2> box;
+  std::array<Floats, 6> corners;
   for (std::size_t k = 0; k < 3; ++k) {
     // Lanes beyond the last state repeat it.
     const double* row = grid_.centre(index) + k * kGridRow;
@@ -75,10 +78,9 @@ std::array<Vec3, 2> MotionFilters::box_around_path(std::int32_t index, std::int3
     for (std::size_t i = kStep; i <= grid_.intervals(); i += kStep) {
       low = smaller(low, load_lanes(row + i)), high = larger(high, load_lanes(row + i));
     }
-    box[0][k] = joined(low, [](Lanes a, Lanes b) { return smaller(a, b); }) - grown;
-    box[1][k] = joined(high, [](Lanes a, Lanes b) { return larger(a, b); }) + grown;
+    corners[k] = joined_floats(&high, 0), corners[k + 3] = -joined_floats(&low, 0);
   }
-  return {Vec3{box[0][0], box[0][1], box[0][2]}, Vec3{box[1][0], box[1][1], box[1][2]}};
+  return largest_of_each(corners) + static_cast<float>((grown + size_ * kCornerRounding) * (1 + kCornerRounding));
 }
 
 unsigned MotionFilters::near(const CertifiedPair& pair) const {

@@ -55,8 +55,9 @@ class MotionFilters {
 
   unsigned all_intervals() const { return (1U << grid_.intervals()) - 1; }
 
-  // Low and high corner of the box around the whole path of a body, given its chain from the world.
-  std::array<Vec3, 2> box_around_path(std::int32_t body, std::int32_t chain) const;
+  // The box around the whole path of a body, given its chain from the world, rounded outwards: the high corner, then
+  // the low one with its sign changed.
+  Floats box_around_path(std::int32_t body, std::int32_t chain) const;
   // What bounding spheres leave open: on chords, against each other or against the box of a static body.
   unsigned near(const CertifiedPair& pair) const;
   // Settles the intervals whose boxes are apart along a direction of the frame, by `beyond` more than needed; records

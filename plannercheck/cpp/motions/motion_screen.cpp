@@ -46,7 +46,7 @@ MotionScreen::MotionScreen(const MotionModel& model, const std::vector<std::int3
   std::vector<std::size_t> place(model.bodies.size());
   for (std::size_t m = 0; m < movers.size(); ++m) place[at(movers[m])] = m;
   for (std::size_t s = 0; s < still.size(); ++s) place[at(still[s])] = s;
-  row_ = (still.size() + kStep - 1) / kStep * kStep;
+  const std::size_t eights = (still.size() + kFloats - 1) / kFloats;
   const auto radius = [&](std::int32_t body) { return sphere_radius(*model.bodies[at(body)].body); };
   std::vector<Mover> all(movers.size());
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
@@ -59,9 +59,9 @@ MotionScreen::MotionScreen(const MotionModel& model, const std::vector<std::int3
     }
     Mover& mover = all[a];
     mover.body = pair.a, mover.chain = pair.chain_a, mover.radius = radius(pair.a);
-    mover.pair.resize(row_, -1), mover.paired.resize(row_ / kStep);
+    mover.pair.resize(eights * kFloats, -1), mover.paired.resize(eights);
     mover.pair[b] = static_cast<std::int32_t>(p);
-    mover.paired[b / kStep] |= 1U << b % kStep;
+    mover.paired[b / kFloats] |= 1U << b % kFloats;
   }
   for (Mover& mover : all) {
     if (!mover.pair.empty()) movers_.push_back(std::move(mover));
@@ -70,22 +70,24 @@ MotionScreen::MotionScreen(const MotionModel& model, const std::vector<std::int3
 }
 
 void MotionScreen::bound_obstacles(const MotionModel& model, const std::vector<std::int32_t>& still) {
-  bounds_.assign(6 * row_, std::numeric_limits<double>::infinity());
+  const double infinity = std::numeric_limits<double>::infinity();
+  eights_.resize((still.size() + kFloats - 1) / kFloats);
   std::vector<WorldBox> boxes;
   for (std::size_t s = 0; s < still.size(); ++s) {
     const GeometryObject& object = model.bodies[at(still[s])];
-    std::array<double, 3> lows{}, highs{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      double &low = bounds_[k * row_ + s], &high = bounds_[(k + 3) * row_ + s];
-      high = -low;
-      for (const Vec3& v : object.body->inner.points) {
-        const Vec3 p = object.placement.apply(v);
-        low = smaller(low, p[static_cast<int>(k)]), high = larger(high, p[static_cast<int>(k)]);
-      }
-      low -= object.body->inflation_radius, high += object.body->inflation_radius;
-      lows[k] = low, highs[k] = high;
+    WorldBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (const Vec3& v : object.body->inner.points) {
+      const Vec3 p = object.placement.apply(v);
+      box.low = {smaller(box.low.x, p.x), smaller(box.low.y, p.y), smaller(box.low.z, p.z)};
+      box.high = {larger(box.high.x, p.x), larger(box.high.y, p.y), larger(box.high.z, p.z)};
     }
-    boxes.push_back({{lows[0], lows[1], lows[2]}, {highs[0], highs[1], highs[2]}});
+    const double inflated = object.body->inflation_radius;
+    boxes.push_back({box.low - Vec3{inflated, inflated, inflated}, box.high + Vec3{inflated, inflated, inflated}});
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<int>(k);
+      eights_[s / kFloats].side[k][s % kFloats] = rounded_down(boxes.back().low[axis]);
+      eights_[s / kFloats].side[k + 3][s % kFloats] = -rounded_up(boxes.back().high[axis]);
+    }
   }
   if (still.size() > kFewObstaclesOnPaths) tree_ = ObstacleTree(boxes);
 }
@@ -98,17 +100,9 @@ void MotionScreen::find_by_paths(const MotionFilters& filters, std::vector<std::
 
 void MotionScreen::find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
   for (const Mover& mover : movers_) {
-    const std::array<Vec3, 2> box = filters.box_around_path(mover.body, mover.chain);
-    for (std::size_t first = 0; first < row_; first += kStep) {
-      Lanes gap = broadcast(-std::numeric_limits<double>::infinity());
-      for (std::size_t k = 0; k < 3; ++k) {
-        const int axis = static_cast<int>(k);
-        gap = larger(gap, load_lanes(&bounds_[k * row_ + first]) - box[1][axis]);
-        gap = larger(gap, box[0][axis] - load_lanes(&bounds_[(k + 3) * row_ + first]));
-      }
-      for (unsigned meet = ~bits(gap > Lanes{}) & mover.paired[first / kStep]; meet != 0; meet &= meet - 1) {
-        found.push_back(mover.pair[first + static_cast<std::size_t>(__builtin_ctz(meet))]);
-      }
+    const Floats box = filters.box_around_path(mover.body, mover.chain);
+    for (std::size_t k = 0; k < eights_.size(); ++k) {
+      take(mover, k, meeting(eights_[k], box) & mover.paired[k], found);
     }
   }
 }
@@ -117,17 +111,31 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
                                   double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   const double room = filters.slack() + beyond;
   find_among_movers(grid, bounds, room, w, found);
-  if (row_ <= kFewObstaclesOnPaths) return find_near_paths(filters, found);
+  if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_paths(filters, found);
   for (const Mover& mover : movers_) {
     w.found.clear();
     find_in_tree(grid, mover, bounds.speed(mover.chain), room, w.found);
     if (w.found.empty()) continue;
-    const std::array<Vec3, 2> box = filters.box_around_path(mover.body, mover.chain);
+    const Floats box = filters.box_around_path(mover.body, mover.chain);
     for (const std::int32_t obstacle : w.found) {
-      const std::int32_t pair = mover.pair[at(obstacle)];
-      if (pair >= 0 && meets(obstacle, box)) found.push_back(pair);
+      const std::size_t k = at(obstacle) / kFloats;
+      take(mover, k, meeting(eights_[k], box) & mover.paired[k] & 1U << at(obstacle) % kFloats, found);
     }
   }
+}
+
+void MotionScreen::take(const Mover& mover, std::size_t eight, unsigned near, std::vector<std::int32_t>& found) {
+  for (; near != 0; near &= near - 1) {
+    found.push_back(mover.pair[eight * kFloats + static_cast<std::size_t>(__builtin_ctz(near))]);
+  }
+}
+
+// Which boxes another one may meet: none beyond any of its sides.
+unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
+  Floats beyond = boxes.side[0] - box[0];
+#pragma GCC unroll 5
+  for (std::size_t k = 1; k < 6; ++k) beyond = larger(beyond, boxes.side[k] - box[k]);
+  return ~float_bits(beyond > Floats{});
 }
 
 // Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds.
@@ -165,16 +173,6 @@ void MotionScreen::find_in_tree(const MotionGrid& grid, const Mover& mover, doub
   if (pieces == 1) return;
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
-}
-
-bool MotionScreen::meets(std::int32_t obstacle, const std::array<Vec3, 2>& box) const {
-  bool apart = false;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const int axis = static_cast<int>(k);
-    apart |= bounds_[k * row_ + at(obstacle)] > box[1][axis];
-    apart |= bounds_[(k + 3) * row_ + at(obstacle)] < box[0][axis];
-  }
-  return !apart;
 }
 
 }  // namespace plannercheck

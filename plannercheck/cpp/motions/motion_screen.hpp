@@ -8,7 +8,7 @@
 // away: twice the tolerance, while without this screen a pair is refused only at a state within the tolerance. So
 // verdicts do not depend on it.
 //
-// By paths: boxes around whole paths are held against those of the obstacles.
+// By paths: boxes around whole paths are held against those of the obstacles, eight at a time, in floats.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ class MotionScreen {
     std::int32_t body, chain;  // its chain from the world
     double radius;
     std::vector<std::int32_t> pair;  // by obstacle: the pair, or −1
-    std::vector<unsigned> paired;    // the same for kLanes obstacles at a time: one bit each
+    std::vector<unsigned> paired;    // the same for eight obstacles at a time: one bit each
   };
 
   // Two bodies that move, by their places among `moving_`.
@@ -54,20 +54,25 @@ class MotionScreen {
     std::int32_t pair;
   };
 
+  // Boxes around eight obstacles in the world, rounded outwards: low corners, then high ones with their signs changed.
+  struct Eight {
+    std::array<Floats, 6> side;
+  };
+
   std::vector<std::int32_t> moving_;  // bodies in `moving_pairs_`
   std::vector<MovingPair> moving_pairs_;
   std::vector<Mover> movers_;
-  std::vector<double> bounds_;  // six rows: low and high corners of obstacles' boxes in the world
-  std::size_t row_ = 0;         // length of a row: whole lanes
-  ObstacleTree tree_;           // where obstacles are many
+  std::vector<Eight> eights_;  // all obstacles
+  ObstacleTree tree_;          // where obstacles are many
 
   void bound_obstacles(const MotionModel& model, const std::vector<std::int32_t>& still);
   void find_among_movers(const MotionGrid& grid, const ChainBounds& bounds, double room, Workspace& w,
                          std::vector<std::int32_t>& found) const;
+  void find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const;
   void find_in_tree(const MotionGrid& grid, const Mover& mover, double way, double room,
                     std::vector<std::int32_t>& found) const;
-  void find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const;
-  bool meets(std::int32_t obstacle, const std::array<Vec3, 2>& box) const;
+  static void take(const Mover& mover, std::size_t eight, unsigned near, std::vector<std::int32_t>& found);
+  static unsigned meeting(const Eight& boxes, Floats box);
 };
 
 }  // namespace plannercheck
