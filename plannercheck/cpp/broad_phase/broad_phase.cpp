@@ -153,9 +153,12 @@ void BroadPhase::find(const double* links, Filters filters, Workspace& w) const 
 // Sorts the candidates into `near`, less those that balls and boxes decide.
 void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   w.boxes.begin();
-  if (filters.overlaps) find_overlaps(w);
   w.boxed = filters.boxes && count >= kFewStates;
-  if (w.boxed) test_boxes(w);
+  if (filters.overlaps) {
+    find_overlaps(w);
+  } else if (w.boxed) {
+    for (Candidate& candidate : w.candidates) drop_apart(candidate, candidate.states, w);
+  }
   for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
     w.near[state].clear();
     if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
@@ -301,14 +304,14 @@ void BroadPhase::find_in_tree(std::int32_t mover, int count, Workspace& w) const
   }
 }
 
-void BroadPhase::test_boxes(Workspace& w) const {
-  for (Candidate& candidate : w.candidates) {
-    if (candidate.states == 0) continue;
-    const auto& pair = pairs_[at(candidate.pair)];
-    const unsigned apart = candidate.states & boxes_.apart(w.links, at(pair[0]), at(pair[1]), w.boxes);
-    w.boxes_apart += __builtin_popcount(apart);
-    candidate.states &= ~apart;
-  }
+// Drops those of some states in which the candidate's boxes are apart; returns the others.
+unsigned BroadPhase::drop_apart(Candidate& candidate, unsigned states, Workspace& w) const {
+  if (states == 0) return 0;
+  const auto& pair = pairs_[at(candidate.pair)];
+  const unsigned apart = states & boxes_.apart(w.links, at(pair[0]), at(pair[1]), w.boxes);
+  w.boxes_apart += __builtin_popcount(apart);
+  candidate.states &= ~apart;
+  return states & ~apart;
 }
 
 // Bit k: whether a pair surely shares a point in state k.
@@ -317,11 +320,12 @@ unsigned BroadPhase::overlap(std::size_t pair, Workspace& w) const {
   return overlaps_.overlap_in_state(w.links, pair, boxes_, w.boxes, w.overlaps) ? 1U : 0U;
 }
 
-// Finds states that surely collide; these are dropped at once.
+// Finds states that surely collide; these are dropped at once. Boxes go first, since they decide more.
 void BroadPhase::find_overlaps(Workspace& w) const {
   w.overlaps.begin();
-  for (const Candidate& candidate : w.candidates) {
-    const unsigned open = candidate.states & ~w.overlapping;
+  for (Candidate& candidate : w.candidates) {
+    unsigned open = candidate.states & ~w.overlapping;
+    if (w.boxed) open = drop_apart(candidate, open, w);
     if (open == 0) continue;
     w.overlapping |= open & overlap(at(candidate.pair), w);
   }

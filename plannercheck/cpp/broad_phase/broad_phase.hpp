@@ -117,7 +117,7 @@ class BroadPhase {
   void find_among_movers(int count, Workspace& workspace) const;
   void find_listed(const MoverGroup& group, int count, Workspace& workspace) const;
   void find_in_tree(std::int32_t mover, int count, Workspace& workspace) const;
-  void test_boxes(Workspace& workspace) const;
+  unsigned drop_apart(Candidate& candidate, unsigned states, Workspace& workspace) const;
   void find_overlaps(Workspace& workspace) const;
   unsigned overlap(std::size_t pair, Workspace& workspace) const;
 };

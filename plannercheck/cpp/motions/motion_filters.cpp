@@ -169,10 +169,11 @@ void MotionFilters::boxes_settle(DirectedPair& found, Vec3 direction, double bey
     const Lanes least = smaller(load_lanes(&gaps[i]), load_lanes(&gaps[i + 1]));
     found.open &= ~((bits(least > limit) & ((1U << kLanes) - 1)) << i);
   }
-  const auto deepest =
-      std::min_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(grid_.intervals()) + 1);
-  found.depth = *deepest;
-  found.state = static_cast<std::size_t>(deepest - gaps.begin());
+  found.depth = std::numeric_limits<double>::infinity();
+  for (unsigned states = found.open | found.open << 1; states != 0; states &= states - 1) {
+    const auto state = static_cast<std::size_t>(__builtin_ctz(states));
+    if (gaps[state] < found.depth) found.depth = gaps[state], found.state = state;
+  }
 }
 
 PosedPair MotionFilters::posed(const CertifiedPair& pair, std::size_t state) {
