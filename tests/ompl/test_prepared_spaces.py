@@ -15,6 +15,7 @@ import pytest
 from ompl import base, geometric
 
 import plannercheck as pc
+from plannercheck.common.core import core
 from plannercheck.ompl import prepared_spaces, space_of
 from plannercheck.ompl.joint_space import JointSpace
 
@@ -236,6 +237,24 @@ def test_an_exception_beyond_the_limits_ends_the_search(checker, ends, monkeypat
         information.isValid(beyond)
     monkeypatch.undo()
     assert information.isValid(beyond) == expected
+
+
+def test_of_two_exceptions_the_first_one_is_kept():
+    """A planner with threads of its own may ask again before it stops."""
+    failure, stopped = core.PlannerFailure(), []
+
+    def fail(state):
+        raise ZeroDivisionError(state)
+
+    judge = core.kept_failures(fail, failure)
+    failure.arm(lambda: stopped.append(None))
+    assert not judge("first")
+    assert not judge("second")
+    assert len(stopped) == 2
+    assert failure.disarm().args == ("first",)
+    assert failure.disarm() is None
+    with pytest.raises(ZeroDivisionError, match="third"):
+        judge("third")
 
 
 PROGRAM = """
