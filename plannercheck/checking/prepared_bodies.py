@@ -39,11 +39,12 @@ _FEW_POINTS = 32
 class _PreparedShape:
     """A shape with one padding: its hull and its polytope, once they are needed."""
 
-    __slots__ = ("_hull", "polytope", "setting")
+    __slots__ = ("_box", "_hull", "polytope", "setting")
 
     def __init__(self, setting: tuple[float, float]) -> None:
         self.setting = setting  # excess and padding
         self._hull: InflatedHull | None = None
+        self._box: Boxes | None = None
         self.polytope: Polytope | None = None
 
     def hull(self, shape: Shape) -> InflatedHull:
@@ -53,6 +54,12 @@ class _PreparedShape:
             points, faces, inflation_radius = inflated_hull(shape, excess)
             self._hull = points, faces, inflation_radius + padding
         return self._hull
+
+    def box(self, shape: Shape) -> Boxes:
+        """The box and the ball around the hull, one row."""
+        if self._box is None:
+            self._box = boxes_of([self.hull(shape)])
+        return self._box
 
 
 # Of these, some are kept beyond their scene, unless they may be large.
@@ -97,14 +104,13 @@ class Preparation:
         self._by_shape: dict[tuple[int, float], _PreparedShape] = {}
         self._entries: list[_PreparedShape] = []
         are_few = len(bodies) <= _MOST_LOOKED_UP
-        settings = {part: (excess, part) for part in set(paddings.tolist())}
         for body, part in zip(bodies, paddings.tolist(), strict=True):
             shape = body.shape
             key = id(shape), part
-            entry = self._by_shape.get(key) or before.get(key)
+            entry = before.get(key) or self._by_shape.get(key)
             if entry is None:
                 is_known = are_few or type(shape) is not Box
-                entry = _known(shape, settings[part]) if is_known else _PreparedShape(settings[part])
+                entry = _known(shape, (excess, part)) if is_known else _PreparedShape((excess, part))
             self._by_shape[key] = entry
             self._entries.append(entry)
 
@@ -131,16 +137,20 @@ class Preparation:
 
     def boxes(self, bodies: Sequence[int]) -> Boxes:
         """The boxes and balls around some bodies' hulls; those that are boxes need no hull."""
-        chosen = np.asarray(bodies, dtype=np.int64)
-        are_boxes = np.array([type(self._bodies[body].shape) is Box for body in bodies], dtype=bool)
-        high = self._sizes(chosen[are_boxes].tolist()) / 2
+        are_boxes = [type(self._bodies[body].shape) is Box for body in bodies]
+        if all(are_boxes):
+            return self._of_boxes(bodies)
+        first = [k for k, is_box in enumerate(are_boxes) if is_box]
+        last = [k for k, is_box in enumerate(are_boxes) if not is_box]
+        others = [self._entries[bodies[k]].box(self._bodies[bodies[k]].shape) for k in last]
+        found = (self._of_boxes([bodies[k] for k in first]), *others) if first else others
+        order = np.argsort(first + last)
+        return Boxes(*(np.concatenate(parts)[order] for parts in zip(*found, strict=True)))
+
+    def _of_boxes(self, bodies: Sequence[int]) -> Boxes:
+        high = self._sizes(bodies) / 2
         radius = np.sqrt((high**2).sum(axis=1))
-        found = Boxes(-high, high, np.zeros_like(high), radius, self.paddings[chosen[are_boxes]])
-        if are_boxes.all():
-            return found
-        others = boxes_of([self.hull(body) for body in chosen[~are_boxes].tolist()])
-        order = np.argsort(np.concatenate([np.flatnonzero(are_boxes), np.flatnonzero(~are_boxes)]))
-        return Boxes(*(np.concatenate(both)[order] for both in zip(found, others, strict=True)))
+        return Boxes(-high, high, np.zeros_like(high), radius, self.paddings[np.asarray(bodies, dtype=np.int64)])
 
     def _sizes(self, bodies: Sequence[int]) -> Floats:
         """(n, 3) edge lengths of bodies that are boxes, m."""

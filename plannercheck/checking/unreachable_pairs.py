@@ -33,7 +33,7 @@ from plannercheck.bodies.intersection import pair_options
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, InflatedHull
 from plannercheck.checking.reach_bounds import MOST_COLUMNS, BoundingBall, Boxes, Chains, Cut, Joints
-from plannercheck.common.array_types import Bools, Floats, Ints
+from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 from plannercheck.common.core import core
 from plannercheck.robots.robot import Robot
 
@@ -159,21 +159,19 @@ def _apart_in_cells(chains: Chains, cut: Cut, pairs: Ints, ends: list[list[Bound
     """Which pairs (k, 2) with these ends (k, 2) are apart in every cell of a cut, by the same one of three tests."""
     q, half = chains.cells(cut)
     around = chains.neighbourhood({end.frame for both in ends for end in both})
+    sides = [_Side(chains, cut, half, pairs[:, side], [both[side] for both in ends], around.place) for side in (0, 1)]
     apart = np.ones((3, len(pairs)), dtype=bool)
     for part in np.split(q, _BATCHES if len(pairs) > _FEW_PAIRS else _FEW_BATCHES):
         left = np.flatnonzero(apart.any(axis=0))
         if len(left) and len(part):
             poses = around.poses(part)
-            first, second = (
-                _Moving(chains, cut, half, pairs[left, side], [ends[k][side] for k in left], poses, around.place)
-                for side in (0, 1)
-            )
+            first, second = (_Moving(side, poses, left) for side in sides)
             apart[:, left] &= [first.balls_apart(second), first.apart_from_box(second), second.apart_from_box(first)]
     return np.asarray(apart.any(axis=0))
 
 
-class _Moving:
-    """One side of n pairs in the cells of a cut."""
+class _Side:
+    """One side of n pairs, with what all cells of a cut have in common."""
 
     def __init__(
         self,
@@ -182,21 +180,29 @@ class _Moving:
         half: Floats,
         bodies: Ints,
         ends: list[BoundingBall],
-        poses: Floats,
         place: dict[int, int],
     ) -> None:
-        self.pose = poses[:, [place[end.frame] for end in ends]]
-        centre = np.array([end.centre for end in ends]).reshape(-1, 3)
-        self.centre = np.einsum("cnij,nj->cni", self.pose[..., :3, :3], centre) + self.pose[..., :3, 3]
+        self.frames = np.array([place[end.frame] for end in ends], dtype=np.int64)
+        self.centre = np.array([end.centre for end in ends]).reshape(-1, 3)
         self.radius = np.array([end.radius for end in ends])
         self.sway = np.array([[end.levers[c] for c in cut] for end in ends]).reshape(len(ends), -1) @ half
         self.ball_sway = np.array([[end.ball_levers[c] for c in cut] for end in ends]).reshape(len(ends), -1) @ half
         self.posed = np.array([end.posed for end in ends], dtype=bool)
         self.box = chains.boxes.of(bodies)
-        self.extent = np.linalg.norm(self.centre, axis=2).max(axis=0) + self.radius + self.ball_sway
+
+
+class _Moving:
+    """One side of some of these pairs in some cells, given by poses (cells, frames, 4, 4) in their middles."""
+
+    def __init__(self, side: _Side, poses: Floats, rows: Ints64) -> None:
+        self.pose = poses[:, side.frames[rows]]
+        self.centre = np.einsum("cnij,nj->cni", self.pose[..., :3, :3], side.centre[rows]) + self.pose[..., :3, 3]
+        self.radius, self.sway, self.ball_sway = side.radius[rows], side.sway[rows], side.ball_sway[rows]
+        self.posed, self.box = side.posed[rows], side.box.of(rows)
+        self.extent = _lengths(self.centre).max(axis=0) + self.radius + self.ball_sway
 
     def balls_apart(self, other: _Moving) -> Bools:
-        distance = np.linalg.norm(self.centre - other.centre, axis=2).min(axis=0)
+        distance = _lengths(self.centre - other.centre).min(axis=0)
         return np.asarray(distance > self.radius + other.radius + self.sway + other.sway + self._margin(other))
 
     def apart_from_box(self, other: _Moving) -> Bools:
@@ -205,11 +211,16 @@ class _Moving:
         inside = np.einsum("cnji,cnj->cni", other.pose[..., :3, :3], away)
         distance = _from_box(inside, other.box).min(axis=0)
         room = self.radius + other.box.inflation_radius + self.sway + other.ball_sway + self._margin(other)
-        offset = np.linalg.norm(other.box.centre, axis=1)  # `away` begins at the frame's origin, however far that is
+        offset = _lengths(other.box.centre)  # `away` begins at the frame's origin, however far that is
         return np.asarray(other.posed & (distance > room + RELATIVE * offset))
 
     def _margin(self, other: _Moving) -> Floats:
         return np.asarray(MARGIN + RELATIVE * (self.extent + other.extent))
+
+
+def _lengths(vectors: Floats) -> Floats:
+    """(...,) the lengths of vectors (..., 3), as np.linalg.norm has them, with less around it."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
 
 
 def _from_box(points: Floats, box: Boxes) -> Floats:

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.shapes import GeometryObject, inflated_hull
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.motions.joint_axes import JointAxis, JointTree
+from plannercheck.motions.joint_axes import JointTree
 from plannercheck.motions.joint_drives import Spread, defect, drives, spread
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.kinematics import JointTable
@@ -238,20 +238,21 @@ class ChainBuilder:
         """Joints from the body outwards; it hangs on the first `up_count`, the others are crossed from below."""
         tree = self.tree
         points, inflation_radius = self._vertices(body)
+        middle = points.mean(axis=0)[None]
         slides: tuple[int, ...] = ()
         known: tuple[Floats, Floats] | None = None  # points c of the last axis, and D(c)
         entries = []
         for k, joint in enumerate(joints):
             axis = tree.axes[joint]
             if tree.turns[joint]:
-                feet = self._feet(axis, [tree.axes[j] for j in joints[max(k - _NEIGHBOURS, 0) : k + _NEIGHBOURS + 1]])
-                feet = np.vstack([feet, axis.foot(points.mean(axis=0))])
+                near = tree.origins[list(joints[max(k - _NEIGHBOURS, 0) : k + _NEIGHBOURS + 1])]
+                feet = axis.feet(np.concatenate([near, middle]))
                 if known is None:
                     arm = float(axis.distance(points).max()) + inflation_radius
-                    reach = np.linalg.norm(points[:, None] - feet, axis=2).max(axis=0) + inflation_radius
+                    reach = _distances(points, feet).max(axis=0) + inflation_radius
                 else:
                     arm = float((known[1] + axis.distance(known[0])).min())
-                    reach = (known[1][:, None] + np.linalg.norm(known[0][:, None] - feet, axis=2)).min(axis=0)
+                    reach = (known[1][:, None] + _distances(known[0], feet)).min(axis=0)
                 known = feet, reach
                 from_child = k >= up_count and tree.slides[joint]
                 entries.append(ChainJoint(joint, arm * _STRETCH, (*slides, joint) if from_child else slides))
@@ -260,10 +261,6 @@ class ChainBuilder:
             if tree.slides[joint]:
                 slides = (*slides, joint)
         return tuple(entries)
-
-    @staticmethod
-    def _feet(axis: JointAxis, others: Sequence[JointAxis]) -> Floats:
-        return np.array([axis.foot(other.origin) for other in others])
 
     def _vertices(self, body: int) -> tuple[Floats, float]:
         """Vertices in the world at rest (n, 3), and the inflation radius, m."""
@@ -275,6 +272,12 @@ class ChainBuilder:
                 pose = self.tree.link_poses[self._links[body]] @ pose
             self._points[body] = vertices @ pose[:3, :3].T + pose[:3, 3], float(inflation_radius)
         return self._points[body]
+
+
+def _distances(points: Floats, others: Floats) -> Floats:
+    """(n, m) of points (n, 3) from others (m, 3), as np.linalg.norm has them, with less around it."""
+    offsets = points[:, None] - others
+    return np.asarray(np.sqrt((offsets * offsets).sum(axis=2)))
 
 
 def _chord_deviation(entries: Sequence[ChainJoint]) -> float:
