@@ -93,6 +93,25 @@ def test_sets_of_other_shapes(checker, rows):
             call()
 
 
+WHEEL = """<robot name="wheel"><link name="base"/>
+<link name="arm"><collision><origin xyz="0.5 0 0"/><geometry><box size="0.8 0.1 0.1"/></geometry></collision></link>
+<joint name="turn" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
+def test_angles_take_the_short_way_in_sets(tmp_path):
+    """An obstacle stands at angle 0: ways over half a turn pass it only if they count the other way round."""
+    (tmp_path / "wheel.urdf").write_text(WHEEL)
+    robot = pc.Robot.from_urdf(tmp_path / "wheel.urdf").with_group(["turn"], "one")
+    scene, pose = pc.Scene("one"), np.eye(4)
+    pose[0, 3] = 0.6
+    scene.add_box("post", [0.1, 0.1, 0.1], pose)
+    checker = pc.Checker(robot, scene)
+    starts, ends = np.array([[2.0], [3.0], [2.5], [-2.8], [-1.0]]), np.array([[-2.0], [-3.0], [3.1], [2.9], [1.0]])
+    found = checker.check_motions(starts, ends)
+    assert found.tolist() == [True, True, True, True, False]
+    assert found.tolist() == [checker.check_motion(*pair) for pair in zip(starts, ends, strict=True)]
+
+
 def test_a_motion_that_is_too_large_to_prove_raises_in_a_set_as_well(checker, rows):
     with pytest.raises(pc.PlannercheckError, match="tolerance"):
         checker.check_motions(rows, rows + 0.1, tolerance=1e-14)
