@@ -16,8 +16,6 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from plannercheck.bodies.certificates import PosedBody, Separation, UnprovedVerdictError, separates_exactly
 from plannercheck.bodies.polytope import Polytope
@@ -180,10 +178,10 @@ def _merged(surface: PosedSurface) -> Ints:
 
 def _component_vertices(surface: PosedSurface) -> Ints:
     """A vertex of each part of the surface that hangs together by vertices."""
-    a, b, c = surface.triangles.T
-    count = len(surface.points)
-    ends = np.concatenate([a, b]), np.concatenate([b, c])
-    edges = coo_array((np.ones(len(ends[0]), dtype=np.bool_), ends), shape=(count, count))
-    part = connected_components(edges, directed=False)[1]
-    used = np.unique(surface.triangles)
-    return np.asarray(used[np.unique(part[used], return_index=True)[1]])
+    least = np.arange(len(surface.points), dtype=np.int32)  # of each vertex, one of its part that is not above it
+    before = np.zeros_like(least)
+    while not np.array_equal(before, least):
+        before = least.copy()
+        np.minimum.at(least, surface.triangles.ravel(), np.repeat(least[surface.triangles].min(axis=1), 3))
+        least = least[least]
+    return np.unique(least[surface.triangles])

@@ -8,9 +8,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from plannercheck.bodies.solids import Solid
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import ValidityReport
 from plannercheck.cli.common import percentage, table
+from plannercheck.motions.checker import Checker
 from plannercheck.validation.certification import CertificationReport
 from plannercheck.validation.fcl_agreement import AgreementReport
 from plannercheck.validation.judging import Limits
@@ -59,6 +61,9 @@ def as_json(outcome: Outcome) -> dict[str, Any]:
         "checking": outcome.checking,
         "resumed": outcome.resumed,
     }
+    solids = _solids(outcome.checker)
+    if solids:
+        values["solids"] = {name: "closed" if solid.is_closed else "open" for name, solid in solids.items()}
     if outcome.agreement is not None:
         values["fcl"] = {**_agreement_counts(outcome.agreement), "passed": outcome.agreement.passed}
     if outcome.certification is not None:
@@ -70,6 +75,11 @@ def show_table(outcome: Outcome) -> None:
     """Prints the summary."""
     checker, report = outcome.checker, outcome.report
     print(f"{checker.robot.name} in {checker.scene.name}, {len(checker.pairs)} pairs of bodies")
+    solids = _solids(checker)
+    is_open = [name for name, solid in solids.items() if not solid.is_closed]
+    if solids:
+        alone = f"; not closed, so their triangles alone: {', '.join(is_open)}" if is_open else ""
+        print(f"solids: {len(solids)} bodies{alone}")
     counts = [("configurations", report.states), ("valid", report.valid), ("invalid", report.invalid)]
     if outcome.limits != "ignore":
         counts.append(("beyond limits", report.beyond_limits))
@@ -85,6 +95,13 @@ def show_table(outcome: Outcome) -> None:
     if outcome.certification is not None:
         print("\nProved in exact arithmetic, apart from the compiled core:")
         print(table(("", "count"), list(_proof_counts(outcome.certification).items())))
+
+
+def _solids(checker: AnyChecker) -> dict[str, Solid]:
+    """The solids of a checker by name of the body."""
+    if not isinstance(checker, Checker):
+        return {}
+    return {body.name: body.shape for body in checker.bodies if isinstance(body.shape, Solid)}
 
 
 def _show_pairs(report: ValidityReport) -> None:

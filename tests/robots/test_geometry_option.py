@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 import warnings
 
@@ -181,8 +182,12 @@ def test_the_command_line(gripper, capsys):
     assert "meshes of lid are not closed" in caught.err
     np.save(gripper / "q.npy", HEIGHTS)
     assert main(["validate", *robot, "--geometry", "base=solid,lid=hull", str(gripper / "q.npy")]) == 1
-    assert main(["validate", *robot, "--geometry", "base=solid,lid=solid", str(gripper / "q.npy")]) == 1
-    capsys.readouterr()
+    assert "solids: 1 bodies\n" in capsys.readouterr().out
+    command = ["validate", *robot, "--geometry", "base=solid,lid=solid", str(gripper / "q.npy")]
+    assert main(command) == 1
+    assert "solids: 2 bodies; not closed, so their triangles alone: lid_0" in capsys.readouterr().out
+    assert main([*command, "--format", "json"]) == 1
+    assert json.loads(capsys.readouterr().out)["solids"] == {"base_0": "closed", "lid_0": "open"}
     for wrong, says in (
         ("mesh", "unknown geometry 'mesh'"),
         ("base=mesh", "unknown geometry of link 'base' 'mesh'"),
