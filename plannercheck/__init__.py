@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.shapes import Cylinder as Cylinder
     from plannercheck.bodies.shapes import Hull as Hull
     from plannercheck.bodies.shapes import Sphere as Sphere
+    from plannercheck.bodies.solids import Solid as Solid
     from plannercheck.checking.verdicts import ValidityReport as ValidityReport
     from plannercheck.checking.verdicts import Verdict as Verdict
     from plannercheck.motions.checker import Checker as Checker
@@ -60,6 +61,7 @@ _HOMES = {
     "Scene": "scenes.scene",
     "Separation": "bodies.certificates",
     "SharedPoint": "bodies.certificates",
+    "Solid": "bodies.solids",
     "Sphere": "bodies.shapes",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
@@ -100,6 +102,7 @@ __all__ = [
     "Scene",
     "Separation",
     "SharedPoint",
+    "Solid",
     "Sphere",
     "ValidityReport",
     "Verdict",

@@ -9,13 +9,15 @@ import re
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.ply_files import check_ply
 from plannercheck.bodies.shapes import Hull
-from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.bodies.triangle_meshes import TriangleMesh, corners_of_coal, triangles_of_coal
+from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_data import is_file
 
@@ -25,6 +27,8 @@ _LARGEST_USUAL_MESH = 20.0
 # Formats that may write vertices as text, one a line, and a vertex that is no number.
 _WITH_LINES = (".obj", ".stl")
 _NO_NUMBER = re.compile(rb"^[ \t]*(v(?:ertex)?[ \t][^\r\n]*\bnan\b[^\r\n]*)", re.IGNORECASE | re.MULTILINE)
+
+_NO_FACES = "it has no faces: a cloud of points is no mesh"
 
 # What Git keeps in place of a large file.
 _LFS_POINTER = b"version https://git-lfs"
@@ -60,6 +64,28 @@ def load_triangles(path: str | Path, scale: float | Sequence[float] = 1.0) -> Tr
     check_mesh(Path(path))
     mesh = triangles_of_coal(coal.MeshLoader().load(str(path), np.ones(3)))
     return None if mesh is None else TriangleMesh.of(mesh.points * _checked_scale(scale), mesh.triangles)
+
+
+def corners_of_file(path: str | Path, scale: float | Sequence[float] = 1.0) -> tuple[Floats, Ints64]:
+    """The points (n, 3), scaled to m, and the triangles (m, 3) of a mesh file, degenerate ones included.
+
+    Raises:
+        PlannercheckError: If the file is missing, is no mesh, or has no triangles.
+    """
+    factors = _checked_scale(scale)
+    if not is_file(Path(path)):
+        raise PlannercheckError(f"mesh file {str(path)!r} does not exist")
+    try:
+        found = corners_of_coal(_loaded(Path(path)))
+    except PlannercheckError as error:
+        raise PlannercheckError(f"mesh file {str(path)!r}: {error}") from None
+    if found is None or not len(found[1]):
+        raise PlannercheckError(f"mesh file {str(path)!r}: {_NO_FACES}")
+    points = found[0] * factors
+    hint = mesh_hint(points)
+    if hint:
+        warnings.warn(f"mesh file {str(path)!r} {hint}", RuntimeWarning, stacklevel=3)
+    return points, found[1]
 
 
 def hull_of_triangles(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Hull:
@@ -125,11 +151,18 @@ def _checked_scale(scale: float | Sequence[float]) -> NDArray[np.float64]:
 
 def _points(path: Path) -> NDArray[np.float64]:
     """The points (n, 3) as the file has them."""
+    return np.array(_loaded(path).vertices(), dtype=np.float64)
+
+
+def _loaded(path: Path) -> Any:
+    """Coal's mesh of a file."""
     import coal  # slow to import, and only meshes need it
 
     check_mesh(path)
     try:
-        return np.array(coal.MeshLoader().load(str(path), np.ones(3)).vertices(), dtype=np.float64)
+        return coal.MeshLoader().load(str(path), np.ones(3))
     except Exception as error:  # coal raises several unrelated types
         reason = " ".join(str(error).partition("message:")[2].split()) or str(error)
+        if "No meshes remain" in reason:
+            reason = _NO_FACES
         raise PlannercheckError(f"can't be read as a mesh: {reason:.400}") from None

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies import polytope_files as body_files
 from plannercheck.bodies.circumscribed import prism_faces
+from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import contiguous
+from plannercheck.common.arrays import contiguous, read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
@@ -49,6 +50,7 @@ class Polytope:
     __slots__ = ("__weakref__", "_arrays", "_core")
 
     _arrays: dict[str, NDArray[Any]]
+    _core: Any
 
     def __init__(
         self,
@@ -63,7 +65,7 @@ class Polytope:
 
         Args:
             vertices: Points (n, 3) in m; or one of our shapes, a trimesh.Trimesh, or a geometry of coal or python-fcl,
-                whose convex hull is taken, without `faces` and `inflation_radius`.
+                whose convex hull is taken (of a `Solid`, the solid), without `faces` and `inflation_radius`.
             faces: The hull's faces, if they are known: polygons of indices into `vertices`, counter-clockwise seen
                 from outside; corners of a face must be exactly coplanar or convex in the order of a fan.
             inflation_radius: The inflation radius, measured in the world, m.
@@ -77,7 +79,7 @@ class Polytope:
         # Here, since points alone need no readers of meshes and YAML.
         from plannercheck.bodies.given_shapes import is_geometry, points_of_geometry
 
-        inflation_radius = inflation_radius if swell is None else swell
+        inflation_radius, given = inflation_radius if swell is None else swell, vertices
         if not isinstance(vertices, np.ndarray | list | tuple) and is_geometry(vertices):
             if faces is not None or inflation_radius:
                 raise PlannercheckError(f"{name} is a {type(vertices).__name__}, which has its own faces and radius")
@@ -94,6 +96,7 @@ class Polytope:
                 )
         except core.HullError as error:
             raise PlannercheckError(f"{name} ({len(points)} points) has no hull to work with: {error}") from error
+        self._core = self.of_solid(given).core if isinstance(given, Solid) else self._core
 
     def _adopt(self, body: Any) -> None:
         self._core = body
@@ -103,7 +106,7 @@ class Polytope:
         """An array of the core's, made when first asked for: scenes have bodies that nobody looks at."""
         found = self._arrays.get(name)
         if found is None:
-            found = _read_only(getattr(self._core, name)())
+            found = read_only(getattr(self._core, name)())
             self._arrays = self._arrays | {name: found}
         return found
 
@@ -132,6 +135,15 @@ class Polytope:
     def core(self) -> Any:
         """The compiled body, for the rest of the library."""
         return self._core
+
+    @property
+    def solid(self) -> Any | None:
+        """The compiled solid whose set the body is; None if it is the hull of its vertices."""
+        return getattr(self._core, "solid", None)
+
+    def of_solid(self, solid: Solid) -> Polytope:
+        """A solid's body, given its hull, whose inflation radius it has; the hull itself if the solid is its hull."""
+        return self if solid.equals_hull else self._from_core(self._core.with_solid(solid.core))
 
     @property
     def centre(self) -> Floats:
@@ -195,7 +207,9 @@ class Polytope:
         return str(self._core.fault())
 
     def save(self, path: str | Path) -> None:
-        """Writes the prepared body to a file (magic, version, content hash, data), whole or not at all."""
+        """Writes the prepared body, unless it is a solid's, to a file (magic, version, content hash, data)."""
+        if self.solid is not None:
+            raise PlannercheckError("files of prepared bodies hold convex bodies, this is a solid's: pickle it")
         body_files.write(Path(path), self._core.serialise())
 
     @classmethod
@@ -211,14 +225,16 @@ class Polytope:
         return cls._from_bytes(body_files.read(Path(path)))
 
     @classmethod
-    def _from_bytes(cls, data: bytes) -> Polytope:
+    def _from_bytes(cls, data: bytes, *solid: NDArray[Any]) -> Polytope:
         try:
-            return cls._from_core(core.Polytope.parse(data))
+            body = core.Polytope.parse(data)
         except core.HullError as error:
             raise PlannercheckError(f"not a prepared body: {error}") from error
+        return cls._from_core(body.with_solid(core.Solid(*solid)) if solid else body)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Polytope._from_bytes, (self._core.serialise(),)
+        solid = () if self.solid is None else (self.solid.points, self.solid.triangles)
+        return Polytope._from_bytes, (self._core.serialise(), *solid)
 
     def __repr__(self) -> str:
         return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
@@ -279,11 +295,6 @@ def _is_of(body: Polytope, points: Floats, inflation_radius: float) -> bool:
     source = body.source
     known = not len(source) or bool(source.min() >= 0 and source.max() < len(points))
     return known and body.inflation_radius == inflation_radius and body.vertices.tobytes() == points[source].tobytes()
-
-
-def _read_only(array: NDArray[Any]) -> NDArray[Any]:
-    array.flags.writeable = False
-    return array
 
 
 def _checked_directions(directions: ArrayLike) -> Floats:

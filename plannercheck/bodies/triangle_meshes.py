@@ -65,8 +65,15 @@ class TriangleMesh(OwnsArrays):
 
 def triangles_of_coal(shape: Any) -> TriangleMesh | None:
     """One of coal's meshes; None for other shapes."""
+    found = corners_of_coal(shape)
+    return None if found is None else TriangleMesh.of(*found)
+
+
+def corners_of_coal(shape: Any) -> tuple[Floats, Ints64] | None:
+    """Points (n, 3), m, and triangles (m, 3) of one of coal's meshes as coal has them; None for other shapes."""
     if not hasattr(shape, "tri_indices") or not hasattr(shape, "vertices"):
         return None
     corners = [(t[0], t[1], t[2]) for t in map(shape.tri_indices, range(shape.num_tris))]
-    triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)
-    return TriangleMesh.of(np.array(shape.vertices(), dtype=np.float64), triangles)
+    # One vertex alone comes as (3,).
+    points = np.array(shape.vertices(), dtype=np.float64).reshape(-1, 3)
+    return points, np.array(corners, dtype=np.int64).reshape(-1, 3)

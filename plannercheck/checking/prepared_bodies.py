@@ -16,6 +16,7 @@ import numpy as np
 
 from plannercheck.bodies.polytope import Polytope, polytope_of_box, prepared
 from plannercheck.bodies.shapes import Box, GeometryObject, InflatedHull, Shape, inflated_hull
+from plannercheck.bodies.solids import Solid
 from plannercheck.checking.reach_bounds import Boxes, boxes_of
 from plannercheck.common.array_types import Floats
 
@@ -48,7 +49,7 @@ _MOST_SETTINGS = 4
 # By shape, for each excess and padding, most often one. Shapes that compare equal are the same shape.
 _PREPARED: WeakKeyDictionary[Shape, tuple[_PreparedShape, ...]] = WeakKeyDictionary()
 
-# By inflation radius and points.
+# By inflation radius and points, of solids that are not their hulls by their triangles, too.
 _POLYTOPES: WeakValueDictionary[bytes, Polytope] = WeakValueDictionary()
 
 
@@ -117,15 +118,23 @@ class Preparation:
         if entry.polytope is None and type(self._bodies[body].shape) is Box:
             entry.polytope = polytope_of_box(*self.hull(body)[::2])  # equal boxes share it already
         if entry.polytope is None:
-            points, faces, inflation_radius = self.hull(body)
-            key = np.float64(inflation_radius).tobytes() + points.tobytes()
-            found = _POLYTOPES.get(key)
-            if found is None:
-                prepare = Polytope if len(points) <= _FEW_POINTS else prepared
-                found = prepare(points, faces, inflation_radius, f"body {self._bodies[body].name!r}")
-                _POLYTOPES[key] = found
-            entry.polytope = found
+            entry.polytope = self._prepared(body)
         return entry.polytope
+
+    def _prepared(self, body: int) -> Polytope:
+        """The prepared body, shared by equal hulls; a solid that is not its hull is shared by equal solids."""
+        shape = self._bodies[body].shape
+        points, faces, inflation_radius = self.hull(body)
+        key = np.float64(inflation_radius).tobytes() + points.tobytes()
+        if isinstance(shape, Solid) and not shape.equals_hull:
+            key += shape.digest
+        found = _POLYTOPES.get(key)
+        if found is None:
+            prepare = Polytope if len(points) <= _FEW_POINTS else prepared
+            found = prepare(points, faces, inflation_radius, f"body {self._bodies[body].name!r}")
+            found = found.of_solid(shape) if isinstance(shape, Solid) else found
+            _POLYTOPES[key] = found
+        return found
 
     def prepared_bodies(self) -> tuple[Polytope | None, ...]:
         """The prepared bodies, None for those not needed so far."""

@@ -26,6 +26,7 @@ from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.joint_values import own_joints as joints_of_their_own
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
+from plannercheck.scenes.scene_paths import MeshKind
 
 
 def add_robot_argument(parser: argparse.ArgumentParser) -> None:
@@ -41,6 +42,9 @@ def add_robot_argument(parser: argparse.ArgumentParser) -> None:
 def add_scene_argument(parser: argparse.ArgumentParser, note: str = "default: empty") -> None:
     """Adds --scene."""
     parser.add_argument("--scene", help=f"name of a shipped scene, or a scene file, MoveIt's as well; {note}")
+    parser.add_argument(
+        "--scene-meshes", choices=("hull", "solid"), default="hull", help="what meshes of the scene are; default: hull"
+    )
 
 
 def add_checker_arguments(parser: argparse.ArgumentParser) -> None:
@@ -92,7 +96,10 @@ def space_checker(options: argparse.Namespace, own_joints: bool = False) -> Chec
 
 def scene_of(options: argparse.Namespace) -> Scene:
     """What --scene says, in space."""
-    return Scene("empty") if options.scene is None else Scene.load(options.scene, options.package_dirs or ())
+    if options.scene is None:
+        return Scene("empty")
+    meshes: MeshKind = options.scene_meshes
+    return Scene.load(options.scene, options.package_dirs or (), meshes=meshes)
 
 
 def padding_of(options: argparse.Namespace, scene: Scene) -> Padding:

@@ -44,11 +44,16 @@ def add_urdf_arguments(parser: argparse.ArgumentParser) -> None:
         help="an argument of a robot that is a .xacro; may be given several times",
     )
     group.add_argument("--floating", action="store_true", help="the root link is free to move")
+    parser.add_argument(
+        "--geometry",
+        metavar="KIND",
+        help="what meshes of links are: hull (default), pieces or solid; or by link: LINK=solid,LINK=pieces",
+    )
 
 
 def given_options(options: argparse.Namespace) -> list[str]:
     """Which of these options are given."""
-    names = ("srdf", "group", "package_dirs", "xacro_arg", "floating")
+    names = ("srdf", "group", "package_dirs", "xacro_arg", "floating", "geometry")
     return [f"--{name.replace('_', '-')}" for name in names if getattr(options, name, None)]
 
 
@@ -70,8 +75,17 @@ def described(options: argparse.Namespace) -> RobotDescription:
         changes["package_dirs"] = (*options.package_dirs, *description.package_dirs)
     if options.xacro_arg:
         changes["xacro_args"] = {**description.xacro_args, **dict(map(_argument, options.xacro_arg))}
+    if getattr(options, "geometry", None):
+        changes["geometry"] = _geometry(options.geometry)
     description = dataclasses.replace(description, **changes) if changes else description
     return dataclasses.replace(description, **_group(options.group, description)) if options.group else description
+
+
+def _geometry(text: str) -> str | dict[str, str]:
+    """A kind, or kinds by links as LINK=KIND,LINK=KIND."""
+    if "=" not in text:
+        return text
+    return {link.strip(): kind.strip() for link, _, kind in (part.rpartition("=") for part in text.split(","))}
 
 
 def _argument(text: str) -> tuple[str, str]:

@@ -7,6 +7,7 @@ is replaced by its pieces (bodies named "body/piece 0" and so on), and each of i
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 import pinocchio as pin
@@ -24,7 +25,11 @@ LEAST_EXCESS = 0.05
 
 
 def decomposed(
-    bodies: tuple[GeometryObject, ...], pairs: Pairs, geometry: pin.GeometryModel, options: Decomposition
+    bodies: tuple[GeometryObject, ...],
+    pairs: Pairs,
+    geometry: pin.GeometryModel,
+    options: Decomposition | None,
+    kinds: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[tuple[GeometryObject, ...], Pairs, Mapping[str, Pieces]]:
     """Replaces bodies by their pieces.
 
@@ -32,20 +37,21 @@ def decomposed(
         bodies: The robot's bodies, in the order of the geometries.
         pairs: (k, 2) indices of bodies.
         geometry: Pinocchio's geometry model.
-        options: Which links to decompose, and how.
+        options: Which links to decompose, and how; None for none but those of kind "pieces".
+        kinds: The geometry of links by name, which decides for these: "pieces", or anything else for none.
 
     Returns:
         Bodies, pairs of them, and the pieces by name of the body that they replace.
     """
     known = {str(body.link) for body in bodies}
-    for link in options.links or ():
+    for link in (options.links if options is not None else None) or ():
         if link not in known:
             raise unknown_name("link to decompose", link, sorted(known))
     found: dict[str, Pieces] = {}
     parts: list[list[GeometryObject]] = []
     for body, each in zip(bodies, geometry.geometryObjects, strict=True):
-        mesh = _chosen_mesh(body, each, options)
-        pieces = None if mesh is None else pieces_of(mesh, options, f"body {body.name!r}")
+        mesh = _chosen_mesh(body, each, options, kinds.get(str(body.link)))
+        pieces = None if mesh is None else pieces_of(mesh, options or Decomposition(), f"body {body.name!r}")
         parts.append([body] if pieces is None or len(pieces.points) < 2 else _bodies(body, pieces))
         if pieces is not None and len(pieces.points) > 1:
             found[body.name] = pieces
@@ -54,12 +60,14 @@ def decomposed(
     return tuple(b for each in parts for b in each), np.array(new, dtype=np.int64).reshape(-1, 2), found
 
 
-def _chosen_mesh(body: GeometryObject, geometry: pin.GeometryObject, options: Decomposition) -> TriangleMesh | None:
+def _chosen_mesh(
+    body: GeometryObject, geometry: pin.GeometryObject, options: Decomposition | None, kind: str | None
+) -> TriangleMesh | None:
     """A body's mesh, if it is to be decomposed."""
-    if not isinstance(body.shape, Hull) or (options.links is not None and body.link not in options.links):
-        return None
-    mesh = triangles_of_coal(geometry.geometry)
-    if mesh is None or options.links is not None:
+    is_named = kind == "pieces" or (kind is None and body.link in ((options and options.links) or ()))
+    is_asked = is_named or (kind is None and options is not None and options.links is None)
+    mesh = triangles_of_coal(geometry.geometry) if is_asked and isinstance(body.shape, Hull) else None
+    if mesh is None or is_named:
         return mesh
     return mesh if mesh.volume is None or hull_volume(mesh.points) > (1 + LEAST_EXCESS) * mesh.volume else None
 

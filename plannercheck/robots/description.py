@@ -11,6 +11,7 @@ In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, w
     group: arm                 # an SRDF group, or {name: arm, joints: [joint1, ...]}; default: all joints
     reference: {joint1: 0.5}   # optional, values of joints in rad or m; others are neutral
     held: {finger: 0.04}       # optional, the same for joints outside the group
+    geometry: hull             # optional, what meshes are taken as: hull, pieces or solid, or {link3: solid, ...}
     convex_decomposition:      # optional, makes links of convex pieces by CoACD (pip install 'plannercheck[coacd]')
       links: [link3, link4]    # optional, default: all whose hulls are more than 5 % larger than their meshes
       threshold: 0.05          # optional, concavity that a piece may have; small ones make many pieces
@@ -44,6 +45,7 @@ from plannercheck.common.checked_yaml import (
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.file_kinds import kind_of
 from plannercheck.common.package_data import example_robot_data, is_file, is_folder, is_planar_file, shipped_folder
+from plannercheck.robots.link_geometry import Geometry, checked_geometry
 from plannercheck.robots.robot_descriptions import files_by_name
 from plannercheck.robots.srdf import DisabledPair, Srdf, read_srdf
 from plannercheck.robots.urdf_file import UrdfFile
@@ -61,6 +63,7 @@ _KEYS = (
     "group",
     "reference",
     "held",
+    "geometry",
     "convex_decomposition",
     "disabled_pairs",
 )
@@ -81,6 +84,8 @@ class RobotDescription:
         values: Joint values of the reference state and of held joints, by name, rad or m.
         disabled_pairs: Pairs of links that are not tested.
         decomposition: How to split concave links into convex pieces; None for hulls.
+        geometry: What the meshes of all links, or of links by name, are taken as; None for hulls, or pieces as
+            `decomposition` says.
         xacro_args: Values of the arguments of a URDF that is a xacro, by name.
         source: The YAML file; None if there is none.
     """
@@ -95,8 +100,12 @@ class RobotDescription:
     values: Mapping[str, Any] = field(default_factory=dict)
     disabled_pairs: tuple[DisabledPair, ...] = ()
     decomposition: Decomposition | None = None
+    geometry: Geometry | None = None
     xacro_args: Mapping[str, str] = field(default_factory=dict)
     source: Path | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "geometry", checked_geometry(self.geometry))
 
     @cached_property
     def file(self) -> UrdfFile:
@@ -178,6 +187,7 @@ def read_description(path: Path) -> RobotDescription:
         values={**mapping(content.get("reference"), "reference"), **mapping(content.get("held"), "held")},
         disabled_pairs=_disabled_pairs(content.get("disabled_pairs")),
         decomposition=_decomposition(content.get("convex_decomposition")),
+        geometry=content.get("geometry"),
         source=path,
         xacro_args={key: str(value) for key, value in mapping(content.get("xacro_args"), "xacro_args").items()},
     )

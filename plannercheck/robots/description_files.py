@@ -44,6 +44,9 @@ def description_text(description: RobotDescription, joints: Sequence[str] | None
         content["group"] = {"name": description.group or "group", "joints": list(joints)}
     if description.values:
         content["reference"] = dict(description.values)
+    if description.geometry is not None:
+        given = description.geometry
+        content["geometry"] = given if isinstance(given, str) else dict(given)
     if description.decomposition is not None:
         options = {key: value for key, value in vars(description.decomposition).items() if value is not None}
         content["convex_decomposition"] = {

@@ -21,9 +21,9 @@ from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.arrays import read_only
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.robots.configurations import ConfigurationMap, planning_group, whole_robot
-from plannercheck.robots.decomposed_links import decomposed
 from plannercheck.robots.description import RobotDescription
 from plannercheck.robots.forward_kinematics import ForwardKinematics
+from plannercheck.robots.link_geometry import Geometry, with_geometry
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.mjcf import excluded_pairs, of_meeting_masks
 from plannercheck.robots.planning_groups import explicit_group, srdf_group, usable_mimics
@@ -81,6 +81,7 @@ def urdf_description(
     floating: bool,
     decomposition: Decomposition | None,
     xacro_args: Mapping[str, str] | None,
+    geometry: Geometry | None = None,
 ) -> RobotDescription:
     """The description of a robot that has no YAML; arguments as of `Robot.from_urdf`."""
     name, joints = (group, None) if group is None or isinstance(group, str) else ("group", tuple(group))
@@ -95,6 +96,7 @@ def urdf_description(
         joints=joints,
         decomposition=decomposition,
         xacro_args=dict(xacro_args or {}),
+        geometry=geometry,
     )
 
 
@@ -127,8 +129,9 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     if urdf.kind == MJCF_ROOT:
         pairs = of_meeting_masks(pairs, model, geometry, urdf.root)
     pieces: Mapping[str, Pieces] = {}
-    if description.decomposition is not None:
-        bodies, pairs, pieces = decomposed(bodies, pairs, geometry, description.decomposition)
+    if description.decomposition is not None or description.geometry is not None:
+        asked = description.geometry, description.decomposition
+        bodies, pairs, pieces = with_geometry(bodies, pairs, geometry, *asked)
     return RobotParts(
         name=description.name or model.name or urdf.path.stem,
         model=model,

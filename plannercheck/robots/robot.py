@@ -27,6 +27,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed
 from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.link_geometry import Geometry
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.loading import Reference, RobotParts, posed, robot_parts, urdf_description
 from plannercheck.robots.objects_in_frames import placed
@@ -71,13 +72,18 @@ class Robot(PosedRobot):
         self._carry(parts.carried)
 
     @classmethod
-    def load(cls, name_or_path: str | Path, decomposition: Decomposition | None = None) -> Robot:
+    def load(
+        cls, name_or_path: str | Path, decomposition: Decomposition | None = None, *, geometry: Geometry | None = None
+    ) -> Robot:
         """Loads a robot.
 
         Args:
             name_or_path: A name from robots/ such as "panda", one of the package robot_descriptions such as
                 "panda_description", or the path of a YAML description, of a URDF or of a .xacro.
             decomposition: How to split concave links into convex pieces, with CoACD; None follows the YAML.
+            geometry: What meshes are taken as: "hull", convex "pieces" or "solid", or a mapping of links to these; None
+                follows the YAML, which has hulls by default. Meshes that are not closed keep their hulls, with a
+                warning, unless their link is named.
 
         Returns:
             The robot.
@@ -85,6 +91,8 @@ class Robot(PosedRobot):
         description = description_of(name_or_path)
         if decomposition is not None:
             description = replace(description, decomposition=decomposition)
+        if geometry is not None:
+            description = replace(description, geometry=geometry)
         source = description.source
         with contextlib.nullcontext() if source is None else error_context(f"robot file {source}"):
             return cls.from_description(description)
@@ -100,6 +108,7 @@ class Robot(PosedRobot):
         *,
         floating: bool = False,
         decomposition: Decomposition | None = None,
+        geometry: Geometry | None = None,
         xacro_args: Mapping[str, str] | None = None,
     ) -> Robot:
         """Builds a robot from a URDF.
@@ -114,12 +123,13 @@ class Robot(PosedRobot):
                 its limits, the nearest to Pinocchio's neutral configuration. rad and m.
             floating: Whether the root link is free to move.
             decomposition: How to split concave links into convex pieces, with CoACD; None takes their hulls.
+            geometry: What meshes are taken as, as for `load`.
             xacro_args: Values of the arguments of a URDF that is a .xacro, by name.
 
         Returns:
             The robot.
         """
-        description = urdf_description(urdf, srdf, package_dirs, group, floating, decomposition, xacro_args)
+        description = urdf_description(urdf, srdf, package_dirs, group, floating, decomposition, xacro_args, geometry)
         return cls.from_description(description, reference)
 
     @classmethod

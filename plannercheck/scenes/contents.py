@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Sphere
+from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.scenes.declared_states import DeclaredStates
@@ -153,9 +154,12 @@ class SceneContents(DeclaredStates):
         path: str | Path,
         pose: ArrayLike | None = None,
         scale: float | Sequence[float] = 1.0,
+        *,
+        geometry: Literal["hull", "solid"] = "hull",
     ) -> None:
-        """Adds the convex hull of a mesh file (stl, dae, obj, ply, ...); `scale` takes its unit to m."""
-        self.add(name, [Part(load_mesh(path, scale), None, (Path(path), scale))], pose)
+        """Adds the convex hull of a mesh file (stl, dae, obj, ply, ...), or a `Solid`; `scale` takes its unit to m."""
+        shape = Solid.load(path, scale) if geometry == "solid" else load_mesh(path, scale)
+        self.add(name, [Part(shape, None, (Path(path), scale))], pose)
 
     def move(self, name: str, pose: ArrayLike | None) -> None:
         """Moves an object with all its parts, in place; checkers that were built before keep it where it was.

@@ -1,7 +1,7 @@
 """MoveIt's collision objects in YAML.
 
 In: a parsed `moveit_msgs/CollisionObject`. Out: `ObjectMessage`: shapes posed in the object's frame, its pose in the
-frame that its header names, its subframes. A mesh becomes its hull.
+frame that its header names, its subframes. A mesh becomes its hull, or a solid where that is asked for.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.meshes import hull_of_triangles, load_mesh
 from plannercheck.bodies.objects import Part
-from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere
+from plannercheck.bodies.shapes import Box, Cone, Cylinder, Shape, Sphere
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.scenes.moveit_messages import header_frame, is_all_zeros, pose, subframe_poses, vector
+from plannercheck.scenes.scene_meshes import shape_of_file, shape_of_triangles
 from plannercheck.scenes.scene_paths import FindFile
 
 Matrix = NDArray[np.float64]
@@ -127,16 +127,16 @@ def _primitive_kind(value: Any) -> str:
     raise unknown_name("primitive type", str(value), [f"{code} ({kind})" for kind, (code, _, _) in _PRIMITIVES.items()])
 
 
-def _mesh(node: Node, find_file: FindFile) -> Hull:
-    """The hull of a mesh, given in the file itself or as another file with a scale along each axis."""
+def _mesh(node: Node, find_file: FindFile) -> Shape:
+    """The shape of a mesh, given in the file itself or as another file with a scale along each axis."""
     with error_context("meshes"):
         check_keys(node, ("vertices", "triangles", "resource", "dimensions"))
         if "resource" in node:
             scale = numbers(node["dimensions"], "dimensions", 3) if node.get("dimensions") else 1.0
-            return load_mesh(find_file(text(node["resource"], "resource")), scale)
+            return shape_of_file(find_file(text(node["resource"], "resource")), scale, find_file.meshes)
         rows = sequence(required(node, "vertices"), "'vertices'")
         vertices = np.array([vector(row, "vertices", "xyz") for row in rows]).reshape(-1, 3)
-        return hull_of_triangles(vertices, _triangles(node))
+        return shape_of_triangles(vertices, _triangles(node), find_file.meshes)
 
 
 def _triangles(node: Node) -> NDArray[np.int64]:

@@ -26,7 +26,7 @@ from plannercheck.scenes.moveit_frames import find_frame, scene_frames
 from plannercheck.scenes.moveit_matrix import allowed_collisions
 from plannercheck.scenes.moveit_objects import ObjectMessage, read_object
 from plannercheck.scenes.moveit_states import check_robot_state, stated_joints
-from plannercheck.scenes.scene_paths import FindFile, file_finder
+from plannercheck.scenes.scene_paths import FindFile, MeshKind
 
 # The fields of moveit_msgs/PlanningScene; fields that no verdict depends on are accepted and ignored.
 _SCENE_KEYS = (
@@ -51,7 +51,13 @@ def as_planning_scene(document: Node) -> Node | None:
     return None
 
 
-def read_planning_scene(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequence[Path] = ()) -> None:
+def read_planning_scene(
+    scene: SceneContents,
+    document: Node,
+    folder: Path,
+    package_dirs: Sequence[Path] = (),
+    meshes: MeshKind = "hull",
+) -> None:
     """Reads a parsed planning scene: its objects, attached objects, and allowed collision matrix.
 
     Args:
@@ -59,6 +65,7 @@ def read_planning_scene(scene: SceneContents, document: Node, folder: Path, pack
         document: The YAML document.
         folder: Where relative paths of meshes start.
         package_dirs: Where `package://` meshes are looked for before the folders above.
+        meshes: What meshes are taken as.
     """
     check_keys(document, _SCENE_KEYS)
     scene.name = text(document.get("name") or "", "name")
@@ -72,7 +79,7 @@ def read_planning_scene(scene: SceneContents, document: Node, folder: Path, pack
     world = mapping(document.get("world"), "'world'")
     check_keys(world, _WORLD_KEYS)
     _refuse_octomap(mapping(world.get("octomap"), "'octomap'"))
-    find_file = file_finder(folder, package_dirs)
+    find_file = FindFile(folder, package_dirs, meshes)
     obstacles = []
     for k, item in enumerate(sequence(world.get("collision_objects"), "'collision_objects'")):
         with error_context(f"collision object {k}"):
@@ -114,7 +121,7 @@ def attach_from_state(scene: SceneContents, state: Node, folder: Path) -> None:
     Objects with shapes replace the scene's objects of the same name, attached or not.
     """
     check_robot_state(state, "request", scene.frames)
-    attached = read_attached(state, stated_joints(state), file_finder(folder))
+    attached = read_attached(state, stated_joints(state), FindFile(folder))
     attach_with_shapes(scene, attached)
     attach_from_world(scene, attached)
 

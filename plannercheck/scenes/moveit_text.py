@@ -37,14 +37,17 @@ from contextlib import AbstractContextManager
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.meshes import hull_of_triangles
 from plannercheck.bodies.objects import Part, SceneObject, scene_object, unplaced
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
+from plannercheck.bodies.solids import Solid
+from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion
 from plannercheck.scenes.contents import SceneContents
+from plannercheck.scenes.scene_meshes import shape_of_triangles
+from plannercheck.scenes.scene_paths import MeshKind
 
 Matrix = NDArray[np.float64]
 
@@ -71,12 +74,13 @@ _SIZED: dict[str, tuple[int, Callable[..., Shape]]] = {
 _MESH = "mesh"
 
 
-def read_scene_text(scene: SceneContents, content: bytes) -> None:
+def read_scene_text(scene: SceneContents, content: bytes, meshes: MeshKind = "hull") -> None:
     """Reads a `.scene` file.
 
     Args:
         scene: The scene to fill and to name.
         content: The content of the file.
+        meshes: What meshes are taken as.
 
     Raises:
         PlannercheckError: If the file is faulty; the message names the object and the line.
@@ -97,7 +101,7 @@ def read_scene_text(scene: SceneContents, content: bytes) -> None:
                     f"object {shortened(name)!r} exists already" if name else "an object needs a name"
                 )
         with error_context(f"object {shortened(name)!r}"):
-            scene.put(_object(words, name, has_poses))
+            scene.put(_object(words, name, has_poses, meshes))
 
 
 def _text(content: bytes) -> str:
@@ -108,12 +112,12 @@ def _text(content: bytes) -> str:
         raise PlannercheckError(f"line {line}: this is no text in UTF-8") from None
 
 
-def _object(words: _Words, name: str, has_poses: bool) -> SceneObject:
+def _object(words: _Words, name: str, has_poses: bool, meshes: MeshKind) -> SceneObject:
     pose = _pose(words, "the object's") if has_poses else np.eye(4)
     count = words.count("the number of shapes")
     if not count:
         raise words.error("an object needs at least one shape")
-    item = scene_object(name, [_part(words) for _ in range(count)], pose)
+    item = scene_object(name, [_part(words, meshes) for _ in range(count)], pose)
     return dataclasses.replace(item, subframes=_subframes(words)) if has_poses else item
 
 
@@ -125,12 +129,12 @@ def _subframes(words: _Words) -> dict[str, Matrix]:
     return subframes
 
 
-def _part(words: _Words) -> Part:
+def _part(words: _Words, meshes: MeshKind) -> Part:
     kind = words.word("a shape")
     if kind not in (*_SIZED, _MESH):
         with words.at_this_line():
             raise unknown_name("shape", kind, (*_SIZED, _MESH))
-    shape = _mesh(words) if kind == _MESH else _sized(words, kind)
+    shape = _mesh(words, meshes) if kind == _MESH else _sized(words, kind)
     pose = _pose(words, "the shape's")
     words.numbers(4, "the shape's colour")
     return Part(shape, pose)
@@ -143,13 +147,14 @@ def _sized(words: _Words, kind: str) -> Shape:
         return make(*sizes)
 
 
-def _mesh(words: _Words) -> Hull:
-    """The hull of a mesh: numbers of vertices and of triangles, then the vertices, then three indices a triangle."""
+def _mesh(words: _Words, meshes: MeshKind) -> Shape:
+    """The shape of a mesh: numbers of vertices and of triangles, then the vertices, then three indices a triangle."""
     vertices, triangles = words.count("the number of vertices"), words.count("the number of triangles")
     points = words.numbers(3 * vertices, "a vertex")
     corners = [words.count("a triangle's corner") for _ in range(3 * triangles)]
     with words.at_this_line():
-        return hull_of_triangles(np.reshape(points, (-1, 3)), np.reshape(np.array(corners, dtype=np.int64), (-1, 3)))
+        indices = np.reshape(np.array(corners, dtype=np.int64), (-1, 3))
+        return shape_of_triangles(np.reshape(np.array(points), (-1, 3)), indices, meshes)
 
 
 def _pose(words: _Words, whose: str) -> Matrix:
@@ -219,7 +224,7 @@ class _Words:
 
 
 def scene_text(scene: SceneContents) -> str:
-    """The obstacles as a `.scene` file, hulls as meshes; a warning names contents that the format can't hold.
+    """The obstacles as a `.scene` file, hulls as meshes, as solids are; a warning names contents that the format can't hold.
 
     Reading the file gives the same sizes and positions; rotations, written as quaternions, are rounded.
 
@@ -258,15 +263,18 @@ def _shape_lines(shape: Shape) -> list[str]:
         case Cylinder() | Cone():
             return [type(shape).__name__.lower(), _row([shape.radius, shape.length])]
         case Hull():
-            return _mesh_lines(Polytope(shape.vertices))
+            hull = Polytope(shape.vertices)
+            return _mesh_lines(hull.vertices, hull.faces)
+        case Solid():
+            return _mesh_lines(*shape.used)
     raise PlannercheckError(f"MoveIt has no {type(shape).__name__.lower()}: a {SUFFIX} file can't hold it")
 
 
-def _mesh_lines(hull: Polytope) -> list[str]:
-    if not len(hull.faces):
+def _mesh_lines(points: Floats, triangles: Ints) -> list[str]:
+    if not len(triangles):
         raise PlannercheckError(f"a hull without volume has no triangles: a {SUFFIX} file can't hold it")
-    sizes = f"{len(hull.vertices)} {len(hull.faces)}"
-    return [_MESH, sizes, *map(_row, hull.vertices), *(" ".join(map(str, face)) for face in hull.faces.tolist())]
+    sizes = f"{len(points)} {len(triangles)}"
+    return [_MESH, sizes, *map(_row, points), *(" ".join(map(str, corners)) for corners in triangles.tolist())]
 
 
 def _pose_lines(pose: Matrix) -> list[str]:

@@ -27,6 +27,9 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
       - name: tap
         mesh: {file: tap.stl, scale: 0.001}    # its convex hull; scale is optional, one factor or three; the
                                                # file may be package://NAME/..., as in a URDF
+      - name: mug
+        solid: {file: mug.stl, scale: 0.001}   # the mesh as it is, concave; or solid: mug.stl, or vertices and
+                                               # triangles, three indices of vertices each
       - name: wedge
         hull: {vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}   # or {file: wedge.npy}
         matrix: [[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]   # instead of the above
@@ -52,6 +55,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import get_args
 
 from plannercheck.common.errors import unknown_name
 from plannercheck.common.package_data import is_file, is_folder, is_planar_file, shipped_folder
@@ -59,6 +63,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.scene_files import read_scene, write_scene
 from plannercheck.scenes.scene_hints import scale_hint
+from plannercheck.scenes.scene_paths import MeshKind
 from plannercheck.scenes.scene_table import scene_html
 
 
@@ -75,7 +80,7 @@ class Scene(SceneContents):
     """
 
     @staticmethod
-    def load(path: str | Path, package_dirs: Sequence[str | Path] = ()) -> Scene:
+    def load(path: str | Path, package_dirs: Sequence[str | Path] = (), *, meshes: MeshKind = "hull") -> Scene:
         """Loads a scene file.
 
         Args:
@@ -83,12 +88,16 @@ class Scene(SceneContents):
                 in YAML (recognised by their keys); MoveIt's text format (`.scene`); or the bare name of a shipped
                 scene, e.g. "bookshelf".
             package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
+            meshes: What meshes are taken as: their hulls, or "solid". Those that are not closed keep their hulls, with
+                a warning. A file's `solid:` is one anyway.
 
         Returns:
             The scene.
         """
         scene, file = Scene(), _found(path)
-        read_scene(scene, file, [Path(p) for p in package_dirs])
+        if meshes not in get_args(MeshKind):
+            raise unknown_name("kind of meshes", str(meshes), get_args(MeshKind))
+        read_scene(scene, file, [Path(p) for p in package_dirs], meshes)
         hint = scale_hint(scene)
         if hint:
             warnings.warn(f"scene file {str(file)!r}: {hint}", RuntimeWarning, stacklevel=2)

@@ -8,18 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, SceneObject, unplaced
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
+from plannercheck.bodies.solids import Solid
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import (
-    BROKEN_FILE,
     Node,
     check_keys,
     error_context,
@@ -40,7 +38,8 @@ from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
 from plannercheck.scenes.moveit_messages import single_document
-from plannercheck.scenes.scene_paths import FindFile, file_finder
+from plannercheck.scenes.scene_meshes import Source, read_hull, read_mesh, read_solid
+from plannercheck.scenes.scene_paths import FindFile, MeshKind
 
 # Keys of pairs, and whether the pairs may touch. Pairs of links have keys of their own, so that a misspelt object does
 # not pass for a link.
@@ -57,43 +56,43 @@ _SIZED: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
     "capsule": (Capsule, ("radius", "length")),
     "cone": (Cone, ("radius", "length")),
 }
-_SHAPE_KEYS = ("box", *_SIZED, "mesh", "hull")
+_SHAPE_KEYS = ("box", *_SIZED, "mesh", "hull", "solid")
 
 
-def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = ()) -> None:
+def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = (), meshes: MeshKind = "hull") -> None:
     """Reads a scene of any format.
 
     Args:
         scene: The scene to fill; it is named after the file if that gives no name.
         path: The file.
         package_dirs: Folders in which `package://` meshes are searched, before the folders above the file.
+        meshes: What meshes are taken as.
     """
     if not is_file(path):
         raise PlannercheckError(f"scene file {str(path)!r} {'is a folder' if is_folder(path) else 'does not exist'}")
     with error_context(f"scene file {str(path)!r}"):
         content = read_bytes(path)
         if path.suffix.lower() == moveit_text.SUFFIX:
-            moveit_text.read_scene_text(scene, content)
+            moveit_text.read_scene_text(scene, content, meshes)
         else:
-            _read_yaml(scene, content, path.parent, package_dirs)
+            _read_yaml(scene, content, FindFile(path.parent, package_dirs, meshes))
     scene.name = scene.name or path.stem
 
 
-def _read_yaml(scene: SceneContents, content: bytes, folder: Path, package_dirs: Sequence[Path]) -> None:
+def _read_yaml(scene: SceneContents, content: bytes, find_file: FindFile) -> None:
     document = parse_yaml(single_document(content))
     message = moveit.as_planning_scene(document)
     if message is None:
-        _read(scene, document, folder, package_dirs)
+        _read(scene, document, find_file)
     else:
-        moveit.read_planning_scene(scene, message, folder, package_dirs)
+        moveit.read_planning_scene(scene, message, find_file.folder, find_file.package_dirs, find_file.meshes)
 
 
-def _read(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequence[Path]) -> None:
+def _read(scene: SceneContents, document: Node, find_file: FindFile) -> None:
     if "urdf" in document:
         raise PlannercheckError("is a robot, not a scene")
     check_keys(document, _SCENE_KEYS)
     scene.name = text(document.get("name", ""), "name")
-    find_file = file_finder(folder, package_dirs)
     for k, item in enumerate(sequence(required(document, "objects"), "'objects'")):
         _add_object(scene, mapping(item, f"object {k}"), k, find_file)
     for k, item in enumerate(sequence(document.get("attached"), "'attached'")):
@@ -101,7 +100,7 @@ def _read(scene: SceneContents, document: Node, folder: Path, package_dirs: Sequ
     _read_allowed(scene, document)
     for robot, item in mapping(document.get("states"), "'states'").items():
         with error_context(f"states of {robot!r}"):
-            read_states(scene, robot, mapping(item, "they"), folder)
+            read_states(scene, robot, mapping(item, "they"), find_file.folder)
 
 
 def _add_object(scene: SceneContents, node: Node, index: int, find_file: FindFile) -> None:
@@ -142,7 +141,8 @@ def _part(node: Node, find_file: FindFile, pose: NDArray[np.float64] | None) -> 
     """The shape that a mapping describes, posed in an object's frame."""
     kind = _one_of(node, _SHAPE_KEYS)
     with error_context(kind):
-        values = mapping(node[kind], "it")
+        is_name = kind == "solid" and isinstance(node[kind], str)
+        values = node[kind] if is_name else mapping(node[kind], "it")
         shape, source = _shape(kind, values, find_file)
     return Part(shape, pose, source)
 
@@ -156,43 +156,20 @@ def _one_of(node: Node, keys: Sequence[str]) -> str:
     return given[0]
 
 
-def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, tuple[Path, Any] | None]:
+def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, Source | None]:
     """A shape from its key and values, and the file and scale of a mesh."""
     if kind == "mesh":
-        return _mesh(values, find_file)
+        return read_mesh(values, find_file)
+    if kind == "solid":
+        return read_solid(values, find_file)
     if kind == "hull":
-        return _hull(values, find_file), None
+        return read_hull(values, find_file), None
     if kind == "box":
         check_keys(values, ("size",))
         return Box(tuple(numbers(required(values, "size"), "size", 3))), None  # type: ignore[arg-type]
     make, keys = _SIZED[kind]
     check_keys(values, keys)
     return make(*(number(required(values, key), key) for key in keys)), None
-
-
-def _mesh(values: Node, find_file: FindFile) -> tuple[Hull, tuple[Path, Any]]:
-    check_keys(values, ("file", "scale"))
-    scale = values.get("scale", 1.0)
-    factors = numbers(scale, "scale", 3) if isinstance(scale, list) else number(scale, "scale")
-    path = find_file(text(required(values, "file"), "file"))
-    return load_mesh(path, factors), (path, factors)
-
-
-def _hull(values: Node, find_file: FindFile) -> Hull:
-    check_keys(values, ("vertices", "file"))
-    if _one_of(values, ("vertices", "file")) == "file":
-        return _hull_file(find_file(text(required(values, "file"), "file")))
-    rows = sequence(values["vertices"], "'vertices'")
-    return Hull(np.array([numbers(row, f"vertices row {k}", 3) for k, row in enumerate(rows)]).reshape(-1, 3))
-
-
-def _hull_file(path: Path) -> Hull:
-    try:
-        return Hull(np.load(path, allow_pickle=False))
-    except PlannercheckError as error:
-        raise PlannercheckError(f"file {str(path)!r}: {error}") from None
-    except BROKEN_FILE as error:
-        raise PlannercheckError(f"file {str(path)!r} can't be read as npy: {error!s:.200}") from None
 
 
 def _pose(node: Node) -> NDArray[np.float64]:
@@ -279,7 +256,10 @@ def _shape_node(part: Part, folder: Path) -> Node:
     shape = part.shape
     if part.source is not None:
         file, scale = part.source
-        return {"mesh": {"file": _relative(file, folder), "scale": np.asarray(scale).tolist()}}
+        kind = "solid" if isinstance(shape, Solid) else "mesh"
+        return {kind: {"file": _relative(file, folder), "scale": np.asarray(scale).tolist()}}
+    if isinstance(shape, Solid):
+        return {"solid": {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}}
     if isinstance(shape, Hull):
         return {"hull": {"vertices": shape.vertices.tolist()}}
     if isinstance(shape, Box):

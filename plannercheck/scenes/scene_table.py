@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from plannercheck.bodies.objects import SceneObject
 from plannercheck.bodies.shapes import Box, Hull, Shape, Sphere
+from plannercheck.bodies.solids import Solid
 from plannercheck.common.html_tables import html_table
 from plannercheck.scenes.contents import SceneContents
 
@@ -35,4 +36,6 @@ def _words(shape: Shape) -> str:
             return f"sphere of radius {shape.radius:.4g}"
         case Hull():
             return f"hull of {len(shape.vertices)} points"
+        case Solid():
+            return f"solid of {len(shape.triangles)} triangles"
     return f"{type(shape).__name__.lower()} of radius {shape.radius:.4g}, length {shape.length:.4g}"

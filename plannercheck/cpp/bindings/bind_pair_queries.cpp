@@ -21,6 +21,7 @@
 #include "bindings/plain_floats.hpp"
 #include "narrow_phase/distance.hpp"
 #include "narrow_phase/given_poses.hpp"
+#include "narrow_phase/solid_pair.hpp"
 
 namespace nb = nanobind;
 
@@ -51,7 +52,8 @@ class PairQueries {
     const PosedPolytope a = first.posed(), b = second.posed();
     const bool a_hosts = choose_host(*a.body, *b.body) == 0;
     PairCounters counters;
-    return nb::bool_(test_pair(a_hosts ? b : a, a_hosts ? a : b, options_, nullptr, counters).shared);
+    return nb::bool_(test_pair(a_hosts ? b : a, a_hosts ? a : b, options_, nullptr, counters).shared &&
+                     solids_share(a, b, counters));
   }
 
   // (distance, lower bound, points on p and r and the direction from r to p as rows).

@@ -14,6 +14,7 @@
 #include "bodies/polytope.hpp"
 #include "math/predicates.hpp"
 #include "narrow_phase/pair_batch.hpp"
+#include "narrow_phase/solid_pair.hpp"
 
 namespace nb = nanobind;
 
@@ -203,6 +204,7 @@ nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const 
   PairCounters counters;
   const PosedPolytope &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
   PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
+  if (verdict.shared) verdict.shared = solids_share(guest, host, counters);
   if (explain && verdict.shared && !verdict.exact) {
     // The vertices and weights behind a shared point come from the exact stage.
     const Vec3 apart = guest.pose.apply(guest.body->centre) - host.pose.apply(host.body->centre);
@@ -276,6 +278,13 @@ void bind_polytope(nb::module_& m) {
       .def("bytes", &Polytope::bytes, plain_floats)
       .def("fault", &polytope_fault, plain_floats)
       .def("without_cells", &without_cells, plain_floats)
+      .def(
+          "with_solid",
+          [](const Polytope& b, std::shared_ptr<Solid> solid) {
+            return std::make_shared<Polytope>(with_solid(b, std::move(solid)));
+          },
+          plain_floats)
+      .def_prop_ro("is_solid", [](const Polytope& b) { return b.solid != nullptr; })
       .def("extremes", &extremes, plain_floats);
 
   m.def("intersect_batch", &intersect_batch, plain_floats);

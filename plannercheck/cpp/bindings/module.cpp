@@ -8,6 +8,7 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   nanobind::set_leak_warnings(false);
   m.attr("level") = PLANNERCHECK_LEVEL;
   m.attr("lanes") = plannercheck::kLanes;
+  plannercheck::bind_solid(m);
   plannercheck::bind_polytope(m);
   plannercheck::bind_kinematics(m);
   plannercheck::bind_ompl_states(m);

@@ -13,6 +13,7 @@ class CheckerCore;
 std::shared_ptr<const CheckerCore> shared_checker_core(nanobind::object checker);
 
 void bind_kinematics(nanobind::module_& m);
+void bind_solid(nanobind::module_& m);
 void bind_polytope(nanobind::module_& m);
 void bind_ompl_states(nanobind::module_& m);
 void bind_checker(nanobind::module_& m);

@@ -180,6 +180,7 @@ bool is_its_box(const Polytope& body) {
 
 InnerShapes find_inner_shapes(const Polytope& body) {
   InnerShapes shapes;
+  if (body.solid) return shapes;
   if (is_its_box(body)) shapes.box = InnerBox{body.low, body.high, 0};
   if (!body.has_polar()) {
     if (body.dimension <= 1) shapes.balls = balls_on_segment(body);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "bodies/flat_hull.hpp"
 #include "math/double_double.hpp"
@@ -118,6 +119,14 @@ Polytope prepare_polytope(const ConvexMesh& mesh) {
   if (!add_polar(mesh, body)) do_without_polar(body);
   measure(body);
   body.ellipsoid = equivalent_ellipsoid(body.inner.points, body.triangles);
+  return body;
+}
+
+Polytope with_solid(const Polytope& hull, std::shared_ptr<const Solid> solid) {
+  Polytope body = hull;
+  body.solid = std::move(solid);
+  body.is_box = 0;
+  body.lazy_inner_shapes = {}, body.lazy_surface = {};
   return body;
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "bodies/inner_shapes.hpp"
 #include "bodies/lazy_value.hpp"
 #include "bodies/small_ball.hpp"
+#include "bodies/solid.hpp"
 
 namespace plannercheck {
 
@@ -35,7 +37,7 @@ struct Polytope {
   double origin_radius = 0;          // largest |v|, distance from the frame's origin, over the vertices, rounded up
   double radius = 0;                 // largest |v − centre|, rounded up
   Vec3 low, high;                    // the box around the vertices, in the body's frame
-  std::int32_t is_box = 0;           // 1 if the body is that box
+  std::int32_t is_box = 0;           // 1 if the body is that box, and no solid
   Hierarchy inner;
   Hierarchy polar;
   std::vector<Triangle> polar_triangles;  // of the hull of the polar points, outward
@@ -44,13 +46,20 @@ struct Polytope {
   EquivalentEllipsoid ellipsoid;             // not in files
   LazyValue<InnerShapes> lazy_inner_shapes;  // only checkers of configurations need these two
   LazyValue<SmallBall> lazy_small_ball;
+  std::shared_ptr<const Solid> solid;  // if the body is this solid, of which all above is the hull; not in files
+  LazyValue<Solid> lazy_surface;       // only tests with solids need it
 
+  // None of a solid: what is inside of its hull need not be inside of it.
   const InnerShapes& inner_shapes() const {
     return lazy_inner_shapes.get([this] { return find_inner_shapes(*this); });
   }
   // Around the hull, without the inflation radius.
   const SmallBall& small_ball() const {
     return lazy_small_ball.get([this] { return plannercheck::small_ball(inner.points, 0.5 * (low + high)); });
+  }
+  // The solid, or the hull as one; without the inflation radius.
+  const Solid& surface() const {
+    return solid ? *solid : lazy_surface.get([this] { return surface_of(*this); });
   }
 
   // False for bodies without volume, and for those thinner than the grid of doubles.
@@ -59,6 +68,9 @@ struct Polytope {
 };
 
 Polytope prepare_polytope(const ConvexMesh& mesh);
+
+// The same body, whose set is the solid's; the body has to be the solid's hull.
+Polytope with_solid(const Polytope& hull, std::shared_ptr<const Solid> solid);
 
 // Prepares the hull of the points, of any dimension; there is at least one point.
 Polytope prepare_polytope(const std::vector<Vec3>& points);

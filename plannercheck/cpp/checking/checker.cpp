@@ -6,6 +6,7 @@
 #include "broad_phase/broad_phase.hpp"
 #include "checking/state_blocks.hpp"
 #include "math/interruption.hpp"
+#include "narrow_phase/solid_pair.hpp"
 #include "robots/kinematics_lanes.hpp"
 #include "robots/state_poser.hpp"
 
@@ -23,9 +24,8 @@ std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const GeometryObject &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
     if (guest.link >= 0 || host.link >= 0) continue;
-    out[k] =
-        test_pair({guest.body.get(), guest.placement}, {host.body.get(), host.placement}, options, nullptr, counters)
-            .shared;
+    const PosedPolytope a{guest.body.get(), guest.placement}, b{host.body.get(), host.placement};
+    out[k] = test_pair(a, b, options, nullptr, counters).shared && plannercheck::solids_share(a, b, counters);
   }
   return out;
 }
@@ -49,6 +49,7 @@ struct CheckerCore::Workspace {
   std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared
   BroadPhase::Workspace broad_phase;
   std::vector<CachedPlane> planes;         // per pair
+  std::vector<SolidContact> contacts;      // per pair of solids: where they met last
   std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
 };
 
@@ -58,6 +59,7 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
     for (const std::int32_t body : pair) {
+      has_solids_ |= bodies_[at(body)].body->solid != nullptr;
       const std::int32_t link = bodies_[at(body)].link;
       if (link >= 0) needed_[at(link)] = 1;
     }
@@ -71,6 +73,7 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->links.resize(kBlockGroups * at(links_) * 12);
   w->broad_phase = broad_phase_->new_workspace();
   w->planes.resize(pairs_.size());
+  if (has_solids_) w->contacts.resize(pairs_.size());
   w->hits.resize(pairs_.size());
   w->tests.resize(pairs_.size());
   return w;
@@ -111,8 +114,17 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
   const bool likely = options_.learning && 2 * w.hits[pair] > w.tests[pair]++;
   const PairVerdict verdict = test_pair(frame, likely, options_.pair, &w.planes[pair], w.counters.pair);
   ++w.counters.stages[static_cast<std::size_t>(verdict.stage)];
-  w.hits[pair] += verdict.shared ? 1 : 0;
-  return verdict.shared;
+  const bool shared = verdict.shared && solids_share(pair, frame, w);
+  w.hits[pair] += shared ? 1 : 0;
+  return shared;
+}
+
+bool CheckerCore::solids_share(std::size_t pair, const PairFrame& frame, Workspace& w) const {
+  const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
+  if (!is_of_solids(guest, host)) return true;
+  const SolidContact found = solids_contact(guest, host, w.contacts[pair], w.counters.pair);
+  if (found) w.contacts[pair] = found;
+  return static_cast<bool>(found);
 }
 
 bool CheckerCore::is_free(std::size_t state, Workspace& w) const {

@@ -84,6 +84,7 @@ class CheckerCore {
   std::vector<std::array<std::int32_t, 2>> pairs_;  // guest, host
   std::int32_t links_;
   std::vector<unsigned char> needed_;  // links that carry a body of some pair
+  bool has_solids_ = false;
   CheckerOptions options_;
   std::shared_ptr<const BroadPhase> broad_phase_;
 
@@ -100,6 +101,7 @@ class CheckerCore {
   void find_near(int count, Query query, Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
+  bool solids_share(std::size_t pair, const PairFrame& frame, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;
   std::int32_t first_collision(std::size_t state, Workspace& workspace) const;
 };

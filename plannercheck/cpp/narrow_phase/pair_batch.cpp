@@ -8,6 +8,7 @@
 #include "math/interruption.hpp"
 #include "narrow_phase/centre_axis.hpp"
 #include "narrow_phase/double_oracle.hpp"
+#include "narrow_phase/solid_pair.hpp"
 
 namespace plannercheck {
 namespace {
@@ -273,14 +274,44 @@ class Interleaving {
   }
 };
 
-}  // namespace
+// A batch whose bodies are solids: hulls that share a point are not the last word.
+class SolidBatch final : public PairBatch {
+ public:
+  SolidBatch(PairBatch& batch, PairCounters& counters) : batch_(batch), counters_(counters) {}
 
-void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
+  PosedPolytope guest(std::size_t i) const override { return batch_.guest(i); }
+  PosedPolytope host(std::size_t i) const override { return batch_.host(i); }
+  void take(std::size_t i, const PairVerdict& of_hulls) override {
+    if (!of_hulls.shared) return batch_.take(i, of_hulls);
+    PairVerdict verdict = of_hulls;
+    const SolidContact found = solids_contact(guest(i), host(i), last_, counters_);
+    verdict.shared = static_cast<bool>(found);
+    if (found) last_ = found;
+    batch_.take(i, verdict);
+  }
+  void take_far(std::size_t i, const CentreAxis& axis) override { batch_.take_far(i, axis); }
+
+ private:
+  PairBatch& batch_;
+  PairCounters& counters_;
+  SolidContact last_;
+};
+
+void test_hulls(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
                 PairBatch& batch, PairCounters& counters) {
   CachedPlane plane;
   CachedPlane* const cache = options.cached_plane && host.has_polar() ? &plane : nullptr;
   if (!pays(guest, host, options)) return test_one_by_one(pairs, options, cache, batch, counters);
   Interleaving(guest, host, pairs, options, batch, cache, counters).run();
+}
+
+}  // namespace
+
+void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
+                PairBatch& batch, PairCounters& counters) {
+  if (!guest.solid && !host.solid) return test_hulls(guest, host, pairs, options, batch, counters);
+  SolidBatch of_solids(batch, counters);
+  test_hulls(guest, host, pairs, options, of_solids, counters);
 }
 
 }  // namespace plannercheck

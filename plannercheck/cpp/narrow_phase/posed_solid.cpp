@@ -1,0 +1,35 @@
+#include "narrow_phase/posed_solid.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Of M⁻¹ (p − t), times the magnitude of p and t together, y: the difference errs by u|y|. Entries of the adjugate err
+// by 4u, its products with y and their sums by 3u of at most √3 |y|: 18u|y|. The determinant is 1 up to 6e-6 and errs by
+// 13u, the quotient by one more: 25u|y|. What p errs by, kCornerError, is turned: at most √3 times that, 9u.
+constexpr double kInverseError = 64 * kRoundoff;
+
+}  // namespace
+
+double posing_magnitude(const PosedSolid& posed) {
+  const auto& m = posed.pose.m;
+  const Vec3 reach = posed.solid->reach;
+  double most = 0;
+  for (std::size_t row = 0; row < 12; row += 4) {
+    most = larger(most, std::fabs(m[row]) * reach.x + std::fabs(m[row + 1]) * reach.y +
+                            std::fabs(m[row + 2]) * reach.z + std::fabs(m[row + 3]));
+  }
+  return most;
+}
+
+InversePose::InversePose(const Pose& pose) : translation_(pose.translation()) {
+  const auto column = [&](std::size_t j) { return Vec3{pose.m[j], pose.m[j + 4], pose.m[j + 8]}; };
+  const Vec3 x = column(0), y = column(1), z = column(2);
+  rows_ = {cross(y, z), cross(z, x), cross(x, y)};
+  determinant_ = dot(x, rows_[0]);
+}
+
+double InversePose::error(double magnitude) const {
+  return kInverseError * (magnitude + norm_max(translation_)) + kDenormalError;
+}
+
+}  // namespace plannercheck

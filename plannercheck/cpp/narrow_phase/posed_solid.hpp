@@ -1,0 +1,56 @@
+// A solid at a pose: its points in doubles, and how far rounding may move them.
+//
+// Poses are affine maps that are rigid up to 3.6e-6 (bodies/shapes.py), in the norm of MᵀM − 1.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "bodies/solid.hpp"
+#include "math/predicates.hpp"
+#include "math/vec.hpp"
+
+namespace plannercheck {
+
+struct PosedSolid {
+  const Solid* solid;
+  Pose pose;
+
+  Vec3 corner(std::int32_t triangle, std::size_t k) const {
+    return pose.apply(solid->points[at(solid->triangles[at(triangle)][k])]);
+  }
+};
+
+// How much longer than in the world a length may be in the frame of a body that is as far off rigid as poses may be.
+inline constexpr double kStretch = 1 + 0x1p-16;
+
+// The sum of the sizes of all terms in a coordinate of a posed point, the largest over points and coordinates.
+double posing_magnitude(const PosedSolid& posed);
+
+// A coordinate of Pose::apply errs by this times the magnitude: a product and three sums, 4u; the rest is for rounding
+// of the magnitude.
+inline constexpr double kCornerError = 5 * kRoundoff;
+
+// The inverse of a pose, in doubles.
+class InversePose {
+ public:
+  explicit InversePose(const Pose& pose);
+
+  // M⁻¹ v
+  Vec3 rotate(Vec3 v) const {
+    return {dot(rows_[0], v) / determinant_, dot(rows_[1], v) / determinant_, dot(rows_[2], v) / determinant_};
+  }
+  // M⁻¹ (v − t)
+  Vec3 apply(Vec3 v) const { return rotate(v - translation_); }
+
+  // How far apply(p) is at most from the exact image in each coordinate, where p is the image of a point under
+  // Pose::apply of this magnitude.
+  double error(double magnitude) const;
+
+ private:
+  std::array<Vec3, 3> rows_;  // of the adjugate
+  double determinant_;
+  Vec3 translation_;
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,22 @@
+// Whether two posed triangles share a point.
+//
+// In: corners in the world, rounded. Out: the answer where signs of volumes prove it. Idea: two triangles that share a
+// point share one on an edge of one of them. So they are apart if no edge of one meets the other one, and they meet if
+// an edge passes through the other one's inside; both are signs of volumes of four corners (Guigue and Devillers, 2003).
+// Signs that rounding leaves open, those of degenerate and touching triangles among them, are left to the exact test.
+#pragma once
+
+#include <array>
+
+#include "math/vec.hpp"
+
+namespace plannercheck {
+
+using Corners = std::array<Vec3, 3>;
+
+enum class TriangleAnswer { kApart, kMeet, kOpen };
+
+// `error`: how far each coordinate of the corners may be from the exact one.
+TriangleAnswer triangles_meet(const Corners& a, const Corners& b, double error);
+
+}  // namespace plannercheck

@@ -1,0 +1,113 @@
+"""Which geometry the meshes of links have: their hulls, convex pieces, or the solids that they are.
+
+In: a robot's bodies with the hulls of their meshes, their pairs, the meshes, and what is asked for. Out: bodies and
+pairs with that geometry. Meshes that are not closed keep their hulls unless their link is named, since a body inside
+such a mesh would not collide.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Literal, TypeAlias, get_args
+
+import pinocchio as pin
+
+from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
+from plannercheck.bodies.shapes import GeometryObject, Hull
+from plannercheck.bodies.solids import OPEN_WORDS, Solid
+from plannercheck.bodies.triangle_meshes import corners_of_coal
+from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.robots.decomposed_links import Pairs, decomposed
+
+GeometryKind: TypeAlias = Literal["hull", "pieces", "solid"]
+Geometry: TypeAlias = GeometryKind | Mapping[str, GeometryKind]
+
+KINDS: tuple[GeometryKind, ...] = get_args(GeometryKind)
+
+
+def checked_geometry(value: Any) -> Geometry | None:
+    """What is asked for, copied; None for nothing.
+
+    Raises:
+        PlannercheckError: If it is neither a kind of geometry nor kinds by links.
+    """
+    if isinstance(value, Mapping):
+        return {str(link): _checked_kind(kind, f"geometry of link {str(link)!r}") for link, kind in value.items()}
+    return None if value is None else _checked_kind(value, "geometry")
+
+
+def _checked_kind(value: Any, what: str) -> GeometryKind:
+    for kind in KINDS:
+        if value == kind:
+            return kind
+    if isinstance(value, str):
+        raise unknown_name(what, value, KINDS)
+    raise PlannercheckError(f"{what} must be one of {', '.join(KINDS)}, or a mapping of links to these, not {value!r}")
+
+
+def with_geometry(
+    bodies: tuple[GeometryObject, ...],
+    pairs: Pairs,
+    meshes: pin.GeometryModel,
+    geometry: Geometry | None,
+    decomposition: Decomposition | None,
+) -> tuple[tuple[GeometryObject, ...], Pairs, Mapping[str, Pieces]]:
+    """Gives links the geometry that is asked for.
+
+    Args:
+        bodies: The robot's bodies, in the order of the meshes; meshes are hulls.
+        pairs: (k, 2) indices of bodies.
+        meshes: Pinocchio's geometry model.
+        geometry: The kind of all links, or by link; other links have pieces if `decomposition` says so, else hulls.
+        decomposition: Which links to decompose, and how.
+
+    Returns:
+        Bodies, pairs of them, and the pieces by name of the body that they replace.
+    """
+    kinds = dict(geometry) if isinstance(geometry, Mapping) else {}
+    known = {str(body.link) for body in bodies}
+    for link in kinds:
+        if link not in known:
+            raise unknown_name("link with a geometry", link, sorted(known))
+    wanted = geometry if isinstance(geometry, str) else None
+    if wanted == "solid" or "solid" in kinds.values():
+        bodies = _with_solids(bodies, meshes, kinds, wanted == "solid")
+    options = decomposition if wanted in (None, "pieces") else None
+    if options is None and wanted == "pieces":
+        options = Decomposition()
+    if options is None and "pieces" not in kinds.values():
+        return bodies, pairs, {}
+    return decomposed(bodies, pairs, meshes, options, kinds)
+
+
+def _with_solids(
+    bodies: tuple[GeometryObject, ...], meshes: pin.GeometryModel, kinds: Mapping[str, GeometryKind], all_links: bool
+) -> tuple[GeometryObject, ...]:
+    """The bodies, those that are meshes of the chosen links as solids; equal meshes share one."""
+    found, kept, known = [], [], dict[bytes, Solid]()
+    for body, each in zip(bodies, meshes.geometryObjects, strict=True):
+        named = kinds.get(str(body.link))
+        corners = corners_of_coal(each.geometry) if (named == "solid" or all_links) else None
+        if corners is None or not len(corners[1]) or not isinstance(body.shape, Hull):
+            found.append(body)
+            continue
+        solid = Solid(*corners)
+        solid = known.setdefault(solid.digest, solid)
+        if not solid.is_closed and named is None:
+            kept.append(str(body.link))
+            found.append(body)
+            continue
+        if not solid.is_closed:
+            warnings.warn(f"link {body.link!r}: its mesh {each.meshPath} {OPEN_WORDS}", RuntimeWarning, stacklevel=7)
+        found.append(replace(body, shape=solid))
+    if kept:
+        links = list(dict.fromkeys(kept))
+        warnings.warn(
+            f"meshes of {', '.join(links)} are not closed, so they keep their hulls: name a link, "
+            f"geometry={{{links[0]!r}: 'solid'}}, to take the triangles alone",
+            RuntimeWarning,
+            stacklevel=7,
+        )
+    return tuple(found)
