@@ -145,7 +145,7 @@ def test_triangles_within_radii_as_their_hulls_are():
 
 
 def test_radii_that_just_reach_and_just_do_not():
-    """Corner to corner, corner to edge, edge to edge and corner to face, at distances 3-4-5 and others that are whole."""
+    """Corner to corner, corner to edge, edge to edge and corner to face, at distances that are whole."""
     far = [[30, 0, 0], [30, 40, 0], [30, 0, 7]]
     pairs = [
         (5.0, [[0, 0, 0]] * 3, [[3, 4, 0], [30, 40, 0], [3, 40, 1]]),
@@ -283,7 +283,9 @@ def test_many_triangles_are_swept():
     """Two fine tori, where they touch and where they miss."""
     u, v = (a.ravel() for a in np.meshgrid(np.arange(60), np.arange(40), indexing="ij"))
     a, b = 2 * np.pi * u / 60, 2 * np.pi * v / 40
-    points = np.stack([(1 + 0.25 * np.cos(b)) * np.cos(a), (1 + 0.25 * np.cos(b)) * np.sin(a), 0.25 * np.sin(b)], axis=1)
+    points = np.stack(
+        [(1 + 0.25 * np.cos(b)) * np.cos(a), (1 + 0.25 * np.cos(b)) * np.sin(a), 0.25 * np.sin(b)], axis=1
+    )
     at = lambda i, j: (i % 60) * 40 + j % 40  # noqa: E731
     quads = np.stack([at(u, v), at(u + 1, v), at(u + 1, v + 1), at(u, v + 1)], axis=1)
     torus = mesh(points, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))

@@ -98,6 +98,7 @@ def _digits(number: float) -> tuple[str, int]:
 
 
 def compiled_oracle() -> ModuleType:
+    """The module of cpp/oracle; PlannercheckError if it is not built."""
     try:
         return importlib.import_module("plannercheck._oracle")
     except ImportError:

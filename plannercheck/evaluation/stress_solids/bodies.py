@@ -1,7 +1,7 @@
 """The bodies of the stress of solids, as the core has them and as the oracle has them.
 
-In: a family's name, about how many triangles, a size in m. Out: a `Body`. Convex bodies are hulls for the core and their
-closed surfaces for the oracle, so a solid meets polytopes, balls, capsules, segments and points, too.
+In: a family's name, about how many triangles, a size in m. Out: a `Body`. Convex bodies are hulls for the core and
+their closed surfaces for the oracle, so a solid meets polytopes, balls, capsules, segments and points, too.
 """
 
 from __future__ import annotations

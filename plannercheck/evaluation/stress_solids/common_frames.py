@@ -20,9 +20,8 @@ def neighbouring_cells(n: int, rng: np.random.Generator) -> Partners:
     """Cells of one lattice that belong to one body or the other: faces, edges and corners are shared."""
     side = int(np.clip(round((n / 8) ** (1 / 3) * 1.6), 2, 8))
     owner = rng.integers(0, int(rng.integers(2, 6)), (side, side, side))
+    owner[0, 0, 0], owner[-1, -1, -1] = 0, 1
     first, second = owner == 0, owner == 1
-    first[0, 0, 0], second[-1, -1, -1] = True, True
-    first &= ~second
     step = 2.0 ** -np.ceil(np.log2(side))
     p, r = (of_cells(cells, rng).scaled(step) for cells in (first, second))
     return p, r

@@ -3,9 +3,9 @@
 In: two bodies, rotations. Out: poses at offsets from such a moment, along a line.
 
 The idea: take a place where the bodies share a point, since a point of one lies on a point of the other, and a place
-where they share none, be it inside each other's hulls. Halve the way between both, with the oracle's verdicts, until two
-neighbouring doubles are left. Along an axis, bodies of a lattice then touch exactly; otherwise the contact is as near as
-doubles come.
+where they share none, be it inside each other's hulls. Halve the way between both, with the oracle's verdicts, until
+two neighbouring doubles are left. Along an axis, bodies of a lattice then touch exactly; otherwise the contact is as
+near as doubles come.
 """
 
 from __future__ import annotations
@@ -59,9 +59,9 @@ def turn(rotation: str, rng: np.random.Generator) -> Floats:
     if rotation == "none":
         return np.eye(3)
     if rotation == "axis-aligned":
-        return quarter_turns(1, rng)[0]
+        return np.asarray(quarter_turns(1, rng)[0], dtype=np.float64)
     if rotation == "random":
-        return np.asarray(turns_onto(random_directions(1, rng), random_directions(1, rng), rng)[0])
+        return np.array(turns_onto(random_directions(1, rng), random_directions(1, rng), rng)[0], dtype=np.float64)
     x, y, z = _TINY_ANGLE * random_directions(1, rng)[0]
     return np.array([[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]])
 

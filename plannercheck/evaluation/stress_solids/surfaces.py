@@ -101,10 +101,7 @@ def of_cells(cells: Cells, rng: np.random.Generator) -> Surface:
 def of_grid(points: Floats, closes: tuple[bool, bool], rng: np.random.Generator) -> Surface:
     """A grid of points (u, v, 3) as quads; its last row or column joined to its first where it closes."""
     rows, columns = points.shape[:2]
-    i, j = np.meshgrid(
-        np.arange(rows if closes[0] else rows - 1), np.arange(columns if closes[1] else columns - 1), indexing="ij"
-    )
-    i, j = i.ravel(), j.ravel()
+    i, j = np.indices((rows if closes[0] else rows - 1, columns if closes[1] else columns - 1)).reshape(2, -1)
     past, beside = (i + 1) % rows, (j + 1) % columns
     quads = np.stack([i * columns + j, past * columns + j, past * columns + beside, i * columns + beside], axis=1)
     return of_quads(points.reshape(-1, 3), quads, rng)
