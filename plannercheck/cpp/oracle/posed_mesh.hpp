@@ -2,6 +2,7 @@
 //
 // In: a mesh and a pose. Out: for each vertex an interval a coordinate, m, and, made when first asked for, the exact
 // coordinates in units of 2^unit m; the sign of a polynomial, from intervals if they tell, else from whole numbers.
+// Polynomials are those of differences of vertices: intervals are about where the second mesh's pose puts its origin.
 #pragma once
 
 #include <memory>
@@ -14,8 +15,8 @@ namespace plannercheck::oracle {
 
 class PosedMesh {
  public:
-  // `pose`: row-major 4x4. Needs RoundedUpwards.
-  PosedMesh(const Mesh& mesh, const double* pose);
+  // `pose`: row-major 4x4; `origin`: three coordinates that intervals are without. Needs RoundedUpwards.
+  PosedMesh(const Mesh& mesh, const double* pose, const double* origin);
 
   const Mesh& mesh() const { return *mesh_; }
   bool fits_intervals() const { return fits_intervals_; }
