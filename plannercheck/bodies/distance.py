@@ -33,7 +33,8 @@ class Distance:
         lower_bound: A proved lower bound of the distance, m. If the bodies overlap it is negative: a translation of
             that length separates them, and the shortest such translation is no longer. It is the shortest one if only
             the inflation radii overlap, not the hulls. Else it is the shortest along all facets' normals, the boxes'
-            axes and the centres' axis; directions at right angles to two edges are not tried.
+            axes and the centres' axis; directions at right angles to two edges are not tried. Of solids it is that of
+            their hulls.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
             `lower_bound` apart, or the first body has to be moved.
     """

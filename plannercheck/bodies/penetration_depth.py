@@ -73,10 +73,12 @@ def depth(
         The depth.
 
     Raises:
-        PlannercheckError: If a pose is not finite or not rigid, or the bodies have too many vertices.
+        PlannercheckError: If a pose is not finite or not rigid, a body is a solid, or they have too many vertices.
     """
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
+    if P.solid is not None or R.solid is not None:
+        raise PlannercheckError("depths are of convex bodies: take hulls, pc.Polytope(solid.vertices)")
     count = len(P.vertices) * len(R.vertices)
     if count > MOST_DIFFERENCES:
         raise PlannercheckError(

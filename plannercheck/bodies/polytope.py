@@ -139,7 +139,7 @@ class Polytope:
     @property
     def solid(self) -> Any | None:
         """The compiled solid whose set the body is; None if it is the hull of its vertices."""
-        return getattr(self._core, "solid", None)
+        return self._core.solid
 
     def of_solid(self, solid: Solid) -> Polytope:
         """A solid's body, given its hull, whose inflation radius it has; the hull itself if the solid is its hull."""
@@ -176,7 +176,7 @@ class Polytope:
     @property
     def nbytes(self) -> int:
         """Memory of the prepared body in bytes."""
-        return int(self._core.bytes())
+        return int(self._core.bytes()) + (0 if self.solid is None else int(self.solid.nbytes))
 
     def statistics(self) -> dict[str, Any]:
         """Sizes of the hull, of both hierarchies (levels, longest chain, fans, bytes), and of the body."""
@@ -233,7 +233,7 @@ class Polytope:
         return cls._from_core(body.with_solid(core.Solid(*solid)) if solid else body)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        solid = () if self.solid is None else (self.solid.points, self.solid.triangles)
+        solid = () if self.solid is None else (self.solid.points(), self.solid.triangles())
         return Polytope._from_bytes, (self._core.serialise(), *solid)
 
     def __repr__(self) -> str:

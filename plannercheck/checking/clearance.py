@@ -89,7 +89,8 @@ class MeasuringChecker(ABC):
             return np.full(len(rows), np.inf), np.full(len(rows), -1, dtype=np.int32)
         used = np.unique(self.pairs)
         table = np.searchsorted(used, self.pairs).astype(np.int32)
-        bodies = [self._preparation.polytope(k).core for k in used.tolist()]
+        polytopes = [self._preparation.polytope(k) for k in used.tolist()]
+        bodies = [polytope.core for polytope in polytopes]
         rounds = _BOUND_ROUNDS if lower_bound else 0
         distances, nearest = np.empty(len(rows)), np.empty(len(rows), dtype=np.int32)
         for first in range(0, len(rows), _BLOCK):

@@ -3,6 +3,7 @@
 In: a checker, the meshes of its bodies as they are in their files. Out: for each body the volumes and the largest
 distance; of random states, how many collide as hulls but not as meshes. Meshes are coal's triangles against triangles,
 without a proof: surfaces that intersect. A mesh that lies wholly within another one does not count as a collision.
+Solids fill nothing: a pair counts only if the hull of a mesh is in it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Box, Capsule, GeometryObject, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, GeometryObject, Hull, Sphere
 from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.checking.state_checker import StateChecker
 from plannercheck.common.array_types import Bools, Floats
@@ -72,7 +73,16 @@ class _Shapes:
     def meet(self, colliding: Bools, poses: Floats) -> bool:
         """Whether the surfaces of any of the pairs (k,) intersect at poses (bodies, 4, 4)."""
         pairs = self._checker.pairs[colliding].tolist()
-        return any(_intersect(self._shape(a), poses[a], self._shape(b), poses[b]) for a, b in pairs)
+        return any(
+            not (self._is_filled(a) or self._is_filled(b))
+            or _intersect(self._shape(a), poses[a], self._shape(b), poses[b])
+            for a, b in pairs
+        )
+
+    def _is_filled(self, index: int) -> bool:
+        """Whether a body is the hull of a mesh."""
+        body = self._checker.bodies[index]
+        return body.name in self._meshes and isinstance(body.shape, Hull)
 
     def _shape(self, index: int) -> coal.CollisionGeometry:
         if index not in self._made:

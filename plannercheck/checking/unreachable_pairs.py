@@ -102,12 +102,13 @@ def unreachable_pairs(
 def stays_apart(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> bool:
     """Whether two bodies at rest at these poses (4, 4) are apart, with room for the rounding that MARGIN covers.
 
-    The core finds a direction; doubles are enough to see that it separates the bodies by more than the margin.
+    The core finds a direction; doubles are enough to see that it separates the bodies by more than the margin. Solids
+    whose hulls meet have no such direction, and count as meeting.
     """
     found = core.certify_pair(p.core, pose_p, r.core, pose_r, pair_options(), False)
-    if found["shared"]:
+    normal = np.asarray(found.get("normal", np.zeros(3)))
+    if found["shared"] or not normal.any():
         return False
-    normal = np.asarray(found["normal"])
     on_p, on_r = (body.vertices @ pose[:3, :3].T + pose[:3, 3] for body, pose in ((p, pose_p), (r, pose_r)))
     gap = float((on_p @ normal).min() - (on_r @ normal).max()) / float(np.linalg.norm(normal))
     extent = (

@@ -16,6 +16,8 @@ from plannercheck import planar
 from plannercheck.bodies.convex_decomposition import polytope_volume
 from plannercheck.bodies.meshes import load_triangles
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.shapes import GeometryObject, Hull
+from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
 from plannercheck.checking.hull_fidelity import largest_filling, refused_by_filling
 from plannercheck.checking.input_hints import always_hint
@@ -138,8 +140,8 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
             numbers = polytope.statistics()
             sizes = numbers["vertices"], numbers["facets"], numbers["bytes"] // 1024
         volumes = _volumes(late, meshes.get(body.name))
-        rows.append((body.name, body.link or "(scene)", type(body.shape).__name__.lower(), *sizes, count, *volumes))
-    header = ("body", "link", "shape", "vertices", "facets", "kB", "pairs", "radius m", "hull cm³", "mesh cm³")
+        rows.append((body.name, body.link or "(scene)", _geometry(checker, body), *sizes, count, *volumes))
+    header = ("body", "link", "geometry", "vertices", "facets", "kB", "pairs", "radius m", "hull cm³", "mesh cm³")
     print(table((*header, "hull / mesh"), rows))
     _show_meshes(checker, meshes)
     moving = np.array([body.link is not None for body in checker.bodies], dtype=bool)
@@ -155,6 +157,17 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
     print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
 
 
+def _geometry(checker: Checker, body: GeometryObject) -> str:
+    """What verdicts take a body as."""
+    shape = body.shape
+    if isinstance(shape, Solid):
+        if shape.equals_hull:
+            return "solid (its hull)"
+        return "solid" if shape.is_closed else "surface (open)"
+    is_piece = body.name.rpartition("/")[0] in checker.robot.pieces
+    return "piece" if is_piece else type(shape).__name__.lower()
+
+
 def _check_fidelity(checker: AnyChecker) -> None:
     if not isinstance(checker, Checker):
         raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
@@ -167,7 +180,8 @@ def _show_fidelity(checker: AnyChecker, description: RobotDescription, states: i
     rows = []
     for body, polytope in zip(checker.bodies, checker.polytopes, strict=True):
         mesh = meshes.get(body.name)
-        if mesh is None or polytope is None or polytope.dimension < 3 or polytope.inflation_radius:
+        is_hull = isinstance(body.shape, Hull) and polytope is not None and polytope.dimension == 3
+        if mesh is None or polytope is None or not is_hull or polytope.inflation_radius:
             continue
         ratio = f"{polytope_volume(polytope) / mesh.volume:.2f}" if mesh.volume else "-"
         rows.append((body.name, body.link or "(scene)", ratio, f"{1e3 * largest_filling(polytope, mesh):.1f}"))
@@ -181,7 +195,7 @@ def _show_fidelity(checker: AnyChecker, description: RobotDescription, states: i
         "of these (coal, without a proof)"
     )
     if found.only_filling:
-        print("convex pieces follow meshes more closely: `decomposition` in the robot's YAML")
+        print("--geometry solid takes meshes as they are, --geometry pieces is closer than hulls")
 
 
 def _left_out(checker: Checker) -> str:

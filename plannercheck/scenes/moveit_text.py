@@ -224,7 +224,7 @@ class _Words:
 
 
 def scene_text(scene: SceneContents) -> str:
-    """The obstacles as a `.scene` file, hulls as meshes, as solids are; a warning names contents that the format can't hold.
+    """The obstacles as a `.scene` file, hulls and solids as meshes; a warning names what the format can't hold.
 
     Reading the file gives the same sizes and positions; rotations, written as quaternions, are rounded.
 

@@ -22,6 +22,7 @@ from plannercheck.bodies.fcl_bodies import FclBodies
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.counters import sum_fields
+from plannercheck.common.errors import PlannercheckError
 
 if TYPE_CHECKING:
     from plannercheck.bodies.polytope import Polytope
@@ -118,8 +119,13 @@ def compare_with_fcl(checker: Checker, q: Floats, progress: Callable[[int], obje
         The report; `report.passed` says whether the checker held.
 
     Raises:
-        PlannercheckError: If python-fcl is not installed.
+        PlannercheckError: If python-fcl is not installed, or a body is a solid.
     """
+    solids = [
+        body.name for body, prepared in zip(checker.bodies, checker.polytopes, strict=True) if _is_solid(prepared)
+    ]
+    if solids:
+        raise PlannercheckError(f"FCL is compared with hulls, and {', '.join(solids[:3])} are solids: geometry='hull'")
     comparison = _Comparison(checker)
     reports = []
     for start in range(0, len(q), _BLOCK):
@@ -201,6 +207,10 @@ class _Comparison:
             indices=(p, r),
             poses=(poses[p], poses[r]),
         )
+
+
+def _is_solid(polytope: Polytope | None) -> bool:
+    return polytope is not None and polytope.solid is not None
 
 
 def _vertices_and_faces(polytope: Polytope | None) -> tuple[Floats, NDArray[np.int32]] | None:

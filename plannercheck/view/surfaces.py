@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.polytope import fans, prepared
 from plannercheck.bodies.shapes import Hull, Shape
+from plannercheck.bodies.solids import Solid
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.package_files import folders_above
 from plannercheck.robots.description import RobotDescription, description_of
@@ -29,7 +30,9 @@ _DRAWN_EXCESS = 5e-3
 
 
 def surface_of(shape: Shape, name: str) -> Surface:
-    """The surface of a body: of a hull, the hull."""
+    """The surface of a body: of a hull, the hull; of a solid, its triangles."""
+    if isinstance(shape, Solid):
+        return shape.used
     points, faces = shape.vertices_and_faces(_DRAWN_EXCESS)
     if isinstance(shape, Hull) or faces is None:
         hull = prepared(points, name=name)

@@ -61,6 +61,7 @@ class PairQueries {
     Side first, second;
     if (!read(p, pose_p, first) || !read(r, pose_r, second)) return nb::none();
     if (first.poses.are_many() || second.poses.are_many()) return nb::none();
+    if (first.body->solid || second.body->solid) return nb::none();  // the caller's error says so
     PairCounters counters;
     const PairDistance found = pair_distance(first.posed(), second.posed(), kNoLimit, counters);
     std::vector<double> rows;

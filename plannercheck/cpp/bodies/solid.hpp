@@ -18,9 +18,9 @@ namespace plannercheck {
 struct Polytope;
 
 struct Solid {
-  std::vector<Vec3> points;              // all different; -0 is 0
-  std::vector<MeshTriangle> triangles;   // indices into points, in the tree's order
-  std::vector<std::int32_t> source;      // per triangle: index into those that were given
+  std::vector<Vec3> points;             // all different; -0 is 0
+  std::vector<MeshTriangle> triangles;  // indices into points, in the tree's order
+  std::vector<std::int32_t> source;     // per triangle: index into those that were given
   TriangleTree tree;
   bool is_closed = false;                // whether it has points around which it winds
   std::vector<std::int32_t> components;  // a vertex of each part that hangs together by vertices

@@ -139,6 +139,9 @@ class AdaptiveSubdivision {
   double parameter(double t) const { return t; }
   void choose(const std::vector<std::int32_t>&) {}
 
+  // Whether bodies of which the swept hulls are only bounds keep apart on an interval.
+  bool parts_settle(PairState&, std::size_t) { return false; }
+
   // Whether a bound proves that one of the near pairs collides at a state; then the report says where.
   bool surely_collides() { return false; }
 
@@ -237,7 +240,7 @@ class AdaptiveSubdivision {
     if (ordered_ && found.depth < 0) self().touches(s, found.state);
     for (unsigned open = found.open; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
-      if (plane_settles(s, i) || sweep_settles(s, i)) {
+      if (plane_settles(s, i) || sweep_settles(s, i) || self().parts_settle(s, i)) {
         prove(s, i);
       } else if (!self().fail(s, i)) {
         return false;

@@ -13,7 +13,9 @@
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
 #include "motions/motion_workspace.hpp"
+#include "motions/solid_separation.hpp"
 #include "narrow_phase/distance.hpp"
+#include "narrow_phase/solid_pair.hpp"
 
 namespace plannercheck {
 namespace {
@@ -222,7 +224,30 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   bool proves_clear(PairState& s, std::size_t state) {
     const double limit = tolerance_ - 2 * filters_.slack();
-    return is_apart(s, state, limit) || is_further(s, state, limit);
+    if (is_apart(s, state, limit)) return true;
+    return is_of_solids(s.pair) ? solids_clear(s, state, limit) : is_further(s, state, limit);
+  }
+
+  bool is_of_solids(const CertifiedPair& pair) const {
+    return filters_.body(pair.a).solid || filters_.body(pair.b).solid;
+  }
+
+  // Whether two solids are more than the limit apart at a state: their triangles, and neither is in the other one.
+  bool solids_clear(PairState& s, std::size_t state, double limit) {
+    const PosedPair pose = filters_.posed(s.pair, state);
+    return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), &pose, 1,
+                          limit + filters_.inflation_radii(s.pair), w_.counters.pair) &&
+           !share_a_point(s, pose);
+  }
+
+  // The triangles of two solids keep apart on an interval if the same holds for each pair of them as for hulls. Then
+  // neither body can get into the other one between the ends. The proofs that are recorded are of hulls alone.
+  bool parts_settle(PairState& s, std::size_t i) {
+    if (!is_of_solids(s.pair) || proofs_ != nullptr) return false;
+    const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
+    return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart,
+                          w_.counters.pair) &&
+           !share_a_point(s, ends[0]);
   }
 
   // The descent ends early where its simplices are flat. The proved bound of the distance decides on refusal.
@@ -240,14 +265,16 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     const SweptAnswer<Vec3> answer = sweep_at(s, state, filters_.slack() + filters_.inflation_radii(s.pair));
     if (answer.apart) return false;
     // The descent ends in differences of the hulls around the origin, each of which errs by less than the slack.
-    return answer.inside > filters_.slack() || share_a_point(s, filters_.posed(s.pair, state));
+    return (answer.inside > filters_.slack() && !is_of_solids(s.pair)) ||
+           share_a_point(s, filters_.posed(s.pair, state));
   }
 
   PosedPolytope posed_a(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.a), pose.a}; }
   PosedPolytope posed_b(const PairState& s, const PosedPair& pose) { return {&filters_.body(s.pair.b), pose.b}; }
 
   bool share_a_point(const PairState& s, const PosedPair& pose) {
-    return test_pair(posed_a(s, pose), posed_b(s, pose), {}, nullptr, w_.counters.pair).shared;
+    const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
+    return test_pair(a, b, {}, nullptr, w_.counters.pair).shared && solids_share(a, b, w_.counters.pair);
   }
 
   bool is_apart(PairState& s, std::size_t state, double limit) {

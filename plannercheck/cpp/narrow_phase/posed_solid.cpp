@@ -4,8 +4,8 @@ namespace plannercheck {
 namespace {
 
 // Of M⁻¹ (p − t), times the magnitude of p and t together, y: the difference errs by u|y|. Entries of the adjugate err
-// by 4u, its products with y and their sums by 3u of at most √3 |y|: 18u|y|. The determinant is 1 up to 6e-6 and errs by
-// 13u, the quotient by one more: 25u|y|. What p errs by, kCornerError, is turned: at most √3 times that, 9u.
+// by 4u, its products with y and their sums by 3u of at most √3 |y|: 18u|y|. The determinant is 1 up to 6e-6 and errs
+// by 13u, the quotient by one more: 25u|y|. What p errs by, kCornerError, is turned: at most √3 times that, 9u.
 constexpr double kInverseError = 64 * kRoundoff;
 
 }  // namespace

@@ -22,7 +22,7 @@ struct PosedSolid {
 };
 
 // How much longer than in the world a length may be in the frame of a body that is as far off rigid as poses may be.
-inline constexpr double kStretch = 1 + 0x1p-16;
+inline constexpr double kFrameStretch = 1 + 0x1p-16;
 
 // The sum of the sizes of all terms in a coordinate of a posed point, the largest over points and coordinates.
 double posing_magnitude(const PosedSolid& posed);

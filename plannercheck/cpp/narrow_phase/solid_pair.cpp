@@ -40,10 +40,8 @@ class ContactSearch {
         at(guess.b) < b_.solid->triangles.size() && meet(guess.a, guess.b))
       return guess;
     if (const SolidContact found = descend()) return found;
-    if (const std::int32_t vertex = vertex_inside(b_, a_); vertex >= 0)
-      return {SolidContact::Kind::kAInB, vertex, -1};
-    if (const std::int32_t vertex = vertex_inside(a_, b_); vertex >= 0)
-      return {SolidContact::Kind::kBInA, -1, vertex};
+    if (const std::int32_t vertex = vertex_inside(b_, a_); vertex >= 0) return {SolidContact::Kind::kAInB, vertex, -1};
+    if (const std::int32_t vertex = vertex_inside(a_, b_); vertex >= 0) return {SolidContact::Kind::kBInA, -1, vertex};
     return {};
   }
 

@@ -33,7 +33,7 @@ TreeMap tree_map(const PosedSolid& from, const PosedSolid& to, double reach) {
     const double shift = target.units * middle[static_cast<int>(i)];
     map.shift[i] = static_cast<float>(shift);
     // The middle of the other tree is taken off, which is within its reach.
-    const double posing = inverse.error(posing_magnitude(from) + norm_1(to.solid->reach)) + reach * kStretch;
+    const double posing = inverse.error(posing_magnitude(from) + norm_1(to.solid->reach)) + reach * kFrameStretch;
     const double doubles = target.units * posing * kRoundedUp;
     map.error[i] = static_cast<float>(doubles) * (1 + kFloatSum) +
                    static_cast<float>(sum + std::fabs(shift)) * kFloatSum + kFloatDenormals;

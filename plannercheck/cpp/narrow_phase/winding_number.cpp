@@ -131,9 +131,9 @@ int winding_number(const PosedSolid& around, const Pose& from, Vec3 in_from) {
   const Vec3 place = tree.units * (point.rounded() - tree.middle);
   const std::array<float, 3> start{static_cast<float>(place.x), static_cast<float>(place.y),
                                    static_cast<float>(place.z)};
-  const auto room =
-      static_cast<float>((1 + norm_max(place)) * static_cast<double>(kFloatPlace) +
-                         2 * tree.units * (point.error() + kRoundoff * (norm_max(tree.middle) + norm_max(point.rounded()))));
+  const auto room = static_cast<float>(
+      (1 + norm_max(place)) * static_cast<double>(kFloatPlace) +
+      2 * tree.units * (point.error() + kRoundoff * (norm_max(tree.middle) + norm_max(point.rounded()))));
   std::array<std::int32_t, kTreeWidth * TriangleTree::kMostLevels> waiting;
   std::size_t count = 0;
   waiting[count++] = 0;
