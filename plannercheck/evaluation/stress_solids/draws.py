@@ -31,11 +31,14 @@ _COUNT_WEIGHTS = (0.3, 0.3, 0.2, 0.12, 0.06, 0.02)
 LARGEST = (10_000, 100_000)
 _LARGEST_WEIGHTS, _LARGE_SHARE = (0.95, 0.05), 0.002
 _ROBOT_SHARE, _CONVEX_SHARE = 0.01, 0.2
-CONTACT, ANYWHERE = "contact", "anywhere"
-_RELATIONS = (CONTACT, ANYWHERE, *PARTNERS)
-_RELATION_WEIGHTS = (0.7, 0.1, *[0.2 / len(PARTNERS)] * len(PARTNERS))
+CONTACT, ANYWHERE, INSIDE = "contact", "anywhere", "inside"
+_RELATIONS = (CONTACT, ANYWHERE, INSIDE, *PARTNERS)
+_RELATION_WEIGHTS = (0.6, 0.06, 0.14, *[0.2 / len(PARTNERS)] * len(PARTNERS))
 # The row of all poses that are not about a contact.
 ANY_OFFSET = "any"
+# Powers of two by which a body is smaller than one that it may be inside of, and how far it is from a face, over
+# its size.
+_SMALLER_EXPONENTS, _DEPTHS = (-14, -10, -8, -7, -6), (0.005, 0.02, 0.05, 0.1)
 # Moments of contact of the same two bodies, and poses anywhere.
 _CONTACTS, _POSES = 2, 24
 FAMILY_NAMES = (*SOLID_FAMILIES, *CONVEX_FAMILIES, *PARTNERS)
@@ -92,6 +95,33 @@ def _anywhere(relation: str, rng: np.random.Generator) -> Draw:
     return _drawn(p.family, relation, p, r, [(poses_p, poses_r)], (ANY_OFFSET,) * _POSES)
 
 
+def _inside(relation: str, rng: np.random.Generator) -> Draw:
+    """A small body just in front of or behind a triangle of a large one: inside of it, in a cavity or outside."""
+    exponent = int(rng.choice(_SIZE_EXPONENTS))
+    large = _solid(2.0**exponent, rng)
+    smaller = 2.0 ** (exponent + int(rng.choice(_SMALLER_EXPONENTS)))
+    small = _convex(smaller, rng) if rng.random() < 2 * _CONVEX_SHARE else _solid(smaller, rng)
+    poses_p, poses_r = identities(_POSES), identities(_POSES)
+    for k in range(_POSES):
+        place = _place(rng)
+        target = place.pose_r[:3, :3] @ _beside_triangle(large, rng) + place.pose_r[:3, 3]
+        corner = small.surface.points[rng.integers(len(small.surface.points))]
+        poses_p[k], poses_r[k] = (found[0] for found in place.poses((target - place.turn_p @ corner)[None]))
+    if rng.integers(2):
+        return _drawn(large.family, relation, large, small, [(poses_r, poses_p)], (ANY_OFFSET,) * _POSES)
+    return _drawn(large.family, relation, small, large, [(poses_p, poses_r)], (ANY_OFFSET,) * _POSES)
+
+
+def _beside_triangle(body: Body, rng: np.random.Generator) -> Floats:
+    """A point (3,) beside an inner point of a triangle, m."""
+    a, b, c = body.surface.points[body.surface.triangles[rng.integers(len(body.surface.triangles))]]
+    normal = np.cross(b - a, c - a)
+    length = float(np.linalg.norm(normal))
+    normal = normal / length if length > 0 else random_directions(1, rng)[0]
+    depth = float(rng.choice(_DEPTHS)) * body.size * rng.choice([-1, 1])
+    return np.asarray((a + b + c) / 3 + depth * normal)
+
+
 def _same_frame(relation: str, rng: np.random.Generator) -> Draw:
     """Both at one pose, and moved by the offsets along an axis or any way."""
     count, size = _count(rng), 2.0 ** float(rng.choice(_SIZE_EXPONENTS))
@@ -108,7 +138,11 @@ def _same_frame(relation: str, rng: np.random.Generator) -> Draw:
     return _drawn(relation, relation, p, r, poses, tuple(OFFSETS) * _CONTACTS)
 
 
-_DRAWN: dict[str, Callable[[str, np.random.Generator], Draw]] = {CONTACT: _in_contact, ANYWHERE: _anywhere}
+_DRAWN: dict[str, Callable[[str, np.random.Generator], Draw]] = {
+    CONTACT: _in_contact,
+    ANYWHERE: _anywhere,
+    INSIDE: _inside,
+}
 
 
 def _place(rng: np.random.Generator) -> Place:
@@ -130,8 +164,12 @@ def _bodies(rng: np.random.Generator) -> tuple[Body, Body]:
     second = min(exponent + int(rng.choice(_RATIO_EXPONENTS)), _LARGEST_EXPONENT)
     p, r = (_solid(2.0**e, rng) for e in (exponent, second))
     if rng.random() < _CONVEX_SHARE:
-        r = random_convex(str(rng.choice(list(CONVEX_FAMILIES))), _count(rng), 2.0**second, rng)
+        r = _convex(2.0**second, rng)
     return (p, r) if rng.integers(2) else (r, p)
+
+
+def _convex(size: float, rng: np.random.Generator) -> Body:
+    return random_convex(str(rng.choice(list(CONVEX_FAMILIES))), _count(rng), size, rng)
 
 
 def _solid(size: float, rng: np.random.Generator) -> Body:

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from plannercheck.bodies.distance import distance
 from plannercheck.bodies.intersection import METHODS, intersects, pair_options
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solids import Solid
@@ -25,8 +27,11 @@ Outcome = bool | str  # a verdict, or the kind of failure
 EXCEPTION, TIMEOUT, UNFIT, WRONG = "exception", "timeout", "unfit", "wrong"
 # Longest time for one draw's questions, s: large meshes included, hundreds of times what any takes.
 LIMIT = 60.0
-BATCH, SWAPPED, PUBLIC, SINGLE, POINTS = "batch", "swapped", "public", "single", "points"
-OURS = (BATCH, SWAPPED, PUBLIC, SINGLE, POINTS)
+BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS = "batch", "swapped", "public", "single", "distance", "points"
+OURS = (BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS)
+# What `plannercheck.distance` promises: its error over the distance, or over a part of the larger body's radius, for
+# which its size stands here; and in m.
+_DISTANCE_ERROR, _LEAST_OF_RADIUS, _SMALLEST_ERROR = 1e-9, 1e-3, 1e-319
 # Of a draw: single pairs that are asked one by one, and points of which it is asked whether a solid contains them.
 _SINGLES, _POINTS = 3, 4
 
@@ -40,7 +45,8 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
         number: The draw's number, which chooses the method, and the pairs that are asked one by one.
 
     Returns:
-        Outcomes (k,) by contestant; of POINTS the truth if all that is asked of single solids is right, else not.
+        Outcomes (k,) by contestant; of DISTANCE and POINTS, which are asked for more than verdicts, the truth if all
+        that they say is right, else not.
     """
     count = len(drawn.poses_p)
     method = METHODS[number % len(METHODS)]
@@ -50,6 +56,7 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
         SWAPPED: limited(lambda: _batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method), count),
         PUBLIC: limited(lambda: _public(drawn), count),
         SINGLE: limited(lambda: _one_by_one(drawn, single), count),
+        DISTANCE: limited(lambda: _distances(drawn, truth, single), count),
         POINTS: limited(lambda: _of_single_solids(drawn, truth, number), count),
     }
 
@@ -90,6 +97,32 @@ def _one_by_one(drawn: Draw, some: list[int]) -> list[Outcome]:
     for k in some:
         outcomes[k] = bool(intersects(drawn.p.polytope, drawn.r.polytope, drawn.poses_p[k], drawn.poses_r[k]))
     return outcomes
+
+
+def _distances(drawn: Draw, truth: list[bool], some: list[int]) -> list[Outcome]:
+    outcomes: list[Outcome] = [UNFIT] * len(drawn.poses_p)
+    for k in some:
+        outcomes[k] = truth[k] == _is_distance(drawn, k, truth[k])
+    return outcomes
+
+
+def _is_distance(drawn: Draw, k: int, shared: bool) -> bool:
+    """Whether the distance is 0 if and only if a point is shared, and else the true one, with its lower bound below.
+
+    Bodies share a point once they are inflated by their distance, which exact arithmetic decides.
+    """
+    p, r, pose_p, pose_r = drawn.p, drawn.r, drawn.poses_p[k], drawn.poses_r[k]
+    found = distance(p.polytope, r.polytope, pose_p, pose_r)
+    if shared or found.distance == 0:
+        return shared == (found.distance == 0)
+    if p.inflation_radius:  # a sum of radii would be rounded
+        return True
+    tolerance = _DISTANCE_ERROR * max(found.distance, _LEAST_OF_RADIUS * max(p.size, r.size)) + _SMALLEST_ERROR
+    below = min(float(np.nextafter(found.lower_bound, 0.0)), found.distance)
+    least, most = max(below, found.distance - tolerance), found.distance + tolerance
+    inflated = (replace(p, inflation_radius=max(radius, 0.0)) for radius in (least, most))
+    within = [bool(decided(body, pose_p[None], r, pose_r[None])[0]) for body in inflated]
+    return within == [False, True] and found.lower_bound <= found.distance
 
 
 def _of_single_solids(drawn: Draw, truth: list[bool], number: int) -> list[Outcome]:

@@ -24,9 +24,9 @@ from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
 from plannercheck.evaluation.stress_solids.draws import ANY_OFFSET, Draw, numbered_draw
 from plannercheck.evaluation.stress_solids.judges import OURS, UNFIT, WRONG, Outcome, verdicts
 
-# Every so many draws of few triangles, the oracle's verdicts are held against whole numbers alone, every pair of
-# triangles and every vertex.
-THOROUGH_DRAWS, _THOROUGH_TRIANGLES = 8, 150
+# Every so many draws of few pairs of triangles, some of the oracle's verdicts are held against whole numbers alone, all
+# pairs of triangles and every vertex.
+THOROUGH_DRAWS, _THOROUGH_PAIRS, _THOROUGH_STEP = 16, 2000, 7
 # Draws that a process judges at a time.
 _CHUNK = 20
 # Failures that are shrunk and kept; more of the same say nothing new.
@@ -172,9 +172,9 @@ def judge(drawn: Draw, tally: SolidTally, peers: Sequence[Peer[Draw]], number: i
 def truth_of(drawn: Draw, number: int = 1) -> Any:
     """The oracle's reasons (k,); AssertionError where it contradicts itself."""
     found = decided(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r)
-    few = max(len(body.surface.triangles) for body in (drawn.p, drawn.r)) <= _THOROUGH_TRIANGLES
+    few = len(drawn.p.surface.triangles) * len(drawn.r.surface.triangles) <= _THOROUGH_PAIRS
     if number % THOROUGH_DRAWS == 0 and few:
-        some = slice(number // THOROUGH_DRAWS % 5, None, 5)
+        some = slice(number // THOROUGH_DRAWS % _THOROUGH_STEP, None, _THOROUGH_STEP)
         again = decided(drawn.p, drawn.poses_p[some], drawn.r, drawn.poses_r[some], every=True)
         if ((again != 0) != (found[some] != 0)).any():
             raise AssertionError(f"the oracle contradicts itself: {drawn.label}")
