@@ -132,7 +132,7 @@ def test_a_case_keeps_every_bit(tmp_path: Path) -> None:
         )
     np.testing.assert_array_equal(case.pose_p, again.pose_p)
     (tmp_path / "none.json").write_text('{"kind": "solids"}')
-    with pytest.raises(pc.PlannercheckError, match="no case of solids"):
+    with pytest.raises(pc.PlannercheckError, match="no case of a pair of solids"):
         SolidCase.load(tmp_path / "none.json")
     (tmp_path / "other.json").write_text("[]")
     assert not SolidCase.is_in(tmp_path / "other.json")

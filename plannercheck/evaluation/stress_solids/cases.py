@@ -60,7 +60,7 @@ class SolidCase:
             pose_p, pose_r = (_doubles(content[name]) for name in ("pose_p", "pose_r"))
             return SolidCase(content["name"], p, r, pose_p, pose_r)
         except BROKEN_FILE as error:
-            raise PlannercheckError(f"file {str(path)!r} is no case of solids: {error!s:.200}") from None
+            raise PlannercheckError(f"file {str(path)!r} is no case of a pair of solids: {error!s:.200}") from None
 
     @staticmethod
     def is_in(path: Path) -> bool:
