@@ -8,17 +8,18 @@ its mesh (`variations`), the sizes, the distance from the origin, the rotations.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress.contact_poses import identities, random_directions
+from plannercheck.evaluation.stress.random_cases import EXTREME_SIZES
 from plannercheck.evaluation.stress_solids.bodies import CONVEX_FAMILIES, Body, random_convex, random_solid
 from plannercheck.evaluation.stress_solids.common_frames import PARTNERS
 from plannercheck.evaluation.stress_solids.placing import OFFSETS, ROTATIONS, Place, around_contact, offset, turn
-from plannercheck.evaluation.stress_solids.solid_families import LARGE_FAMILIES, SOLID_FAMILIES
+from plannercheck.evaluation.stress_solids.solid_families import LARGE_FAMILIES, LATTICE_FAMILIES, SOLID_FAMILIES
 
 # Sizes of the first body, m, as powers of two about 1e-6 to 1e6, which keep lattices exact; and those of the second.
 _SIZE_EXPONENTS = (-20, -13, -10, -7, -3, 0, 0, 0, 0, 3, 7, 10, 13, 20)
@@ -31,9 +32,9 @@ _COUNT_WEIGHTS = (0.3, 0.3, 0.2, 0.12, 0.06, 0.02)
 LARGEST = (10_000, 100_000)
 _LARGEST_WEIGHTS, _LARGE_SHARE = (0.95, 0.05), 0.002
 _ROBOT_SHARE, _CONVEX_SHARE = 0.01, 0.2
-CONTACT, ANYWHERE, INSIDE = "contact", "anywhere", "inside"
-_RELATIONS = (CONTACT, ANYWHERE, INSIDE, *PARTNERS)
-_RELATION_WEIGHTS = (0.6, 0.06, 0.14, *[0.2 / len(PARTNERS)] * len(PARTNERS))
+CONTACT, ANYWHERE, INSIDE, EXTREME = "contact", "anywhere", "inside", "extreme scales"
+_RELATIONS = (CONTACT, ANYWHERE, INSIDE, EXTREME, *PARTNERS)
+_RELATION_WEIGHTS = (0.57, 0.06, 0.14, 0.03, *[0.2 / len(PARTNERS)] * len(PARTNERS))
 # The row of all poses that are not about a contact.
 ANY_OFFSET = "any"
 # Powers of two by which a body is smaller than one that it may be inside of, and how far it is from a face, over
@@ -41,7 +42,7 @@ ANY_OFFSET = "any"
 _SMALLER_EXPONENTS, _DEPTHS = (-14, -10, -8, -7, -6), (0.005, 0.02, 0.05, 0.1)
 # Moments of contact of the same two bodies, and poses anywhere.
 _CONTACTS, _POSES = 2, 24
-FAMILY_NAMES = (*SOLID_FAMILIES, *CONVEX_FAMILIES, *PARTNERS)
+FAMILY_NAMES = (*SOLID_FAMILIES, *CONVEX_FAMILIES, *PARTNERS, EXTREME)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +113,17 @@ def _inside(relation: str, rng: np.random.Generator) -> Draw:
     return _drawn(large.family, relation, small, large, [(poses_p, poses_r)], (ANY_OFFSET,) * _POSES)
 
 
+def _at_extreme_scales(relation: str, rng: np.random.Generator) -> Draw:
+    """In contact at the ends of the doubles' range, alike in size or not, also far from the origin."""
+    size = float(rng.choice(EXTREME_SIZES))
+    other = size if rng.integers(3) else float(rng.choice([1.0, *EXTREME_SIZES]))
+    families = [str(name) for name in rng.choice(list(LATTICE_FAMILIES), 2)]
+    p, r = (random_solid(name, COUNTS[0], s, rng) for name, s in zip(families, (size, other), strict=True))
+    distance = float(rng.choice([0.0, 0.0, 0.0, 1.0, min(size, other), max(size, other)]))
+    poses = [around_contact(p, r, _place(rng, [distance]), rng) for _ in range(_CONTACTS)]
+    return _drawn(relation, relation, p, r, poses, tuple(OFFSETS) * _CONTACTS)
+
+
 def _beside_triangle(body: Body, rng: np.random.Generator) -> Floats:
     """A point (3,) beside an inner point of a triangle, m."""
     a, b, c = body.surface.points[body.surface.triangles[rng.integers(len(body.surface.triangles))]]
@@ -142,13 +154,14 @@ _DRAWN: dict[str, Callable[[str, np.random.Generator], Draw]] = {
     CONTACT: _in_contact,
     ANYWHERE: _anywhere,
     INSIDE: _inside,
+    EXTREME: _at_extreme_scales,
 }
 
 
-def _place(rng: np.random.Generator) -> Place:
+def _place(rng: np.random.Generator, distances: Sequence[float] = DISTANCES) -> Place:
     pose_r = np.eye(4)
     pose_r[:3, :3] = turn(str(rng.choice(ROTATIONS)), rng)
-    pose_r[rng.integers(3), 3] = rng.choice(DISTANCES)
+    pose_r[rng.integers(3), 3] = rng.choice(distances)
     return Place(turn(str(rng.choice(ROTATIONS)), rng), pose_r)
 
 
