@@ -231,7 +231,7 @@ def test_what_the_oracle_does_not_prove_integers_decide(monkeypatch):
         def decide(*arguments):
             return np.full(len(expected), 2, dtype=np.uint8)
 
-    monkeypatch.setattr(oracles, "_module", lambda: Shy)
+    monkeypatch.setattr(oracles, "compiled_oracle", lambda: Shy)
     assert Oracle(drawn).truth(thorough=False) == (expected, len(expected))
 
 

@@ -17,6 +17,7 @@ from plannercheck.cli import main as cli
 from plannercheck.common.checked_yaml import parse_yaml
 from plannercheck.evaluation.stress.failing_cases import Case
 from plannercheck.evaluation.stress_motions.cases import MotionCase
+from plannercheck.evaluation.stress_solids.cases import SolidCase
 from plannercheck.ompl.plans import Plan
 from plannercheck.proofs import load_proofs
 from plannercheck.proofs.urdf_joints import read_tree
@@ -51,7 +52,7 @@ def test_a_plan_that_is_nested_deep(tmp_path: Path) -> None:
         Plan.load(tmp_path / "p.json")
 
 
-@pytest.mark.parametrize("read", [Case.load, MotionCase.load])
+@pytest.mark.parametrize("read", [Case.load, MotionCase.load, SolidCase.load])
 @pytest.mark.parametrize("content", ["{", "[]", "{}", DEEP, '{"name": 1, "motions": [1], "kind": 2}'])
 def test_kept_cases(tmp_path: Path, read, content: str) -> None:
     (tmp_path / "c.json").write_text(content)

@@ -124,6 +124,8 @@ COMMANDS = {
     "stress": ["stress", "--pairs", "10000000"],
     "processes": ["stress", "--pairs", "10000000", "--processes", "2"],
     "motions": ["stress", "--motions", "100000"],
+    "solids": ["stress", "--solids", "10000000"],
+    "solids in processes": ["stress", "--solids", "10000000", "--processes", "2"],
     "acm": ["acm", "--robot", "pr2", "--states", "300000"],
     "inspect": ["inspect", "--robot", "panda", "--scene", "kitchen", "--states", "400000", "--without"],
     "bench": ["bench", "pairs", "--output", "{out}"],

@@ -7,13 +7,12 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
-#include <thread>
 #include <tuple>
 
+#include "oracle/given_arrays.hpp"
 #include "oracle/proofs.hpp"
 
 namespace nb = nanobind;
@@ -21,39 +20,11 @@ namespace nb = nanobind;
 namespace plannercheck::oracle {
 namespace {
 
-template <int... sizes>
-using Doubles = nb::ndarray<const double, nb::shape<sizes...>, nb::c_contig, nb::device::cpu>;
-
 using Number = std::pair<std::string, int>;  // hexadecimal digits, and the power of two by which they are multiplied
 using Weights = std::vector<Number>;
 
-constexpr std::size_t kPoseNumbers = 16;
 // Far beyond any double or product of a few; a larger exponent is a mistake.
 constexpr int kLargestExponent = 100'000;
-
-// As bindings/gil.hpp has it, of which nothing is taken: at its end, Python unwinds a thread that asks for its lock,
-// and a destructor that must not throw would end the process. The thread stops instead.
-class GilReleased {
- public:
-  GilReleased() : state_(PyEval_SaveThread()) {}
-  ~GilReleased() {
-    try {
-      PyEval_RestoreThread(state_);
-    } catch (...) {
-      for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
-    }
-  }
-  GilReleased(const GilReleased&) = delete;
-  GilReleased& operator=(const GilReleased&) = delete;
-
- private:
-  PyThreadState* state_;
-};
-
-void check_finite(const double* numbers, std::size_t count, const char* what) {
-  if (!std::all_of(numbers, numbers + count, [](double x) { return std::isfinite(x); }))
-    throw std::invalid_argument(std::string(what) + " must be finite");
-}
 
 Points points_of(Doubles<-1, 3> vertices, double inflation_radius) {
   check_finite(vertices.data(), 3 * vertices.shape(0), "vertices");
@@ -82,8 +53,7 @@ std::vector<Integer> in_common_unit(const std::vector<Number>& numbers) {
 }
 
 // Verdicts (n,): 1 shared, 0 apart, 2 if no proof was found.
-nb::ndarray<nb::numpy, std::uint8_t> decide(const Points& p, Doubles<-1, 4, 4> poses_p, const Points& r,
-                                            Doubles<-1, 4, 4> poses_r, bool every) {
+Verdicts decide(const Points& p, Doubles<-1, 4, 4> poses_p, const Points& r, Doubles<-1, 4, 4> poses_r, bool every) {
   const std::size_t count = poses_p.shape(0);
   if (poses_r.shape(0) != count) throw std::invalid_argument("as many poses of one body as of the other");
   check_finite(poses_p.data(), kPoseNumbers * count, "poses"),
@@ -98,9 +68,7 @@ nb::ndarray<nb::numpy, std::uint8_t> decide(const Points& p, Doubles<-1, 4, 4> p
       verdicts[i] = kind == Proof::Kind::kShared ? 1 : kind == Proof::Kind::kApart ? 0 : 2;
     }
   }
-  std::uint8_t* raw = verdicts.release();
-  nb::capsule owner(raw, [](void* data) noexcept { delete[] static_cast<std::uint8_t*>(data); });
-  return {raw, {count}, owner};
+  return as_array(std::move(verdicts), count);
 }
 
 // (direction, first, second, weights): digits of integers; empty if not part of this kind of proof.
@@ -150,5 +118,6 @@ NB_MODULE(_oracle, m) {
         nb::arg("every"));
   m.def("shares", &shares, nb::arg("p"), nb::arg("pose_p"), nb::arg("r"), nb::arg("pose_r"), nb::arg("first"),
         nb::arg("second"), nb::arg("weights"));
+  bind_meshes(m);
   m.def("multiplied_and_added", &multiplied_and_added, nb::arg("a"), nb::arg("b"), nb::arg("c"));
 }

@@ -34,7 +34,7 @@ class Oracle:
     def __init__(self, drawn: Draw) -> None:
         """Takes the vertices as they are."""
         self._drawn = drawn
-        self._compiled = _module()
+        self._compiled = compiled_oracle()
         self._p, self._r = (self._compiled.Points(body.vertices, body.inflation_radius) for body in (drawn.p, drawn.r))
 
     def truth(self, thorough: bool) -> tuple[list[bool], int]:
@@ -97,7 +97,8 @@ def _digits(number: float) -> tuple[str, int]:
     return f"{int(mantissa * 2.0**_MANTISSA_BITS):x}", int(exponent) - _MANTISSA_BITS
 
 
-def _module() -> ModuleType:
+def compiled_oracle() -> ModuleType:
+    """The module of cpp/oracle; PlannercheckError if it is not built."""
     try:
         return importlib.import_module("plannercheck._oracle")
     except ImportError:

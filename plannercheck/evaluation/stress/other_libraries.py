@@ -6,20 +6,38 @@ In: a draw. Out: the verdicts of each on every pair for which it has both shapes
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from plannercheck.bodies.fcl_bodies import fcl_hull, load_fcl
 from plannercheck.evaluation.bench.other_libraries import coal_hull
+from plannercheck.evaluation.stress.contact_poses import Points
 from plannercheck.evaluation.stress.random_cases import Draw
 from plannercheck.evaluation.stress.sample_bodies import Specimen
 
 
-class Peer(Protocol):
+class Posed(Protocol):
+    """Two bodies at poses of each (k, 4, 4), m."""
+
+    @property
+    def poses_p(self) -> Points:
+        """Of the first."""
+        ...
+
+    @property
+    def poses_r(self) -> Points:
+        """Of the second."""
+        ...
+
+
+Drawn = TypeVar("Drawn", bound=Posed, contravariant=True)
+
+
+class Peer(Protocol[Drawn]):
     """Another library."""
 
     name: str
 
-    def outcomes(self, drawn: Draw, first: int = 0) -> Iterator[bool | str]:
+    def outcomes(self, drawn: Drawn, first: int = 0) -> Iterator[bool | str]:
         """Its verdicts from a pair on, "exception" where it throws, "unfit" where it has no shape for a body."""
         ...
 
@@ -98,8 +116,16 @@ def _inflated_shape(body: Specimen, sphere: Callable[[float], Any], capsule: Cal
 def _outcomes(
     drawn: Draw, first: int, shape_of: Callable[[Specimen], Any], collide: Callable[[Any, Any, Any, Any], bool]
 ) -> Iterator[bool | str]:
-    p, r = (_shape(shape_of, body) for body in (drawn.p, drawn.r))
-    failed = next((reason for reason in ("unfit", "exception") if reason in (p, r)), None)
+    return outcomes_of_shapes(_shape(shape_of, drawn.p), _shape(shape_of, drawn.r), drawn, first, collide)
+
+
+def outcomes_of_shapes(
+    p: Any, r: Any, drawn: Posed, first: int, collide: Callable[[Any, Any, Any, Any], bool]
+) -> Iterator[bool | str]:
+    """What a library says of its shapes at all poses from a pair on; a shape may be "unfit" or "exception"."""
+    failed = next(
+        (reason for reason in ("unfit", "exception") if any(isinstance(s, str) and s == reason for s in (p, r))), None
+    )
     for a, b in zip(drawn.poses_p[first:], drawn.poses_r[first:], strict=True):
         yield failed or _outcome(collide, p, a, r, b)
 

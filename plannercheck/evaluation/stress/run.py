@@ -107,7 +107,7 @@ class StressTally:
 def run(
     pairs: int,
     seed: int,
-    peers: Sequence[Peer] = (),
+    peers: Sequence[Peer[Draw]] = (),
     progress: Callable[[StressTally], object] | None = None,
     processes: int = 1,
 ) -> StressTally:
@@ -155,7 +155,7 @@ def _ignore_ctrl_c() -> None:
 
 
 def _judged(
-    pool: ProcessPoolExecutor | None, seed: int, first: int, past: int, peers: Sequence[Peer]
+    pool: ProcessPoolExecutor | None, seed: int, first: int, past: int, peers: Sequence[Peer[Draw]]
 ) -> Iterator[StressTally]:
     """The tallies of draws with numbers from `first` on, in their order."""
     size = 1 if pool is None else CHUNK
@@ -165,7 +165,9 @@ def _judged(
     return (judge_draws(*chunk) for chunk in chunks) if pool is None else _ahead(pool, chunks)
 
 
-def _ahead(pool: ProcessPoolExecutor, chunks: Iterable[tuple[int, int, int, Sequence[Peer]]]) -> Iterator[StressTally]:
+def _ahead(
+    pool: ProcessPoolExecutor, chunks: Iterable[tuple[int, int, int, Sequence[Peer[Draw]]]]
+) -> Iterator[StressTally]:
     """In order, a few of them under way: `pool.map` begins all, and can't be left without a traceback."""
     under_way: deque[Future[StressTally]] = deque()
     for chunk in chunks:
@@ -176,7 +178,7 @@ def _ahead(pool: ProcessPoolExecutor, chunks: Iterable[tuple[int, int, int, Sequ
         yield under_way.popleft().result()
 
 
-def judge_draws(seed: int, first: int, past: int, peers: Sequence[Peer]) -> StressTally:
+def judge_draws(seed: int, first: int, past: int, peers: Sequence[Peer[Draw]]) -> StressTally:
     """What is found on the draws of a seed with numbers from `first` to before `past`."""
     tally = StressTally()
     for number in range(first, past):
@@ -189,7 +191,7 @@ def judge_draws(seed: int, first: int, past: int, peers: Sequence[Peer]) -> Stre
     return tally
 
 
-def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer], number: int) -> None:
+def judge(drawn: Draw, tally: StressTally, peers: Sequence[Peer[Draw]], number: int) -> None:
     """Counts all outcomes on one draw, the `number`-th."""
     started = time.perf_counter()
     oracle = Oracle(drawn)

@@ -9,9 +9,9 @@ from __future__ import annotations
 import os
 import select
 import signal
+from typing import Generic
 
-from plannercheck.evaluation.stress.other_libraries import Peer
-from plannercheck.evaluation.stress.random_cases import Draw
+from plannercheck.evaluation.stress.other_libraries import Drawn, Peer
 
 # Longest time for one pair, s: thousands of times what FCL and coal take; preparing the bodies is part of the first.
 PAIR_LIMIT = 2.0
@@ -20,15 +20,15 @@ _CODES: dict[bool | str, bytes] = {False: b"0", True: b"1", "exception": b"e", "
 _OUTCOMES = {code: outcome for outcome, code in _CODES.items()}
 
 
-class Supervised:
+class Supervised(Generic[Drawn]):
     """A peer that can be stopped."""
 
-    def __init__(self, peer: Peer, limit: float = PAIR_LIMIT) -> None:
+    def __init__(self, peer: Peer[Drawn], limit: float = PAIR_LIMIT) -> None:
         """Waits no longer than `limit` s for a pair."""
         self.name = peer.name
         self._peer, self._limit = peer, limit
 
-    def outcomes(self, drawn: Draw) -> list[bool | str]:
+    def outcomes(self, drawn: Drawn) -> list[bool | str]:
         """See `Peer`."""
         count, found = len(drawn.poses_p), list[bool | str]()
         while len(found) < count:
@@ -37,7 +37,7 @@ class Supervised:
                 found.append("timeout")
         return found
 
-    def _some(self, drawn: Draw, first: int) -> list[bool | str]:
+    def _some(self, drawn: Drawn, first: int) -> list[bool | str]:
         """Outcomes from a pair on, up to the first that takes too long."""
         read, write = os.pipe()
         child = os.fork()
@@ -54,7 +54,7 @@ class Supervised:
             os.waitpid(child, 0)
         return found
 
-    def _work(self, drawn: Draw, first: int, write: int) -> None:
+    def _work(self, drawn: Drawn, first: int, write: int) -> None:
         """In the child: one byte an outcome, then the end, whatever happens."""
         try:
             for outcome in self._peer.outcomes(drawn, first):

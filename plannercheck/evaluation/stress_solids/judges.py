@@ -1,0 +1,155 @@
+"""What the core says of a draw, in every way that users can ask it, held against the oracle.
+
+In: a draw. Out: outcomes (k,) of each contestant: a verdict, or how it failed.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from plannercheck.bodies.distance import distance
+from plannercheck.bodies.intersection import METHODS, intersects, pair_options
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.solids import Solid
+from plannercheck.common.array_types import Floats
+from plannercheck.common.core import core
+from plannercheck.evaluation.stress_solids.bodies import Body, decided
+from plannercheck.evaluation.stress_solids.draws import Draw
+from plannercheck.evaluation.stress_solids.surfaces import surface
+
+Outcome = bool | str  # a verdict, or the kind of failure
+
+EXCEPTION, TIMEOUT, UNFIT, WRONG = "exception", "timeout", "unfit", "wrong"
+# Longest time for one draw's questions, s: large meshes included, hundreds of times what any takes.
+LIMIT = 60.0
+BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS = "batch", "swapped", "public", "single", "distance", "points"
+OURS = (BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS)
+# What `plannercheck.distance` promises: its error over the distance, or over a part of the larger body's radius, for
+# which its size stands here; and in m.
+_DISTANCE_ERROR, _LEAST_OF_RADIUS, _SMALLEST_ERROR = 1e-9, 1e-3, 1e-319
+# Of a draw: single pairs that are asked one by one, and points of which it is asked whether a solid contains them.
+_SINGLES, _POINTS = 3, 4
+
+
+def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outcome]]:
+    """What each way of asking says of a draw's pairs; UNFIT where a pair was not asked.
+
+    Args:
+        drawn: The draw.
+        truth: The oracle's verdicts.
+        number: The draw's number, which chooses the method, and the pairs that are asked one by one.
+
+    Returns:
+        Outcomes (k,) by contestant; of DISTANCE and POINTS, which are asked for more than verdicts, the truth if all
+        that they say is right, else not.
+    """
+    count = len(drawn.poses_p)
+    method = METHODS[number % len(METHODS)]
+    single = [(number + i * (count // _SINGLES)) % count for i in range(_SINGLES)]
+    return {
+        BATCH: limited(lambda: _batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
+        SWAPPED: limited(lambda: _batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method), count),
+        PUBLIC: limited(lambda: _public(drawn), count),
+        SINGLE: limited(lambda: _one_by_one(drawn, single), count),
+        DISTANCE: limited(lambda: _distances(drawn, truth, single), count),
+        POINTS: limited(lambda: _of_single_solids(drawn, truth, number), count),
+    }
+
+
+def limited(ask: Callable[[], list[Outcome]], count: int, limit: float = LIMIT) -> list[Outcome]:
+    """Outcomes (count,) of a question, from a thread that is left behind when it takes too long."""
+    answer: list[Outcome] = [TIMEOUT] * count
+
+    def work() -> None:
+        try:
+            answer[:] = ask()
+        except Exception:
+            answer[:] = [EXCEPTION] * count
+
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    thread.join(limit)
+    return list(answer)
+
+
+def _batch(p: Body, poses_p: Floats, r: Body, poses_r: Floats, method: Any) -> list[Outcome]:
+    shared, _, _ = core.intersect_batch(p.polytope.core, poses_p, r.polytope.core, poses_r, pair_options(method))
+    return list(shared.astype(bool).tolist())
+
+
+def _public(drawn: Draw) -> list[Outcome]:
+    """As users give them: a `Solid` that is prepared in the call."""
+    p, r = (_as_given(body) for body in (drawn.p, drawn.r))
+    return list(np.asarray(intersects(p, r, drawn.poses_p, drawn.poses_r)).tolist())
+
+
+def _as_given(body: Body) -> Solid | Polytope:
+    return body.polytope if body.inflation_radius else body.given
+
+
+def _one_by_one(drawn: Draw, some: list[int]) -> list[Outcome]:
+    outcomes: list[Outcome] = [UNFIT] * len(drawn.poses_p)
+    for k in some:
+        outcomes[k] = bool(intersects(drawn.p.polytope, drawn.r.polytope, drawn.poses_p[k], drawn.poses_r[k]))
+    return outcomes
+
+
+def _distances(drawn: Draw, truth: list[bool], some: list[int]) -> list[Outcome]:
+    outcomes: list[Outcome] = [UNFIT] * len(drawn.poses_p)
+    for k in some:
+        outcomes[k] = truth[k] == _is_distance(drawn, k, truth[k])
+    return outcomes
+
+
+def _is_distance(drawn: Draw, k: int, shared: bool) -> bool:
+    """Whether the distance is 0 if and only if a point is shared, and else the true one, with its lower bound below.
+
+    Bodies share a point once they are inflated by their distance, which exact arithmetic decides.
+    """
+    p, r, pose_p, pose_r = drawn.p, drawn.r, drawn.poses_p[k], drawn.poses_r[k]
+    found = distance(p.polytope, r.polytope, pose_p, pose_r)
+    if shared or found.distance == 0:
+        return shared == (found.distance == 0)
+    if p.inflation_radius:  # a sum of radii would be rounded
+        return True
+    tolerance = _DISTANCE_ERROR * max(found.distance, _LEAST_OF_RADIUS * max(p.size, r.size)) + _SMALLEST_ERROR
+    below = min(float(np.nextafter(found.lower_bound, 0.0)), found.distance)
+    least, most = max(below, found.distance - tolerance), found.distance + tolerance
+    inflated = (replace(p, inflation_radius=max(radius, 0.0)) for radius in (least, most))
+    within = [bool(decided(body, pose_p[None], r, pose_r[None])[0]) for body in inflated]
+    return within == [False, True] and found.lower_bound <= found.distance
+
+
+def _of_single_solids(drawn: Draw, truth: list[bool], number: int) -> list[Outcome]:
+    """Whether they are closed, how many components they have, whether they contain some points."""
+    is_right = all(_solid_is_right(body, np.random.default_rng(number)) for body in (drawn.p, drawn.r))
+    return [shared == is_right for shared in truth]
+
+
+def _solid_is_right(body: Body, rng: np.random.Generator) -> bool:
+    given = body.given
+    if not isinstance(given, Solid):
+        return True
+    told = (given.core.is_closed, given.core.components, given.is_closed)
+    if told != (body.truth.is_closed, body.truth.components, body.truth.is_closed):
+        return False
+    bare = Body(body.family, body.surface)
+    return all(bool(given.core.contains(point)) == _contains(bare, point) for point in _points_near(body, rng))
+
+
+def _points_near(body: Body, rng: np.random.Generator) -> Floats:
+    """Corners, middles of pairs of corners, and any points between them, (_POINTS, 3), m."""
+    ends = body.surface.used_points[rng.integers(0, len(body.surface.used_points), (2, _POINTS))]
+    share = rng.choice([0.0, 0.5, rng.uniform(0, 1)], (_POINTS, 1))
+    return np.asarray(ends[0] + share * (ends[1] - ends[0]))
+
+
+def _contains(body: Body, point: Floats) -> bool:
+    single = Body("point", surface(point[None], [[0, 0, 0]]))
+    pose = np.eye(4)[None]
+    return bool(decided(single, pose, body, pose)[0])

@@ -1,0 +1,194 @@
+"""A sample of the stress of solids, what it counts and keeps. `plannercheck stress --solids` runs more of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import plannercheck as pc
+from plannercheck.cli.main import main
+from plannercheck.evaluation.stress.supervised_process import Supervised
+from plannercheck.evaluation.stress_solids import judges
+from plannercheck.evaluation.stress_solids import run as stress
+from plannercheck.evaluation.stress_solids.bodies import Body, decided
+from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
+from plannercheck.evaluation.stress_solids.draws import Draw, numbered_draw
+from plannercheck.evaluation.stress_solids.other_libraries import CoalMeshes, FclMeshes
+from plannercheck.evaluation.stress_solids.solid_families import SOLID_FAMILIES
+from plannercheck.evaluation.stress_solids.surfaces import ball
+from plannercheck.evaluation.stress_solids.tables import lines
+
+SAMPLE = 3000  # pairs, about 5 s
+
+
+@pytest.fixture(scope="module")
+def tally() -> stress.SolidTally:
+    return stress.run(SAMPLE, seed=2027)
+
+
+def test_nothing_fails_on_a_sample(tally: stress.SolidTally) -> None:
+    assert tally.passed, "\n".join(lines(tally, []))
+    assert not tally.cases
+    assert tally.pairs.total() >= SAMPLE
+    assert tally.inside.total() > 0
+
+
+def test_every_way_of_asking_was_asked(tally: stress.SolidTally) -> None:
+    asked = {who: sum(n for (name, _), n in tally.asked.items() if name == who) for who in judges.OURS}
+    assert asked["batch"] == asked["swapped"] == asked["public"] == tally.pairs.total()
+    assert min(asked.values()) > tally.draws
+
+
+def test_the_tables_count_every_pair(tally: stress.SolidTally) -> None:
+    totals = [line.split() for line in lines(tally, []) if line.startswith("all")]
+    assert len(totals) == 2
+    for total in totals:
+        assert total[1:] == [str(tally.pairs.total()), totals[0][2], str(tally.inside.total()), "0", "0", "0"]
+
+
+def test_runs_do_not_depend_on_the_number_of_processes() -> None:
+    alone, together = stress.run(400, seed=9), stress.run(400, seed=9, processes=2)
+    for of in ("pairs", "inside", "failures", "asked", "broken"):
+        assert getattr(alone, of) == getattr(together, of)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "kind"),
+    [("wrong", judges.WRONG), (judges.EXCEPTION, judges.EXCEPTION), (judges.TIMEOUT, judges.TIMEOUT)],
+)
+def test_failures_are_counted_and_kept(outcome: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of one contestant, at one pair of each draw."""
+
+    def answers(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[judges.Outcome]]:
+        told: list[judges.Outcome] = [*truth]
+        told[0] = not truth[0] if outcome == "wrong" else outcome
+        return {judges.BATCH: told}
+
+    monkeypatch.setattr(stress, "verdicts", answers)
+    monkeypatch.setattr(stress, "shrunk", lambda case, fails: case)
+    tally = stress.judge_draws(stress.Task(1, 0, 3, ()))
+    assert not tally.passed
+    assert sum(n for (who, what, _), n in tally.failures.items() if (who, what) == (judges.BATCH, kind)) == 3
+    assert sum(tally.failures.values()) == 3
+    assert len(tally.cases) == 3
+
+
+def test_a_question_that_takes_too_long_is_left_behind() -> None:
+    import time
+
+    def sleeps() -> list[judges.Outcome]:
+        time.sleep(5)
+        return [True]
+
+    def fails() -> list[judges.Outcome]:
+        raise RuntimeError
+
+    assert judges.limited(sleeps, 2, limit=0.05) == [judges.TIMEOUT] * 2
+    assert judges.limited(fails, 2) == [judges.EXCEPTION] * 2
+
+
+def test_distances_that_are_wrong_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A millionth too long or short, a lower bound above it, 0 where nothing is shared and the other way round."""
+    sphere = Body("ball", ball(60))
+    pose = np.eye(4)
+    pose[:3, 3] = [1.5, 0.25, 0]
+    drawn = Draw("ball", "", sphere, sphere, np.stack([pose, np.eye(4)]), np.tile(np.eye(4), (2, 1, 1)), ("any",) * 2)
+    truth = [False, True]
+    told = judges.distance
+    assert judges._distances(drawn, truth, [0, 1]) == truth
+    for change in (
+        lambda d: replace(d, distance=d.distance * (1 + 1e-6)),
+        lambda d: replace(d, distance=d.distance * (1 - 1e-6), lower_bound=0.0),
+        lambda d: replace(d, lower_bound=d.lower_bound + 1e-9),
+        lambda d: replace(d, distance=0.0 if d.distance else 1.0),
+    ):
+        monkeypatch.setattr(judges, "distance", lambda *a, change=change: change(told(*a)))
+        assert judges._distances(drawn, truth, [0])[0] != truth[0]
+
+
+def box_case(shift: float) -> SolidCase:
+    """Two balls that touch in a corner, one of them moved."""
+    pose = np.eye(4)
+    pose[0, 3] = 1 + shift
+    return SolidCase("a name", Body("ball", ball(20)), Body("ball", ball(20), 0.25), pose, np.eye(4))
+
+
+def test_a_case_keeps_every_bit(tmp_path: Path) -> None:
+    case = box_case(1e-17 / 3)
+    case = replace(case, p=replace(case.p, surface=case.p.surface.scaled(1 / 3), is_convex=True))
+    case.save(tmp_path / "case.json")
+    again = SolidCase.load(tmp_path / "case.json")
+    assert SolidCase.is_in(tmp_path / "case.json")
+    for body, same in ((case.p, again.p), (case.r, again.r)):
+        np.testing.assert_array_equal(body.surface.points, same.surface.points)
+        np.testing.assert_array_equal(body.surface.triangles, same.surface.triangles)
+        assert (body.family, body.inflation_radius, body.is_convex) == (
+            same.family,
+            same.inflation_radius,
+            same.is_convex,
+        )
+    np.testing.assert_array_equal(case.pose_p, again.pose_p)
+    (tmp_path / "none.json").write_text('{"kind": "solids"}')
+    with pytest.raises(pc.PlannercheckError, match="no case of a pair of solids"):
+        SolidCase.load(tmp_path / "none.json")
+    (tmp_path / "other.json").write_text("[]")
+    assert not SolidCase.is_in(tmp_path / "other.json")
+
+
+def test_a_failure_is_shrunk_to_the_triangles_that_it_takes() -> None:
+    """Taken for failing while the bodies meet: one triangle of each is left."""
+    case = replace(box_case(0.0), r=Body("ball", ball(20)))
+
+    def meets(smaller: SolidCase) -> bool:
+        return bool(decided(smaller.p, smaller.pose_p[None], smaller.r, smaller.pose_r[None])[0])
+
+    assert meets(case)
+    left = shrunk(case, meets)
+    assert [len(body.surface.triangles) for body in (left.p, left.r)] == [1, 1]
+    assert [len(body.surface.points) for body in (left.p, left.r)] == [3, 3]
+    assert stress.faults_of(case) == {}
+
+
+def test_peers_find_surfaces_that_cross_and_miss_what_is_inside() -> None:
+    rng = np.random.default_rng(1)
+    ring = Body("torus", SOLID_FAMILIES["torus"](300, rng))
+    small = Body("ball", ball(60).scaled(0.01))
+    poses = np.tile(np.eye(4), (3, 1, 1))
+    poses[:, 0, 3] = [0.3 + ring.size / 2 - 0.3, 0.3, 0.0]  # about the surface, in the tube, in the hole
+    drawn = Draw("torus", "", small, ring, poses, np.tile(np.eye(4), (3, 1, 1)), ("any",) * 3)
+    assert decided(small, poses, ring, drawn.poses_r).tolist() == [1, 3, 0]
+    for peer in (FclMeshes(), CoalMeshes()):
+        assert Supervised(peer).outcomes(drawn) == [True, False, False]
+    inflated = replace(drawn, p=replace(small, inflation_radius=0.1))
+    assert list(FclMeshes().outcomes(inflated)) == ["unfit"] * 3
+
+
+def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["stress", "--solids", "100", "--seed", "4", "--cases", str(tmp_path)]) == 0
+    assert "pairs of" in capsys.readouterr().out
+    assert not list(tmp_path.iterdir())
+    assert main(["stress", "--solids", "0"]) == 2
+    case = SolidCase("touching", *(Body("ball", ball(20)),) * 2, box_case(0.0).pose_p, np.eye(4))
+    case.save(tmp_path / "case.json")
+    assert main(["stress", "--case", str(tmp_path / "case.json")]) == 0
+    assert "nothing is wrong now" in capsys.readouterr().out
+
+
+def test_a_wrong_verdict_fails_the_command(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = judges._batch
+    monkeypatch.setattr(judges, "_batch", lambda *a: [not shared for shared in told(*a)])
+    monkeypatch.setattr(stress, "KEPT", 1)
+    assert main(["stress", "--solids", "20", "--seed", "4", "--cases", str(tmp_path)]) == 1
+    assert "failed: draw 0" in capsys.readouterr().out
+    (file,) = tmp_path.iterdir()
+    assert main(["stress", "--case", str(file)]) == 1
+    assert "batch:" in capsys.readouterr().out
+
+
+def test_numbered_draws_are_the_same_alone() -> None:
+    assert numbered_draw(3, 5).label == numbered_draw(3, 5).label
