@@ -1,0 +1,203 @@
+#include "motions/solid_separation.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "math/simd.hpp"
+#include "narrow_phase/distance.hpp"
+
+namespace plannercheck {
+namespace {
+
+constexpr std::size_t kDirections = 6, kMostPoses = 2;
+
+// Projections in floats err by this times all that is added up to get them.
+constexpr float kProjectionError = 0x1p-20F;
+
+// What denormal floats lose, in m.
+constexpr float kDenormalFloats = 1e-37F;
+
+using TrianglePoints = std::array<Vec3, 3>;
+
+// What a direction makes of a tree's boxes at a pose: its products with a box's centre, and with half extents.
+struct Projection {
+  std::array<float, 3> along, size;
+  float offset = 0;
+
+  float centre(const FloatBox& box) const {
+    return (along[0] * box.centre[0] + along[1] * box.centre[1]) + (along[2] * box.centre[2] + offset);
+  }
+  float half(const FloatBox& box) const {
+    return (size[0] * box.half[0] + size[1] * box.half[1]) + size[2] * box.half[2];
+  }
+};
+
+struct Projected {
+  Projection a, b;
+  float limit;  // errors included
+};
+
+Projection projection(const Solid& solid, const Pose& pose, Vec3 direction, double offset) {
+  const Vec3 along = (1 / solid.tree.units) * pose.rotate_back(direction);
+  Projection out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.along[k] = static_cast<float>(along[static_cast<int>(k)]);
+    out.size[k] = std::fabs(out.along[k]);
+  }
+  out.offset = static_cast<float>(offset);
+  return out;
+}
+
+double sum_of(const Projection& p) {
+  return static_cast<double>(p.size[0]) + static_cast<double>(p.size[1]) + static_cast<double>(p.size[2]) +
+         std::fabs(static_cast<double>(p.offset));
+}
+
+struct SolidNode {
+  std::int32_t child;  // see TriangleTree
+  FloatBox box;
+
+  bool is_triangle() const { return child < 0; }
+  float extent() const { return box.half[0] + box.half[1] + box.half[2]; }
+};
+
+class Separation {
+ public:
+  Separation(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
+             PairCounters& counters)
+      : a_(a.surface()),
+        b_(b.surface()),
+        poses_(poses),
+        count_(static_cast<std::size_t>(count)),
+        limit_(limit),
+        scale_(static_cast<float>(b_.tree.units / a_.tree.units)),
+        counters_(counters) {
+    for (std::size_t k = 0; k < kDirections; ++k) project(k);
+  }
+
+  bool run() {
+    std::array<std::pair<SolidNode, SolidNode>, kMostWaiting> waiting;
+    std::size_t count = 0;
+    waiting[count++] = {{0, a_.tree.root}, {0, b_.tree.root}};
+    while (count > 0) {
+      const auto [a, b] = waiting[--count];
+      if (a.is_triangle() && b.is_triangle()) {
+        if (!triangles_apart(~a.child, ~b.child)) return false;
+        continue;
+      }
+      const bool splits_a = b.is_triangle() || (!a.is_triangle() && a.extent() * scale_ >= b.extent());
+      const TriangleNode& node = splits_a ? a_.tree.nodes[at(a.child)] : b_.tree.nodes[at(b.child)];
+      unsigned left =
+          splits_a ? near(node, b.box, &Projected::a, &Projected::b) : near(node, a.box, &Projected::b, &Projected::a);
+      for (; left != 0; left &= left - 1) {
+        const auto k = static_cast<std::size_t>(__builtin_ctz(left));
+        if (node.child[k] == TriangleTree::kNothing) continue;
+        const SolidNode child{node.child[k], node.box(k)};
+        waiting[count++] = splits_a ? std::pair{child, b} : std::pair{a, child};
+      }
+    }
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t kMostWaiting = 2 * TriangleTree::kMostLevels * (kTreeWidth - 1) + 1;
+
+  const Solid &a_, &b_;
+  const PosedPair* poses_;
+  std::size_t count_;
+  double limit_;
+  float scale_;  // of lengths in a's units to those in b's
+  PairCounters& counters_;
+  std::array<Vec3, kDirections> directions_;  // of the frame, of length 1 up to rounding
+  std::array<std::array<Projected, kMostPoses>, kDirections> projected_;
+
+  void project(std::size_t k) {
+    const Pose& pose = k < 3 ? poses_[0].a : poses_[0].b;
+    const std::size_t axis = k % 3;
+    directions_[k] = unit(poses_[0].frame.from_world({pose.m[axis], pose.m[axis + 4], pose.m[axis + 8]}));
+    for (std::size_t p = 0; p < count_; ++p) {
+      const Vec3 d = poses_[p].frame.to_world(directions_[k]);
+      const Vec3 way = poses_[p].a.apply(a_.tree.middle) - poses_[p].b.apply(b_.tree.middle);
+      Projected& out = projected_[k][p];
+      out.a = projection(a_, poses_[p].a, d, dot(d, way)), out.b = projection(b_, poses_[p].b, d, 0);
+      const double error = (sum_of(out.a) + sum_of(out.b) + limit_) * static_cast<double>(kProjectionError);
+      out.limit = static_cast<float>(limit_ + error) * (1 + kProjectionError) + kDenormalFloats;
+    }
+  }
+
+  // Children of a node that no direction keeps away from a box of the other tree.
+  unsigned near(const TriangleNode& node, const FloatBox& box, Projection Projected::* own,
+                Projection Projected::* other) const {
+    FloatMask apart{};
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      FloatMask before = ~FloatMask{}, after = before;
+      for (std::size_t p = 0; p < count_; ++p) {
+        const Projected& at_pose = projected_[k][p];
+        const Projection &mine = at_pose.*own, &theirs = at_pose.*other;
+        const auto row = [&](const auto& from, const std::array<float, 3>& by) {
+          return (by[0] * load_floats(from[0].data()) + by[1] * load_floats(from[1].data())) +
+                 by[2] * load_floats(from[2].data());
+        };
+        const Floats way = row(node.centre, mine.along) + (mine.offset - theirs.centre(box));
+        const Floats room = row(node.half, mine.size) + (theirs.half(box) + at_pose.limit);
+        before &= way > room, after &= -way > room;
+      }
+      apart |= before | after;
+    }
+    return ~float_bits(apart) & ((1U << kTreeWidth) - 1);
+  }
+
+  TrianglePoints posed(const Solid& solid, std::int32_t triangle, const Pose& pose) const {
+    const MeshTriangle& t = solid.triangles[at(triangle)];
+    return {pose.apply(solid.points[at(t[0])]), pose.apply(solid.points[at(t[1])]), pose.apply(solid.points[at(t[2])])};
+  }
+
+  bool triangles_apart(std::int32_t triangle_a, std::int32_t triangle_b) {
+    std::array<TrianglePoints, kMostPoses> a, b;
+    for (std::size_t p = 0; p < count_; ++p)
+      a[p] = posed(a_, triangle_a, poses_[p].a), b[p] = posed(b_, triangle_b, poses_[p].b);
+    for (const TrianglePoints& t : {a[0], b[0]}) {
+      const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+      if (norm_1(normal) > 0 && separates(poses_[0].frame.from_world(unit(normal)), a, b)) return true;
+    }
+    for (const Vec3& direction : directions_) {
+      if (separates(direction, a, b)) return true;
+    }
+    return descent_separates(triangle_a, triangle_b);
+  }
+
+  // Whether a direction of the frame keeps two triangles apart at all poses, one way or the other.
+  bool separates(Vec3 direction, const std::array<TrianglePoints, kMostPoses>& a,
+                 const std::array<TrianglePoints, kMostPoses>& b) const {
+    bool before = true, after = true;
+    for (std::size_t p = 0; p < count_; ++p) {
+      const Vec3 d = poses_[p].frame.to_world(direction), from = b[p][0];
+      const std::array<double, 3> u{dot(d, a[p][0] - from), dot(d, a[p][1] - from), dot(d, a[p][2] - from)};
+      const double v = dot(d, b[p][1] - from), w = dot(d, b[p][2] - from);
+      before &= smaller(u[0], smaller(u[1], u[2])) - larger(0, larger(v, w)) > limit_;
+      after &= smaller(0, smaller(v, w)) - larger(u[0], larger(u[1], u[2])) > limit_;
+    }
+    return before || after;
+  }
+
+  bool descent_separates(std::int32_t triangle_a, std::int32_t triangle_b) {
+    const Polytope a = triangle_of(a_, triangle_a), b = triangle_of(b_, triangle_b);
+    if (swept_distance(a, b, poses_, static_cast<int>(count_), limit_, {}, counters_).apart) return true;
+    return count_ == 1 && pair_distance({&a, poses_[0].a}, {&b, poses_[0].b}, limit_, counters_).lower > limit_;
+  }
+
+  static Polytope triangle_of(const Solid& solid, std::int32_t triangle) {
+    const MeshTriangle& t = solid.triangles[at(triangle)];
+    return prepare_polytope({solid.points[at(t[0])], solid.points[at(t[1])], solid.points[at(t[2])]});
+  }
+};
+
+}  // namespace
+
+bool solids_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
+                    PairCounters& counters) {
+  return Separation(a, b, poses, count, limit, counters).run();
+}
+
+}  // namespace plannercheck
