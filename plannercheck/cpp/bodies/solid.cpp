@@ -114,7 +114,8 @@ Solid surface_of(const Polytope& body) {
 
 std::size_t Solid::bytes() const {
   return sizeof *this + points.size() * sizeof(Vec3) + triangles.size() * (sizeof(MeshTriangle) + sizeof(source[0])) +
-         tree.nodes.size() * sizeof(TriangleNode) + components.size() * sizeof(components[0]);
+         tree.nodes.size() * sizeof(TriangleNode) + tree.leaves.size() * sizeof(EightTriangles) +
+         components.size() * sizeof(components[0]);
 }
 
 }  // namespace plannercheck
