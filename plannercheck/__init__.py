@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from plannercheck.bodies.shapes import Cylinder as Cylinder
     from plannercheck.bodies.shapes import Hull as Hull
     from plannercheck.bodies.shapes import Sphere as Sphere
+    from plannercheck.bodies.solid_certificates import Enclosure as Enclosure
+    from plannercheck.bodies.solid_separations import SolidSeparation as SolidSeparation
     from plannercheck.bodies.solids import Solid as Solid
     from plannercheck.checking.verdicts import ValidityReport as ValidityReport
     from plannercheck.checking.verdicts import Verdict as Verdict
@@ -53,6 +55,7 @@ _HOMES = {
     "Cylinder": "bodies.shapes",
     "Decomposition": "bodies.convex_decomposition",
     "Distance": "bodies.distance",
+    "Enclosure": "bodies.solid_certificates",
     "Hull": "bodies.shapes",
     "Part": "bodies.objects",
     "Placed": "bodies.placed",
@@ -62,6 +65,7 @@ _HOMES = {
     "Separation": "bodies.certificates",
     "SharedPoint": "bodies.certificates",
     "Solid": "bodies.solids",
+    "SolidSeparation": "bodies.solid_separations",
     "Sphere": "bodies.shapes",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
@@ -93,6 +97,7 @@ __all__ = [
     "Decomposition",
     "Depth",
     "Distance",
+    "Enclosure",
     "Hull",
     "Part",
     "Placed",
@@ -103,6 +108,7 @@ __all__ = [
     "Separation",
     "SharedPoint",
     "Solid",
+    "SolidSeparation",
     "Sphere",
     "ValidityReport",
     "Verdict",

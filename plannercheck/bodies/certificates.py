@@ -150,7 +150,7 @@ class Separation(OwnsArrays):
             True if the exact plane separates strictly, the gap is a lower bound of the distance, and the doubles are
             the exact values, rounded.
         """
-        return self._doubles_agree() and _separates(self.plane, self.bodies)
+        return self._doubles_agree() and separates_exactly(self.plane, self.bodies)
 
     def _doubles_agree(self) -> bool:
         plane = self.plane
@@ -160,7 +160,7 @@ class Separation(OwnsArrays):
             abs(Fraction(float(rounded)) * plane.length - exact) <= _NORMAL_ROUNDING * plane.length
             for rounded, exact in zip(self.normal, plane.normal, strict=True)
         )
-        is_offset = self.offset == _rounded(plane.offset / plane.length)
+        is_offset = self.offset == rounded(plane.offset / plane.length)
         return is_normal and is_offset and 0 <= Fraction(self.gap) <= plane.gap
 
     def __eq__(self, other: object) -> bool:
@@ -204,7 +204,7 @@ class SharedPoint(OwnsArrays):
             True if the exact point is in both bodies, and the doubles are the exact values, rounded.
         """
         return (
-            [float(x) for x in self.point] == [_rounded(x) for x in self.place.point]
+            [float(x) for x in self.point] == [rounded(x) for x in self.place.point]
             and _holds_point(self.bodies[0], self.first, self.place.first, self.place.point)
             and _holds_point(self.bodies[1], self.second, self.place.second, self.place.point)
         )
@@ -235,8 +235,8 @@ def separation(direction: Point, bodies: Bodies) -> Separation | None:
     plane = _plane_between(direction, bodies)
     if plane is None:
         return None
-    normal = np.array([_rounded(x / plane.length) for x in plane.normal])
-    return Separation(normal, _rounded(plane.offset / plane.length), _rounded_down(plane.gap), plane, bodies)
+    normal = np.array([rounded(x / plane.length) for x in plane.normal])
+    return Separation(normal, rounded(plane.offset / plane.length), _rounded_down(plane.gap), plane, bodies)
 
 
 def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies) -> SharedPoint:
@@ -255,7 +255,7 @@ def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies
     part = inflation_p / (inflation_p + inflation_r) if inflation_p else Fraction(0)
     point = (p[0] + part * (r[0] - p[0]), p[1] + part * (r[1] - p[1]), p[2] + part * (r[2] - p[2]))
     place = ExactPoint(point, tuple(first.values()), tuple(second.values()))
-    return SharedPoint(np.array([_rounded(x) for x in point]), _mixture(first), _mixture(second), place, bodies)
+    return SharedPoint(np.array([rounded(x) for x in point]), _mixture(first), _mixture(second), place, bodies)
 
 
 def direction_of(normal: Floats) -> Point:
@@ -265,7 +265,8 @@ def direction_of(normal: Floats) -> Point:
     return Fraction(x), Fraction(y), Fraction(z)
 
 
-def _separates(plane: ExactPlane, bodies: Bodies) -> bool:
+def separates_exactly(plane: ExactPlane, bodies: Bodies) -> bool:
+    """Whether a plane keeps two bodies apart, by its gap at least, proved with all their vertices."""
     if plane.length <= 0 or plane.length**2 < sum(x * x for x in plane.normal):
         return False
     low, high, inflation_p, inflation_r = _extents(plane.normal, bodies)
@@ -317,7 +318,7 @@ def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...
         return False
     if not all(0 <= v < len(body.vertices) for v in vertices) or min(weights) < 0 or sum(weights) != 1:
         return False
-    if [float(w) for w in mixture.weights] != [_rounded(w) for w in weights]:
+    if [float(w) for w in mixture.weights] != [rounded(w) for w in weights]:
         return False
     apart = (x - m for x, m in zip(point, _mixed(body, vertices, weights), strict=True))
     return sum(x * x for x in apart) <= Fraction(body.inflation_radius) ** 2
@@ -333,15 +334,15 @@ def _mixed(body: PosedBody, vertices: list[int], weights: Iterable[Fraction]) ->
 
 
 def _mixture(weights: dict[int, Fraction]) -> Mixture:
-    return Mixture(np.array(list(weights), dtype=np.int64), np.array([_rounded(w) for w in weights.values()]))
+    return Mixture(np.array(list(weights), dtype=np.int64), np.array([rounded(w) for w in weights.values()]))
 
 
-def _rounded(number: Fraction) -> float:
+def rounded(number: Fraction) -> float:
     """The nearest double; the largest one beyond it."""
     return float(max(-_LARGEST_DOUBLE, min(number, _LARGEST_DOUBLE)))
 
 
 def _rounded_down(number: Fraction) -> float:
     """A double that is at most a positive number."""
-    nearest = _rounded(number)
+    nearest = rounded(number)
     return nearest if Fraction(nearest) <= number else math.nextafter(nearest, 0.0)

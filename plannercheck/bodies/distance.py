@@ -79,8 +79,8 @@ def refuse_solids(what: str, *bodies: Polytope) -> None:
     """Raises if one of these is a solid, of which only its hull could be measured."""
     if any(body.solid is not None for body in bodies):
         raise PlannercheckError(
-            f"{what} of solids are not there yet: take hulls (geometry='hull', or pc.Polytope(solid.vertices)), which "
-            "are nearer than their solids"
+            f"{what} of solids are not there yet: those of hulls (geometry='hull', or pc.Polytope(solid.vertices)) are "
+            "lower bounds"
         )
 
 

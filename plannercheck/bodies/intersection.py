@@ -29,6 +29,8 @@ from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytop
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
+from plannercheck.bodies.solid_certificates import Enclosure, contact_certificate
+from plannercheck.bodies.solid_separations import SolidSeparation, separate_solids
 from plannercheck.common.array_types import Bools
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError, unknown_name
@@ -36,6 +38,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 
 Method: TypeAlias = Literal["oracle", "walk", "exact"]
+SolidCertificate: TypeAlias = Certificate | Enclosure | SolidSeparation
 
 METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
 
@@ -164,7 +167,7 @@ def certify(
     pose_p: ArrayLike | None = None,
     pose_r: ArrayLike | None = None,
     method: Method = "oracle",
-) -> Certificate:
+) -> SolidCertificate:
     """The verdict of `intersects` with its proof.
 
     Args:
@@ -175,7 +178,9 @@ def certify(
         method: See `Switches`.
 
     Returns:
-        A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates.
+        A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates. Of solids the point is one of
+        two triangles, which are then the certificate's bodies; where one body is inside the other, an `Enclosure`;
+        where only their hulls meet, a `SolidSeparation`.
 
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
@@ -187,10 +192,12 @@ def certify(
 
 def certify_posed(
     P: Polytope, R: Polytope, pose_p: ArrayLike, pose_r: ArrayLike, method: Method = "oracle"
-) -> Certificate:
+) -> SolidCertificate:
     """`certify` of bodies on links, whose poses may be less rigid than given ones (robots/unit_lengths.py)."""
     pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
     bodies = PosedBody(P.vertices, pose_p, P.inflation_radius), PosedBody(R.vertices, pose_r, R.inflation_radius)
+    if P.solid is not None or R.solid is not None:
+        return _certify_solids(P, R, bodies)
     for stage in (method, METHODS[-1]):
         found = core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(stage), True)
         certificate = _shared_point(found, bodies) if found["shared"] else _separation(found, bodies)
@@ -198,6 +205,13 @@ def certify_posed(
         if certificate is not None:
             return certificate
     raise UnprovedVerdictError("the core finds two bodies to be apart, but its plane does not separate them")
+
+
+def _certify_solids(P: Polytope, R: Polytope, bodies: Bodies) -> SolidCertificate:
+    """The proof that solids share a point, or that they do not."""
+    poses = bodies[0].pose, bodies[1].pose
+    contact = contact_certificate(P, R, *poses)
+    return separate_solids(P, R, *poses, certify_posed) if contact is None else contact
 
 
 def _separation(found: dict[str, Any], bodies: Bodies) -> Certificate | None:

@@ -16,7 +16,6 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.certificates import Certificate
 from plannercheck.bodies.intersection import Method, Switches, certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import DEFAULT_EXCESS, GeometryObject
@@ -32,6 +31,7 @@ from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.scene_placement import place_objects
 from plannercheck.checking.settings import CheckerSwitches, Settings, without_attached
 from plannercheck.checking.touching_pairs import warn_of_touching
+from plannercheck.checking.verdicts import PairCertificate
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.errors import PlannercheckError
@@ -320,7 +320,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         """
         return self._tables.all.body_poses(self._link_poses(self.robot.check_configurations(q)))
 
-    def _certificate(self, a: int, b: int, poses: Floats) -> Certificate:
+    def _certificate(self, a: int, b: int, poses: Floats) -> PairCertificate:
         return certify_posed(self._preparation.polytope(a), self._preparation.polytope(b), poses[a], poses[b])
 
     def _kinematic_error(self, q: Floats, poses: Floats) -> float:

@@ -25,7 +25,7 @@ _NAMED = 3
 
 
 class PairCertificate(Protocol):
-    """The proof of a pair's verdict: a `Separation` or a `SharedPoint`, in space or in the plane."""
+    """The proof of a pair's verdict: a `Separation`, a `SharedPoint` (in space or in the plane) or an `Enclosure`."""
 
     def verify(self) -> bool:
         """Whether exact arithmetic with all vertices confirms the proof."""
@@ -42,8 +42,8 @@ class PairVerdict:
         first_body: Name of the first collision body.
         second_body: Name of the second collision body.
         colliding: Whether the bodies share a point.
-        certificate: The proof in world coordinates: a `Separation` (normal from second to first) or a
-            `SharedPoint`.
+        certificate: The proof in world coordinates: a `Separation` (normal from second to first), a `SharedPoint`, or
+            an `Enclosure` where a body is inside a solid.
     """
 
     first: str

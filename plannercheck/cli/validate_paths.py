@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.bodies.certificates import Separation, SharedPoint
+from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.checking.verdicts import PairVerdict
 from plannercheck.cli.common import padding_of, planar_checker, scene_of
@@ -111,7 +112,7 @@ def _certificate(pair: PairVerdict) -> str:
     certificate = pair.certificate
     if isinstance(certificate, Separation | planar.Separation):
         return f"apart by at least {certificate.gap:.3g} m along ({_listed(certificate.normal.tolist())})"
-    assert isinstance(certificate, SharedPoint | planar.SharedPoint)
+    assert isinstance(certificate, SharedPoint | planar.SharedPoint | Enclosure)
     return f"which share the point ({_listed(certificate.point.tolist())})"
 
 
@@ -144,7 +145,7 @@ def _as_json(path: Path, verdict: PathVerdict, proved: PathProof | None) -> dict
             "gap": certificate.gap,
         }
     else:
-        assert isinstance(certificate, SharedPoint | planar.SharedPoint)
+        assert isinstance(certificate, SharedPoint | planar.SharedPoint | Enclosure)
         proof = {"shared_point": certificate.point.tolist()}
     return {
         **out,

@@ -21,6 +21,9 @@ from plannercheck.bodies.integers import IntegerHull, Integers
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, inflated_hull
+from plannercheck.bodies.solid_certificates import Enclosure
+from plannercheck.bodies.solid_separations import SolidSeparation
+from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
@@ -88,7 +91,7 @@ def certify_verdicts(checker: Checker, q: Floats, first_pair: NDArray[np.int32])
         The report; `report.passed` says whether all were proved.
 
     Raises:
-        PlannercheckError: If the checker's bodies are not made of its shapes' points.
+        PlannercheckError: If the checker's bodies are not made of its shapes' points, or are solids.
     """
     certification = _Certification(checker)
     reports = []
@@ -116,6 +119,12 @@ class _Certification:
     """A checker, the points that its bodies were made of, and their boxes at the poses seen last."""
 
     def __init__(self, checker: Checker) -> None:
+        solids = [body.name for body in checker.bodies if isinstance(body.shape, Solid) and not body.shape.equals_hull]
+        if solids:
+            raise PlannercheckError(
+                f"certificates of whole sets are of hulls, and {', '.join(solids[:3])} are solids: checker.explain(q) "
+                "proves what collides in one configuration"
+            )
         self._checker = checker
         self._given = [
             None if polytope is None else _given_body(body, polytope, checker.excess, padding)
@@ -148,6 +157,8 @@ class _Certification:
         try:
             certificate = certify_posed(self._polytope(p), self._polytope(r), poses[p], poses[r])
         except UnprovedVerdictError:
+            return False
+        if isinstance(certificate, Enclosure | SolidSeparation):
             return False
         return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()
 

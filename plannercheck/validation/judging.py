@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.bodies.intersection import certify_posed
+from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.checking.verdicts import PairCertificate, ValidityReport
 from plannercheck.common.array_types import Floats
@@ -104,7 +105,7 @@ def _certificates(checker: AnyChecker, rows: Floats, first_pair: NDArray[np.int3
     for first in range(0, len(chosen), _POSED_ROWS):
         part = chosen[first : first + _POSED_ROWS]
         for row, certificate in zip(part.tolist(), _certified(checker, rows[part], explained[part]), strict=True):
-            if isinstance(certificate, SharedPoint | PlanarSharedPoint):
+            if isinstance(certificate, SharedPoint | PlanarSharedPoint | Enclosure):
                 point[row] = certificate.point
             elif isinstance(certificate, Separation | PlanarSeparation):
                 normal[row], offset[row], gap[row] = certificate.normal, certificate.offset, certificate.gap

@@ -15,6 +15,7 @@ from plannercheck.bodies.certificates import PosedBody, Separation, SharedPoint,
 from plannercheck.bodies.distance import Distance, distance
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.view.model import Plane, Witness
@@ -32,6 +33,7 @@ class Evidence:
         balls = [_ball(body) for body in checker.polytopes]
         self._centres = np.array([centre for centre, _ in balls]).reshape(-1, 3)
         self._radii = np.array([radius for _, radius in balls])
+        self._has_solid = np.array([body is not None and body.solid is not None for body in checker.polytopes])
 
     def witnesses(self, frame: int, poses: Floats, colliding: Bools) -> list[Witness]:
         """A common point for each colliding pair.
@@ -45,11 +47,11 @@ class Evidence:
         return [
             Witness(frame, self._checker.pair_names(k), certificate.point)
             for k, certificate in found
-            if isinstance(certificate, SharedPoint)
+            if isinstance(certificate, SharedPoint | Enclosure)
         ]
 
     def planes(self, frame: int, poses: Floats, colliding: Bools, count: int) -> list[Plane]:
-        """Separating planes of the nearest pairs that do not collide.
+        """Separating planes of the nearest pairs of convex bodies that do not collide.
 
         Args:
             frame: Index of the frame.
@@ -57,7 +59,8 @@ class Evidence:
             colliding: (pairs,) which pairs collide.
             count: Largest number of planes.
         """
-        found = (self._plane(frame, k, poses) for k in self._nearest(count, poses, np.flatnonzero(~colliding)))
+        convex = ~self._has_solid[self._checker.pairs].any(axis=1)
+        found = (self._plane(frame, k, poses) for k in self._nearest(count, poses, np.flatnonzero(~colliding & convex)))
         return [plane for plane in found if plane is not None]
 
     def _nearest(self, count: int, poses: Floats, rows: NDArray[np.int64]) -> list[int]:

@@ -284,6 +284,8 @@ void bind_polytope(nb::module_& m) {
             return std::make_shared<Polytope>(with_solid(b, std::move(solid)));
           },
           plain_floats)
+      .def(
+          "surface", [](const Polytope& b) { return std::make_shared<Solid>(b.surface()); }, plain_floats)
       .def_prop_ro("is_solid", [](const Polytope& b) { return b.solid != nullptr; })
       .def_prop_ro("solid", [](const Polytope& b) { return std::const_pointer_cast<Solid>(b.solid); })
       .def("extremes", &extremes, plain_floats);

@@ -3,6 +3,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/shared_ptr.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -45,9 +46,11 @@ auto points_of(const Solid& solid) {
   return output_array(flat, {solid.points.size(), std::size_t{3}});
 }
 
+// In the order in which they were given.
 auto triangles_of(const Solid& solid) {
-  std::vector<std::int32_t> flat;
-  for (const MeshTriangle& t : solid.triangles) flat.insert(flat.end(), t.begin(), t.end());
+  std::vector<std::int32_t> flat(3 * solid.triangles.size());
+  for (std::size_t k = 0; k < solid.triangles.size(); ++k)
+    std::copy_n(solid.triangles[k].begin(), 3, flat.begin() + 3 * solid.source[k]);
   return output_array(flat, {solid.triangles.size(), std::size_t{3}});
 }
 
@@ -80,6 +83,8 @@ void bind_solid(nb::module_& m) {
       .def(nb::new_(&solid_from), plain_floats)
       .def("points", &points_of, plain_floats)
       .def("triangles", &triangles_of, plain_floats)
+      .def(
+          "order", [](const Solid& s) { return output_array(s.source, {s.source.size()}); }, plain_floats)
       .def("contains", &contains, plain_floats)
       .def_ro("is_closed", &Solid::is_closed)
       .def_prop_ro("components", [](const Solid& s) { return s.components.size(); })

@@ -1,0 +1,189 @@
+"""Proofs that two bodies are apart of which one is a solid at least, and whose hulls are not.
+
+In: two posed bodies that share no point. Out: a `SolidSeparation`: planes that keep patches of one surface away from
+patches of the other, so that every triangle is kept away from every other; and that neither body is in the other one.
+It is verified in exact arithmetic, from vertices, triangles and poses alone, without the core.
+
+Why that is enough: cpp/narrow_phase/solid_pair.hpp. The planes are those of the patches' hulls, from coarse to fine; a
+patch is a range of triangles in the order of the solid's tree.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from plannercheck.bodies.certificates import PosedBody, Separation, UnprovedVerdictError, separates_exactly
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.solid_certificates import PosedSurface, edges_cancel, winding_about
+from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.public_names import set_module
+
+# Triangles from the first up to the last, the last one excluded.
+Range: TypeAlias = tuple[int, int]
+Separate: TypeAlias = Callable[[Polytope, Polytope, Floats, Floats], object]
+
+
+@dataclass(frozen=True, eq=False)
+class PatchSeparation:
+    """A plane between two patches of surfaces.
+
+    Attributes:
+        first: Triangles of the first body.
+        second: Triangles of the second body.
+        plane: Between the hulls of both.
+    """
+
+    first: Range
+    second: Range
+    plane: Separation
+
+
+@set_module("plannercheck")
+@dataclass(frozen=True, eq=False)
+class SolidSeparation:
+    """What proves that two bodies, of which one is a solid at least, share no point.
+
+    Attributes:
+        gap: A lower bound of the distance between the bodies in m, inflation radii included.
+        patches: Planes between patches of both, which together cover every triangle of one with every triangle of the
+            other.
+        bodies: The surfaces of both bodies; their triangles are in the order that patches count.
+        inflation_radii: Of both bodies, m.
+    """
+
+    gap: float
+    patches: tuple[PatchSeparation, ...] = field(repr=False)
+    bodies: tuple[PosedSurface, PosedSurface] = field(repr=False)
+    inflation_radii: tuple[float, float] = field(repr=False)
+
+    def verify(self) -> bool:
+        """Whether the bodies are apart, proved in exact arithmetic.
+
+        Returns:
+            True if a plane keeps each triangle of one body away from each of the other by at least the gap, and no
+            vertex that stands for a part of one surface is inside of the other.
+        """
+        first, second = self.bodies
+        return (
+            _cover([(p.first, p.second) for p in self.patches], len(first.triangles), len(second.triangles))
+            and all(self._holds(patch) for patch in self.patches)
+            and not _is_inside(first, second)
+            and not _is_inside(second, first)
+        )
+
+    def _holds(self, patch: PatchSeparation) -> bool:
+        (first, second), (radius, other_radius) = self.bodies, self.inflation_radii
+        hulls = _patch(first, patch.first, radius), _patch(second, patch.second, other_radius)
+        plane = patch.plane.exact()
+        return 0 <= self.gap <= plane.gap and separates_exactly(plane, hulls)
+
+
+def separate_solids(
+    p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, certify_hulls: Separate
+) -> Separation | SolidSeparation:
+    """What proves that two bodies share no point.
+
+    Args:
+        p: A body.
+        r: Another body, which shares no point with it.
+        pose_p: Pose (4, 4) of the first body in the world, m.
+        pose_r: That of the second body.
+        certify_hulls: Gives the certificate of two convex bodies.
+
+    Returns:
+        A plane if one keeps the bodies' hulls apart.
+
+    Raises:
+        UnprovedVerdictError: If two triangles share a point after all.
+    """
+    bodies, radii = (_surface(p, pose_p), _surface(r, pose_r)), (p.inflation_radius, r.inflation_radius)
+    hulls: tuple[dict[Range, Polytope], dict[Range, Polytope]] = ({}, {})
+    whole = (0, len(bodies[0].triangles)), (0, len(bodies[1].triangles))
+    waiting, patches = [whole], list[PatchSeparation]()
+    while waiting:
+        ranges = waiting.pop()
+        for body, radius, known, each in zip(bodies, radii, hulls, ranges, strict=True):
+            if each not in known:
+                known[each] = Polytope(_patch(body, each).vertices, inflation_radius=radius)
+        certificate = certify_hulls(hulls[0][ranges[0]], hulls[1][ranges[1]], pose_p, pose_r)
+        if isinstance(certificate, Separation):
+            if ranges == whole:
+                return certificate
+            patches.append(PatchSeparation(*ranges, certificate))
+            continue
+        waiting += _divided(*ranges)
+    return SolidSeparation(min(patch.plane.gap for patch in patches), tuple(patches), bodies, radii)
+
+
+def _divided(first: Range, second: Range) -> list[tuple[Range, Range]]:
+    """The larger patch in halves, with the other one."""
+    sizes = first[1] - first[0], second[1] - second[0]
+    if sizes == (1, 1):
+        raise UnprovedVerdictError("the core finds two solids to be apart, but two of their triangles meet")
+    if sizes[0] >= sizes[1]:
+        return [(half, second) for half in _halves(*first)]
+    return [(first, half) for half in _halves(*second)]
+
+
+def _halves(first: int, last: int) -> tuple[Range, Range]:
+    middle = (first + last + 1) // 2
+    return (first, middle), (middle, last)
+
+
+def _surface(body: Polytope, pose: Floats) -> PosedSurface:
+    surface = body.core.surface()
+    return PosedSurface(surface.points(), surface.triangles()[surface.order()], pose)
+
+
+def _patch(body: PosedSurface, triangles: Range, inflation_radius: float = 0.0) -> PosedBody:
+    """The corners of some triangles."""
+    corners = np.unique(body.triangles[triangles[0] : triangles[1]])
+    return PosedBody(body.points[corners], body.pose, inflation_radius)
+
+
+def _cover(patches: list[tuple[Range, Range]], rows: int, columns: int) -> bool:
+    """Whether ranges of rows, each with a range of columns, cover every row with every column."""
+    if not all(0 <= a < b <= rows and 0 <= c < d <= columns for (a, b), (c, d) in patches):
+        return False
+    edges = sorted({0, rows, *(edge for first, _ in patches for edge in first)})
+    for low, high in itertools.pairwise(edges):
+        reached = 0
+        for first, last in sorted(second for first, second in patches if first[0] <= low and high <= first[1]):
+            if first > reached:
+                return False
+            reached = max(reached, last)
+        if reached < columns:
+            return False
+    return True
+
+
+def _is_inside(outer: PosedSurface, inner: PosedSurface) -> bool:
+    """Whether a surface winds about a part of another one, of which it meets no triangle."""
+    if not edges_cancel(_merged(outer)):
+        return False
+    vertices = (PosedBody(inner.points[[vertex]], inner.pose) for vertex in _component_vertices(inner))
+    return any(winding_about(vertex, outer) != 0 for vertex in vertices)
+
+
+def _merged(surface: PosedSurface) -> Ints:
+    """The triangles, where points with equal coordinates have one index."""
+    index = np.unique(surface.points + 0.0, axis=0, return_inverse=True)[1]
+    return np.asarray(index.reshape(-1)[surface.triangles], dtype=np.int32)
+
+
+def _component_vertices(surface: PosedSurface) -> Ints:
+    """A vertex of each part of the surface that hangs together by vertices."""
+    a, b, c = surface.triangles.T
+    count = len(surface.points)
+    ends = np.concatenate([a, b]), np.concatenate([b, c])
+    edges = coo_array((np.ones(len(ends[0]), dtype=np.bool_), ends), shape=(count, count))
+    part = connected_components(edges, directed=False)[1]
+    used = np.unique(surface.triangles)
+    return np.asarray(used[np.unique(part[used], return_index=True)[1]])
