@@ -124,15 +124,18 @@ class ContactSearch {
     std::array<float, kTreeWidth> gap;
     std::memcpy(gap.data(), &near.gap, sizeof gap);
     const std::size_t first = count_;
-    float least = 0;
+    std::array<float, kTreeWidth> gaps;
     for (unsigned left = near.bits; left != 0; left &= left - 1) {
       const auto k = static_cast<std::size_t>(__builtin_ctz(left));
       if (node.child[k] == TriangleTree::kNothing) continue;
-      BelowBoth& next = waiting_[count_++];
-      next = both;
-      next[side] = {node.child[k], node.box(k)};
-      if (count_ > first + 1 && gap[k] > least) std::swap(next, waiting_[count_ - 2]);
-      else least = gap[k];
+      std::size_t place = count_++ - first;
+      for (; place > 0 && gaps[place - 1] < gap[k]; --place) {
+        gaps[place] = gaps[place - 1];
+        waiting_[first + place][side] = waiting_[first + place - 1][side];
+      }
+      gaps[place] = gap[k];
+      waiting_[count_ - 1][1 - side] = both[1 - side];
+      waiting_[first + place][side] = {node.child[k], node.box(k)};
     }
   }
 
