@@ -27,8 +27,8 @@ constexpr double kLeastSize = 1e-40, kLargestSize = 1e40;
 
 // A ball moves away from what it touches, by this part of its radius at first, in so many steps, as long as it grows
 // by so much.
-constexpr double kMove = 0.9, kGrowth = 1.01;
-constexpr int kMoves = 8;
+constexpr double kMove = 0.9, kGrowth = 1.05;
+constexpr int kMoves = 3;
 
 // So many triangles have balls tried on either side, by this part of the least edge of the box around the solid.
 constexpr std::size_t kTriedTriangles = 64;
@@ -67,7 +67,33 @@ class SolidInterior {
 
   bool is_known() const { return size_ > kLeastSize && size_ < kLargestSize; }
 
-  double radius_around(Vec3 point) const { return winds_around(point) ? nearest(point).distance : 0; }
+  // Whether the solid surely winds around a point.
+  bool winds_around(Vec3 point) const {
+    const std::array<float, 3> place = in_units(point);
+    const auto room = static_cast<float>(8 * kFloatPlace);
+    std::array<std::int32_t, kMostWaiting> waiting;
+    std::size_t count = 0;
+    waiting[count++] = 0;
+    int number = 0;
+    while (count > 0) {
+      const TriangleNode& node = tree_.nodes[at(waiting[--count])];
+      const auto way = [&](std::size_t i) { return load_floats(node.centre[i].data()) - place[i]; };
+      const auto half = [&](std::size_t i) { return load_floats(node.half[i].data()) + room; };
+      const FloatMask misses = (absolute(way(0)) > half(0)) | (absolute(way(1)) > half(1)) | (way(2) < -half(2));
+      for (unsigned left = ~float_bits(misses) & ((1U << kTreeWidth) - 1); left != 0; left &= left - 1) {
+        const auto k = static_cast<std::size_t>(__builtin_ctz(left));
+        if (node.child[k] == TriangleTree::kNothing) continue;
+        if (node.leaf < 0) {
+          waiting[count++] = node.child[k];
+        } else if (const std::optional<int> crossing = crossed(solid_.triangles[at(~node.child[k])], point)) {
+          number += *crossing;
+        } else {
+          return false;
+        }
+      }
+    }
+    return number != 0;
+  }
 
   // The nearest triangle, by a descent into nearer children first.
   Nearest nearest(Vec3 point) const {
@@ -206,34 +232,6 @@ class SolidInterior {
     return false;
   }
 
-  // Whether the solid surely winds around a point.
-  bool winds_around(Vec3 point) const {
-    const std::array<float, 3> place = in_units(point);
-    const auto room = static_cast<float>(8 * kFloatPlace);
-    std::array<std::int32_t, kMostWaiting> waiting;
-    std::size_t count = 0;
-    waiting[count++] = 0;
-    int number = 0;
-    while (count > 0) {
-      const TriangleNode& node = tree_.nodes[at(waiting[--count])];
-      const auto way = [&](std::size_t i) { return load_floats(node.centre[i].data()) - place[i]; };
-      const auto half = [&](std::size_t i) { return load_floats(node.half[i].data()) + room; };
-      const FloatMask misses = (absolute(way(0)) > half(0)) | (absolute(way(1)) > half(1)) | (way(2) < -half(2));
-      for (unsigned left = ~float_bits(misses) & ((1U << kTreeWidth) - 1); left != 0; left &= left - 1) {
-        const auto k = static_cast<std::size_t>(__builtin_ctz(left));
-        if (node.child[k] == TriangleTree::kNothing) continue;
-        if (node.leaf < 0) {
-          waiting[count++] = node.child[k];
-        } else if (const std::optional<int> crossing = crossed(solid_.triangles[at(~node.child[k])], point)) {
-          number += *crossing;
-        } else {
-          return false;
-        }
-      }
-    }
-    return number != 0;
-  }
-
   // How often a triangle is crossed upwards from a point, downwards counted as −1; nothing if the ray's line meets the
   // triangle's edges, or the point its plane.
   std::optional<int> crossed(const MeshTriangle& t, Vec3 point) const {
@@ -268,7 +266,7 @@ InnerBall moved(const SolidInterior& interior, Vec3 centre) {
 std::vector<InnerBall> balls_in(const Solid& solid, const SolidInterior& interior, Vec3 low, Vec3 high) {
   std::vector<InnerBall> balls;
   const auto try_around = [&](Vec3 point) {
-    if (!(interior.radius_around(point) > 0)) return;
+    if (!interior.winds_around(point)) return;
     const InnerBall ball = moved(interior, point);
     if (ball.radius > 0) balls.push_back(ball);
   };
