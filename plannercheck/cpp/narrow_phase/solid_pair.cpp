@@ -1,6 +1,7 @@
 #include "narrow_phase/solid_pair.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <utility>
 #include <vector>
@@ -17,6 +18,9 @@ namespace {
 
 // Half extents of boxes from a tree's units to m, with room for the rounding of their middle.
 constexpr double kBoxRoundedUp = 1 + 0x1p-20;
+
+// Places in the tree's units, in doubles: a few u of the place, of the middle and of the box.
+constexpr double kPlaceError = 0x1p-48;
 
 // A node or a triangle of a tree, with its box.
 struct Below {
@@ -223,11 +227,29 @@ class ContactSearch {
   std::int32_t vertex_inside(std::size_t outer_side, std::size_t inner_side) {
     const PosedSolid &around = sides_[outer_side].posed, &inner = sides_[inner_side].posed;
     if (!around.solid->is_closed) return -1;
-    for (const std::int32_t vertex : inner.solid->components) {
+    for (std::size_t k = 0; k < inner.solid->components.size(); ++k) {
+      if (reaches_out(inner_side, inner.solid->extremes[k])) continue;
       ++counted_.points;
+      const std::int32_t vertex = inner.solid->components[k];
       if (winding_number(around, inner.pose, inner.solid->points[at(vertex)]) != 0) return vertex;
     }
     return -1;
+  }
+
+  // Whether one of some vertices of a side is surely outside of the box around the other solid: then nothing winds
+  // around it, nor around any point of the part that it belongs to.
+  bool reaches_out(std::size_t side, const std::array<std::int32_t, 6>& vertices) const {
+    const Side& own = sides_[side];
+    const TriangleTree& around = sides_[1 - side].tree();
+    for (const std::int32_t vertex : vertices) {
+      const Vec3 place = around.units * (own.to_other.apply(solid(side).points[at(vertex)]) - around.middle);
+      const double room = around.units * own.error + (1 + norm_max(place)) * kPlaceError;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double beyond = std::fabs(place[static_cast<int>(axis)] - static_cast<double>(around.root.centre[axis]));
+        if (beyond > static_cast<double>(around.root.half[axis]) + room) return true;
+      }
+    }
+    return false;
   }
 };
 
