@@ -75,15 +75,27 @@ class Parts {
   std::vector<std::int32_t> parent_;
 };
 
-std::vector<std::int32_t> components_of(std::size_t points, const std::vector<MeshTriangle>& triangles) {
+void find_components(Solid& solid) {
+  const std::size_t points = solid.points.size();
   Parts parts(points);
-  for (const MeshTriangle& t : triangles) parts.join(t[0], t[1]), parts.join(t[1], t[2]);
-  std::vector<std::int32_t> components;
+  for (const MeshTriangle& t : solid.triangles) parts.join(t[0], t[1]), parts.join(t[1], t[2]);
+  std::vector<std::int32_t> place(points);  // among the components
   for (std::size_t p = 0; p < points; ++p) {
     const auto index = static_cast<std::int32_t>(p);
-    if (parts.find(index) == index) components.push_back(index);
+    if (parts.find(index) != index) continue;
+    place[p] = static_cast<std::int32_t>(solid.components.size());
+    solid.components.push_back(index);
+    solid.extremes.push_back({index, index, index, index, index, index});
   }
-  return components;
+  for (std::size_t p = 0; p < points; ++p) {
+    const auto index = static_cast<std::int32_t>(p);
+    auto& extremes = solid.extremes[at(place[at(parts.find(index))])];
+    for (std::size_t k = 0; k < extremes.size(); ++k) {
+      const int axis = static_cast<int>(k / 2);
+      const double own = solid.points[p][axis], known = solid.points[at(extremes[k])][axis];
+      if (k % 2 == 0 ? own < known : own > known) extremes[k] = index;
+    }
+  }
 }
 
 }  // namespace
@@ -94,7 +106,7 @@ Solid prepare_solid(const std::vector<Vec3>& points, const std::vector<MeshTrian
   solid.triangles = triangles;
   solid.points = merge_points(points, solid.triangles);
   solid.is_closed = edges_cancel(solid.triangles);
-  solid.components = components_of(solid.points.size(), solid.triangles);
+  find_components(solid);
   solid.tree = build_triangle_tree(solid.points, solid.triangles, solid.source);
   for (const Vec3& p : solid.points) {
     solid.reach = {larger(solid.reach.x, std::fabs(p.x)), larger(solid.reach.y, std::fabs(p.y)),
@@ -114,7 +126,8 @@ Solid surface_of(const Polytope& body) {
 
 std::size_t Solid::bytes() const {
   return sizeof *this + points.size() * sizeof(Vec3) + triangles.size() * (sizeof(MeshTriangle) + sizeof(source[0])) +
-         tree.nodes.size() * sizeof(TriangleNode) + components.size() * sizeof(components[0]);
+         tree.nodes.size() * sizeof(TriangleNode) + tree.leaves.size() * sizeof(EightTriangles) +
+         components.size() * (sizeof(components[0]) + sizeof(extremes[0]));
 }
 
 }  // namespace plannercheck

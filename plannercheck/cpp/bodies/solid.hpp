@@ -7,6 +7,7 @@
 // triangles alone. Crossing, nested, inverted and degenerate triangles are allowed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct Solid {
   TriangleTree tree;
   bool is_closed = false;                // whether it has points around which it winds
   std::vector<std::int32_t> components;  // a vertex of each part that hangs together by vertices
+  std::vector<std::array<std::int32_t, 6>> extremes;  // of each part, the first and last vertices along the axes
   Vec3 reach;                            // largest |x|, |y|, |z| of the points
 
   std::size_t bytes() const;

@@ -42,7 +42,7 @@ FloatBox float_box(const Extent& extent) {
 class TreeBuilder {
  public:
   TreeBuilder(TriangleTree& tree, const std::vector<Vec3>& points, const std::vector<MeshTriangle>& triangles)
-      : tree_(tree) {
+      : tree_(tree), points_(points), triangles_(triangles) {
     for (const MeshTriangle& t : triangles) {
       const Vec3 a = in_units(points[at(t[0])]);
       Extent extent{a, a};
@@ -64,6 +64,8 @@ class TreeBuilder {
 
  private:
   TriangleTree& tree_;
+  const std::vector<Vec3>& points_;
+  const std::vector<MeshTriangle>& triangles_;
   std::vector<Extent> extents_;
   std::vector<Vec3> centres_;
   std::vector<std::int32_t> order_;
@@ -88,6 +90,7 @@ class TreeBuilder {
     const std::size_t index = tree_.nodes.size();
     tree_.nodes.emplace_back();  // before its children
     TriangleNode node;
+    if (capacity == 1) node.leaf = add_leaf(range);
     for (std::size_t k = 0; k < kTreeWidth; ++k) {
       const bool is_empty = k >= parts.size();
       constexpr float kEmpty = -std::numeric_limits<float>::infinity();
@@ -96,11 +99,26 @@ class TreeBuilder {
         node.centre[axis][k] = box.centre[axis], node.half[axis][k] = box.half[axis];
       }
       node.child[k] = is_empty               ? TriangleTree::kNothing
-                      : parts[k].size() == 1 ? ~static_cast<std::int32_t>(parts[k].first - order_.data())
-                                             : add(parts[k]);
+                      : capacity == 1 ? ~static_cast<std::int32_t>(parts[k].first - order_.data())
+                                      : add(parts[k]);
     }
     tree_.nodes[index] = node;
     return static_cast<std::int32_t>(index);
+  }
+
+  // The triangles of a range are in its order, as parts of one triangle are.
+  std::int32_t add_leaf(IndexRange range) {
+    EightTriangles leaf;
+    leaf.count = static_cast<std::size_t>(range.size());
+    for (std::size_t k = 0; k < kTreeWidth; ++k) {
+      const MeshTriangle& t = triangles_[at(range.first[std::min(k, leaf.count - 1)])];
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 p = points_[at(t[i])];
+        leaf.corner[i][0][k] = p.x, leaf.corner[i][1][k] = p.y, leaf.corner[i][2][k] = p.z;
+      }
+    }
+    tree_.leaves.push_back(leaf);
+    return static_cast<std::int32_t>(tree_.leaves.size()) - 1;
   }
 };
 

@@ -3,7 +3,7 @@
 // In: points and triangles. Out: triangles in the order of the leaves, and nodes whose boxes hold what is below them.
 // Boxes are along the mesh's axes, in units in which the mesh reaches from −1 to 1 about its middle; they are rounded
 // outwards, so that a point that is outside of a box, beyond the rounding of its own coordinates, is on no triangle
-// below it.
+// below it. The children of a node are all nodes, or all triangles, whose corners then lie side by side in lanes.
 #pragma once
 
 #include <array>
@@ -27,10 +27,17 @@ struct FloatBox {
 struct TriangleNode {
   std::array<std::array<float, kTreeWidth>, 3> centre, half;  // by axis, then by child
   std::array<std::int32_t, kTreeWidth> child;                 // see TriangleTree
+  std::int32_t leaf = -1;                                     // its triangles' place among the tree's leaves; −1: nodes
 
   FloatBox box(std::size_t k) const {
     return {{centre[0][k], centre[1][k], centre[2][k]}, {half[0][k], half[1][k], half[2][k]}};
   }
+};
+
+// The triangles of a node, as they were given; the last one of them is in all lanes that are left.
+struct EightTriangles {
+  std::array<std::array<std::array<double, kTreeWidth>, 3>, 3> corner;  // by corner, axis, and triangle
+  std::size_t count = 0;
 };
 
 struct TriangleTree {
@@ -42,6 +49,7 @@ struct TriangleTree {
   double units = 1;  // a length in m times this is one in the tree's; a power of two
   FloatBox root{};
   std::vector<TriangleNode> nodes;  // the root's first
+  std::vector<EightTriangles> leaves;
 
   // The first triangle below a child, and those below it are up to the first one below the next child.
   std::int32_t first_below(std::int32_t child) const {

@@ -8,6 +8,10 @@ namespace {
 // by 13u, the quotient by one more: 25u|y|. What p errs by, kCornerError, is turned: at most √3 times that, 9u.
 constexpr double kInverseError = 64 * kRoundoff;
 
+// Of a relative pose, times |p|_1 + |t_a − t_b|_1: its columns are M⁻¹ times vectors, each coordinate of which errs by
+// 25u of the vector's length, as above, and its shift by u more for the difference; products and sums add 4u.
+constexpr double kRelativeError = 48 * kRoundoff;
+
 }  // namespace
 
 double posing_magnitude(const PosedSolid& posed) {
@@ -31,5 +35,19 @@ InversePose::InversePose(const Pose& pose) : translation_(pose.translation()) {
 double InversePose::error(double magnitude) const {
   return kInverseError * (magnitude + norm_max(translation_)) + kDenormalError;
 }
+
+RelativePose::RelativePose(const Pose& from, const Pose& to) {
+  const InversePose inverse(to);
+  const auto& m = from.m;
+  const Vec3 way = from.translation() - to.translation();
+  const std::array<Vec3, 4> columns{inverse.rotate({m[0], m[4], m[8]}), inverse.rotate({m[1], m[5], m[9]}),
+                                    inverse.rotate({m[2], m[6], m[10]}), inverse.rotate(way)};
+  for (std::size_t j = 0; j < 4; ++j) {
+    pose_.m[j] = columns[j].x, pose_.m[j + 4] = columns[j].y, pose_.m[j + 8] = columns[j].z;
+  }
+  distance_ = norm_1(way);
+}
+
+double RelativePose::error(double reach) const { return kRelativeError * (reach + distance_) + kDenormalError; }
 
 }  // namespace plannercheck

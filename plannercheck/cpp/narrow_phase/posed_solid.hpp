@@ -53,4 +53,21 @@ class InversePose {
   Vec3 translation_;
 };
 
+// From one posed body's frame to another one's, in doubles: M_b⁻¹ (M_a x + t_a − t_b).
+class RelativePose {
+ public:
+  RelativePose(const Pose& from, const Pose& to);
+
+  Vec3 apply(Vec3 p) const { return pose_.apply(p); }
+
+  // How far apply(p) is at most from the exact image in each coordinate, for |p|_1 at most `reach`.
+  double error(double reach) const;
+
+  const Pose& pose() const { return pose_; }
+
+ private:
+  Pose pose_;
+  double distance_;  // |t_a − t_b|_1
+};
+
 }  // namespace plannercheck

@@ -2,7 +2,8 @@
 //
 // In: two posed solids and how far they reach around their triangles. Out: for each direction an affine map between the
 // trees' units, in floats, with a bound of all rounding on the way. A box that is mapped is bounded by the absolute
-// values of the map's entries. Six axes are tried, those of both boxes. Whatever is not finite counts as meeting.
+// values of the map's entries. Six axes are tried, those of both boxes; against a triangle, the boxes' axes and the
+// triangle's normal. Whatever is not finite counts as meeting.
 #pragma once
 
 #include <array>
@@ -10,6 +11,7 @@
 #include "bodies/solid.hpp"
 #include "math/simd.hpp"
 #include "narrow_phase/posed_solid.hpp"
+#include "narrow_phase/triangle_pair.hpp"
 
 namespace plannercheck {
 
@@ -23,20 +25,33 @@ struct TreeMap {
   FloatBox around(const FloatBox& box) const;
 };
 
-class TreeFrames {
- public:
-  // `reach`: how far from their triangles points of both solids together may be, in the world.
-  TreeFrames(const PosedSolid& a, const PosedSolid& b, double reach);
+// The map between the frames of two solids, to the one on whose tree it ends. `reach`: how far from their triangles
+// points of both solids together may be, in the world.
+TreeMap tree_map(const PosedSolid& from, const PosedSolid& to, const RelativePose& relative, double reach);
 
-  const TreeMap& a_to_b() const { return a_to_b_; }
-  const TreeMap& b_to_a() const { return b_to_a_; }
-
- private:
-  TreeMap a_to_b_, b_to_a_;
+// Which children may meet, and by how much: the largest of the axes' gaps, negative for those, in any unit.
+struct NearChildren {
+  unsigned bits;
+  Floats gap;
 };
 
-// Bit k: child k of the node may meet the other tree's box. `to_other`, `from_other`: the maps between the node's tree
-// and the other one; `image`: the box in the node's tree, see TreeMap::around.
-unsigned children_near(const TriangleNode& node, const TreeMap& to_other, const FloatBox& box, const FloatBox& image);
+// Children of the node that may meet a box of the other tree. `to_other`: the map between the node's tree and the other
+// one; `image`: the box in the node's tree, see TreeMap::around; `scale`: of lengths in
+// the node's units to those in the other tree's.
+NearChildren children_near(const TriangleNode& node, const TreeMap& to_other, const FloatBox& box,
+                           const FloatBox& image, float scale);
+
+// A triangle in the units of a tree, in floats.
+class FloatTriangle {
+ public:
+  // `corners` are in the tree's frame and err by `error`; `reach` as in tree_map.
+  FloatTriangle(const Corners& corners, double error, const TriangleTree& tree, double reach);
+
+  NearChildren children_near(const TriangleNode& node) const;
+
+ private:
+  std::array<float, 3> low_, high_, normal_, size_;
+  float level_, room_;  // along the normal
+};
 
 }  // namespace plannercheck

@@ -26,8 +26,8 @@ class Signs {
       }
       spread = larger(spread, high - low);
     }
-    is_trusted_ = spread > kLeastSpread && spread < kLargestSpread && error < spread * 0x1p-24;
-    bound_ = spread * spread * (kVolumeOfError * error + kVolumeOfRounding * spread);
+    is_trusted_ = are_volumes_trusted(spread, error);
+    bound_ = volume_bound(spread, error);
   }
 
   bool are_trusted() const { return is_trusted_; }
@@ -77,6 +77,14 @@ TriangleAnswer edges_meet(const Corners& edges, const Sides& sides, const Corner
 }
 
 }  // namespace
+
+bool are_volumes_trusted(double spread, double error) {
+  return spread > kLeastSpread && spread < kLargestSpread && error < spread * 0x1p-24;
+}
+
+double volume_bound(double spread, double error) {
+  return spread * spread * (kVolumeOfError * error + kVolumeOfRounding * spread);
+}
 
 TriangleAnswer triangles_meet(const Corners& a, const Corners& b, double error) {
   const Signs sign(a, b, error);

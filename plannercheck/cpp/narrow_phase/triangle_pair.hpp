@@ -15,6 +15,11 @@ namespace plannercheck {
 
 using Corners = std::array<Vec3, 3>;
 
+// Volumes det(b − a, c − a, d − a) of corners whose coordinates err by `error` and whose differences are at most
+// `spread` in size: whether their signs can be told, and how large they have to be for that.
+bool are_volumes_trusted(double spread, double error);
+double volume_bound(double spread, double error);
+
 enum class TriangleAnswer { kApart, kMeet, kOpen };
 
 // `error`: how far each coordinate of the corners may be from the exact one.

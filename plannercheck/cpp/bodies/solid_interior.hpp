@@ -1,0 +1,18 @@
+// Balls and a box inside a solid.
+//
+// In: a solid. Out: shapes as of inner_shapes.hpp, in the solid's frame; none if it encloses nothing, or is as thin as
+// rounding. Idea: a ball or a box that no triangle meets has one winding number throughout, and lies in the solid if
+// its middle has another one than 0. A triangle is further from a ball's centre or a box than r if a direction keeps
+// its corners further away. Winding numbers are counted along a ray by exact signs; where the ray meets an edge, the
+// point is given up.
+#pragma once
+
+#include "bodies/inner_shapes.hpp"
+
+namespace plannercheck {
+
+struct Solid;
+
+InnerShapes inner_shapes_of(const Solid& solid);
+
+}  // namespace plannercheck
