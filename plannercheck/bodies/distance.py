@@ -13,10 +13,8 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_bodies import GivenBody, given_polytope
 from plannercheck.bodies.pair_queries import queries
-from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
-from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
 
@@ -35,7 +33,8 @@ class Distance:
         lower_bound: A proved lower bound of the distance, m. If the bodies overlap it is negative: a translation of
             that length separates them, and the shortest such translation is no longer. It is the shortest one if only
             the inflation radii overlap, not the hulls. Else it is the shortest along all facets' normals, the boxes'
-            axes and the centres' axis; directions at right angles to two edges are not tried.
+            axes and the centres' axis; directions at right angles to two edges are not tried. Of solids it is that of
+            their hulls.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
             `lower_bound` apart, or the first body has to be moved.
     """
@@ -66,7 +65,7 @@ def distance(
         The distance with nearest points.
 
     Raises:
-        PlannercheckError: If a pose is not finite or not rigid, or a body is a solid.
+        PlannercheckError: If a pose is not finite or not rigid.
     """
     known = queries.distance(P, R, pose_p, pose_r)
     if known is None:
@@ -75,21 +74,11 @@ def distance(
     return Distance(apart, point_p, point_r, lower_bound, direction)
 
 
-def refuse_solids(what: str, *bodies: Polytope) -> None:
-    """Raises if one of these is a solid, of which only its hull could be measured."""
-    if any(body.solid is not None for body in bodies):
-        raise PlannercheckError(
-            f"{what} of solids are not there yet: those of hulls (geometry='hull', or pc.Polytope(solid.vertices)) are "
-            "lower bounds"
-        )
-
-
 def distance_checked(
     P: GivenBody, R: GivenBody, pose_p: ArrayLike | None = None, pose_r: ArrayLike | None = None
 ) -> Distance:
     """`distance` for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
-    refuse_solids("distances", P, R)
     overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None])
     return Distance(0.0 if overlap[0] else float(found[0]), on_p[0], on_r[0], float(lower[0]), along[0])

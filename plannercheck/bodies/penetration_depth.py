@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.distance import distance, refuse_solids
+from plannercheck.bodies.distance import distance
 from plannercheck.bodies.given_bodies import GivenBody, given_polytope
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
@@ -77,7 +77,8 @@ def depth(
     """
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
-    refuse_solids("depths", P, R)
+    if P.solid is not None or R.solid is not None:
+        raise PlannercheckError("depths are of convex bodies: take hulls, pc.Polytope(solid.vertices)")
     count = len(P.vertices) * len(R.vertices)
     if count > MOST_DIFFERENCES:
         raise PlannercheckError(

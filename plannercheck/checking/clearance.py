@@ -11,7 +11,6 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plannercheck.bodies.distance import refuse_solids
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import Configuration
@@ -58,9 +57,6 @@ class MeasuringChecker(ABC):
             m, within 1e-9 of max(distance, 1e-3 of the bodies' radius). Where bodies overlap, it is the negative of a
             depth: a translation of that length separates them, and a shorter one may do so as well (see
             `bodies.distance.Distance`). Infinite if there are no pairs.
-
-        Raises:
-            PlannercheckError: If a body of a pair is a solid: distances of solids are not there yet.
         """
         return float(self.clearances(self._single(q), lower_bound)[0])
 
@@ -94,7 +90,6 @@ class MeasuringChecker(ABC):
         used = np.unique(self.pairs)
         table = np.searchsorted(used, self.pairs).astype(np.int32)
         polytopes = [self._preparation.polytope(k) for k in used.tolist()]
-        refuse_solids("clearances", *polytopes)
         bodies = [polytope.core for polytope in polytopes]
         rounds = _BOUND_ROUNDS if lower_bound else 0
         distances, nearest = np.empty(len(rows)), np.empty(len(rows), dtype=np.int32)

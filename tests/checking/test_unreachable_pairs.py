@@ -163,8 +163,11 @@ def test_the_limit_decides(machine, upper, apart):
 
     The proof takes a ball of 0.174 for the carriage, so nothing is asked of limits from 1.21 to 1.3.
     """
-    checker = pc.Checker(machine(upper=upper), crate(1.5, 0.0, 0.0))
-    assert (("carriage", "crate") in names_of_unreachable(checker)) == apart
+    scene = crate(1.5, 0.0, 0.0)
+    scene.add_box("far", [0.1, 0.1, 0.1], np.array([[1.0, 0, 0, 0], [0, 1, 0, 50], [0, 0, 1, 0], [0, 0, 0, 1]]))
+    for padding in (0.0, {("carriage", "far"): 1e-3}):  # with one of a pair's own, all is proved the plain way
+        checker = pc.Checker(machine(upper=upper), scene, padding=padding)
+        assert (("carriage", "crate") in names_of_unreachable(checker)) == apart
     q = np.column_stack([np.linspace(-1, upper, 400), np.zeros((400, 2))])
     assert checker.check_states(q).all() == apart
 
@@ -268,8 +271,12 @@ def test_planners_states_beyond_the_limits_are_judged_with_all_pairs(machine):
     assert not judge(State(1.4, 0.0, 0.0))
 
 
-def test_stretched_obstacles_touch_where_they_are(tmp_path):
-    """A pose may stretch by 1e-6: of a box of 2 km that is 0.5 mm, more than what the carriage's way leaves."""
+@pytest.mark.parametrize("padding", [0.0, {("dot", "far"): 1e-3}], ids=["cells", "plainly"])
+def test_stretched_obstacles_touch_where_they_are(tmp_path, padding):
+    """A pose may stretch by 1e-6: of a box of 2 km that is 0.5 mm, more than what the carriage's way leaves.
+
+    Where a pair has a padding of its own, all is proved the plain way.
+    """
     path = tmp_path / "small.urdf"
     path.write_text(
         """<robot name="small"><link name="rail"/>
@@ -283,9 +290,10 @@ def test_stretched_obstacles_touch_where_they_are(tmp_path):
         pose[0, 0] = 1 + 4.9e-7
         pose[0, 3] = side * (1000 * pose[0, 0])
         scene.add_box("wall", [2000, 1, 1], pose)
-        checker = pc.Checker(robot, scene)
+        scene.add_box("far", [1, 1, 1], np.array([[1.0, 0, 0, 0], [0, 1, 0, 50], [0, 0, 1, 0], [0, 0, 0, 1]]))
+        checker = pc.Checker(robot, scene, padding=padding)
         assert not checker.check_states([[0.0]])[0]
-        assert not checker.unreachable.any()
+        assert ("dot", "wall") not in names_of_unreachable(checker)
 
 
 def test_what_a_short_chain_carries_is_looked_at_anew(machine):

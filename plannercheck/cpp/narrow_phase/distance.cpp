@@ -1,5 +1,8 @@
 #include "narrow_phase/distance.hpp"
 
+#include "narrow_phase/solid_distance.hpp"
+#include "narrow_phase/solid_pair.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -107,8 +110,8 @@ double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int
   return found.lower > 0 ? larger(balls, found.lower - goal.inflation_radius * (1 + 0x1p-50)) : balls;
 }
 
-PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
-                           PairCounters& counters) {
+PairDistance convex_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+                             PairCounters& counters) {
   const DistanceGoal goal = goal_for(guest, host, limit);
   const Vec3 hint = posed_centre(guest) - posed_centre(host);
   HullDistance found = hull_distance(guest, host, hint, goal, counters);
@@ -121,6 +124,14 @@ PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host
   if (in_doubt) found = hull_distance_double_double(guest, host, found, goal, counters);
   if (overlap && !(found.lower > 0)) return hulls_overlap(guest, host, goal.inflation_radius, counters);
   return between_hulls(guest, host, found, overlap);
+}
+
+PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+                           PairCounters& counters) {
+  const PairDistance hulls = convex_distance(guest, host, limit, counters);
+  if (!is_of_solids(guest, host) || hulls.lower > limit) return hulls;
+  if (hulls.overlap && solids_contact(guest, host, {}, counters)) return hulls;
+  return solid_distance(guest, host, limit, hulls.lower, counters);
 }
 
 }  // namespace plannercheck

@@ -21,8 +21,12 @@ struct PairDistance {
   Vec3 direction;               // in the world, from host to guest: along which the guest leaves
 };
 
-// `limit`: the search ends once the lower bound exceeds it.
+// `limit`: the search ends once the lower bound exceeds it. Of solids that overlap, the depth is that of their hulls.
 PairDistance pair_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters);
+
+// The same for the hulls of bodies.
+PairDistance convex_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+                             PairCounters& counters);
 
 // A lower bound after a few steps; for bodies that overlap, that of the balls around them.
 double distance_bound(const PosedPolytope& guest, const PosedPolytope& host, int rounds, PairCounters& counters);

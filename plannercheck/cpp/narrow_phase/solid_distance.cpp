@@ -1,0 +1,127 @@
+#include "narrow_phase/solid_distance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "narrow_phase/tree_frames.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Frames stretch lengths by at most 4e-6, and gaps of boxes are rounded to floats a few times.
+constexpr double kGapRounding = 1 - 0x1p-16;
+
+struct BoxedNode {
+  std::int32_t child;  // see TriangleTree
+  FloatBox box;
+
+  bool is_triangle() const { return child < 0; }
+};
+
+struct WaitingPair {
+  BoxedNode a, b;
+  double gap;  // a lower bound of the distance of all below, m
+};
+
+// A lower bound of the distance of two boxes along the same axes.
+float box_gap(const FloatBox& a, const FloatBox& b) {
+  float square = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float beyond = std::fabs(a.centre[i] - b.centre[i]) - (a.half[i] + b.half[i]);
+    if (beyond > 0) square += beyond * beyond;
+  }
+  return std::sqrt(square);
+}
+
+class DistanceSearch {
+ public:
+  DistanceSearch(const PosedPolytope& a, const PosedPolytope& b, double limit, PairCounters& counters)
+      : body_a_(a),
+        body_b_(b),
+        a_{&a.body->surface(), a.pose},
+        b_{&b.body->surface(), b.pose},
+        frames_(a_, b_, 0),
+        radii_(a.body->inflation_radius + b.body->inflation_radius),
+        limit_(limit),
+        counters_(counters) {
+    best_.lower = best_.upper = kNoLimit;
+  }
+
+  PairDistance run() {
+    waiting_.push_back({{0, a_.solid->tree.root}, {0, b_.solid->tree.root}, 0});
+    while (!waiting_.empty()) {
+      const WaitingPair pair = waiting_.back();
+      waiting_.pop_back();
+      if (!(pair.gap - radii_ < std::min(best_.upper, limit_))) {
+        // All below is at least that far away, which is no less than the distance, or than the limit.
+        if (pair.gap - radii_ < best_.upper) best_.lower = std::min(best_.lower, pair.gap - radii_);
+      } else if (pair.a.is_triangle() && pair.b.is_triangle()) {
+        measure(~pair.a.child, ~pair.b.child);
+      } else {
+        divide(pair);
+      }
+    }
+    return best_;
+  }
+
+ private:
+  PosedPolytope body_a_, body_b_;
+  PosedSolid a_, b_;
+  TreeFrames frames_;
+  double radii_, limit_;
+  PairCounters& counters_;
+  PairDistance best_;
+  std::vector<WaitingPair> waiting_;
+
+  double gap(const FloatBox& a, const FloatBox& b) const {
+    const double in_b = static_cast<double>(box_gap(frames_.a_to_b().around(a), b)) / b_.solid->tree.units;
+    const double in_a = static_cast<double>(box_gap(a, frames_.b_to_a().around(b))) / a_.solid->tree.units;
+    const double least = larger(in_a, in_b) * kGapRounding;
+    return least > 0 && std::isfinite(least) ? least : 0;
+  }
+
+  void divide(const WaitingPair& pair) {
+    const auto extent = [](const FloatBox& box) { return box.half[0] + box.half[1] + box.half[2]; };
+    const bool divides_a = pair.b.is_triangle() ||
+                           (!pair.a.is_triangle() && extent(frames_.a_to_b().around(pair.a.box)) >= extent(pair.b.box));
+    const BoxedNode& whole = divides_a ? pair.a : pair.b;
+    const TriangleNode& node = (divides_a ? a_ : b_).solid->tree.nodes[at(whole.child)];
+    const auto first = static_cast<std::ptrdiff_t>(waiting_.size());
+    for (std::size_t k = 0; k < kTreeWidth && node.child[k] != TriangleTree::kNothing; ++k) {
+      const BoxedNode child{node.child[k], node.box(k)};
+      const BoxedNode &a = divides_a ? child : pair.a, &b = divides_a ? pair.b : child;
+      waiting_.push_back({a, b, larger(pair.gap, gap(a.box, b.box))});
+    }
+    std::sort(waiting_.begin() + first, waiting_.end(),
+              [](const WaitingPair& one, const WaitingPair& other) { return one.gap > other.gap; });
+  }
+
+  void measure(std::int32_t triangle_a, std::int32_t triangle_b) {
+    const Polytope a = triangle(a_, triangle_a, body_a_), b = triangle(b_, triangle_b, body_b_);
+    const PairDistance found = convex_distance({&a, a_.pose}, {&b, b_.pose}, std::min(limit_, best_.upper), counters_);
+    const double lower = std::min(best_.lower, found.lower);
+    if (found.upper < best_.upper) best_ = found;
+    best_.lower = lower;
+  }
+
+  static Polytope triangle(const PosedSolid& posed, std::int32_t index, const PosedPolytope& of) {
+    const MeshTriangle& t = posed.solid->triangles[at(index)];
+    const auto& p = posed.solid->points;
+    Polytope body = prepare_polytope({p[at(t[0])], p[at(t[1])], p[at(t[2])]});
+    body.inflation_radius = of.body->inflation_radius;
+    return body;
+  }
+};
+
+}  // namespace
+
+PairDistance solid_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+                            PairCounters& counters) {
+  PairDistance found = DistanceSearch(guest, host, limit, counters).run();
+  found.overlap = false;
+  found.lower = larger(found.lower, larger(least, 0));
+  return found;
+}
+
+}  // namespace plannercheck
