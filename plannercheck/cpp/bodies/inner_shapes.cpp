@@ -65,7 +65,8 @@ std::vector<InnerBall> tried_balls(const Polytope& body, const Facets& facets) {
     if (radius > 0) balls.push_back({point, radius});
   };
   try_around(body.centre);
-  for (int k = 0; k < kSpreadPoints && balls.size() < kTriedCentres; ++k) try_around(spread_point(body.low, body.high, k));
+  for (int k = 0; k < kSpreadPoints && balls.size() < kTriedCentres; ++k)
+    try_around(spread_point(body.low, body.high, k));
   return balls;
 }
 

@@ -23,10 +23,10 @@ struct Solid {
   std::vector<MeshTriangle> triangles;  // indices into points, in the tree's order
   std::vector<std::int32_t> source;     // per triangle: index into those that were given
   TriangleTree tree;
-  bool is_closed = false;                // whether it has points around which it winds
-  std::vector<std::int32_t> components;  // a vertex of each part that hangs together by vertices
+  bool is_closed = false;                             // whether it has points around which it winds
+  std::vector<std::int32_t> components;               // a vertex of each part that hangs together by vertices
   std::vector<std::array<std::int32_t, 6>> extremes;  // of each part, the first and last vertices along the axes
-  Vec3 reach;                            // largest |x|, |y|, |z| of the points
+  Vec3 reach;                                         // largest |x|, |y|, |z| of the points
 
   std::size_t bytes() const;
 };

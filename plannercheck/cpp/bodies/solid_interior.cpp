@@ -127,7 +127,8 @@ class SolidInterior {
   bool holds(const InnerBox& box) const {
     const Vec3 middle = 0.5 * (box.low + box.high);
     // Differences, which are rounded, are taken up to twice the room.
-    const Vec3 half{larger(box.high.x - middle.x, middle.x - box.low.x), larger(box.high.y - middle.y, middle.y - box.low.y),
+    const Vec3 half{larger(box.high.x - middle.x, middle.x - box.low.x),
+                    larger(box.high.y - middle.y, middle.y - box.low.y),
                     larger(box.high.z - middle.z, middle.z - box.low.z)};
     const double radius = box.radius + room_;
     const std::array<float, 3> place = in_units(middle);

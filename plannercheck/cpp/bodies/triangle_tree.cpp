@@ -98,7 +98,7 @@ class TreeBuilder {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         node.centre[axis][k] = box.centre[axis], node.half[axis][k] = box.half[axis];
       }
-      node.child[k] = is_empty               ? TriangleTree::kNothing
+      node.child[k] = is_empty        ? TriangleTree::kNothing
                       : capacity == 1 ? ~static_cast<std::int32_t>(parts[k].first - order_.data())
                                       : add(parts[k]);
     }

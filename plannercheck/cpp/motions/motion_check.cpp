@@ -252,8 +252,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool solids_clear(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), &pose, 1,
-                          limit + filters_.inflation_radii(s.pair), w_.counters.pair) &&
-           !share_a_point(s, pose);
+                          limit + filters_.inflation_radii(s.pair)) &&
+           !are_nested(posed_a(s, pose), posed_b(s, pose));
   }
 
   // The triangles of two solids keep apart on an interval if the same holds for each pair of them as for hulls. Then
@@ -261,9 +261,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool parts_settle(PairState& s, std::size_t i) {
     if (!is_of_solids(s.pair) || proofs_ != nullptr) return false;
     const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
-    return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart,
-                          w_.counters.pair) &&
-           !share_a_point(s, ends[0]);
+    return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart) &&
+           !are_nested(posed_a(s, ends[0]), posed_b(s, ends[0]));
   }
 
   // The descent ends early where its simplices are flat. The proved bound of the distance decides on refusal.

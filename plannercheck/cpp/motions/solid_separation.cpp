@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "math/simd.hpp"
-#include "narrow_phase/distance.hpp"
 
 namespace plannercheck {
 namespace {
@@ -62,17 +62,56 @@ struct SolidNode {
   float extent() const { return box.half[0] + box.half[1] + box.half[2]; }
 };
 
+// The part of a way along a segment that starts at 0, where it ends or before.
+double clamped(double part) { return larger(0, smaller(1, part)); }
+
+// From a point to the closest one of a triangle's inside, if its plane is closest there; else nothing is taken.
+void take_face(const TrianglePoints& t, Vec3 point, double sign, Vec3& best, double& square) {
+  const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+  const double length = dot(normal, normal);
+  if (!(length > 0)) return;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 from = t[k], edge = t[k == 2 ? 0 : k + 1] - from;
+    if (dot(cross(edge, point - from), normal) < 0) return;
+  }
+  const double height = dot(normal, t[0] - point) / length;
+  const Vec3 way = (sign * height) * normal;
+  if (dot(way, way) < square) best = way, square = dot(way, way);
+}
+
+// Between two segments (Ericson, Real-Time Collision Detection, 5.1.9).
+void take_edges(Vec3 p, Vec3 u, Vec3 q, Vec3 v, Vec3& best, double& square) {
+  const Vec3 r = p - q;
+  const double a = dot(u, u), e = dot(v, v), b = dot(u, v), c = dot(u, r), f = dot(v, r), across = a * e - b * b;
+  double s = across > 0 ? clamped((b * f - c * e) / across) : 0;
+  double t = e > 0 ? (b * s + f) / e : 0;
+  if (t < 0 || t > 1) t = clamped(t), s = a > 0 ? clamped((b * t - c) / a) : 0;
+  const Vec3 way = (q + t * v) - (p + s * u);
+  if (dot(way, way) < square) best = way, square = dot(way, way);
+}
+
+// From the closest point of one triangle to that of the other, up to rounding; they do not meet.
+Vec3 closest_way(const TrianglePoints& a, const TrianglePoints& b) {
+  Vec3 best;
+  double square = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    take_face(b, a[i], 1, best, square);
+    take_face(a, b[i], -1, best, square);
+    const Vec3 u = a[i == 2 ? 0 : i + 1] - a[i];
+    for (std::size_t j = 0; j < 3; ++j) take_edges(a[i], u, b[j], b[j == 2 ? 0 : j + 1] - b[j], best, square);
+  }
+  return best;
+}
+
 class Separation {
  public:
-  Separation(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
-             PairCounters& counters)
+  Separation(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit)
       : a_(a.surface()),
         b_(b.surface()),
         poses_(poses),
         count_(static_cast<std::size_t>(count)),
         limit_(limit),
-        scale_(static_cast<float>(b_.tree.units / a_.tree.units)),
-        counters_(counters) {
+        scale_(static_cast<float>(b_.tree.units / a_.tree.units)) {
     for (std::size_t k = 0; k < kDirections; ++k) project(k);
   }
 
@@ -107,8 +146,7 @@ class Separation {
   const PosedPair* poses_;
   std::size_t count_;
   double limit_;
-  float scale_;  // of lengths in a's units to those in b's
-  PairCounters& counters_;
+  float scale_;                               // of lengths in a's units to those in b's
   std::array<Vec3, kDirections> directions_;  // of the frame, of length 1 up to rounding
   std::array<std::array<Projected, kMostPoses>, kDirections> projected_;
 
@@ -164,7 +202,7 @@ class Separation {
     for (const Vec3& direction : directions_) {
       if (separates(direction, a, b)) return true;
     }
-    return descent_separates(triangle_a, triangle_b);
+    return ways_separate(a, b);
   }
 
   // Whether a direction of the frame keeps two triangles apart at all poses, one way or the other.
@@ -181,23 +219,26 @@ class Separation {
     return before || after;
   }
 
-  bool descent_separates(std::int32_t triangle_a, std::int32_t triangle_b) {
-    const Polytope a = triangle_of(a_, triangle_a), b = triangle_of(b_, triangle_b);
-    if (swept_distance(a, b, poses_, static_cast<int>(count_), limit_, {}, counters_).apart) return true;
-    return count_ == 1 && pair_distance({&a, poses_[0].a}, {&b, poses_[0].b}, limit_, counters_).lower > limit_;
-  }
-
-  static Polytope triangle_of(const Solid& solid, std::int32_t triangle) {
-    const MeshTriangle& t = solid.triangles[at(triangle)];
-    return prepare_polytope({solid.points[at(t[0])], solid.points[at(t[1])], solid.points[at(t[2])]});
+  // The ways between closest points at the poses, and their mean.
+  bool ways_separate(const std::array<TrianglePoints, kMostPoses>& a,
+                     const std::array<TrianglePoints, kMostPoses>& b) const {
+    Vec3 sum;
+    for (std::size_t p = 0; p < count_; ++p) {
+      const Vec3 way = closest_way(a[p], b[p]);
+      const double length = norm(way);
+      if (!(length > limit_)) return false;
+      const Vec3 direction = poses_[p].frame.from_world((1 / length) * way);
+      if (separates(direction, a, b)) return true;
+      sum = sum + direction;
+    }
+    return count_ > 1 && norm_1(sum) > 0 && separates(unit(sum), a, b);
   }
 };
 
 }  // namespace
 
-bool solids_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
-                    PairCounters& counters) {
-  return Separation(a, b, poses, count, limit, counters).run();
+bool solids_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit) {
+  return Separation(a, b, poses, count, limit).run();
 }
 
 }  // namespace plannercheck

@@ -38,9 +38,9 @@ float extent(const FloatBox& box) { return box.half[0] + box.half[1] + box.half[
 struct Side {
   PosedSolid posed;
   RelativePose to_other;
-  TreeMap map;         // between the trees' units
-  double error;        // of corners in the other one's frame
-  float scale;         // of lengths in its tree's units to those in the other one's
+  TreeMap map;   // between the trees' units
+  double error;  // of corners in the other one's frame
+  float scale;   // of lengths in its tree's units to those in the other one's
 
   const TriangleTree& tree() const { return posed.solid->tree; }
   const TriangleNode& node(const Below& below) const { return tree().nodes[at(below.child)]; }
@@ -74,6 +74,10 @@ class ContactSearch {
         at(guess.b) < solid(1).triangles.size() && meet({guess.a, guess.b}))
       return guess;
     if (descend()) return {SolidContact::Kind::kTriangles, found_[0], found_[1]};
+    return nested();
+  }
+
+  SolidContact nested() {
     if (const std::int32_t vertex = vertex_inside(1, 0); vertex >= 0) return {SolidContact::Kind::kAInB, vertex, -1};
     if (const std::int32_t vertex = vertex_inside(0, 1); vertex >= 0) return {SolidContact::Kind::kBInA, -1, vertex};
     return {};
@@ -176,10 +180,12 @@ class ContactSearch {
     ++counted_.triangles;
     const TriangleTree& tree = sides_[1 - side].tree();
     const double length = 1 / tree.units;
-    const Vec3 middle{tree.middle + length * Vec3{static_cast<double>(box.centre[0]), static_cast<double>(box.centre[1]),
-                                         static_cast<double>(box.centre[2])}};
-    const Vec3 half = length * kBoxRoundedUp * Vec3{static_cast<double>(box.half[0]), static_cast<double>(box.half[1]),
-                                    static_cast<double>(box.half[2])};
+    const Vec3 middle{tree.middle + length * Vec3{static_cast<double>(box.centre[0]),
+                                                  static_cast<double>(box.centre[1]),
+                                                  static_cast<double>(box.centre[2])}};
+    const Vec3 half =
+        length * kBoxRoundedUp *
+        Vec3{static_cast<double>(box.half[0]), static_cast<double>(box.half[1]), static_cast<double>(box.half[2])};
     const TriangleLanes lanes = triangle_against(corners, sides_[side].error, tree.leaves[at(node.leaf)], middle, half,
                                                  inflation_radius_ * kFrameStretch);
     const auto pair = [&](unsigned bit) {
@@ -259,6 +265,12 @@ SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, cons
                             PairCounters& counters, SolidCounters* counted) {
   SolidCounters own;
   return ContactSearch(a, b, counters, counted == nullptr ? own : *counted).run(guess);
+}
+
+bool are_nested(const PosedPolytope& a, const PosedPolytope& b) {
+  PairCounters counters;
+  SolidCounters counted;
+  return static_cast<bool>(ContactSearch(a, b, counters, counted).nested());
 }
 
 }  // namespace plannercheck

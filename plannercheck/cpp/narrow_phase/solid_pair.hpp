@@ -38,6 +38,9 @@ SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, cons
 // Whether a hull does not tell all about a pair.
 inline bool is_of_solids(const PosedPolytope& a, const PosedPolytope& b) { return a.body->solid || b.body->solid; }
 
+// Whether two bodies, no triangles of which meet, share a point: a part of one of them lies in the other one.
+bool are_nested(const PosedPolytope& a, const PosedPolytope& b);
+
 // Whether two bodies whose hulls share a point do so themselves.
 inline bool solids_share(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters) {
   return !is_of_solids(a, b) || solids_contact(a, b, {}, counters);

@@ -77,7 +77,8 @@ FloatTriangle::FloatTriangle(const Corners& corners, double error, const Triangl
     most = larger(most, norm_max(t[k]));
   }
   // The place of a point: of its corners, of the difference to the middle, and of floats.
-  const double place = tree.units * (error + reach * kFrameStretch) * kRoundedUp + (2 + most) * static_cast<double>(kFloatSum);
+  const double place =
+      tree.units * (error + reach * kFrameStretch) * kRoundedUp + (2 + most) * static_cast<double>(kFloatSum);
   const Vec3 across = cross(t[1] - t[0], t[2] - t[0]);
   const double length = norm_1(across);
   const Vec3 normal = length > 0 ? (1 / length) * across : Vec3{};
