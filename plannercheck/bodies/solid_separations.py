@@ -105,6 +105,7 @@ def separate_solids(
     hulls: tuple[dict[Range, Polytope], dict[Range, Polytope]] = ({}, {})
     whole = (0, len(bodies[0].triangles)), (0, len(bodies[1].triangles))
     waiting, patches = [whole], list[PatchSeparation]()
+    can_divide = p.solid is not None, r.solid is not None  # a convex body stays whole
     while waiting:
         ranges = waiting.pop()
         for body, radius, known, each in zip(bodies, radii, hulls, ranges, strict=True):
@@ -116,14 +117,14 @@ def separate_solids(
                 return certificate
             patches.append(PatchSeparation(*ranges, certificate))
             continue
-        waiting += _divided(*ranges)
+        waiting += _divided(*ranges, can_divide)
     return SolidSeparation(min(patch.plane.gap for patch in patches), tuple(patches), bodies, radii)
 
 
-def _divided(first: Range, second: Range) -> list[tuple[Range, Range]]:
-    """The larger patch in halves, with the other one."""
-    sizes = first[1] - first[0], second[1] - second[0]
-    if sizes == (1, 1):
+def _divided(first: Range, second: Range, can_divide: tuple[bool, bool]) -> list[tuple[Range, Range]]:
+    """The larger patch of a solid in halves, with the other one."""
+    sizes = [(last - start) * can for (start, last), can in zip((first, second), can_divide, strict=True)]
+    if max(sizes) <= 1:
         raise UnprovedVerdictError("the core finds two solids to be apart, but two of their triangles meet")
     if sizes[0] >= sizes[1]:
         return [(half, second) for half in _halves(*first)]

@@ -16,18 +16,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.certificates import Certificate, Mixture, PosedBody, SharedPoint, UnprovedVerdictError
+from plannercheck.bodies.certificates import (
+    Certificate,
+    Mixture,
+    PosedBody,
+    Separation,
+    SharedPoint,
+    UnprovedVerdictError,
+)
 from plannercheck.bodies.integers import IntegerHull, Integers
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, inflated_hull
-from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.counters import sum_fields
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
+from plannercheck.validation.solid_proofs import GivenMesh, proves_contact, proves_separation
 
 Box = tuple[Integers, Integers]
 
@@ -92,7 +99,7 @@ def certify_verdicts(checker: Checker, q: Floats, first_pair: NDArray[np.int32])
         The report; `report.passed` says whether all were proved.
 
     Raises:
-        PlannercheckError: If the checker's bodies are not made of its shapes' points, or are solids.
+        PlannercheckError: If the checker's bodies are not made of its shapes' points.
     """
     certification = _Certification(checker)
     reports = []
@@ -115,12 +122,6 @@ class _Certification:
     """A checker, the points that its bodies were made of, and their boxes at the poses seen last."""
 
     def __init__(self, checker: Checker) -> None:
-        solids = [body.name for body in checker.bodies if isinstance(body.shape, Solid) and not body.shape.equals_hull]
-        if solids:
-            raise PlannercheckError(
-                f"certificates of whole sets are of hulls, and {', '.join(solids[:3])} are solids: checker.explain(q) "
-                "proves what collides in one configuration"
-            )
         self._checker = checker
         self._given = [
             None if polytope is None else _given_body(body, polytope, checker.excess, padding)
@@ -129,6 +130,7 @@ class _Certification:
             )
         ]
         self._boxes: dict[int, tuple[bytes, Box]] = {}
+        self._meshes: dict[int, GivenMesh] = {}
 
     def invalid(self, row: int, poses: Floats, pair: int) -> CertificationReport:
         """The proof that one pair of bodies shares a point at poses (bodies, 4, 4)."""
@@ -154,9 +156,23 @@ class _Certification:
             certificate = certify_posed(self._polytope(p), self._polytope(r), poses[p], poses[r])
         except UnprovedVerdictError:
             return False
-        if isinstance(certificate, Enclosure | SolidSeparation):
-            return False
+        is_of_solids = self._polytope(p).solid is not None or self._polytope(r).solid is not None
+        if is_of_solids and not isinstance(certificate, Separation):
+            given = (self._mesh(p), poses[p]), (self._mesh(r), poses[r])
+            if isinstance(certificate, SolidSeparation):
+                return not colliding and proves_separation(certificate, *given)
+            return colliding and proves_contact(certificate, *given)
+        assert isinstance(certificate, SharedPoint | Separation)  # of hulls
         return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()
+
+    def _mesh(self, body: int) -> GivenMesh:
+        """The points and, of a solid, triangles that a body was made of."""
+        if body not in self._meshes:
+            shape, given = self._checker.bodies[body].shape, self._given_of(body)
+            is_solid = self._polytope(body).solid is not None
+            triangles = shape.used[1] if isinstance(shape, Solid) and is_solid else None
+            self._meshes[body] = GivenMesh(given.vertices, triangles, given.inflation_radius)
+        return self._meshes[body]
 
     def _about_given(self, certificate: Certificate, p: int, r: int) -> Certificate:
         """The same certificate for the points that the bodies were made of, at the same poses."""

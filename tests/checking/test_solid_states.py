@@ -18,7 +18,6 @@ from plannercheck.checking.hull_fidelity import refused_by_filling
 from plannercheck.common.core import core
 from plannercheck.robots.description import description_of
 from plannercheck.robots.urdf import read_geometry
-from plannercheck.validation.certification import certify_verdicts
 from plannercheck.validation.fcl_agreement import compare_with_fcl
 from plannercheck.validation.fingerprint import content_hash
 
@@ -255,5 +254,3 @@ def test_what_is_not_there_yet_says_so(rail):
     checker = pc.Checker(rail())
     with pytest.raises(pc.PlannercheckError, match="FCL is compared with hulls, and ring_0 are solids"):
         compare_with_fcl(checker, ROWS)
-    with pytest.raises(pc.PlannercheckError, match="certificates of whole sets are of hulls, and ring_0 are solids"):
-        certify_verdicts(checker, ROWS, checker.first_colliding_pair(ROWS))
