@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
+
+JudgeOfRow: TypeAlias = Callable[[Configuration], bool | None]
+JudgeOfSet: TypeAlias = Callable[[Any], NDArray[np.uint8] | None]
 
 
 class CompiledTables:
@@ -88,19 +91,15 @@ class CompiledTables:
                     beyond |= outside.any(axis=1)
         return beyond
 
-    def row_validity(self, kernel: Any | None) -> Callable[[Configuration], bool | None]:
-        """A compiled judge of rows (nq,) that need no care, and None for all others; `kernel` poses the links."""
-        if kernel is None or self._source.robot.configuration_map.units:  # it does not look at unit vectors' lengths
-            return _never_known
-        judge: Callable[[Configuration], bool | None] = core.row_validity(self.within_limits.core, kernel)
-        return judge
+    def judges(self, kernel: Any | None) -> tuple[JudgeOfRow, JudgeOfSet]:
+        """Compiled judges of a row (nq,) and of sets (n, nq), 1 for free; None for all that needs care.
 
-    def set_validity(self, kernel: Any | None) -> Callable[[Any], NDArray[np.uint8] | None]:
-        """The same of sets, arrays (n, nq) of rows that need no care: (n,) 1 for free."""
-        if kernel is None or self._source.robot.configuration_map.units:
-            return _never_known
-        judge: Callable[[Any], NDArray[np.uint8] | None] = core.set_validity(self.within_limits.core, kernel)
-        return judge
+        `kernel` poses the links.
+        """
+        if kernel is None or self._source.robot.configuration_map.units:  # they do not look at unit vectors' lengths
+            return _never_known, _never_known
+        pairs = self.within_limits.core
+        return core.row_validity(pairs, kernel), core.set_validity(pairs, kernel)
 
     def check_states(self, kernel: Any, rows: Floats, threads: int) -> Bools:
         """(n,) whether each configuration (n, nq) is free of collision; `kernel` poses the links."""

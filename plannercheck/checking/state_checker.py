@@ -1,10 +1,9 @@
 """Validity of configurations: a robot in a scene, every pair decided by the hierarchy test.
 
 In: a `Robot`, a `Scene`. Out: an immutable `StateChecker` whose verdicts are exact for the hulls at the poses that
-forward kinematics computes in doubles. Building one takes these steps: place the scene's objects; list and pad bodies
-and pairs; prove pairs apart that never meet; compile the others with the hulls they need. Each verdict is then one
-batch call of the core (cpp/checking/checker). The base classes add names and certificates (checker_base.py), distances
-(clearance.py), and objects that links pick up and put down (carrying_checker.py).
+forward kinematics computes in doubles. Building one places the scene's objects, lists and pads bodies and pairs, proves
+pairs apart that never meet, and compiles the others. The base classes add names and certificates (checker_base.py),
+distances (clearance.py), and objects that links pick up and put down (carrying_checker.py).
 """
 
 from __future__ import annotations
@@ -170,8 +169,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
 
     def _compile(self) -> None:
         self._tables = CompiledTables(self._pair_source(), self.pairs, self.unreachable)
-        self._judge_row = self._tables.row_validity(self._kernel)
-        self._judge_set = self._tables.set_validity(self._kernel)
+        self._judge_row, self._judge_set = self._tables.judges(self._kernel)
 
     def _pair_source(self) -> PairSource:
         switches = self._settings.switches
@@ -245,8 +243,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         """
         known = self._judge_row(q)
         if known is None:  # no array of doubles, nor a list of numbers
-            row = self._single(q)
-            known = self._judge_row(np.ascontiguousarray(row[0]))
+            known = self._judge_row(np.ascontiguousarray((row := self._single(q))[0]))
         return bool(self.check_states(row)[0]) if known is None else known
 
     def state_validity(
@@ -275,8 +272,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         Returns:
             (n,), True means valid.
         """
-        known = self._judge_set(q) if type(threads) is int and threads == 1 else None
-        if known is not None:
+        if type(threads) is int and threads == 1 and (known := self._judge_set(q)) is not None:
             return known.view(bool)
         rows = self.robot.check_configurations(q)
         threads = checked_threads(threads, len(rows))

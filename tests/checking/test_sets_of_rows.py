@@ -112,6 +112,26 @@ def test_angles_take_the_short_way_in_sets(tmp_path):
     assert found.tolist() == [checker.check_motion(*pair) for pair in zip(starts, ends, strict=True)]
 
 
+def test_sets_beyond_the_limits_are_tested_with_all_pairs(tmp_path):
+    """The obstacle is out of reach within the limits, so that its pair is left out there."""
+    limited = WHEEL.replace('"continuous"', '"revolute"').replace(
+        '<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    )
+    (tmp_path / "wheel.urdf").write_text(limited)
+    robot = pc.Robot.from_urdf(tmp_path / "wheel.urdf")
+    scene, pose = pc.Scene("one"), np.eye(4)
+    pose[0, 3] = -0.6
+    scene.add_box("post", [0.1, 0.1, 0.1], pose)
+    checker = pc.Checker(robot, scene)
+    assert checker.unreachable.all()
+    assert checker.check_states([[0.0], [3.1]]).tolist() == [True, False]
+    rows = np.array([[0.0], [3.1]])
+    assert checker.check_states(rows).tolist() == [True, False]
+    for starts, ends in ((rows[:1], rows[1:]), (rows[1:], rows[:1])):
+        assert not checker.check_motions(starts, ends)[0]
+    assert checker.check_motions(rows[:1], rows[:1] + 0.5)[0]
+
+
 def test_a_motion_that_is_too_large_to_prove_raises_in_a_set_as_well(checker, rows):
     with pytest.raises(pc.PlannercheckError, match="tolerance"):
-        checker.check_motions(rows, rows + 0.1, tolerance=1e-14)
+        checker.check_motions(rows, 0.9 * rows + 0.1 * rows[::-1], tolerance=1e-14)

@@ -128,7 +128,8 @@ nb::object set_validity(nb::object checker, nb::object kinematics) {
   auto* judge = nb::cast<BoundChecker*>(checker);
   const auto* kernel = nb::cast<const Kinematics*>(kinematics);
   const auto width = static_cast<std::size_t>(kernel->width());
-  const auto are_free = [checker, kinematics, judge, kernel, width, array = NumpyArray()](nb::handle rows) -> nb::object {
+  const auto are_free = [checker, kinematics, judge, kernel, width,
+                         array = NumpyArray()](nb::handle rows) -> nb::object {
     const NumpyRows q(array, rows, width);
     bool may_judge = q.n > 0;
     for (std::size_t i = 0; may_judge && i < q.n; ++i) may_judge = judge->may_judge(q.data + i * width);
