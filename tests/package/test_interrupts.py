@@ -86,9 +86,9 @@ def test_a_body_of_very_many_vertices():
 
 
 def test_convex_decomposition(monkeypatch):
-    pytest.importorskip("coacd")
+    pc.Robot.load("ur10")  # what it imports is there: it had better not be broken off
+    pytest.importorskip("coacd")  # after Pinocchio, which reads no URDF otherwise
     monkeypatch.setenv("PLANNERCHECK_CACHE", "0")
-    pc.Robot.load("ur10")  # an import that Ctrl-C breaks off stays broken in this process
     decompose = partial(pc.Robot.load, "ur10", pc.Decomposition(threshold=0.02))
     ends_by_ctrl_c(decompose, clocks=(time.perf_counter,))  # another process works
 
