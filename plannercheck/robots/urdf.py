@@ -30,7 +30,7 @@ from plannercheck.common.silence import urdf_silence
 from plannercheck.robots import mjcf
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.urdf_file import MJCF_ROOT, SDF_ROOT, UrdfFile
-from plannercheck.robots.urdf_hints import foreign_elements
+from plannercheck.robots.urdf_hints import foreign_elements, wrong_order_of_imports
 
 # coal builds bounds with every mesh; we want its vertices alone. These are the quickest that still show them.
 _BOUNDS = coal.NODE_TYPE.BV_OBB
@@ -76,8 +76,8 @@ def read_model(urdf: Path | UrdfFile, floating: bool = False) -> pin.Model:
             else:
                 model = pin.buildModelFromXML(file.mended, *root)
     except (ValueError, RuntimeError, IndexError) as error:
-        reason = file.hint or file.no_xml or foreign_elements(file.root) or _one_line(file.messages(floating, ()))
-        reason = reason or _one_line(str(error))
+        reason = file.hint or file.no_xml or foreign_elements(file.root) or wrong_order_of_imports()
+        reason = reason or _one_line(file.messages(floating, ())) or _one_line(str(error))
         raise PlannercheckError(f"URDF {file.path} does not parse: {reason}") from None
     _check_names(model, file.path)
     _check_limits(model, file.path)

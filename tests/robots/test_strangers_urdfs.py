@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -275,3 +278,14 @@ def test_shapes_and_joints_of_other_formats_are_named(tmp_path):
     said = str(error.value)
     assert "URDFs have no <capsule> of link 'hip': their shapes are box, cylinder, sphere, mesh" in said
     assert "URDFs have no type 'spherical' of joint 'turn': their types of joints are revolute, " in said
+
+
+def test_coacd_before_pinocchio_is_named():
+    """Pinocchio 3's wheels say of any URDF, then, that it is none."""
+    if importlib.util.find_spec("coacd") is None:
+        pytest.skip("needs coacd")
+    call = (
+        "import coacd, plannercheck as pc\ntry:\n pc.Robot.load('panda')\nexcept pc.PlannercheckError as e:\n print(e)"
+    )
+    ran = subprocess.run([sys.executable, "-W", "ignore", "-c", call], capture_output=True, text=True, check=True)
+    assert ran.stdout == "" or "import pinocchio before coacd" in ran.stdout
