@@ -131,6 +131,21 @@ def test_triangles_of_one_line_or_plane_at_any_pose():
     assert 100 < sum(verdicts) < 500
 
 
+def test_a_triangle_or_segment_within_another_of_its_plane():
+    """Without a point of its border; at the pose of both, and aside in the plane."""
+    rng = np.random.default_rng(7)
+    for _ in range(50):
+        arms = rng.integers(-9, 10, (2, 3))
+        if not np.cross(*arms).any():
+            continue
+        outer = mesh(np.array([[0, 0], [12, 0], [0, 12]]) @ arms, [[0, 1, 2]])
+        for corners in ([0, 1, 2], [0, 1, 1], [0, 0, 0]):
+            for shift, expected in ((np.zeros(2), TRIANGLES), (np.array([12, 12]), NONE)):
+                inner = mesh((np.array([[3, 3], [4, 3], [3, 5]]) + shift) @ arms, [corners])
+                pose = any_pose(rng)
+                assert reason(inner, outer, pose, pose) == reason(outer, inner, pose, pose) == expected
+
+
 def test_triangles_within_radii_as_their_hulls_are():
     rng, seen = np.random.default_rng(6), set()
     for k in range(1500):
@@ -164,11 +179,11 @@ def test_radii_that_just_reach_and_just_do_not():
 @pytest.mark.parametrize("steps", [2, 5, 1000])
 def test_winding_numbers_are_those_of_signed_tetrahedra(steps):
     rng, seen = np.random.default_rng(steps), set()
-    for _ in range(150):
+    for _ in range(60):
         vertices, triangles = closed_soup(rng, steps)
         body = mesh(vertices, triangles)
         assert body.is_closed
-        for point in (rng.integers(0, 2 * steps + 1, 3) / 2, rng.uniform(0, steps, 3)):
+        for point in (*rng.integers(0, 2 * steps + 1, (7, 3)) / 2, rng.uniform(0, steps, 3)):
             touches = any(exact.intersects(t, point[None], EYE, EYE) for t in triangles_of(vertices, triangles))
             found, again = (body.winding_number(point, every) for every in (False, True))
             assert found == again

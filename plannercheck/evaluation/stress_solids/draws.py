@@ -19,7 +19,7 @@ from plannercheck.evaluation.stress.random_cases import EXTREME_SIZES
 from plannercheck.evaluation.stress_solids.bodies import CONVEX_FAMILIES, Body, random_convex, random_solid
 from plannercheck.evaluation.stress_solids.common_frames import PARTNERS
 from plannercheck.evaluation.stress_solids.placing import OFFSETS, ROTATIONS, Place, around_contact, offset, turn
-from plannercheck.evaluation.stress_solids.solid_families import LARGE_FAMILIES, LATTICE_FAMILIES, SOLID_FAMILIES
+from plannercheck.evaluation.stress_solids.solid_families import LARGE_FAMILIES, SOLID_FAMILIES
 
 # Sizes of the first body, m, as powers of two about 1e-6 to 1e6, which keep lattices exact; and those of the second.
 _SIZE_EXPONENTS = (-20, -13, -10, -7, -3, 0, 0, 0, 0, 3, 7, 10, 13, 20)
@@ -34,7 +34,9 @@ _LARGEST_WEIGHTS, _LARGE_SHARE = (0.95, 0.05), 0.002
 _ROBOT_SHARE, _CONVEX_SHARE = 0.01, 0.2
 CONTACT, ANYWHERE, INSIDE, EXTREME = "contact", "anywhere", "inside", "extreme scales"
 _RELATIONS = (CONTACT, ANYWHERE, INSIDE, EXTREME, *PARTNERS)
-_RELATION_WEIGHTS = (0.57, 0.06, 0.14, 0.03, *[0.2 / len(PARTNERS)] * len(PARTNERS))
+_RELATION_WEIGHTS = (0.59, 0.06, 0.14, 0.01, *[0.2 / len(PARTNERS)] * len(PARTNERS))
+# Families for which whole numbers of thousands of digits take no longer than others for doubles.
+_FEW_TRIANGLES = ("tetrahedra", "triangle soup", "one triangle", "star", "nested boxes")
 # The row of all poses that are not about a contact.
 ANY_OFFSET = "any"
 # Powers of two by which a body is smaller than one that it may be inside of, and how far it is from a face, over
@@ -117,7 +119,7 @@ def _at_extreme_scales(relation: str, rng: np.random.Generator) -> Draw:
     """In contact at the ends of the doubles' range, alike in size or not, also far from the origin."""
     size = float(rng.choice(EXTREME_SIZES))
     other = size if rng.integers(3) else float(rng.choice([1.0, *EXTREME_SIZES]))
-    families = [str(name) for name in rng.choice(list(LATTICE_FAMILIES), 2)]
+    families = [str(name) for name in rng.choice(_FEW_TRIANGLES, 2)]
     p, r = (random_solid(name, COUNTS[0], s, rng) for name, s in zip(families, (size, other), strict=True))
     distance = float(rng.choice([0.0, 0.0, 0.0, 1.0, min(size, other), max(size, other)]))
     poses = [around_contact(p, r, _place(rng, [distance]), rng) for _ in range(_CONTACTS)]
