@@ -169,3 +169,21 @@ def test_every_sampled_state_counts(where, tmp_path):
         steps = int(checker.motion_sampler.steps(np.array([[0.0]]), np.array([[1.0]]), 1 / count * (1 + 1e-9))[0])
         assert steps == count
         assert not checker.check_motion([0.0], [1.0], resolution=1 / count * (1 + 1e-9))
+
+
+SWING = """<robot name="swing"><link name="base"/>
+<link name="tip"><collision><origin xyz="0.5 0 0"/><geometry><box size="0.002 0.002 0.002"/></geometry></collision>
+</link><joint name="turn" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("way", [0.2, 0.5, 1.0, 2.0, 3.0])
+def test_paths_bulge_between_the_states_of_a_grid(way, tmp_path):
+    """A small body swings past a plate that it meets only in the middle, where no state of a first grid is."""
+    (tmp_path / "swing.urdf").write_text(SWING)
+    scene, pose = pc.Scene("plate"), np.eye(4)
+    pose[0, 3] = 0.5009 + 0.05
+    scene.add_box("plate", [0.1, 0.1, 0.1], pose)
+    checker = pc.Checker(pc.Robot.from_urdf(tmp_path / "swing.urdf"), scene)
+    assert not checker.check_motion([-way / 2], [way / 2])
+    assert not checker.check_motions([[-way / 2]] * 4, [[way / 2]] * 4, threads=2).any()

@@ -170,9 +170,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
       }
       if (found.open == 0) return found;
     }
-    const unsigned first = static_cast<unsigned>(__builtin_ctz(found.open)),
-                   last = 32U - static_cast<unsigned>(__builtin_clz(found.open));
-    found.direction = filters_.between(pair, (first + last) / 2);
+    // In the middle of what is open the bodies are mostly nearest.
+    const int first = __builtin_ctz(found.open), last = 32 - __builtin_clz(found.open);
+    found.direction = filters_.between(pair, static_cast<std::size_t>((first + last) / 2));
     if (proofs_ == nullptr) filters_.boxes_settle(found, found.direction);
     return found;
   }

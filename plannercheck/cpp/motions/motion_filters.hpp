@@ -61,7 +61,7 @@ class MotionFilters {
   // What bounding spheres leave open: on chords, against each other or against the box of a static body.
   unsigned near(const CertifiedPair& pair) const;
   // Settles the intervals whose boxes are apart along a direction of the frame, by `beyond` more than needed; records
-  // the state at which the gap along it is least.
+  // at which end of those left open the gap along it is least.
   void boxes_settle(DirectedPair& found, Vec3 direction, double beyond = 0);
   // A first direction, of length 1 up to rounding: out of b's box if a's centre is outside, else between the centres.
   Vec3 between(const CertifiedPair& pair, std::size_t state);
