@@ -1,7 +1,8 @@
 """Polytopes around circles and balls, which stand for curved shapes.
 
 In: a radius and an excess, the part of the radius by which points may stick out. Out: points and faces of a polygon or
-polytope that contains the circle or ball; faces of prisms and capsules made from these.
+polytope that contains the circle or ball; faces of prisms and capsules made from these; and what is left of them where
+they have no radius or no length.
 
 A circle gets a regular polygon whose edges touch it. A ball gets an octahedron whose edges are divided in equal steps
 of angle. Its points are projected to a sphere, which is then enlarged until no face cuts the ball. Such triangles are
@@ -28,6 +29,23 @@ BOX_SIGNS.setflags(write=False)
 
 # The most divisions of an octahedron's edge: 4 * 500^2 + 2 points are a million, more than a ball needs.
 MAX_DIVISIONS = 500
+
+
+def checked_excess(excess: float) -> float:
+    """An excess that can be met, or an error."""
+    if not (math.isfinite(excess) and 4 * ROUNDING_MARGIN < excess <= 1):
+        raise PlannercheckError(f"excess must be within (0, 1], a part of the radius, not {excess}")
+    return float(excess)
+
+
+def segment(length: float) -> NDArray[np.float64]:
+    """The ends of a segment along z about the origin: two points, or one of length 0."""
+    return np.array([[0, 0, -length / 2], [0, 0, length / 2]]) if length else np.zeros((1, 3))
+
+
+def without_volume(ring: NDArray[np.float64], length: float) -> NDArray[np.float64]:
+    """The points of a cylinder or cone of radius 0 (a segment) or of length 0 (the polygon of this ring (k, 2))."""
+    return np.column_stack([ring, np.zeros(len(ring))]) if ring.any() else segment(length)
 
 
 def ring_around(radius: float, excess: float) -> NDArray[np.float64]:

@@ -120,9 +120,10 @@ class SceneObject:
     bodies: tuple[GeometryObject, ...] = field(init=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "pose", checked_pose(self.pose, f"object {self.name!r}"))
         carried = None if self.link is None else self.name
         if len(self.parts) == 1 and self.parts[0].pose is None:  # most of all
-            bodies = (GeometryObject(self.name, self.link, self.pose, self.parts[0].shape, carried),)
+            bodies = (_posed(self.name, self.link, self.pose, self.parts[0].shape, carried),)
             object.__setattr__(self, "bodies", bodies)
             return
         names = [self.name] if len(self.parts) == 1 else [f"{self.name}/{k}" for k in range(len(self.parts))]
@@ -153,6 +154,17 @@ class SceneObject:
         return freed.moved(pose)
 
 
+def _posed(name: str, link: str | None, pose: Floats, shape: Shape, carried: str | None) -> GeometryObject:
+    """A `GeometryObject` that shares a pose which `checked_pose` has given."""
+    made = object.__new__(GeometryObject)
+    for field_name, value in zip(_FIELDS, (name, link, pose, shape, carried), strict=True):
+        object.__setattr__(made, field_name, value)
+    return made
+
+
+_FIELDS = tuple(each.name for each in dataclasses.fields(GeometryObject))
+
+
 def scene_object(
     name: str, parts: Parts, pose: ArrayLike | None = None, subframes: Mapping[str, Floats] | None = None
 ) -> SceneObject:
@@ -173,7 +185,7 @@ def scene_object(
         shapes = tuple(_known_part(part, f"object {name!r}") for part in _listed(parts))
     if not name or not shapes:
         raise PlannercheckError(f"object {name!r} needs a name and at least one shape")
-    return SceneObject(name, shapes, checked_pose(pose, f"object {name!r}"), subframes=subframes or {})
+    return SceneObject(name, shapes, pose, subframes=subframes or {})  # type: ignore[arg-type]  # which checks it
 
 
 def _listed(parts: Parts) -> tuple[Part | GivenShape, ...]:

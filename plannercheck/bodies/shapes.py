@@ -3,11 +3,20 @@
 In: sizes in metres (as URDF and coal give them) or points. Out: `Shape` dataclasses, each of which gives its vertices
 and faces as a convex polytope, and `GeometryObject`, a named shape with a rigid pose on a link or in the world.
 
+<<<<<<< HEAD
 Shapes are centred at their frame's origin and lie along z; a cone's apex is at +length/2. Boxes and hulls are exact;
 concave bodies are in solids.py. Curved shapes become polytopes that contain them and stick out by at most `excess`
 times the radius: cylinders and cones are the prism and pyramid over a polygon around the circle, a capsule is a
 sphere's polytope, cut along its ring of points at z = 0 and pulled apart. Faces with more than three corners are flat
 exactly. A size of zero makes a plate, a segment or a point, which is a body like any other.
+=======
+Shapes are centred at their frame's origin and lie along z; a cone's apex is at +length/2. Boxes and hulls are exact.
+Curved shapes become polytopes that contain them and stick out by at most `excess` times the radius: cylinders and
+cones are the prism and pyramid over a polygon around the circle, a capsule is a sphere's polytope, cut along its ring
+of points at z = 0 and pulled apart. Faces with more than three corners are flat exactly: their corners share a
+coordinate or form a parallelogram. A size of zero makes a plate, a segment or a point, which is a body like any other;
+its faces are then computed.
+>>>>>>> h-set
 """
 
 from __future__ import annotations
@@ -16,18 +25,20 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias, TypeGuard
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies.circumscribed import (
     BOX_SIGNS,
-    ROUNDING_MARGIN,
     ball_around,
     capsule_faces,
+    checked_excess,
     prism_faces,
     ring_around,
+    segment,
+    without_volume,
 )
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.core import core
@@ -50,9 +61,6 @@ RIGID_TOLERANCE = 1e-6
 POSED_TOLERANCE = 3.6e-6
 
 
-_THREE_FLOATS = [float] * 3
-
-
 @set_module("plannercheck")
 @dataclass(frozen=True)
 class Box:
@@ -65,9 +73,7 @@ class Box:
     size: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        size = self.size
-        if type(size) not in (tuple, list) or [type(edge) for edge in size] != _THREE_FLOATS:
-            size = _numbers(size, "box size")  # type: ignore[assignment]  # of any length
+        size = _numbers(self.size, "box size")
         if len(size) != 3:
             raise PlannercheckError(f"box size needs 3 edge lengths in m, not {len(size)}: {list(size)}")
         edges = (_length(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
@@ -97,7 +103,7 @@ class Sphere:
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A polytope (n, 3) in m around the sphere and its triangles."""
-        ball = ball_around(_checked_excess(excess))
+        ball = ball_around(checked_excess(excess))
         if self.radius == 0:
             return np.zeros((1, 3)), None
         return self.radius * ball.points, list(ball.triangles)
@@ -128,9 +134,9 @@ class Cylinder(_AlongZ):
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A prism (2 k, 3) in m over a polygon around the circle, and its faces."""
-        ring = ring_around(self.radius, _checked_excess(excess))
+        ring = ring_around(self.radius, checked_excess(excess))
         if self.radius == 0 or self.length == 0:
-            return _without_volume(ring, self.length), None
+            return without_volume(ring, self.length), None
         low = np.column_stack([ring, np.full(len(ring), -self.length / 2)])
         return np.vstack([low, low * (1.0, 1.0, -1.0)]), prism_faces(len(ring))
 
@@ -147,9 +153,9 @@ class Cone(_AlongZ):
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A pyramid (k + 1, 3) in m over a polygon around the base circle, and its faces."""
-        ring = ring_around(self.radius, _checked_excess(excess))
+        ring = ring_around(self.radius, checked_excess(excess))
         if self.radius == 0 or self.length == 0:
-            return _without_volume(ring, self.length), None
+            return without_volume(ring, self.length), None
         base = np.column_stack([ring, np.full(len(ring), -self.length / 2)])
         k = np.arange(len(ring))
         sides = np.column_stack([k, np.roll(k, -1), np.full(len(k), len(k))])
@@ -168,9 +174,9 @@ class Capsule(_AlongZ):
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A polytope (n, 3) in m around the capsule; faces are None only for lengths over a million radii."""
-        ball = ball_around(_checked_excess(excess))
+        ball = ball_around(checked_excess(excess))
         if self.radius == 0:
-            return _segment(self.length), None
+            return segment(self.length), None
         if self.length == 0:
             return self.radius * ball.points, list(ball.triangles)
         height = ball.lattice[:, 2]
@@ -230,7 +236,7 @@ def inflated_hull(shape: Shape, excess: float = DEFAULT_EXCESS) -> InflatedHull:
     if isinstance(shape, Sphere):
         return np.zeros((1, 3)), None, shape.radius
     if isinstance(shape, Capsule):
-        return _segment(shape.length), None, shape.radius
+        return segment(shape.length), None, shape.radius
     return *shape.vertices_and_faces(excess), 0.0
 
 
@@ -278,13 +284,8 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
     if pose is None:
         return _frozen(np.eye(4))
     if core.is_surely_rigid(pose, tolerance):  # most of all; what follows takes 10 µs
-        return pose if _is_nobodys(pose) else _frozen(np.array(pose, dtype=np.float64))
+        return _frozen(np.array(pose, dtype=np.float64))
     return _frozen(_checked_matrix(pose, what, tolerance))
-
-
-def _is_nobodys(pose: ArrayLike) -> TypeGuard[Points]:
-    """Whether nobody can write to an array of ours: then objects, their parts and bodies may share it."""
-    return type(pose) is np.ndarray and pose.base is None and not pose.flags.writeable and pose.flags.c_contiguous
 
 
 def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:
@@ -333,20 +334,12 @@ def _frozen(array: Points) -> Points:
 
 
 def _numbers(values: Sequence[float], what: str) -> tuple[float, ...]:
+    if type(values) in (tuple, list) and all(type(value) is float for value in values):  # most of all
+        return tuple(values)
     array = _array(values, what)
     if array.ndim != 1:
         raise PlannercheckError(f"{what} must be a list of numbers, not {values!r}")
     return tuple(float(v) for v in array)
-
-
-def _segment(length: float) -> Points:
-    """The ends of a segment along z about the origin: two points, or one of length 0."""
-    return np.array([[0, 0, -length / 2], [0, 0, length / 2]]) if length else np.zeros((1, 3))
-
-
-def _without_volume(ring: Points, length: float) -> Points:
-    """The points of a cylinder or cone of radius 0 (a segment) or of length 0 (the polygon of this ring (k, 2))."""
-    return np.column_stack([ring, np.zeros(len(ring))]) if ring.any() else _segment(length)
 
 
 def _length(value: float, what: str) -> float:
@@ -358,9 +351,3 @@ def _length(value: float, what: str) -> float:
     if not (math.isfinite(number) and number >= 0):
         raise PlannercheckError(f"{what} must be finite and not negative (m), not {number}")
     return number + 0.0  # -0.0 is 0.0
-
-
-def _checked_excess(excess: float) -> float:
-    if not (math.isfinite(excess) and 4 * ROUNDING_MARGIN < excess <= 1):
-        raise PlannercheckError(f"excess must be within (0, 1], a part of the radius, not {excess}")
-    return float(excess)

@@ -15,6 +15,7 @@ from plannercheck.bodies.certificates import Separation
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.checking.compiled_pairs import CompiledPairs
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.core import core
@@ -142,4 +143,4 @@ def _separations(robot: Robot, pairs: list[list[int]], polytopes: Mapping[int, P
 
 def _are_separate(a: int, b: int, polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
     certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
-    return isinstance(certificate, Separation) and certificate.gap > _PERMANENT_GAP
+    return isinstance(certificate, Separation | SolidSeparation) and certificate.gap > _PERMANENT_GAP

@@ -114,3 +114,14 @@ def test_a_motion_whose_hulls_meet_has_no_proof_and_says_so(arm, arm_motions):
     k = int(only_solids[0])
     with pytest.raises(pc.PlannercheckError, match=r"proof.* hulls of"):
         _ = arm.explain_motion(start[k], end[k]).proof
+
+
+def test_a_pair_at_rest_whose_hulls_meet_hinders_no_motion(tmp_path):
+    """A bead that the rail holds in the middle of the ring."""
+    moving = checker(tmp_path, 0.1)
+    scene = moving.scene.copy()
+    scene.attach("bead", "rail", np.eye(4), (), pc.Sphere(0.2))
+    held = moving.with_scene(scene)
+    assert held.is_valid([2.0, 0.0])
+    assert held.check_motion([2.0, 0.0], [2.0, 1.0])
+    assert not held.check_motion([2.0, 0.0], [0.0, 0.0])

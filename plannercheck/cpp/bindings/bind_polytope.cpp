@@ -67,7 +67,8 @@ nb::bytes bytes_of(const Polytope& body) {
 // signs: (8, 3) of the corners, in the order to which `faces` refer.
 nb::list polytopes_of_boxes(InputArray<double, -1, 3> sizes, InputArray<double, -1> inflation_radii,
                             InputArray<double, 8, 3> signs, InputArray<std::int32_t, -1, 3> faces) {
-  if (inflation_radii.shape(0) != sizes.shape(0)) throw std::invalid_argument("sizes and radii are not of as many boxes");
+  if (inflation_radii.shape(0) != sizes.shape(0))
+    throw std::invalid_argument("sizes and radii are not of as many boxes");
   std::vector<Triangle> triangles(faces.shape(0));
   for (std::size_t t = 0; t < triangles.size(); ++t) triangles[t] = {faces(t, 0), faces(t, 1), faces(t, 2)};
   std::map<std::array<double, 4>, std::shared_ptr<Polytope>> known;
