@@ -3,20 +3,11 @@
 In: sizes in metres (as URDF and coal give them) or points. Out: `Shape` dataclasses, each of which gives its vertices
 and faces as a convex polytope, and `GeometryObject`, a named shape with a rigid pose on a link or in the world.
 
-<<<<<<< HEAD
 Shapes are centred at their frame's origin and lie along z; a cone's apex is at +length/2. Boxes and hulls are exact;
 concave bodies are in solids.py. Curved shapes become polytopes that contain them and stick out by at most `excess`
 times the radius: cylinders and cones are the prism and pyramid over a polygon around the circle, a capsule is a
 sphere's polytope, cut along its ring of points at z = 0 and pulled apart. Faces with more than three corners are flat
 exactly. A size of zero makes a plate, a segment or a point, which is a body like any other.
-=======
-Shapes are centred at their frame's origin and lie along z; a cone's apex is at +length/2. Boxes and hulls are exact.
-Curved shapes become polytopes that contain them and stick out by at most `excess` times the radius: cylinders and
-cones are the prism and pyramid over a polygon around the circle, a capsule is a sphere's polytope, cut along its ring
-of points at z = 0 and pulled apart. Faces with more than three corners are flat exactly: their corners share a
-coordinate or form a parallelogram. A size of zero makes a plate, a segment or a point, which is a body like any other;
-its faces are then computed.
->>>>>>> h-set
 """
 
 from __future__ import annotations
