@@ -22,6 +22,7 @@ from plannercheck.evaluation.stress_solids.surfaces import ball
 from plannercheck.evaluation.stress_solids.tables import lines
 
 SAMPLE = 3000  # pairs, about 5 s
+CASES = sorted((Path(__file__).parent / "solid_cases").glob("*.json"))
 
 
 @pytest.fixture(scope="module")
@@ -192,3 +193,12 @@ def test_a_wrong_verdict_fails_the_command(
 
 def test_numbered_draws_are_the_same_alone() -> None:
     assert numbered_draw(3, 5).label == numbered_draw(3, 5).label
+
+
+@pytest.mark.parametrize("path", CASES, ids=[path.stem for path in CASES])
+def test_kept_case(path: Path) -> None:
+    """Bodies that touch by construction, and the next doubles at which they do not, in every way of asking."""
+    case = SolidCase.load(path)
+    shared = bool(decided(case.p, case.pose_p[None], case.r, case.pose_r[None], every=True)[0])
+    assert shared == path.stem.endswith("touching")
+    assert stress.faults_of(case) == {}

@@ -10,8 +10,21 @@ from collections.abc import Callable
 
 import numpy as np
 
-from plannercheck.evaluation.stress_solids.solid_families import LATTICE_FAMILIES, ROUND_FAMILIES, box
+from plannercheck.evaluation.stress_solids.solid_families import (
+    LATTICE_FAMILIES,
+    ROUND_FAMILIES,
+    STEPS,
+    box,
+    boxes,
+    crumpled,
+    heap,
+    nested_boxes,
+    square_ring,
+)
 from plannercheck.evaluation.stress_solids.surfaces import Surface, joined, of_cells, surface
+
+# Size of what is small, m.
+_SMALL = 2.0**-9
 
 Partners = tuple[Surface, Surface]
 
@@ -66,6 +79,19 @@ def in_a_cavity(n: int, rng: np.random.Generator) -> Partners:
     return (filling.inverted if rng.integers(2) else filling), shell
 
 
+def small_inside(n: int, rng: np.random.Generator) -> Partners:
+    """A small tetrahedron at a lattice point of a body's box, from which rays along axes meet edges and corners.
+
+    It is inside, in a cavity, outside or across the surface.
+    """
+    families = [heap, nested_boxes, boxes, square_ring, crumpled]
+    body = families[int(rng.integers(len(families)))](n, rng)
+    low, high = body.used_points.min(axis=0), body.used_points.max(axis=0)
+    place = np.round((low + (high - low) * rng.integers(1, 16, 3) / 16) * STEPS) / STEPS
+    corners = np.vstack([np.zeros(3), np.eye(3)]) * rng.choice([-1, 1], 3) * _SMALL
+    return surface(corners + place, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), body
+
+
 def _any(n: int, rng: np.random.Generator) -> Surface:
     families = LATTICE_FAMILIES if rng.random() < 0.6 else ROUND_FAMILIES
     return families[str(rng.choice(list(families)))](n, rng)
@@ -78,4 +104,5 @@ PARTNERS: dict[str, Callable[[int, np.random.Generator], Partners]] = {
     "halved": halved,
     "mirrored": mirrored,
     "in a cavity": in_a_cavity,
+    "small inside": small_inside,
 }
