@@ -29,6 +29,19 @@ struct TreeMap {
 // points of both solids together may be, in the world.
 TreeMap tree_map(const PosedSolid& from, const PosedSolid& to, const RelativePose& relative, double reach);
 
+// The maps of two solids in both directions.
+class TreeFrames {
+ public:
+  TreeFrames(const PosedSolid& a, const PosedSolid& b, double reach)
+      : a_to_b_(tree_map(a, b, {a.pose, b.pose}, reach)), b_to_a_(tree_map(b, a, {b.pose, a.pose}, reach)) {}
+
+  const TreeMap& a_to_b() const { return a_to_b_; }
+  const TreeMap& b_to_a() const { return b_to_a_; }
+
+ private:
+  TreeMap a_to_b_, b_to_a_;
+};
+
 // Which children may meet, and by how much: the largest of the axes' gaps, negative for those, in any unit.
 struct NearChildren {
   unsigned bits;
