@@ -65,7 +65,7 @@ def inflated(mesh, radius):
 
 def random_pose(rng, spread):
     pose = np.eye(4)
-    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
+    q, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     pose[:3, :3] = q * np.sign(np.linalg.det(q))
     pose[:3, 3] = spread * rng.normal(size=3)
     return pose
