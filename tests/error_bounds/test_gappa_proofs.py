@@ -37,6 +37,7 @@ CHECKED = [
     "broad_phase",
     "direction_cells",
     "inner_shapes",
+    "inner_shape_search",
     "motion_check",
     "motion_filters",
     "motion_bounds",
