@@ -40,14 +40,14 @@ bool contains(const Solid& solid, InputArray<double, 3> point) {
   return static_cast<bool>(solids_contact({&of_point, {}}, {&of_solid, {}}, {}, counters));
 }
 
-auto points_of(const Solid& solid) {
+auto solid_points(const Solid& solid) {
   std::vector<double> flat;
   for (const Vec3& p : solid.points) flat.insert(flat.end(), {p.x, p.y, p.z});
   return output_array(flat, {solid.points.size(), std::size_t{3}});
 }
 
 // In the order in which they were given.
-auto triangles_of(const Solid& solid) {
+auto solid_triangles(const Solid& solid) {
   std::vector<std::int32_t> flat(3 * solid.triangles.size());
   for (std::size_t k = 0; k < solid.triangles.size(); ++k)
     std::copy_n(solid.triangles[k].begin(), 3, flat.begin() + 3 * solid.source[k]);
@@ -81,8 +81,8 @@ nb::tuple contact_of(const Polytope& a, InputArray<double, 4, 4> pose_a, const P
 void bind_solid(nb::module_& m) {
   nb::class_<Solid>(m, "Solid")
       .def(nb::new_(&solid_from), plain_floats)
-      .def("points", &points_of, plain_floats)
-      .def("triangles", &triangles_of, plain_floats)
+      .def("points", &solid_points, plain_floats)
+      .def("triangles", &solid_triangles, plain_floats)
       .def(
           "order", [](const Solid& s) { return output_array(s.source, {s.source.size()}); }, plain_floats)
       .def("contains", &contains, plain_floats)

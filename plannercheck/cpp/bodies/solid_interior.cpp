@@ -17,7 +17,7 @@ namespace {
 // Of a corner's place along a direction, less that of a box or point, in parts of the solid's size |x| + |y| + |z|:
 // differences of coordinates, at most 2 of that, err by u, the direction by 4u, products and sums by 4u. Half extents
 // and the sum with them add 4u.
-constexpr double kAlongError = 64 * 0x1p-53;
+constexpr double kPlaneAlongError = 64 * 0x1p-53;
 
 // Places in floats of the tree's units, and squares of distances there, err by less than this part.
 constexpr double kFloatPlace = 0x1p-20;
@@ -54,7 +54,7 @@ Vec3 closest_to_origin(const Triangle3& t) {
   return a + (vb / sum) * ab + (vc / sum) * ac;
 }
 
-struct Nearest {
+struct NearestTriangle {
   double distance;  // at most the exact one
   Vec3 way;         // to the nearest point
 };
@@ -62,7 +62,7 @@ struct Nearest {
 class SolidInterior {
  public:
   explicit SolidInterior(const Solid& solid) : solid_(solid), tree_(solid.tree), size_(norm_1(solid.reach)) {
-    room_ = kAlongError * size_;
+    room_ = kPlaneAlongError * size_;
   }
 
   bool is_known() const { return size_ > kLeastSize && size_ < kLargestSize; }
@@ -96,8 +96,8 @@ class SolidInterior {
   }
 
   // The nearest triangle, by a descent into nearer children first.
-  Nearest nearest(Vec3 point) const {
-    Nearest best{std::numeric_limits<double>::infinity(), {}};
+  NearestTriangle nearest(Vec3 point) const {
+    NearestTriangle best{std::numeric_limits<double>::infinity(), {}};
     const std::array<float, 3> place = in_units(point);
     std::array<std::pair<std::int32_t, float>, kMostWaiting> waiting;
     std::size_t count = 0;
@@ -197,7 +197,7 @@ class SolidInterior {
     return static_cast<double>(square) > limit * limit;
   }
 
-  static void take_nearest(const EightTriangles& leaf, Vec3 point, Nearest& best) {
+  static void take_nearest(const EightTriangles& leaf, Vec3 point, NearestTriangle& best) {
     for (std::size_t k = 0; k < leaf.count; ++k) {
       const Triangle3 t = from(leaf, k, point);
       const Vec3 way = closest_to_origin(t);
@@ -250,11 +250,11 @@ class SolidInterior {
 
 // The ball of a point, moved to where it can be larger; it stays in the same part of the solid.
 InnerBall moved(const SolidInterior& interior, Vec3 centre) {
-  Nearest nearest = interior.nearest(centre);
+  NearestTriangle nearest = interior.nearest(centre);
   double step = kMove;
   for (int k = 0; k < kMoves && nearest.distance > 0; ++k) {
     const Vec3 next = centre - (step * nearest.distance / norm(nearest.way)) * nearest.way;
-    const Nearest there = interior.nearest(next);
+    const NearestTriangle there = interior.nearest(next);
     if (there.distance > kGrowth * nearest.distance) {
       centre = next, nearest = there;
     } else {

@@ -35,7 +35,7 @@ typedef std::array<Below, 2> BelowBoth;
 float extent(const FloatBox& box) { return box.half[0] + box.half[1] + box.half[2]; }
 
 // One of the two solids, and the way from its frame to the other one's.
-struct Side {
+struct SolidSide {
   PosedSolid posed;
   RelativePose to_other;
   TreeMap map;   // between the trees' units
@@ -45,7 +45,7 @@ struct Side {
   const TriangleTree& tree() const { return posed.solid->tree; }
   const TriangleNode& node(const Below& below) const { return tree().nodes[at(below.child)]; }
 
-  Corners in_other(std::int32_t triangle) const {
+  TriangleCorners in_other(std::int32_t triangle) const {
     const Solid& solid = *posed.solid;
     const MeshTriangle& t = solid.triangles[at(triangle)];
     return {to_other.apply(solid.points[at(t[0])]), to_other.apply(solid.points[at(t[1])]),
@@ -53,7 +53,7 @@ struct Side {
   }
 };
 
-Side side_of(const PosedSolid& own, const PosedSolid& other, double reach) {
+SolidSide side_of(const PosedSolid& own, const PosedSolid& other, double reach) {
   const RelativePose to_other(own.pose, other.pose);
   return {own, to_other, tree_map(own, other, to_other, reach), to_other.error(norm_1(own.solid->reach)),
           static_cast<float>(other.solid->tree.units / own.solid->tree.units)};
@@ -91,7 +91,7 @@ class ContactSearch {
 
   std::array<PosedPolytope, 2> bodies_;
   double inflation_radius_;
-  std::array<Side, 2> sides_;
+  std::array<SolidSide, 2> sides_;
   PairCounters& counters_;
   SolidCounters& counted_;
   TrianglePair found_{-1, -1};
@@ -122,7 +122,7 @@ class ContactSearch {
   // Children of the node of a side that may meet the other one's box.
   NearChildren near(const BelowBoth& both, std::size_t side) {
     ++counted_.boxes;
-    const Side &own = sides_[side], &other = sides_[1 - side];
+    const SolidSide &own = sides_[side], &other = sides_[1 - side];
     const FloatBox& box = both[1 - side].box;
     return children_near(own.node(both[side]), own.map, box, other.map.around(box), own.scale);
   }
@@ -149,9 +149,9 @@ class ContactSearch {
 
   // A triangle of one side against a node of the other.
   bool step_triangle(const BelowBoth& both, std::size_t side) {
-    const Side &own = sides_[side], &other = sides_[1 - side];
+    const SolidSide &own = sides_[side], &other = sides_[1 - side];
     const TriangleNode& node = other.node(both[1 - side]);
-    const Corners corners = own.in_other(~both[side].child);
+    const TriangleCorners corners = own.in_other(~both[side].child);
     if (node.leaf >= 0) return triangle_meets(~both[side].child, corners, side, node, both[1 - side].box);
     ++counted_.boxes;
     const FloatTriangle triangle(corners, own.error, other.tree(), inflation_radius_);
@@ -175,7 +175,7 @@ class ContactSearch {
   }
 
   // A triangle of one side, its corners in the other one's frame, against a leaf there.
-  bool triangle_meets(std::int32_t triangle, const Corners& corners, std::size_t side, const TriangleNode& node,
+  bool triangle_meets(std::int32_t triangle, const TriangleCorners& corners, std::size_t side, const TriangleNode& node,
                       const FloatBox& box) {
     ++counted_.triangles;
     const TriangleTree& tree = sides_[1 - side].tree();
@@ -205,7 +205,7 @@ class ContactSearch {
 
   bool meet(TrianglePair triangles) {
     ++counted_.triangles;
-    const Corners a = sides_[0].in_other(triangles[0]);
+    const TriangleCorners a = sides_[0].in_other(triangles[0]);
     const MeshTriangle& t = solid(1).triangles[at(triangles[1])];
     const std::vector<Vec3>& points = solid(1).points;
     const TriangleAnswer answer =
@@ -245,7 +245,7 @@ class ContactSearch {
   // Whether one of some vertices of a side is surely outside of the box around the other solid: then nothing winds
   // around it, nor around any point of the part that it belongs to.
   bool reaches_out(std::size_t side, const std::array<std::int32_t, 6>& vertices) const {
-    const Side& own = sides_[side];
+    const SolidSide& own = sides_[side];
     const TriangleTree& around = sides_[1 - side].tree();
     for (const std::int32_t vertex : vertices) {
       const Vec3 place = around.units * (own.to_other.apply(solid(side).points[at(vertex)]) - around.middle);

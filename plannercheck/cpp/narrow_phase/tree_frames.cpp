@@ -69,7 +69,7 @@ NearChildren children_near(const TriangleNode& node, const TreeMap& to_other, co
   return {~(float_bits(own > 0.0F) | float_bits(other > 0.0F)) & ((1U << kTreeWidth) - 1), other};
 }
 
-FloatTriangle::FloatTriangle(const Corners& corners, double error, const TriangleTree& tree, double reach) {
+FloatTriangle::FloatTriangle(const TriangleCorners& corners, double error, const TriangleTree& tree, double reach) {
   std::array<Vec3, 3> t;
   double most = 0;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -58,7 +58,7 @@ NearChildren children_near(const TriangleNode& node, const TreeMap& to_other, co
 class FloatTriangle {
  public:
   // `corners` are in the tree's frame and err by `error`; `reach` as in tree_map.
-  FloatTriangle(const Corners& corners, double error, const TriangleTree& tree, double reach);
+  FloatTriangle(const TriangleCorners& corners, double error, const TriangleTree& tree, double reach);
 
   NearChildren children_near(const TriangleNode& node) const;
 

@@ -7,7 +7,7 @@ namespace plannercheck {
 namespace {
 
 // Of sums, products and roots of positive numbers, a few of them one after another.
-constexpr double kRoundedUp = 1 + 16 * kRoundoff;
+constexpr double kLaneRoundedUp = 1 + 16 * kRoundoff;
 
 struct LaneVec {
   Lanes x, y, z;
@@ -56,9 +56,9 @@ void take_edge(const SignBits& a, const SignBits& b, const SignBits& c, unsigned
 }
 
 // `bound`, `normal_error`: of volumes, and of the length of a triangle's normal.
-TriangleLanes against(const Corners& t, const LaneCorners& c, double bound, double normal_error, double reach) {
+TriangleLanes against(const TriangleCorners& t, const LaneCorners& c, double bound, double normal_error, double reach) {
   const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
-  const double far = bound + reach * (norm(normal) + normal_error) * kRoundedUp;
+  const double far = bound + reach * (norm(normal) + normal_error) * kLaneRoundedUp;
   std::array<SignBits, 3> of_c;
   unsigned apart_above = ~0U, apart_below = ~0U;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -104,8 +104,8 @@ TriangleLanes against(const Corners& t, const LaneCorners& c, double bound, doub
 
 }  // namespace
 
-TriangleLanes triangle_against(const Corners& t, double error, const EightTriangles& leaf, Vec3 middle, Vec3 half,
-                               double reach) {
+TriangleLanes triangle_against(const TriangleCorners& t, double error, const EightTriangles& leaf, Vec3 middle,
+                               Vec3 half, double reach) {
   double spread = 0;
   for (int axis = 0; axis < 3; ++axis) {
     double low = middle[axis] - half[axis], high = middle[axis] + half[axis];

@@ -17,7 +17,7 @@ struct TriangleLanes {
 
 // `error`: how far each coordinate of `corners` may be from the exact one. `around`: half extents of a box that holds
 // the leaf's triangles. `reach`: how far from the triangles points of both bodies together may be.
-TriangleLanes triangle_against(const Corners& corners, double error, const EightTriangles& leaf, Vec3 middle, Vec3 half,
-                               double reach);
+TriangleLanes triangle_against(const TriangleCorners& corners, double error, const EightTriangles& leaf, Vec3 middle,
+                               Vec3 half, double reach);
 
 }  // namespace plannercheck

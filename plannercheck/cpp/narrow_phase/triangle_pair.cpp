@@ -17,11 +17,11 @@ constexpr double kLeastSpread = 1e-90, kLargestSpread = 1e90;
 // Signs of volumes: 1, −1, or 0 if rounding leaves it open.
 class Signs {
  public:
-  Signs(const Corners& a, const Corners& b, double error) {
+  Signs(const TriangleCorners& a, const TriangleCorners& b, double error) {
     double spread = 0;
     for (int axis = 0; axis < 3; ++axis) {
       double low = a[0][axis], high = low;
-      for (const Corners* corners : {&a, &b}) {
+      for (const TriangleCorners* corners : {&a, &b}) {
         for (const Vec3& corner : *corners) low = smaller(low, corner[axis]), high = larger(high, corner[axis]);
       }
       spread = larger(spread, high - low);
@@ -45,14 +45,14 @@ struct Sides {
 };
 
 // On which sides of a triangle's plane the other one's corners are.
-Sides sides_of(const Corners& plane, const Corners& corners, const Signs& sign) {
+Sides sides_of(const TriangleCorners& plane, const TriangleCorners& corners, const Signs& sign) {
   const Vec3 normal = cross(plane[1] - plane[0], plane[2] - plane[0]);
   return {{sign(dot(normal, corners[0] - plane[0])), sign(dot(normal, corners[1] - plane[0])),
            sign(dot(normal, corners[2] - plane[0]))}};
 }
 
 // How the line through p and q, from one side of the triangle to the other, passes it.
-TriangleAnswer passes(Vec3 p, Vec3 q, const Corners& t, const Signs& sign) {
+TriangleAnswer passes(Vec3 p, Vec3 q, const TriangleCorners& t, const Signs& sign) {
   const Vec3 way = q - p, a = t[0] - p, b = t[1] - p, c = t[2] - p;
   const std::array<int, 3> turns{sign(dot(way, cross(a, b))), sign(dot(way, cross(b, c))), sign(dot(way, cross(c, a)))};
   bool left = false, right = false, open = false;
@@ -62,7 +62,8 @@ TriangleAnswer passes(Vec3 p, Vec3 q, const Corners& t, const Signs& sign) {
 }
 
 // Whether an edge of one triangle meets the other one; `sides`: those of the first one's corners.
-TriangleAnswer edges_meet(const Corners& edges, const Sides& sides, const Corners& t, const Signs& sign) {
+TriangleAnswer edges_meet(const TriangleCorners& edges, const Sides& sides, const TriangleCorners& t,
+                          const Signs& sign) {
   TriangleAnswer answer = TriangleAnswer::kApart;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t next = k == 2 ? 0 : k + 1;
@@ -86,7 +87,7 @@ double volume_bound(double spread, double error) {
   return spread * spread * (kVolumeOfError * error + kVolumeOfRounding * spread);
 }
 
-TriangleAnswer triangles_meet(const Corners& a, const Corners& b, double error) {
+TriangleAnswer triangles_meet(const TriangleCorners& a, const TriangleCorners& b, double error) {
   const Signs sign(a, b, error);
   if (!sign.are_trusted()) return TriangleAnswer::kOpen;
   const Sides of_a = sides_of(b, a, sign);

@@ -13,7 +13,7 @@
 
 namespace plannercheck {
 
-using Corners = std::array<Vec3, 3>;
+using TriangleCorners = std::array<Vec3, 3>;
 
 // Volumes det(b − a, c − a, d − a) of corners whose coordinates err by `error` and whose differences are at most
 // `spread` in size: whether their signs can be told, and how large they have to be for that.
@@ -23,6 +23,6 @@ double volume_bound(double spread, double error);
 enum class TriangleAnswer { kApart, kMeet, kOpen };
 
 // `error`: how far each coordinate of the corners may be from the exact one.
-TriangleAnswer triangles_meet(const Corners& a, const Corners& b, double error);
+TriangleAnswer triangles_meet(const TriangleCorners& a, const TriangleCorners& b, double error);
 
 }  // namespace plannercheck

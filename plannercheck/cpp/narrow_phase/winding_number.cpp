@@ -18,10 +18,10 @@ constexpr double kTurnOfError = 6, kTurnOfRounding = 12 * kRoundoff;
 constexpr double kHeightOfError = 8, kHeightOfRounding = 64 * kRoundoff;
 
 // Between these, products of three neither overflow nor underflow.
-constexpr double kLeastSize = 1e-90, kLargestSize = 1e90;
+constexpr double kLeastWay = 1e-90, kLargestWay = 1e90;
 
 // Coordinates in floats of the tree's units.
-constexpr float kFloatPlace = 0x1p-21F;
+constexpr float kFloatWay = 0x1p-21F;
 
 int sign_within(double value, double bound) { return value > bound ? 1 : value < -bound ? -1 : 0; }
 int sign_of_difference(double a, double b) { return a > b ? 1 : a < b ? -1 : 0; }
@@ -76,7 +76,7 @@ class FramedPoint {
   std::optional<DyadicVec3> exact_;  // times the determinant
   Dyadic determinant_;
 
-  bool is_trusted(double size) const { return size > kLeastSize && size < kLargestSize && error_ < size; }
+  bool is_trusted(double size) const { return size > kLeastWay && size < kLargestWay && error_ < size; }
 
   // The way from the point to v, times the determinant of the frame's map, which is positive.
   DyadicVec3 to_exactly(Vec3 v) {
@@ -132,7 +132,7 @@ int winding_number(const PosedSolid& around, const Pose& from, Vec3 in_from) {
   const std::array<float, 3> start{static_cast<float>(place.x), static_cast<float>(place.y),
                                    static_cast<float>(place.z)};
   const auto room = static_cast<float>(
-      (1 + norm_max(place)) * static_cast<double>(kFloatPlace) +
+      (1 + norm_max(place)) * static_cast<double>(kFloatWay) +
       2 * tree.units * (point.error() + kRoundoff * (norm_max(tree.middle) + norm_max(point.rounded()))));
   std::array<std::int32_t, kTreeWidth * TriangleTree::kMostLevels> waiting;
   std::size_t count = 0;

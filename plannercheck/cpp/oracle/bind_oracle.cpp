@@ -53,7 +53,8 @@ std::vector<Integer> in_common_unit(const std::vector<Number>& numbers) {
 }
 
 // Verdicts (n,): 1 shared, 0 apart, 2 if no proof was found.
-Verdicts decide(const Points& p, Doubles<-1, 4, 4> poses_p, const Points& r, Doubles<-1, 4, 4> poses_r, bool every) {
+Verdicts decide_verdicts(const Points& p, Doubles<-1, 4, 4> poses_p, const Points& r, Doubles<-1, 4, 4> poses_r,
+                         bool every) {
   const std::size_t count = poses_p.shape(0);
   if (poses_r.shape(0) != count) throw std::invalid_argument("as many poses of one body as of the other");
   check_finite(poses_p.data(), kPoseNumbers * count, "poses"),
@@ -112,7 +113,8 @@ NB_MODULE(_oracle, m) {
             new (self) Points(points_of(vertices, inflation_radius));
           },
           nb::arg("vertices"), nb::arg("inflation_radius"));
-  m.def("decide", &decide, nb::arg("p"), nb::arg("poses_p"), nb::arg("r"), nb::arg("poses_r"), nb::arg("every"));
+  m.def("decide", &decide_verdicts, nb::arg("p"), nb::arg("poses_p"), nb::arg("r"), nb::arg("poses_r"),
+        nb::arg("every"));
   m.def("proof", &proof, nb::arg("p"), nb::arg("pose_p"), nb::arg("r"), nb::arg("pose_r"));
   m.def("separates", &separates, nb::arg("p"), nb::arg("pose_p"), nb::arg("r"), nb::arg("pose_r"), nb::arg("direction"),
         nb::arg("every"));
