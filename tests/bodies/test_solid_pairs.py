@@ -187,3 +187,24 @@ def test_what_is_found_is_a_pair_of_triangles_that_meets():
             found += 1
             assert triangles_meet((mesh[0], mesh[1][[i]]), a, (other[0], other[1][[j]]), b)
     assert found > 20
+
+
+def test_bodies_that_share_a_corner_share_it_at_any_pose():
+    """Both are posed alike, so a common vertex stays one, while rounding of the rest goes either way."""
+    rng = np.random.default_rng(9)
+    tip = np.array([0.3, -0.2, 0.1]) / 3
+    triangles = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    for _ in range(40):
+        corners = rng.uniform(0.1, 1, (3, 3))
+        first = prepared((np.concatenate([[tip], tip + corners]), triangles))
+        second = prepared((np.concatenate([[tip], tip - rng.permuted(corners, axis=0)]), triangles[:, ::-1]))
+        pose = random_pose(rng, 3.0)
+        assert core.solids_contact(first, pose, second, pose)[0] == "triangles"
+
+
+@pytest.mark.parametrize(("height", "meets"), [(0.149, True), (0.151, False)])
+def test_a_small_triangle_over_the_middle_of_a_large_one_meets_it_within_the_radii(height, meets):
+    large = inflated((np.array([[-2.0, -2, 0], [3, -2, 0], [-2, 3, 0]]), np.array([[0, 1, 2]])), 0.1)
+    small = inflated((np.array([[-0.1, 0, height], [0.1, 0, height], [0, 0.1, height]]), np.array([[0, 1, 2]])), 0.05)
+    for one, other in ((large, small), (small, large)):
+        assert (core.solids_contact(one, np.eye(4), other, np.eye(4))[0] == "triangles") == meets

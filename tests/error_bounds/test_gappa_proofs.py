@@ -39,6 +39,7 @@ CHECKED = [
     "inner_shapes",
     "inner_shape_search",
     "motion_check",
+    "motion_rounding",
     "motion_filters",
     "motion_bounds",
     "motion_screen",

@@ -52,15 +52,15 @@ def run_steps():
 
 @pytest.mark.parametrize("step", run_steps())
 def test_the_rounding_of_a_run_holds_each_of_its_sums(step):
-    budget = value("motion_check", "kRunRounding") / U
+    budget = value("motion_rounding", "kRunRounding") / U
     alone = run_steps()[step]
     assert alone < budget / 19
     assert F(97, 100) * budget > 2 * MOST_TURN + 4 * 71 * MOST_PARTS / 2 + alone
-    assert value("motion_check", "kPartRounding") / U > 2 * 71  # of a part more, at most
+    assert value("motion_rounding", "kPartRounding") / U > 2 * 71  # of a part more, at most
 
 
 def test_the_rounding_of_a_run_is_not_half_too_large_for_what_it_allows_for():
-    budget = value("motion_check", "kRunRounding") / U
+    budget = value("motion_rounding", "kRunRounding") / U
     assert 2 * MOST_TURN + max(run_steps().values()) > budget / 2
 
 
@@ -77,7 +77,7 @@ def test_frames_on_chains_of_many_joints_turn_by_no_more_than_a_run_allows_for(j
     # Of general axes and placements, which is the worst: kRunRounding alone is proved for 28 of them in a row.
     turn = KinematicRounding(chain(joints), (), ())._link_errors(np.zeros(joints), np.ones(joints))[0].turn
     assert (turn < float(MOST_TURN * U)) == (joints <= 28)
-    assert 2 * turn < float(value("motion_check", "kTurnRounding")) * joints
+    assert 2 * turn < float(value("motion_rounding", "kTurnRounding")) * joints
 
 
 def sampled_sizes(robot, q):

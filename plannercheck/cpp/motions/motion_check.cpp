@@ -12,6 +12,7 @@
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
+#include "motions/motion_rounding.hpp"
 #include "motions/motion_workspace.hpp"
 #include "motions/solid_separation.hpp"
 #include "narrow_phase/distance.hpp"
@@ -37,13 +38,6 @@ constexpr double kDeepestHint = 1;
 
 // Fewer states are judged one by one, which costs more than it saves (measured).
 constexpr std::size_t kFewestMiddles = 3;
-
-// All rounding here (poses of bodies, directions, products, boxes) is some hundred u = 2^-53 of the operands.
-constexpr double kRunRounding = 0x1p-42, kUnit = 0x1p-53;
-
-// In addition, for each joint on a chain the error of the frame's computed turn, and for each part: the numbers of a
-// quaternion between the ends err by up to 62u.
-constexpr double kTurnRounding = 64 * kUnit, kPartRounding = 144 * kUnit;
 
 // Rounding may take at most this part of the tolerance; beyond, the numbers are too large.
 constexpr double kRoundingPart = 1.0 / 16;
@@ -100,7 +94,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     w_.path.set(q0, q1);
     rates_of(model_.chains, w_.path, w_.rates);
     certifier_.chain_table_->bound(model_.chains, w_.rates, w_.bounds);
-    set_rounding(q0, q1, w_.bounds.largest_curvature(), w_.bounds.longest_arm());
+    const double extent = certifier_.still_size_ + certifier_.mounted_size_;
+    filters_.set_rounding(motion_rounding(model_, extent, w_.path, w_.bounds, q0, q1, kinematic_error_));
   }
 
   bool is_precise() const { return filters_.slack() <= kRoundingPart * tolerance_; }
@@ -115,27 +110,6 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
 
   void pose_grid(double from, double to, int intervals) { w_.grid.place(*posed_, w_.path, from, to, intervals); }
-
-  // How far a gap of two bodies may be off. The bound adds up:
-  // - kinematics: the computed pose of each body is off by at most the kinematic error at the states of the grid, from
-  //   which the proof for exact poses follows; computed poses of states between are off the exact ones by as much
-  //   again: four errors;
-  // - rounding here: of numbers up to how far any body can be from the world's origin; placements that are off rigid,
-  //   and with them directions and chords in links' frames;
-  // - parts off unit length: states go along unit quaternions, cosines and sines, while the ends are posed as given. A
-  //   quaternion of length 1 + ε and that of length 1 differ as matrices by at most 4ε, a circle by ε. Each such part
-  //   on a body's chain moves it by as much of its arm, and both bodies have up to `depth` of them;
-  // - configurations between the ends: their numbers err by at most 8u of the ends', which each joint turns into as
-  //   much of its arm.
-  void set_rounding(const double* q0, const double* q1, double largest, double arm) {
-    double size = 1 + certifier_.still_size_ + certifier_.mounted_size_ + model_.extent + largest / 8 + arm;
-    for (std::size_t c = 0; c < model_.travel.size(); ++c)
-      size += model_.travel[c] * larger(std::fabs(q0[c]), std::fabs(q1[c]));
-    const double part = kRunRounding + kTurnRounding * model_.joints + kPartRounding * model_.depth +
-                        4 * model_.defect + 8 * model_.depth * w_.path.off_unit() +
-                        16 * kUnit * model_.leverage * (1 + w_.path.largest());
-    filters_.set_rounding(4 * kinematic_error_ + part * size, size);
-  }
 
   // In order, where a motion is free up to may depend on pairs that the bounds of speed leave out.
   void find_candidates() {

@@ -11,6 +11,7 @@
 #include "motions/adaptive_subdivision.hpp"
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_grid.hpp"
+#include "motions/motion_rounding.hpp"
 
 namespace plannercheck {
 
@@ -33,7 +34,7 @@ class MotionFilters {
       : model_(model), defects_(defects), grid_(grid), bounds_(bounds) {}
 
   // Sets the bound of all rounding, m, and that of the coordinates involved.
-  void set_rounding(double slack, double size) { slack_ = slack, size_ = size; }
+  void set_rounding(const MotionRounding& rounding) { slack_ = rounding.slack, size_ = rounding.size; }
   double slack() const { return slack_; }
 
   const CertifiedPair& pair(std::int32_t index) const { return model_.pairs[static_cast<std::size_t>(index)]; }

@@ -1,5 +1,5 @@
 # kRunRounding: what a gap of two bodies errs by on a motion (motion_filters.cpp, swept_distance.cpp), times `size`, besides
-# the errors of kinematics, placements off rigid and lengths off 1, which the other terms of set_rounding are for.
+# the errors of kinematics, placements off rigid and lengths off 1, which the other terms of motion_rounding are for.
 #
 # S <= size: how far points, bodies' origins and centres are from the world's origin, and swells; two points |w| <= 2 S.
 # frame:   the turn of the computed pose of the link in whose frame a direction is, up to 800u, acts on w.

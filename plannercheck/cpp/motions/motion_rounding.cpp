@@ -1,0 +1,25 @@
+#include "motions/motion_rounding.hpp"
+
+namespace plannercheck {
+namespace {
+
+// All rounding here (poses of bodies, directions, products, boxes) is some hundred u = 2^-53 of the operands.
+constexpr double kRunRounding = 0x1p-42, kUnit = 0x1p-53;
+
+// In addition, for each joint on a chain the error of the frame's computed turn, and for each part: the numbers of a
+// quaternion between the ends err by up to 62u.
+constexpr double kTurnRounding = 64 * kUnit, kPartRounding = 144 * kUnit;
+
+}  // namespace
+
+MotionRounding motion_rounding(const MotionModel& model, double extent, const ConfigurationPath& path,
+                               const ChainBounds& bounds, const double* q0, const double* q1, double kinematic_error) {
+  double size = 1 + extent + model.extent + bounds.largest_curvature() / 8 + bounds.longest_arm();
+  for (std::size_t c = 0; c < model.travel.size(); ++c)
+    size += model.travel[c] * larger(std::fabs(q0[c]), std::fabs(q1[c]));
+  const double part = kRunRounding + kTurnRounding * model.joints + kPartRounding * model.depth + 4 * model.defect +
+                      8 * model.depth * path.off_unit() + 16 * kUnit * model.leverage * (1 + path.largest());
+  return {4 * kinematic_error + part * size, size};
+}
+
+}  // namespace plannercheck
