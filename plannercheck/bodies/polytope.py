@@ -29,7 +29,6 @@ from plannercheck.common.public_names import set_module
 # Largest coordinate in m: beyond it products of three coordinates could overflow in the filters.
 LARGEST_COORDINATE = 1e50
 
-
 _NO_ARRAYS: dict[str, NDArray[Any]] = {}
 
 
