@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from solid_meshes import at, box, meshes, prepared, random_pose, ring, winding
 
 from plannercheck.common.core import core
-from tests.bodies.test_solid_pairs import at, box, meshes, prepared, random_pose, ring, winding
 
 CLOSED = ("box", "ring", "fine ring", "hollow box", "nested boxes", "box beside a ring")
 IDENTITY = np.eye(4)
