@@ -48,8 +48,15 @@ def _hints(kind: type) -> dict[str, Any]:
     return get_type_hints(kind)
 
 
-def _read(kind: Any, value: Any, where: str) -> Any:
+def _origin(kind: Any) -> Any:
+    """What an annotation is made of. NumPy's NDArray is an alias with a name of its own from 2.5 on."""
     origin = get_origin(kind)
+    meant = getattr(origin, "__value__", None)
+    return origin if meant is None else get_origin(meant)
+
+
+def _read(kind: Any, value: Any, where: str) -> Any:
+    origin = _origin(kind)
     if is_dataclass(kind):
         return _object(kind, value, where)
     if origin is Literal:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import shutil
+import sys
+import typing
 from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
@@ -17,6 +20,7 @@ from plannercheck.motions.proof_confirmation import confirm_model
 from plannercheck.proofs import Proof, load_proofs, save_proofs
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
+from plannercheck.proofs.plain_data import from_plain
 from plannercheck.proofs.urdf_joints import read_tree
 
 
@@ -427,3 +431,12 @@ def test_commands_say_what_is_wrong(plan, tmp_path, capsys):
     ):
         assert main(arguments) == 2
         assert message in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.version_info < (3, 12), reason="aliases with names of their own are new in Python 3.12")
+def test_arrays_are_read_where_their_annotation_has_a_name_of_its_own():
+    """NumPy's NDArray is such an alias from 2.5 on: no proof could be loaded."""
+    element = typing.TypeVar("element")
+    named = typing.TypeAliasType("named", np.ndarray[tuple[int, ...], np.dtype[element]], type_params=(element,))
+    kind = dataclasses.make_dataclass("kind", [("rows", named[np.float64])], frozen=True)
+    np.testing.assert_array_equal(from_plain(kind, {"rows": [[1.0, 2.0]]}, "it").rows, [[1.0, 2.0]])
