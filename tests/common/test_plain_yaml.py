@@ -186,6 +186,15 @@ def test_random_lines(seed):
     assert read > 20
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["a: x\n  b: 1", "a: 1\n  b: 2\nc: 3", "- x\n  b: 1", "a:\n  b: x\n    c: 1", "a:\n- b: 1\n    c: 2", "- 1\n  - 2"],
+)
+def test_lines_that_may_continue_the_text_before_them_are_left_to_the_others(text):
+    assert plain_yaml.value_of_lines(text) is None
+    assert_same(text)
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_documents_as_programs_write_them_are_read_by_the_core(seed):
     rng = random.Random(seed)
