@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.polytope import Polytope, prepared
+from plannercheck.bodies.core_polytopes import core_polytope
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 
 # The determinant of orient3d in doubles errs by at most (7 + 56 u) u times its permanent, u = 2^-53 (Shewchuk,
@@ -45,14 +45,15 @@ def is_hull(points: Floats, triangles: Ints, is_closed: bool) -> bool:
         True only if it is. False for a mesh with a volume only if it is not; flat meshes are their hulls if one
         triangle has all the hull's vertices.
     """
-    hull = Polytope(points) if len(points) <= _FEW_POINTS else prepared(points)
+    hull = core_polytope(points, cached=len(points) > _FEW_POINTS)
+    source = hull.source()
     if hull.dimension < 3:
-        has_all = [(triangles == vertex).any(axis=1) for vertex in hull.source.tolist()[: _CORNERS + 1]]
+        has_all = [(triangles == vertex).any(axis=1) for vertex in source.tolist()[: _CORNERS + 1]]
         return bool(np.logical_and.reduce(has_all).any())
     if not is_closed:
         return False
     signs = _Signs(points)
-    return _lie_in_boundary(triangles, hull.source[hull.faces], signs) and signs.volume_sign(triangles) != 0
+    return _lie_in_boundary(triangles, source[hull.triangles()], signs) and signs.volume_sign(triangles) != 0
 
 
 def _lie_in_boundary(triangles: Ints, facets: Ints, signs: _Signs) -> bool:

@@ -1,15 +1,12 @@
 """Convex bodies prepared for queries: the exact hull, its hierarchy, and the hierarchy of its polar.
 
 In: vertices in m, with or without faces. Out: `Polytope`, immutable, which can be saved, loaded and pickled; and
-`prepared`, which makes one through a disk cache keyed by content. The core does the work (cpp/bodies/hull, hierarchy
-and body).
+`prepared`, which makes one through a disk cache keyed by content. Both are the core's bodies (core_polytopes.py) with
+the public names.
 """
 
 from __future__ import annotations
 
-import contextlib
-import itertools
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,15 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from plannercheck.bodies import polytope_files as body_files
 from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
+from plannercheck.bodies.core_polytopes import LARGEST_COORDINATE, core_polytope, fans, parsed_polytope
+from plannercheck.bodies.polytope_files import GivenFaces
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats, Ints
-from plannercheck.common.arrays import contiguous, read_only
+from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
-
-# Largest coordinate in m: beyond it products of three coordinates could overflow in the filters.
-LARGEST_COORDINATE = 1e50
 
 _NO_ARRAYS: dict[str, NDArray[Any]] = {}
 
@@ -54,7 +50,7 @@ class Polytope:
     def __init__(
         self,
         vertices: ArrayLike,
-        faces: Sequence[ArrayLike] | NDArray[np.integer[Any]] | None = None,
+        faces: GivenFaces | None = None,
         inflation_radius: float = 0.0,
         name: str = "polytope",
         *,
@@ -83,19 +79,9 @@ class Polytope:
             if faces is not None or inflation_radius:
                 raise PlannercheckError(f"{name} is a {type(vertices).__name__}, which has its own faces and radius")
             vertices, inflation_radius = points_of_geometry(vertices, name)
-        points = _checked_points(vertices, name)
-        try:
-            if faces is None:
-                self._adopt(core.Polytope.from_points(points, _checked_inflation_radius(inflation_radius, name)))
-            else:
-                self._adopt(
-                    core.Polytope.from_faces(
-                        points, fans(faces, len(points), name), _checked_inflation_radius(inflation_radius, name)
-                    )
-                )
-        except core.HullError as error:
-            raise PlannercheckError(f"{name} ({len(points)} points) has no hull to work with: {error}") from error
-        self._core = self.of_solid(given).core if isinstance(given, Solid) else self._core
+        self._adopt(core_polytope(vertices, faces, inflation_radius, name))
+        if isinstance(given, Solid):
+            self._core = self.of_solid(given).core
 
     def _adopt(self, body: Any) -> None:
         self._core = body
@@ -225,10 +211,7 @@ class Polytope:
 
     @classmethod
     def _from_bytes(cls, data: bytes, *solid: NDArray[Any]) -> Polytope:
-        try:
-            body = core.Polytope.parse(data)
-        except core.HullError as error:
-            raise PlannercheckError(f"not a prepared body: {error}") from error
+        body = parsed_polytope(data)
         return cls._from_core(body.with_solid(core.Solid(*solid)) if solid else body)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -268,7 +251,7 @@ def _box_triangles() -> Ints:
 
 
 def prepared(
-    vertices: ArrayLike, faces: Sequence[ArrayLike] | None = None, inflation_radius: float = 0.0, name: str = "polytope"
+    vertices: ArrayLike, faces: GivenFaces | None = None, inflation_radius: float = 0.0, name: str = "polytope"
 ) -> Polytope:
     """A `Polytope` through the disk cache: the second preparation of the same points reads a file.
 
@@ -281,24 +264,7 @@ def prepared(
     Returns:
         The prepared body. `PLANNERCHECK_CACHE=0` turns the cache off; any other value is the cache's folder.
     """
-    points = _checked_points(vertices, name)
-    cache = body_files.cache_file(points, faces, inflation_radius)
-    if cache is not None and (data := body_files.read_cached(cache)) is not None:
-        with contextlib.suppress(PlannercheckError):  # a damaged file is prepared anew
-            found = Polytope._from_bytes(data)
-            if _is_of(found, points, inflation_radius):
-                return found
-    polytope = Polytope(points, faces, inflation_radius, name)
-    if cache is not None:
-        body_files.write_to_cache(cache, polytope.core.serialise())
-    return polytope
-
-
-def _is_of(body: Polytope, points: Floats, inflation_radius: float) -> bool:
-    """Whether a body has this inflation radius, and its vertices are some of these points."""
-    source = body.source
-    known = not len(source) or bool(source.min() >= 0 and source.max() < len(points))
-    return known and body.inflation_radius == inflation_radius and body.vertices.tobytes() == points[source].tobytes()
+    return Polytope._from_core(core_polytope(vertices, faces, inflation_radius, name, cached=True))
 
 
 def _checked_directions(directions: ArrayLike) -> Floats:
@@ -311,41 +277,3 @@ def _checked_directions(directions: ArrayLike) -> Floats:
     # Large ones could overflow in products; powers of two change no verdict.
     exponents = np.maximum(np.frexp(np.abs(rows).max(axis=1, keepdims=True))[1], 0)
     return np.ascontiguousarray(np.ldexp(rows, -exponents))
-
-
-def _checked_points(vertices: ArrayLike, name: str) -> Floats:
-    try:
-        points = contiguous(vertices)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise PlannercheckError(f"{name}: vertices must be an array of numbers of shape (n, 3): {error}") from error
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise PlannercheckError(f"{name}: vertices must have shape (n, 3), not {points.shape}")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
-        raise PlannercheckError(f"{name}: vertex {bad[0]} is {points[bad[0]].tolist()}, it must be finite")
-    if len(points) == 0:
-        raise PlannercheckError(f"{name} has no points, a body needs at least one")
-    if np.abs(points).max() > LARGEST_COORDINATE:
-        raise PlannercheckError(f"{name}: coordinates must be at most {LARGEST_COORDINATE:g} m in size")
-    return points
-
-
-def _checked_inflation_radius(inflation_radius: float, name: str) -> float:
-    if not 0 <= inflation_radius <= LARGEST_COORDINATE:
-        raise PlannercheckError(
-            f"{name}: inflation radius must be a length in m of at least 0, not {inflation_radius!r}"
-        )
-    return float(inflation_radius)
-
-
-def fans(faces: Sequence[ArrayLike] | NDArray[np.integer[Any]], points: int, name: str) -> Ints:
-    """Cuts polygons into fans of triangles (m, 3)."""
-    triangles: list[tuple[int, int, int]] = []
-    for number, face in enumerate(faces):
-        corners = [int(c) for c in np.asarray(face).ravel()]
-        if len(corners) < 3 or len(set(corners)) != len(corners):
-            raise PlannercheckError(f"{name}: face {number} is {corners}, it needs at least 3 different corners")
-        if min(corners) < 0 or max(corners) >= points:
-            raise PlannercheckError(f"{name}: face {number} names a vertex beyond 0 … {points - 1}: {corners}")
-        triangles += [(corners[0], b, c) for b, c in itertools.pairwise(corners[1:])]
-    return np.array(triangles, dtype=np.int32).reshape(-1, 3)

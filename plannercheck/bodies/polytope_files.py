@@ -13,6 +13,7 @@ import stat
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 import platformdirs
@@ -21,6 +22,9 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
+
+# Polygons of indices of points, as callers give them.
+GivenFaces: TypeAlias = Sequence[ArrayLike] | NDArray[np.integer[Any]]
 
 _MAGIC = b"plannercheck body"
 _HASH_BYTES = 32
@@ -115,7 +119,7 @@ def cache_folder() -> Path | None:
     return Path(setting) if setting else Path(platformdirs.user_cache_dir("plannercheck"))
 
 
-def cache_file(points: NDArray[np.float64], faces: Sequence[ArrayLike] | None, inflation_radius: float) -> Path | None:
+def cache_file(points: NDArray[np.float64], faces: GivenFaces | None, inflation_radius: float) -> Path | None:
     """Where the prepared body of these points is cached; None if the cache is off."""
     folder = cache_folder()
     if folder is None:

@@ -32,12 +32,12 @@ from plannercheck.bodies.circumscribed import (
     without_volume,
 )
 from plannercheck.bodies.solids import Solid
+from plannercheck.common.array_types import Faces
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 
 Points: TypeAlias = NDArray[np.float64]
-Faces: TypeAlias = list[NDArray[np.int64]]
 
 # How far the polytope of a cylinder or cone sticks out, as a part of its radius: 5 µm for a link of 5 cm.
 DEFAULT_EXCESS = 1e-4

@@ -13,19 +13,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from plannercheck.common.array_types import Floats, Ints
+from plannercheck.bodies.hull_equality import is_hull
+from plannercheck.bodies.mesh_files import corners_of_file, named_file, warn_of_size
+from plannercheck.common.array_types import Faces, Floats, Ints
 from plannercheck.common.arrays import read_only, read_only_copy, real_numbers, shown_array
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
-
-if TYPE_CHECKING:
-    from plannercheck.bodies.shapes import Faces
 
 
 @set_module("plannercheck")
@@ -63,13 +62,10 @@ class Solid:
         Raises:
             PlannercheckError: If the file is missing or no mesh, or has no triangles.
         """
-        from plannercheck.bodies.meshes import corners_of_file  # here, since hulls of meshes are shapes, as this is
-
         points, triangles = corners_of_file(path, scale)
-        try:
+        with named_file(path):
             solid = cls(*_merged(points, triangles))
-        except PlannercheckError as error:
-            raise PlannercheckError(f"mesh file {str(path)!r}: {error}") from None
+        warn_of_size(path, points, stacklevel=2)
         if not solid.is_closed:
             warnings.warn(f"mesh file {str(path)!r} {OPEN_WORDS}", RuntimeWarning, stacklevel=2)
         return solid
@@ -97,8 +93,6 @@ class Solid:
 
         Of solids without volume, only those of which one triangle holds all count as their hulls.
         """
-        from plannercheck.bodies.hull_equality import is_hull  # here, since prepared bodies are made of shapes
-
         return is_hull(*self.used, self.is_closed)
 
     @cached_property

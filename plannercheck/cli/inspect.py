@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from plannercheck import planar
 from plannercheck.bodies.convex_decomposition import polytope_volume
-from plannercheck.bodies.meshes import load_triangles
+from plannercheck.bodies.mesh_files import load_triangles
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull
 from plannercheck.bodies.solids import Solid

@@ -20,7 +20,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.given_shapes import sized_shape_of_coal
-from plannercheck.bodies.meshes import check_mesh, mesh_hint
+from plannercheck.bodies.mesh_files import check_mesh, mesh_hint
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.meshes import corners_of_file, hull_of_triangles, load_mesh
+from plannercheck.bodies.mesh_files import corners_of_file
+from plannercheck.bodies.meshes import hull_of_triangles, load_mesh
 from plannercheck.bodies.shapes import Hull
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from plannercheck.bodies.circumscribed import prism_faces
-from plannercheck.bodies.polytope import fans
+from plannercheck.bodies.core_polytopes import fans
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.planar.certificates import SharedPoint
 from plannercheck.planar.checker import Checker

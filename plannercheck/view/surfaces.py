@@ -15,7 +15,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.polytope import fans, prepared
+from plannercheck.bodies.core_polytopes import fans
+from plannercheck.bodies.polytope import prepared
 from plannercheck.bodies.shapes import Hull, Shape
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.errors import PlannercheckError

@@ -29,8 +29,8 @@ from scipy.optimize import nnls
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
+from plannercheck.bodies.coal_bodies import coal_hull
 from plannercheck.common.core import core
-from plannercheck.evaluation.bench.other_libraries import coal_hull
 from plannercheck.evaluation.bench.records import write_record
 from plannercheck.evaluation.stress.body_families import family
 

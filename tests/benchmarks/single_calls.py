@@ -19,9 +19,9 @@ import numpy as np
 from ompl import base
 
 import plannercheck as pc
+from plannercheck.bodies.coal_bodies import coal_hull
 from plannercheck.bodies.intersection import pair_options
 from plannercheck.common.core import core
-from plannercheck.evaluation.bench.other_libraries import coal_hull
 from plannercheck.evaluation.bench.pairs import GAPS
 from plannercheck.evaluation.bench.records import write_record
 from plannercheck.evaluation.bench.timing import least_seconds

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import plannercheck as pc
-from plannercheck.bodies.polytope import LARGEST_COORDINATE
+from plannercheck.bodies.core_polytopes import LARGEST_COORDINATE
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Sphere
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import body_families as families

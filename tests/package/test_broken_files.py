@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import plannercheck as pc
-from plannercheck.bodies.meshes import load_mesh, load_triangles
+from plannercheck.bodies.mesh_files import load_triangles
+from plannercheck.bodies.meshes import load_mesh
 from plannercheck.cli import main as cli
 from plannercheck.common.checked_yaml import parse_yaml
 from plannercheck.evaluation.stress.failing_cases import Case

@@ -123,6 +123,8 @@ def test_the_package_imports_only_what_is_below(lint):
         ("bodies/shapes.py", "import plannercheck.robots.robot", "plannercheck.bodies.shapes -> plannercheck.robots"),
         ("robots/srdf.py", "import plannercheck.scenes.scene", "plannercheck.robots.srdf -> plannercheck.scenes"),
         ("ndim/game.py", "from plannercheck.bodies import polytope", "plannercheck.ndim.game -> plannercheck.bodies"),
+        # A circle inside a folder, and through a function.
+        ("bodies/solids.py", "def f():\n    import plannercheck.bodies.shapes", "in plannercheck.bodies. It could"),
     ],
 )
 def test_a_wrong_import_is_found(lint, tmp_path, file, line, says):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bodies.coal_bodies import coal_hull
 from plannercheck.bodies.fcl_bodies import FclBodies
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Sphere
@@ -140,18 +141,3 @@ def coal_shape(body: GeometryObject, polytope: Polytope) -> Any:
         case Capsule(radius=radius, length=length):
             return coal.Capsule(radius, length)
     return coal_hull(polytope, body.name)
-
-
-def coal_hull(polytope: Polytope, name: str) -> Any:
-    """A convex hull in coal."""
-    import coal
-
-    if polytope.dimension < 3:  # a segmentation fault in coal 3.0
-        raise PlannercheckError(f"coal has no shape for {name}, which has no volume")
-    points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-    points.extend(list(polytope.vertices))
-    triangles.extend([coal.Triangle(*face) for face in polytope.faces.tolist()])
-    try:
-        return coal.Convex(points, triangles)
-    except RuntimeError as error:
-        raise PlannercheckError(f"coal refuses {name}: {error}") from error

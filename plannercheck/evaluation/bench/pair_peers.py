@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from plannercheck.bodies.coal_bodies import coal_hull
 from plannercheck.bodies.fcl_bodies import fcl_hull, load_fcl
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.coal_loop import COLD_VARIANTS, CoalLoop, PosedBodies
-from plannercheck.evaluation.bench.other_libraries import coal_hull
 
 Posed = tuple[Floats, Floats]
 Bodies = tuple[Polytope, Polytope]

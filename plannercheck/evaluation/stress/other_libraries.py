@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, Protocol, TypeVar
 
+from plannercheck.bodies.coal_bodies import coal_hull
 from plannercheck.bodies.fcl_bodies import fcl_hull, load_fcl
-from plannercheck.evaluation.bench.other_libraries import coal_hull
 from plannercheck.evaluation.stress.contact_poses import Points
 from plannercheck.evaluation.stress.random_cases import Draw
 from plannercheck.evaluation.stress.sample_bodies import Specimen

@@ -7,15 +7,12 @@ seed and the number of pairs.
 
 from __future__ import annotations
 
-import contextlib
-import multiprocessing
-import signal
 import threading
 import time
-from collections import Counter, defaultdict, deque
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from plannercheck.bodies import exact_reference as exact
 from plannercheck.bodies.certificates import SharedPoint
@@ -29,6 +26,7 @@ from plannercheck.evaluation.stress.other_libraries import Peer
 from plannercheck.evaluation.stress.random_cases import GAPS, Draw, numbered_draw
 from plannercheck.evaluation.stress.sample_bodies import Specimen
 from plannercheck.evaluation.stress.supervised_process import Supervised
+from plannercheck.evaluation.worker_processes import Workers, workers
 
 Outcome = bool | str  # a verdict, or the kind of failure
 
@@ -43,8 +41,6 @@ THOROUGH_DRAWS = 8
 CERTIFIED_DRAWS = 4
 # Draws that a process judges at a time.
 CHUNK = 40
-# Parts of a run that are begun before they are asked for, on any number of processes.
-UNDER_WAY = 2048
 CERTIFICATE = "certificate"
 OURS = (*METHODS, CERTIFICATE)
 ORACLE = "oracle of the run"  # in the list of times; a method is called oracle, too
@@ -104,6 +100,15 @@ class StressTally:
         return failed
 
 
+class Task(NamedTuple):
+    """Draws of a seed with numbers from `first` to before `past`."""
+
+    seed: int
+    first: int
+    past: int
+    peers: tuple[Peer[Draw], ...]
+
+
 def run(
     pairs: int,
     seed: int,
@@ -124,12 +129,11 @@ def run(
         The tally.
     """
     tally = StressTally()
-    with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(_stoppable_pool(processes)) if processes > 1 else None
+    with workers(processes) as some:
         first = 0
         while (left := pairs - tally.pairs.total()) > 0:  # more than once where bodies are refused
             past = first + -(-left // len(GAPS))
-            for found in _judged(pool, seed, first, past, peers):
+            for found in _judged(some, 1 if processes == 1 else CHUNK, Task(seed, first, past, tuple(peers))):
                 tally.merge(found)
                 if progress is not None:
                     progress(tally)
@@ -137,57 +141,22 @@ def run(
     return tally
 
 
-@contextlib.contextmanager
-def _stoppable_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes that do not outlive the run, nor speak of Ctrl-C, which reaches all of a terminal's processes."""
-    with ProcessPoolExecutor(processes, initializer=_ignore_ctrl_c) as pool:
-        try:
-            yield pool
-        except BaseException:
-            for child in multiprocessing.active_children():
-                child.terminate()
-            raise
+def _judged(some: Workers, size: int, whole: Task) -> Iterator[StressTally]:
+    """The tallies of draws, in their order, `size` at a time."""
+    starts = range(whole.first, whole.past, size)
+    return some.results(judge_draws, (whole._replace(first=k, past=min(k + size, whole.past)) for k in starts))
 
 
-def _ignore_ctrl_c() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the parent's handler would raise
-
-
-def _judged(
-    pool: ProcessPoolExecutor | None, seed: int, first: int, past: int, peers: Sequence[Peer[Draw]]
-) -> Iterator[StressTally]:
-    """The tallies of draws with numbers from `first` on, in their order."""
-    size = 1 if pool is None else CHUNK
-    starts = range(first, past, size)
-    ends = [min(start + size, past) for start in starts]
-    chunks = [(seed, start, end, peers) for start, end in zip(starts, ends, strict=True)]
-    return (judge_draws(*chunk) for chunk in chunks) if pool is None else _ahead(pool, chunks)
-
-
-def _ahead(
-    pool: ProcessPoolExecutor, chunks: Iterable[tuple[int, int, int, Sequence[Peer[Draw]]]]
-) -> Iterator[StressTally]:
-    """In order, a few of them under way: `pool.map` begins all, and can't be left without a traceback."""
-    under_way: deque[Future[StressTally]] = deque()
-    for chunk in chunks:
-        under_way.append(pool.submit(judge_draws, *chunk))
-        if len(under_way) >= UNDER_WAY:
-            yield under_way.popleft().result()
-    while under_way:
-        yield under_way.popleft().result()
-
-
-def judge_draws(seed: int, first: int, past: int, peers: Sequence[Peer[Draw]]) -> StressTally:
-    """What is found on the draws of a seed with numbers from `first` to before `past`."""
+def judge_draws(task: Task) -> StressTally:
+    """What is found on some draws."""
     tally = StressTally()
-    for number in range(first, past):
+    for number in range(task.first, task.past):
         try:
-            drawn = numbered_draw(seed, number)
+            drawn = numbered_draw(task.seed, number)
         except PlannercheckError as error:
             tally.refused.update([_reason(error)])
             continue
-        judge(drawn, tally, peers, number)
+        judge(drawn, tally, task.peers, number)
     return tally
 
 

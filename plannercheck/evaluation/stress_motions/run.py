@@ -7,7 +7,6 @@ of its own, so the results do not depend on the number of processes.
 from __future__ import annotations
 
 import itertools
-import multiprocessing
 import os
 import time
 import warnings
@@ -35,6 +34,7 @@ from plannercheck.evaluation.stress_motions.planar_draws import CURVES, PLANAR_F
 from plannercheck.evaluation.stress_motions.recipes import Recipe, planar_robot_of, robot_of
 from plannercheck.evaluation.stress_motions.subjects import Subject, subject_of
 from plannercheck.evaluation.stress_motions.unposed_robots import UNPOSED, judge_unposed
+from plannercheck.evaluation.worker_processes import workers
 
 # Families and how often they are drawn. Those of which a draw is costly, or small, are rarer.
 WEIGHTS: dict[str, float] = {
@@ -151,10 +151,12 @@ def run(
     """
     tally = MotionTally()
     each = 0 if verified == 0 else -(-verified * MOTIONS // motions)
-    for outcome in _outcomes(list(tasks(motions, seed, each, families)), processes):
-        tally.add(outcome)
-        if progress is not None:
-            progress(tally)
+    os.environ["PLANNERCHECK_CACHE"] = "0"  # millions of bodies that no one will meet again
+    with workers(processes) as some:
+        for outcome in some.results(outcome_of, tasks(motions, seed, each, families)):
+            tally.add(outcome)
+            if progress is not None:
+                progress(tally)
     return tally
 
 
@@ -168,16 +170,6 @@ def tasks(motions: int, seed: int, verified: int, families: tuple[str, ...]) -> 
         family = str(np.random.default_rng([seed, number, _DRAWN]).choice(families, p=weights / weights.sum()))
         planned += _SIZES.get(family, MOTIONS)
         yield Task(seed, number, family, verified)
-
-
-def _outcomes(work: list[Task], processes: int) -> Iterator[Outcome]:
-    """In the order of the draws."""
-    os.environ["PLANNERCHECK_CACHE"] = "0"  # millions of bodies that no one will meet again
-    if processes == 1:
-        yield from map(outcome_of, work)
-        return
-    with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        yield from pool.imap(outcome_of, work)
 
 
 def outcome_of(task: Task) -> Outcome:

@@ -8,7 +8,6 @@ so the results do not depend on the number of processes.
 from __future__ import annotations
 
 import itertools
-import multiprocessing
 import os
 import time
 from collections import Counter, defaultdict
@@ -23,6 +22,7 @@ from plannercheck.evaluation.stress_solids.bodies import decided
 from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
 from plannercheck.evaluation.stress_solids.draws import ANY_OFFSET, Draw, numbered_draw
 from plannercheck.evaluation.stress_solids.judges import OURS, UNFIT, WRONG, Outcome, verdicts
+from plannercheck.evaluation.worker_processes import workers
 
 # Every so many draws of few pairs of triangles, some of the oracle's verdicts are held against whole numbers alone, all
 # pairs of triangles and every vertex.
@@ -107,29 +107,20 @@ def run(
     Returns:
         The tally.
     """
+    os.environ["PLANNERCHECK_CACHE"] = "0"  # bodies that no one will meet again
     tally = SolidTally()
-    for found in _outcomes(_tasks(seed, tuple(peers)), processes):
-        tally.merge(found)
-        if progress is not None:
-            progress(tally)
-        if tally.pairs.total() >= pairs:
-            break
+    with workers(processes) as some:
+        for found in some.results(judge_draws, _tasks(seed, tuple(peers))):
+            tally.merge(found)
+            if progress is not None:
+                progress(tally)
+            if tally.pairs.total() >= pairs:
+                break
     return tally
 
 
 def _tasks(seed: int, peers: tuple[Peer[Draw], ...]) -> Iterator[Task]:
     return (Task(seed, first, first + _CHUNK, peers) for first in itertools.count(0, _CHUNK))
-
-
-def _outcomes(tasks: Iterator[Task], processes: int) -> Iterator[SolidTally]:
-    """In the order of the draws, without end."""
-    os.environ["PLANNERCHECK_CACHE"] = "0"  # bodies that no one will meet again
-    if processes == 1:
-        yield from map(judge_draws, tasks)
-        return
-    with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        while True:
-            yield from pool.imap(judge_draws, itertools.islice(tasks, 8 * processes))
 
 
 def judge_draws(task: Task) -> SolidTally:

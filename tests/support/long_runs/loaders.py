@@ -22,7 +22,8 @@ import numpy as np
 import plannercheck as pc
 from long_runs import forked, seed_files
 from long_runs.mutations import damaged, mutated_text
-from plannercheck.bodies.meshes import load_mesh, load_triangles
+from plannercheck.bodies.mesh_files import load_triangles
+from plannercheck.bodies.meshes import load_mesh
 from plannercheck.evaluation.stress.failing_cases import Case
 from plannercheck.evaluation.stress_motions.cases import MotionCase
 from plannercheck.ompl.plans import Plan
