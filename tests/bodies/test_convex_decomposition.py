@@ -6,6 +6,7 @@ import importlib.util
 
 import numpy as np
 import pytest
+import solid_meshes
 
 import plannercheck as pc
 from plannercheck.bodies import convex_decomposition as decomposition
@@ -23,13 +24,8 @@ def box(low, high):
 
 
 def angle():
-    """An L of three metres by two, one deep: prism over six points; watertight, concave."""
-    flat = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (0, 2)]
-    points = np.array([[x, y, z] for z in (0.0, 1.0) for x, y in flat])
-    top = [(6, 7, 9), (7, 8, 9), (6, 9, 10), (6, 10, 11)]
-    bottom = [(c - 6, b - 6, a - 6) for a, b, c in top]
-    sides = [t for k in range(6) for j in [(k + 1) % 6] for t in ((k, j, j + 6), (k, j + 6, k + 6))]
-    return TriangleMesh.of(points, np.array(top + bottom + sides))
+    """The L, as a mesh."""
+    return TriangleMesh.of(*solid_meshes.angle())
 
 
 def surface_points(mesh, n, seed):

@@ -5,21 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from solid_meshes import ring
 
 import plannercheck as pc
 from plannercheck.bodies.solid_separations import SolidSeparation
-
-
-def _torus(around: int = 12, across: int = 6, radius: float = 0.25) -> pc.Solid:
-    """A ring of radius 1 about z."""
-    u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
-    a, b = 2 * np.pi * u / around, 2 * np.pi * v / across
-    reach = 1 + radius * np.cos(b)
-    points = np.stack([reach * np.cos(a), reach * np.sin(a), radius * np.sin(b)], axis=-1).reshape(-1, 3)
-    here, right = u * across + v, (u + 1) % around * across + v
-    up, both = u * across + (v + 1) % across, (u + 1) % around * across + (v + 1) % across
-    corners = [np.stack([here, right, both], axis=-1), np.stack([here, both, up], axis=-1)]
-    return pc.Solid(points, np.concatenate([each.reshape(-1, 3) for each in corners]))
 
 
 def _box_with_a_hollow() -> pc.Solid:
@@ -33,9 +22,9 @@ def _box_with_a_hollow() -> pc.Solid:
 def _linked() -> SolidSeparation:
     """Two rings of a chain."""
     pose = np.array([[1.0, 0, 0, 1], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-    ring = _torus()
-    assert not pc.intersects(ring, ring, None, pose)
-    certificate = pc.certify(ring, ring, None, pose)
+    links = pc.Solid(*ring(12, 6, 0.25))
+    assert not pc.intersects(links, links, None, pose)
+    certificate = pc.certify(links, links, None, pose)
     assert isinstance(certificate, SolidSeparation)
     return certificate
 

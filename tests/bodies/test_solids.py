@@ -10,6 +10,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import trimesh
+from solid_meshes import angle
 
 import plannercheck as pc
 from plannercheck.bodies import exact_reference as exact
@@ -38,16 +39,6 @@ def hollow(inner=0.5):
     """A cube of edge 2 with a cube in it left out."""
     points, corners = np.asarray(CUBE.vertices), np.asarray(CUBE.faces)
     return joined((points, corners), (inner * points, corners[:, ::-1]))
-
-
-def angle():
-    """An L of three by two by one: concave."""
-    flat = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (0, 2)]
-    points = np.array([[x, y, z] for z in (0.0, 1.0) for x, y in flat])
-    top = [(6, 7, 9), (7, 8, 9), (6, 9, 10), (6, 10, 11)]
-    bottom = [(c - 6, b - 6, a - 6) for a, b, c in top]
-    sides = [t for k in range(6) for j in [(k + 1) % 6] for t in ((k, j, j + 6), (k, j + 6, k + 6))]
-    return points, np.array(top + bottom + sides)
 
 
 def at(*position):

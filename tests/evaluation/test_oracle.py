@@ -15,6 +15,7 @@ from plannercheck.bodies import exact_reference as exact
 from plannercheck.common.core import core
 from plannercheck.evaluation.stress import oracle as oracles
 from plannercheck.evaluation.stress import run as stress
+from plannercheck.evaluation.stress.failure_tables import EXCEPTION
 from plannercheck.evaluation.stress.oracle import Oracle
 from plannercheck.evaluation.stress.random_cases import RELATIONS, ROTATIONS, Placement, draws
 
@@ -216,7 +217,7 @@ def test_the_cores_certificates_are_proved_or_counted(monkeypatch):
 
     monkeypatch.setattr(oracles, "core", Wrong)
     assert {oracle.certified(k) for k in range(len(truth))} == {None}
-    assert stress._proved(oracle, 0) == stress.EXCEPTION
+    assert stress._proved(oracle, 0) == EXCEPTION
 
 
 def test_what_the_oracle_does_not_prove_integers_decide(monkeypatch):

@@ -17,6 +17,7 @@ from plannercheck.bodies import exact_reference as exact
 from plannercheck.cli.main import main
 from plannercheck.evaluation.stress import run as stress
 from plannercheck.evaluation.stress.failing_cases import Case, shrunk
+from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG
 from plannercheck.evaluation.stress.other_libraries import Coal, Fcl
 from plannercheck.evaluation.stress.random_cases import FAMILY_NAMES, GAPS, Draw, draw, draws
 from plannercheck.evaluation.stress.supervised_process import Supervised
@@ -48,7 +49,7 @@ def test_the_tables_count_every_pair_and_the_errors_of_peers(tally: stress.Stres
     assert len(totals) == 2
     for total in totals:
         assert total[1:6] == [str(tally.pairs.total()), totals[0][2], "0", "0", "0"]
-    wrong = sum(n for (who, kind, _), n in tally.failures.items() if (who, kind) == ("coal", stress.WRONG))
+    wrong = sum(n for (who, kind, _), n in tally.failures.items() if (who, kind) == ("coal", WRONG))
     assert wrong == int(totals[0][6]) + int(totals[0][7]) > 0
 
 
@@ -75,11 +76,11 @@ def test_wrong_verdicts_exceptions_and_timeouts_are_counted(monkeypatch: pytest.
     tally = stress.run(1, seed=1)
     assert not tally.passed
     kinds = {kind for who, kind, _ in tally.failures if who == "walk"}
-    assert {stress.EXCEPTION, stress.TIMEOUT, stress.WRONG} <= kinds
+    assert {EXCEPTION, TIMEOUT, WRONG} <= kinds
 
 
 def _badly(drawn: object, method: str) -> list[bool | str]:
-    return [stress.EXCEPTION, stress.TIMEOUT, True, False] * 9 + [True]
+    return [EXCEPTION, TIMEOUT, True, False] * 9 + [True]
 
 
 def test_a_failure_is_shrunk_to_what_it_takes() -> None:

@@ -10,6 +10,7 @@ import pytest
 
 import plannercheck as pc
 from plannercheck.cli.main import main
+from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG
 from plannercheck.evaluation.stress.supervised_process import Supervised
 from plannercheck.evaluation.stress_solids import judges
 from plannercheck.evaluation.stress_solids import run as stress
@@ -58,7 +59,7 @@ def test_runs_do_not_depend_on_the_number_of_processes() -> None:
 
 @pytest.mark.parametrize(
     ("outcome", "kind"),
-    [("wrong", judges.WRONG), (judges.EXCEPTION, judges.EXCEPTION), (judges.TIMEOUT, judges.TIMEOUT)],
+    [("wrong", WRONG), (EXCEPTION, judges.EXCEPTION), (TIMEOUT, judges.TIMEOUT)],
 )
 def test_failures_are_counted_and_kept(outcome: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of one contestant, at one pair of each draw."""
@@ -87,8 +88,8 @@ def test_a_question_that_takes_too_long_is_left_behind() -> None:
     def fails() -> list[judges.Outcome]:
         raise RuntimeError
 
-    assert judges.limited(sleeps, 2, limit=0.05) == [judges.TIMEOUT] * 2
-    assert judges.limited(fails, 2) == [judges.EXCEPTION] * 2
+    assert judges.limited(sleeps, 2, limit=0.05) == [TIMEOUT] * 2
+    assert judges.limited(fails, 2) == [EXCEPTION] * 2
 
 
 def test_distances_that_are_wrong_are_found(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+import solid_meshes
 
 import plannercheck as pc
 
@@ -20,14 +21,8 @@ CARRIAGE = """<robot name="carriage"><link name="rail"/><link name="beam"/>
 
 def ring(around: int = 32, across: int = 12, radius: float = 0.3) -> pc.Solid:
     """A ring of radius 1 about x."""
-    u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
-    a, b = 2 * np.pi * u / around, 2 * np.pi * v / across
-    reach = 1 + radius * np.cos(b)
-    points = np.stack([radius * np.sin(b), reach * np.cos(a), reach * np.sin(a)], axis=-1).reshape(-1, 3)
-    here, right = u * across + v, (u + 1) % around * across + v
-    up, both = u * across + (v + 1) % across, (u + 1) % around * across + (v + 1) % across
-    corners = [np.stack([here, right, both], axis=-1), np.stack([here, both, up], axis=-1)]
-    return pc.Solid(points, np.concatenate([each.reshape(-1, 3) for each in corners]))
+    points, triangles = solid_meshes.ring(around, across, radius)
+    return pc.Solid(np.roll(points, 1, axis=1), triangles)
 
 
 def checker(tmp_path, radius: float, padding: float = 0.0) -> pc.Checker:

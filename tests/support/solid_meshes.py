@@ -29,6 +29,16 @@ def box(size=1.0):
     return points, np.array([t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))])
 
 
+def angle():
+    """An L of three metres by two, one deep: prism over six points; watertight, concave."""
+    flat = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (0, 2)]
+    points = np.array([[x, y, z] for z in (0.0, 1.0) for x, y in flat])
+    top = [(6, 7, 9), (7, 8, 9), (6, 9, 10), (6, 10, 11)]
+    bottom = [(c - 6, b - 6, a - 6) for a, b, c in top]
+    sides = [t for k in range(6) for j in [(k + 1) % 6] for t in ((k, j, j + 6), (k, j + 6, k + 6))]
+    return points, np.array(top + bottom + sides)
+
+
 def both(first, second, flipped=False):
     (p, s), (q, t) = first, second
     return np.concatenate([p, q]), np.concatenate([s, (t[:, ::-1] if flipped else t) + len(p)])

@@ -21,6 +21,7 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.core import core
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failing_cases import Case, shrunk
+from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG, Belongs, Key, total
 from plannercheck.evaluation.stress.oracle import Oracle
 from plannercheck.evaluation.stress.other_libraries import Peer
 from plannercheck.evaluation.stress.random_cases import GAPS, Draw, numbered_draw
@@ -30,8 +31,7 @@ from plannercheck.evaluation.worker_processes import Workers, workers
 
 Outcome = bool | str  # a verdict, or the kind of failure
 
-WRONG, EXCEPTION, TIMEOUT, UNFIT = "wrong", "exception", "timeout", "unfit"
-FAILURES = (WRONG, EXCEPTION, TIMEOUT)
+UNFIT = "unfit"
 # Longest time for one query, s: a thousand times what any should take.
 QUERY_LIMIT = 1.0
 # Every so many draws the oracle's proofs are held against all vertices, and against another oracle.
@@ -46,8 +46,6 @@ OURS = (*METHODS, CERTIFICATE)
 ORACLE = "oracle of the run"  # in the list of times; a method is called oracle, too
 # Failures that are shrunk and kept; more of the same say nothing new.
 KEPT = 20
-
-Key = tuple[str, str, bool]  # family, gap, whether the bodies share a point
 
 
 @dataclass
@@ -98,6 +96,11 @@ class StressTally:
         failed = outcome is not key[2]
         self.failures[who, kind, key] += failed
         return failed
+
+    def times_asked(self, peer: str, belongs: Belongs) -> int:
+        """How many pairs a peer was asked: those for which it has both shapes."""
+        unfit = sum(count for (who, key), count in self.unfit.items() if who == peer and belongs(key))
+        return total(self.pairs, belongs) - unfit
 
 
 class Task(NamedTuple):

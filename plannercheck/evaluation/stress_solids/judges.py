@@ -18,13 +18,14 @@ from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
+from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT
 from plannercheck.evaluation.stress_solids.bodies import Body, decided
 from plannercheck.evaluation.stress_solids.draws import Draw
 from plannercheck.evaluation.stress_solids.surfaces import surface
 
 Outcome = bool | str  # a verdict, or the kind of failure
 
-EXCEPTION, TIMEOUT, UNFIT, WRONG = "exception", "timeout", "unfit", "wrong"
+UNFIT = "unfit"
 # Longest time for one draw's questions, s: large meshes included, hundreds of times what any takes.
 LIMIT = 60.0
 BATCH, SWAPPED, PUBLIC, SINGLE, DISTANCE, POINTS = "batch", "swapped", "public", "single", "distance", "points"

@@ -16,12 +16,13 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.stress.failure_tables import WRONG, Belongs, Key
 from plannercheck.evaluation.stress.other_libraries import Peer
 from plannercheck.evaluation.stress.supervised_process import Supervised
 from plannercheck.evaluation.stress_solids.bodies import decided
 from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
 from plannercheck.evaluation.stress_solids.draws import ANY_OFFSET, Draw, numbered_draw
-from plannercheck.evaluation.stress_solids.judges import OURS, UNFIT, WRONG, Outcome, verdicts
+from plannercheck.evaluation.stress_solids.judges import OURS, UNFIT, Outcome, verdicts
 from plannercheck.evaluation.worker_processes import workers
 
 # Every so many draws of few pairs of triangles, some of the oracle's verdicts are held against whole numbers alone, all
@@ -33,8 +34,6 @@ _CHUNK = 20
 KEPT = 20
 # The reasons of the oracle that say so (cpp/oracle/mesh_pairs.hpp).
 _INSIDE = (3, 4)
-
-Key = tuple[str, str, bool]  # family, offset, whether the bodies share a point
 
 
 @dataclass
@@ -72,6 +71,10 @@ class SolidTally:
         for what, spent in other.seconds.items():
             self.seconds[what] += spent
         self.draws += other.draws
+
+    def times_asked(self, peer: str, belongs: Belongs) -> int:
+        """How many pairs a peer was asked."""
+        return sum(count for (who, key), count in self.asked.items() if who == peer and belongs(key))
 
     @property
     def passed(self) -> bool:
