@@ -28,7 +28,8 @@ class Plan(OwnsArrays):
 
     Attributes:
         solved: Whether the path leads from the start to the goal.
-        path: (k, nq) configurations, joined by straight motions; (0, nq) if there is none. rad and m.
+        path: (k, nq) configurations, joined by straight motions (on which free bodies go by slerp); (0, nq) if there is
+            none. rad and m.
         length: The path's Euclidean length in joint space, rad (and m, for prismatic joints).
         time: Time of the search, s.
         simplification_time: Time of shortening the path afterwards, s.
