@@ -42,6 +42,7 @@ Examples:
   plannercheck plan --robot panda --scene bookshelf --output plan.csv
   plannercheck plan --robot ur5 --scene cell.yaml --start 0,-1.5,1.5,0,0,0 --goal 1,-1,1,0,0,0
   plannercheck plan --robot forklift --scene warehouse --curve reeds_shepp --turning-radius 1.5
+  plannercheck plan --robot configs/puzzles/key.yaml --scene configs/puzzles/lock.yaml --scene-meshes solid
   plannercheck plan --robot panda --problems cage_panda.tar.bz2 --output results.json
 """
 
@@ -81,6 +82,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--turning-radius", type=float, metavar="M", help="turning radius of dubins and reeds_shepp curves, m"
+    )
+    parser.add_argument(
+        "--bounds",
+        metavar="X,Y,Z,X,Y,Z",
+        help="least and largest position of floating and planar joints, m; default: room around all obstacles",
     )
     parser.add_argument("--no-simplify", action="store_true", help="leave paths as the planner found them")
     parser.add_argument("--seed", type=int, help="seed of at least 1: the same seed gives the same search")
@@ -129,6 +135,7 @@ def _run_one(options: argparse.Namespace) -> int:
         longest_motion=options.range,
         curve=options.curve,
         turning_radius=options.turning_radius,
+        bounds=None if options.bounds is None else _box(options.bounds),
     )
     _show(found, "rad" if isinstance(checker, Checker) else "in m and rad")
     if found.solved and options.output is not None:
@@ -139,6 +146,14 @@ def _run_one(options: argparse.Namespace) -> int:
     check = check_path(_in_space(checker), found.path)
     show_checks([check])
     return 0 if check.passed else 1
+
+
+def _box(text: str) -> Floats:
+    """(2, 3) least and largest position, m."""
+    numbers = vector(text, "--bounds")
+    if numbers.shape != (6,):
+        raise PlannercheckError(f"--bounds takes six numbers, the least and the largest x, y, z, not {text!r:.80}")
+    return numbers.reshape(2, 3)
 
 
 def _check_ends(checker: AnyChecker, **ends: Floats) -> None:
