@@ -1,8 +1,8 @@
-"""Makes docs/bookshelf.png, docs/talos.png and docs/key.png: `pip install '.[bench]' && python docs/pictures.py`, with Chromium.
+"""Makes docs/bookshelf.png, talos.png and key.png: `pip install '.[bench]' && python docs/pictures.py`, with Chromium.
 
 Left a configuration that is valid, with the plane that keeps the nearest pair apart; right one that is not, with what
-collides in red and the points that are shared. Of the key in its lock, left with hulls, then twice with solids: where it
-starts, and on its way out. The pages are those of `plannercheck view --html`. Names of pictures choose some of them.
+collides in red and the points that are shared. Of the key in its lock, left with hulls, then twice with solids: where
+it starts, and on its way out. The pages are those of `plannercheck view --html`. Names of pictures choose some of them.
 """
 
 from __future__ import annotations
@@ -56,7 +56,8 @@ def key(folder: Path) -> list[Image.Image]:
     solids = pc.Checker(pc.Robot.load(puzzles / "key.yaml"), pc.Scene.load(puzzles / "lock.yaml", meshes="solid"))
     start, in_the_slot = solids.scene.start("key"), np.array([0.25, 0, 0, 0, 0, 0, 1])
     view = "bare=1&distance=2.3&azimuth=-140&elevation=18&target=0.1,0,0"
-    return [photograph(pc.view.picture(c, q), view, folder) for c, q in ((hulls, start), (solids, start), (solids, in_the_slot))]
+    shots = (hulls, start), (solids, start), (solids, in_the_slot)
+    return [photograph(pc.view.picture(checker, q), view, folder) for checker, q in shots]
 
 
 def main() -> None:

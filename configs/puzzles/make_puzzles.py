@@ -1,7 +1,8 @@
 """Makes the concave puzzles of this folder: robots, scenes and meshes, always the same.
 
-In: nothing. Out: hook and ring, key and lock, and a pipe for the Panda's hand. Each has a way out that every hull fills:
-with hulls the start or the goal collides, with solids there is a path. Meshes are closed and of a few hundred triangles.
+In: nothing. Out: hook and ring, key and lock, and a pipe for the Panda's hand. Each has a way out that every hull
+fills: with hulls the start or the goal collides, with solids there is a path. Meshes are closed and of a few hundred
+triangles.
 
 Run it with `python configs/puzzles/make_puzzles.py` from a checkout.
 """
@@ -134,7 +135,11 @@ def save_body(name: str, mesh: Mesh, what: str) -> None:
 def save_scene(name: str, what: str, mesh: Mesh, pose: NDArray[np.float64], robot: str, **ends: list[float]) -> None:
     """Writes a scene of one mesh, which is a solid if scenes are read with their meshes as solids."""
     save(name, mesh)
-    thing = {"name": name, "mesh": {"file": f"{name}.stl"}, "matrix": [[round(x, 9) for x in row] for row in pose.tolist()]}
+    thing = {
+        "name": name,
+        "mesh": {"file": f"{name}.stl"},
+        "matrix": [[round(x, 9) for x in row] for row in pose.tolist()],
+    }
     text = yaml.safe_dump(
         {"name": name, "objects": [thing], "states": {robot: ends}}, sort_keys=False, default_flow_style=None
     )

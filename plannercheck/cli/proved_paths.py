@@ -87,7 +87,8 @@ def write_proof(
         raise PlannercheckError(f"there are no proofs of motions of {checker.robot.name!r}: leave --certify out")
     proofs: list[Proof] = []
     entries = 0
-    for k, proof in enumerate(checker.certify_motions(starts, ends, tolerance=tolerance, **how_moved(checker, motion_path))):
+    found_proofs = checker.certify_motions(starts, ends, tolerance=tolerance, **how_moved(checker, motion_path))
+    for k, proof in enumerate(found_proofs):
         if proof is None:
             return PathProof(file, k, entries, f"motion {k} is free, but only so far as pairs that can't meet count")
         found = proof.verify()

@@ -192,9 +192,7 @@ class Checker(StateChecker):
         rows = zip(starts, ends, asked, free.tolist(), strict=True)
         return tuple(self._proof(q, end, to, tolerance, path) if passed else None for q, end, to, passed in rows)
 
-    def _proof(
-        self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath
-    ) -> Proof | None:
+    def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
         return self._prover.proof(start, end, asked_end, tolerance, path)
 
     @cached_property

@@ -86,7 +86,11 @@ class RobotChains:
         self._lock, self._own, self._carrier = threading.Lock(), len(bodies), carrier
         # One more link, that of any body beyond those given: it is at rest.
         self._links = np.array([*links, -1], dtype=np.int32)
-        tree = JointTree(robot.model, robot.configuration_map, table, robot.frames, path) if carrier is None else carrier.tree
+        tree = (
+            JointTree(robot.model, robot.configuration_map, table, robot.frames, path)
+            if carrier is None
+            else carrier.tree
+        )
         self._builder = ChainBuilder(tree, bodies, self._links.tolist(), excess)
         self.drives = drives(table, path) if carrier is None else carrier.drives
         self.defect = defect(table) if carrier is None else carrier.defect

@@ -124,7 +124,7 @@ class MotionSampler:
 
     @cached_property
     def _placed(self) -> NDArray[np.int64]:
-        """Columns that are positions of planar and floating joints; of the whole robot, whose columns are Pinocchio's."""
+        """Columns that are positions of planar and floating joints, of a robot in Pinocchio's own numbers."""
         model = self._robot.model
         joints = [joint for joint in range(1, model.njoints) if str(model.joints[joint].shortname()) in _SCREWS]
         return np.concatenate(

@@ -3,8 +3,9 @@
 In: a checker. Out: `setup`, an OMPL SimpleSetup with the robot's joint space and validators, and `plan`,
 which runs a planner from a start to a goal.
 
-Bounded joints are real numbers, continuous joints of a planning group are angles (SO2), floating, planar and ball joints
-are OMPL's SE(3), SE(2) and SO(3). Motions are proved free unless a resolution is given: see motion_validators.py.
+Bounded joints are real numbers, continuous joints of a planning group are angles (SO2), floating, planar and ball
+joints are OMPL's SE(3), SE(2) and SO(3). Motions are proved free unless a resolution is given: see
+motion_validators.py.
 """
 
 from __future__ import annotations
@@ -154,7 +155,8 @@ def plan(
         bounds: As for `setup`; the box around all obstacles is also around start and goal.
 
     Returns:
-        The plan. Free bodies move as on the path "slerp" of `Checker.check_motion`. Curved motions are given as states between which no point moves further than 1 cm, or the resolution.
+        The plan. Free bodies move as on the path "slerp" of `Checker.check_motion`. Curved motions are given as states
+        between which no point moves further than 1 cm, or the resolution.
         If the start or the goal collides or is beyond the limits, the plan is unsolved and `reason` says why.
     """
     if planner not in planner_names():

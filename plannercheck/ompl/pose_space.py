@@ -1,13 +1,14 @@
 """The space of a robot with free bodies, as OMPL has it: SE(3), SE(2), SO(3), and parts for its other joints.
 
 In: a robot with a floating, planar or ball joint; a box for positions. Out: `PoseSpace`: an OMPL state space, and
-conversions between its states and configurations. A floating joint is an SE3StateSpace, a planar one an SE2StateSpace, a
-ball joint an SO3StateSpace; all other joints are as in `JointSpace`. Several of them are a compound, a part each, weighted
-equally.
+conversions between its states and configurations. A floating joint is an SE3StateSpace, a planar one an SE2StateSpace,
+a ball joint an SO3StateSpace; all other joints are as in `JointSpace`. Several of them are a compound, a part each,
+weighted equally.
 
-Motions are OMPL's: positions go straight, and turns by slerp, each by itself (the path "slerp" of `Checker`). OMPL's slerp
-has two peculiarities. Between quaternions that are alike up to `_ALIKE` it keeps the first one, and jumps at the end. At
-half a turn, rounding chooses the way round. `pieces` takes a motion apart so that what is proved is what OMPL does.
+Motions are OMPL's: positions go straight, and turns by slerp, each by itself (the path "slerp" of `Checker`). OMPL's
+slerp has two peculiarities. Between quaternions that are alike up to `_ALIKE` it keeps the first one, and jumps at the
+end. At half a turn, rounding chooses the way round. `pieces` takes a motion apart so that what is proved is what OMPL
+does.
 """
 
 from __future__ import annotations
@@ -164,7 +165,7 @@ class PoseSpace(NumberedSpace):
         return np.concatenate(out)
 
     def _expanded(self, numbers: Floats) -> Floats:
-        """Configurations (n, nq) of OMPL's numbers (n, k): of angles cosine and sine, where configurations have them."""
+        """Configurations (n, nq) of OMPL's numbers (n, k): cosine and sine for an angle, where they have these."""
         if self._is_alike:
             return numbers
         out = np.empty((len(numbers), self._width))
@@ -306,9 +307,8 @@ def _limits(
         bounded = part.columns if part.kind == "number" else where
         if not np.isfinite([lower[bounded], upper[bounded]]).all():
             hint = "give the box of its positions by bounds=" if where.stop > where.start else "planning needs both"
-            raise PlannercheckError(
-                f"joint {name!r} of {robot.name} has limits {lower[bounded].tolist()} to {upper[bounded].tolist()}: {hint}"
-            )
+            limits = f"{lower[bounded].tolist()} to {upper[bounded].tolist()}"
+            raise PlannercheckError(f"joint {name!r} of {robot.name} has limits {limits}: {hint}")
     return lower, upper
 
 

@@ -1,8 +1,8 @@
 """Projections of spaces for which OMPL has none: KPIECE1, BKPIECE1 and LBKPIECE1 need them for their cells.
 
 In: one of our OMPL compound spaces. Out: its first two numbers as the default projection: x and y of a planar robot, or
-else the two joints next to the base, which move most of the robot (MoveIt's setup assistant uses these two as well). With
-a free body, it is the projection of the first of OMPL's own spaces that has one.
+else the two joints next to the base, which move most of the robot (MoveIt's setup assistant uses these two as well).
+With a free body, it is the projection of the first of OMPL's own spaces that has one.
 """
 
 from __future__ import annotations

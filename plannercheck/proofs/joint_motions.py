@@ -31,9 +31,7 @@ _SMALL = arb(1) / 4
 _HALF_TURN_ROOM = 1e-12
 
 
-def joint_motion(
-    joint: Joint, start: Sequence[float], end: Sequence[float], path: MotionPath = "screw"
-) -> Motion:
+def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float], path: MotionPath = "screw") -> Motion:
     """The jet of a joint's map as a function of the parameter.
 
     Args:

@@ -6,14 +6,17 @@ import dataclasses
 import json
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from ompl import base
 from proof_cases import free_motions, random_tree, scattered
 
 import plannercheck as pc
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.motions.proof_builder import Builder
 from plannercheck.ompl.pose_space import PoseSpace
-from plannercheck.proofs import Proof
+from plannercheck.proofs import Motion, Proof
+from plannercheck.proofs.chains import Chains
 
 BRICK = """<robot name="brick"><link name="brick"><collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>
 </link></robot>"""
@@ -140,9 +143,11 @@ def test_screws_and_straight_lines_part(tmp_path):
     empty = pc.Checker(robot, scene_of(far=(0.1, (9, 9, 9))))
     on_screw = empty.certifier_of("screw").states(start, end, np.array([0.5]))[0, :3]
     assert np.linalg.norm(on_screw) > 0.8
-    middle, aside = pc.Checker(robot, scene_of(ball=(0.2, (0, 0, 0)))), pc.Checker(robot, scene_of(ball=(0.2, on_screw)))
+    middle = pc.Checker(robot, scene_of(ball=(0.2, (0, 0, 0))))
+    aside = pc.Checker(robot, scene_of(ball=(0.2, on_screw)))
     assert not middle.check_motion(start, end, path="slerp")
-    assert middle.check_motion(start, end) and middle.check_motion(start, end, path="screw")
+    assert middle.check_motion(start, end)
+    assert middle.check_motion(start, end, path="screw")
     assert aside.check_motion(start, end, path="slerp")
     assert not aside.check_motion(start, end)
     assert aside.check_motion(start, end, resolution=0.01, path="slerp")
@@ -223,7 +228,8 @@ def test_proofs_name_their_path_and_hold_for_no_other(aside):
     assert not changed(proof, path="screw").verify()
     assert "path is 'arc'" in changed(proof, path="arc").verify().fault
     explained = checker.explain_motion(start, end, path="slerp").proof
-    assert explained.motion == proof.motion and explained.verify()
+    assert explained.motion == proof.motion
+    assert explained.verify()
     assert checker.certify_motions(start[None], end[None]) == (None,)
 
 
@@ -233,7 +239,8 @@ def test_files_keep_the_path(aside, tmp_path, suffix):
     (proof,) = checker.certify_motions(start[None], end[None], path="slerp")
     proof.save(tmp_path / f"proof{suffix}")
     again = Proof.load(tmp_path / f"proof{suffix}")
-    assert again.motion == proof.motion and again.verify()
+    assert again.motion == proof.motion
+    assert again.verify()
 
 
 def test_files_without_a_path_are_of_screws(aside, tmp_path):
@@ -254,3 +261,30 @@ def test_random_trees_are_proved(seed, tmp_path):
     q0, q1 = free_motions(checker, 2, seed)
     for proof in checker.certify_motions(q0, q1, path="slerp"):
         assert proof is None or proof.verify(), proof.verify().fault
+
+
+def test_jets_hold_poses_and_derivatives(tmp_path):
+    """The verifier's second-order jets, over intervals, beside poses of OMPL's states and their differences."""
+    rng = np.random.default_rng(8)
+    robot = robot_of(tmp_path, PAIR)
+    checker = pc.Checker(robot, scene_of(ball=(0.1, (30, 0, 0))))
+    a, b = pair_states(rng, 2)
+    model, ends = Builder(checker)._model, (tuple(a.tolist()), tuple(b.tolist()))
+    chains, step = Chains(model, Motion(*ends, ends[1], "slerp")), 2.0**-10
+    joint = next(k for k, joint in enumerate(model.joints) if joint.name == "fly")
+    lift = robot.model.getJointId("fly")
+    for low, high in ((0.25, 0.375), (0.5, 0.53125)):
+        jet = chains.jet((low, high), model.joints[joint].parent, joint)
+        for t in np.linspace(low + step, high - step, 4):
+            states = interpolated(robot, a, b, np.array([t - step, t, t + step]))
+            x, y, z = (robot.model.jointPlacements[lift].homogeneous @ pose_of(q[5:12]) for q in states)
+            differences = y, (z - x) / (2 * step), (z - 2 * y + x) / step**2
+            for part, numbers, slack in zip(jet, differences, (1e-12, 1e-4, 1e-2), strict=True):
+                room = slack * (1 + np.abs(numbers).max())
+                for ball, number in zip(part.entries(), numbers.ravel().tolist(), strict=True):
+                    assert float(ball.lower()) - room <= number <= float(ball.upper()) + room
+
+
+def pose_of(q):
+    """(4, 4) of x, y, z and a quaternion."""
+    return pin.XYZQUATToSE3(q).homogeneous

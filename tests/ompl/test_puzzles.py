@@ -36,7 +36,8 @@ def test_meshes_are_closed_and_concave(scene):
     shapes = [body.shape for body in checker.bodies if isinstance(body.shape, pc.Solid)]
     assert len(shapes) == (1 if scene == "pipe" else 2)
     for shape in shapes:
-        assert shape.is_closed and not shape.equals_hull
+        assert shape.is_closed
+        assert not shape.equals_hull
         assert len(shape.triangles) < 500
 
 

@@ -95,7 +95,9 @@ FAMILIES: dict[str, Wishes] = {
     "mimic": Wishes(
         (*CONTINUOUS, "revolute", "prismatic", "prismatic z"), (1.0,) * 4 + (1.0,) * 3, (3, 6), 0.6, 0.5, 0.0
     ),
-    STRAIGHT: Wishes(("planar", "floating", "ball", "revolute", "prismatic"), (1.5, 2.0, 0.5, 1.0, 0.5), (1, 4), 0.0, 0.3),
+    STRAIGHT: Wishes(
+        ("planar", "floating", "ball", "revolute", "prismatic"), (1.5, 2.0, 0.5, 1.0, 0.5), (1, 4), 0.0, 0.3
+    ),
     "off unit": Wishes(
         ("floating", "ball", "planar", *CONTINUOUS), (9.0, 1.0, 1.0, *[0.2] * 4), (3, 25), 0.0, 0.05, 0.8
     ),

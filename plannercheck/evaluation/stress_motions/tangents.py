@@ -3,8 +3,8 @@
 In: a robot's joints, configurations, tangent vectors. Out: configurations. A motion from `moved(q, -t d)` to
 `moved(q, (1 - t) d)` is at q at the parameter t, for all kinds of joints: single numbers move linearly; circles, ball,
 planar and floating joints move along one screw, seen from the moving frame (Pinocchio's `integrate`, independent of the
-core). On the path "slerp", positions of planar and floating joints move straight, seen from the parent's frame, and turns
-as those of ball joints.
+core). On the path "slerp", positions of planar and floating joints move straight, seen from the parent's frame, and
+turns as those of ball joints.
 """
 
 from __future__ import annotations
