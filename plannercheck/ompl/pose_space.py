@@ -14,7 +14,7 @@ does.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,11 +24,11 @@ from plannercheck.common.angles import nearest_turns, wrapped
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.sampling import MotionSampler
-from plannercheck.ompl.joint_space import bounded_space, free_range
+from plannercheck.ompl.joint_space import bounded_space
+from plannercheck.ompl.pose_parts import WIDTHS, Kind, Part, limits_of, parts_of
 from plannercheck.ompl.projections import register_projection
 from plannercheck.ompl.state_numbers import NumberedSpace, StateNumbers
 from plannercheck.planar.spare_states import SpareStates
-from plannercheck.robots.configurations import is_continuous, joint_by_name
 from plannercheck.robots.robot import Robot
 
 # OMPL keeps the first of two quaternions whose product is nearer to 1 than 1e-9; with room for rounding.
@@ -39,49 +39,6 @@ _HALF_TURN_ROOM = 1e-6
 
 # OMPL calls a quaternion valid if its length is 1 up to 1e-9; others are normalised where a state is written.
 _UNIT_ROOM = 1e-10
-
-Kind = Literal["free", "planar", "ball", "circle", "angle", "number"]
-
-# How many numbers of a configuration and of an OMPL state a joint takes, and how many of these are a position.
-_WIDTHS: dict[Kind, tuple[int, int, int]] = {
-    "free": (7, 7, 3),
-    "planar": (4, 3, 2),
-    "ball": (4, 4, 0),
-    "circle": (2, 1, 0),
-    "angle": (1, 1, 0),
-    "number": (1, 1, 0),
-}
-_KINDS: dict[str, Kind] = {
-    "JointModelFreeFlyer": "free",
-    "JointModelPlanar": "planar",
-    "JointModelSpherical": "ball",
-}
-
-
-class _Part(NamedTuple):
-    """A joint: its kind, its first column in a configuration, and its first number in an OMPL state."""
-
-    kind: Kind
-    column: int
-    number: int
-
-    @property
-    def columns(self) -> slice:
-        return slice(self.column, self.column + _WIDTHS[self.kind][0])
-
-    @property
-    def position(self) -> slice:
-        return slice(self.column, self.column + _WIDTHS[self.kind][2])
-
-    @property
-    def turn(self) -> slice:
-        """The columns of a quaternion, of a cosine and a sine, or of an angle."""
-        return slice(self.position.stop, self.columns.stop)
-
-
-def has_free_bodies(robot: Robot) -> bool:
-    """Whether a joint of a robot's configurations is floating, planar or a ball joint."""
-    return any(str(joint_by_name(robot.model, name).shortname()) in _KINDS for name in robot.joint_names)
 
 
 class PoseSpace(NumberedSpace):
@@ -106,13 +63,13 @@ class PoseSpace(NumberedSpace):
             PlannercheckError: If a joint has no limits and is no angle, or bounds are missing or no box.
         """
         self._robot, self._width = robot, robot.nq
-        self._parts = _parts(robot)
+        self._parts = parts_of(robot)
         self.continuous = np.zeros(robot.nq, dtype=bool)
         for part in self._parts:
             self.continuous[part.column] |= part.kind == "angle"
-        self._lower, self._upper = _limits(robot, self._parts, bounds, held)
+        self._lower, self._upper = limits_of(robot, self._parts, bounds, held)
         last = self._parts[-1]
-        self._count = last.number + _WIDTHS[last.kind][1]
+        self._count = last.number + WIDTHS[last.kind][1]
         self._is_alike = all(part.kind not in ("planar", "circle") for part in self._parts)
         self._space: Any = None
         self._spare: SpareStates | None = None
@@ -131,7 +88,7 @@ class PoseSpace(NumberedSpace):
         self._numbers = StateNumbers(self._space, self._count)
         return self._space
 
-    def _part_space(self, part: _Part) -> Any:
+    def _part_space(self, part: Part) -> Any:
         made = {"free": base.SE3StateSpace, "planar": base.SE2StateSpace, "ball": base.SO3StateSpace}.get(part.kind)
         if made is None:
             bounded = part.kind == "number"
@@ -152,7 +109,9 @@ class PoseSpace(NumberedSpace):
     def read(self, state: Any) -> list[float]:
         """The configuration of an OMPL state, nq numbers; quaternions as they are."""
         numbers = self.numbers.read(state)
-        return numbers if self._is_alike else self._expanded(np.array([numbers]))[0].tolist()
+        if not self._is_alike:
+            numbers = self._expanded(np.array([numbers]))[0].tolist()
+        return numbers
 
     def rows(self, states: list[Any]) -> Floats:
         """(n, nq) the configurations of a path's states; between two that are half a turn apart, the middle as well."""
@@ -170,7 +129,7 @@ class PoseSpace(NumberedSpace):
             return numbers
         out = np.empty((len(numbers), self._width))
         for part in self._parts:
-            own = numbers[:, part.number : part.number + _WIDTHS[part.kind][1]]
+            own = numbers[:, part.number : part.number + WIDTHS[part.kind][1]]
             if part.kind in ("planar", "circle"):
                 out[:, part.position] = own[:, :-1]
                 out[:, part.turn] = np.stack([np.cos(own[:, -1]), np.sin(own[:, -1])], axis=1)
@@ -262,66 +221,6 @@ class PoseSpace(NumberedSpace):
                 self._space.interpolate(s1, s2, t, between)
                 rows.append(self.read(between))
         return np.array(rows)
-
-
-def _parts(robot: Robot) -> tuple[_Part, ...]:
-    """The joints of a robot's configurations, in the order of their columns.
-
-    Raises:
-        PlannercheckError: If a joint takes several numbers that OMPL has no space for.
-    """
-    whole_turns, out, number = robot.configuration_map.turning_columns(), list[_Part](), 0
-    for name, column in zip(robot.joint_names, robot.configuration_map.starts, strict=True):
-        joint = joint_by_name(robot.model, name)
-        kind = _KINDS.get(str(joint.shortname()))
-        if kind is None and is_continuous(joint):
-            kind = ("angle" if whole_turns[column] else "number") if robot.group is not None else "circle"
-        if kind is None and joint.nq == 1:
-            kind = "number"
-        if kind is None:
-            raise PlannercheckError(
-                f"joint {name!r} of {robot.name} takes {joint.nq} numbers, of which OMPL has no space: choose a "
-                "planning group without it (robot.with_group)"
-            )
-        out.append(_Part(kind, column, number))
-        number += _WIDTHS[kind][1]
-    return tuple(out)
-
-
-def _limits(
-    robot: Robot, parts: Sequence[_Part], bounds: ArrayLike | None, held: Sequence[Floats]
-) -> tuple[Floats, Floats]:
-    """(nq,) least and largest of all numbers; positions are within the box as well, if there is one."""
-    lower, upper = robot.lower, robot.upper
-    box = None if bounds is None else _checked_box(bounds)
-    for part in parts:
-        where = part.position
-        if box is not None and where.stop > where.start:
-            lower[where] = np.maximum(lower[where], box[0, : where.stop - where.start])
-            upper[where] = np.minimum(upper[where], box[1, : where.stop - where.start])
-        name = robot.joint_names[parts.index(part)]
-        if part.kind == "number" and is_continuous(joint_by_name(robot.model, name)):
-            reach = free_range(robot.configuration_map, part.column)
-            own = [float(q[part.column]) for q in held]
-            lower[part.column], upper[part.column] = min([-reach, *own]), max([reach, *own])
-        bounded = part.columns if part.kind == "number" else where
-        if not np.isfinite([lower[bounded], upper[bounded]]).all():
-            hint = "give the box of its positions by bounds=" if where.stop > where.start else "planning needs both"
-            limits = f"{lower[bounded].tolist()} to {upper[bounded].tolist()}"
-            raise PlannercheckError(f"joint {name!r} of {robot.name} has limits {limits}: {hint}")
-    return lower, upper
-
-
-def _checked_box(bounds: ArrayLike) -> Floats:
-    try:
-        box = np.array(bounds, dtype=np.float64)
-    except (TypeError, ValueError):
-        box = np.zeros(0)
-    if box.shape != (2, 3) or not np.isfinite(box).all() or not (box[0] < box[1]).all():
-        raise PlannercheckError(
-            f"bounds must be the least and the largest x, y, z of free bodies, (2, 3) in m, not {bounds!r:.80}"
-        )
-    return box
 
 
 def _write(state: Any, kind: Kind, position: Floats, turn: Floats) -> None:

@@ -31,7 +31,8 @@ from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.motion_validators import Space, motion_validator
 from plannercheck.ompl.planar_space import PlanarSpace
 from plannercheck.ompl.pose_bounds import default_bounds
-from plannercheck.ompl.pose_space import PoseSpace, has_free_bodies
+from plannercheck.ompl.pose_parts import has_free_bodies
+from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.ompl.state_validators import ExactStates
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.curves import Curve

@@ -9,7 +9,8 @@ from ompl import base
 import plannercheck as pc
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.ompl import setup, space_of
-from plannercheck.ompl.pose_space import PoseSpace, has_free_bodies
+from plannercheck.ompl.pose_parts import has_free_bodies
+from plannercheck.ompl.pose_space import PoseSpace
 
 BRICK = """<robot name="brick"><link name="brick"><collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>
 </link></robot>"""

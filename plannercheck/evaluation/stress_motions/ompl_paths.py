@@ -17,7 +17,8 @@ from plannercheck.evaluation.stress_motions.recipes import robot_of
 from plannercheck.evaluation.stress_motions.subjects import SpaceSubject
 from plannercheck.evaluation.stress_motions.trees import random_tree
 from plannercheck.ompl.joint_space import JointSpace
-from plannercheck.ompl.pose_space import PoseSpace, has_free_bodies
+from plannercheck.ompl.pose_parts import has_free_bodies
+from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.robots.robot import Robot
 
 OMPL_FAMILY = "ompl"
@@ -38,6 +39,7 @@ def judge_ompl_paths(rng: np.random.Generator) -> Judged:
         robot = robot_of(recipe)
         judged.counts["motions"] += _MOTIONS
         try:
+            space: JointSpace | PoseSpace
             space = PoseSpace(robot, _BOX) if has_free_bodies(robot) else JointSpace(robot)
         except PlannercheckError:  # says which joint OMPL has no space for
             judged.counts["declined"] += _MOTIONS
