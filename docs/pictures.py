@@ -54,7 +54,7 @@ def key(folder: Path) -> list[Image.Image]:
     puzzles = shipped_folder("configs") / "puzzles"
     hulls = pc.Checker(pc.Robot.load(puzzles / "key.yaml", geometry="hull"), pc.Scene.load(puzzles / "lock.yaml"))
     solids = pc.Checker(pc.Robot.load(puzzles / "key.yaml"), pc.Scene.load(puzzles / "lock.yaml", meshes="solid"))
-    start, in_the_slot = solids.scene.start("key"), np.array([0.25, 0, 0, 0, 0, 0, 1])
+    start, in_the_slot = solids.scene.start("key"), np.array([0.245, 0, 0, 0, 0, 0, 1])
     view = "bare=1&distance=2.3&azimuth=-140&elevation=18&target=0.1,0,0"
     shots = (hulls, start), (solids, start), (solids, in_the_slot)
     return [photograph(pc.view.picture(checker, q), view, folder) for checker, q in shots]

@@ -91,7 +91,7 @@ def polygon(radius: float, sides: int) -> NDArray[np.float64]:
 def keyhole() -> NDArray[np.float64]:
     """A round hole with a slot below, (n, 2), by rays from the hole's middle."""
     rays = polygon(1.0, 48)
-    radius, half_width, depth = 0.09, 0.07, 0.3
+    radius, half_width, depth = 0.11, 0.09, 0.32
     out = radius * rays
     for k, (y, z) in enumerate(rays.tolist()):
         if z < 0:
@@ -108,10 +108,10 @@ def square(half: float) -> NDArray[np.float64]:
 
 def key_mesh() -> Mesh:
     """Along x: a shaft, a bit that points down, and a ring as its bow."""
-    points, triangles = arc(0.12, 0.035, 360, 16, 8)
+    points, triangles = arc(0.12, 0.03, 360, 16, 8)
     bow = points[:, [0, 2, 1]] + [0.5, 0, 0], triangles[:, ::-1]
-    shaft = box((-0.3, -0.04, -0.04), (0.4, 0.04, 0.04))
-    bit = box((-0.28, -0.03, -0.23), (-0.22, 0.03, 0.0))
+    shaft = box((-0.3, -0.03, -0.03), (0.4, 0.03, 0.03))
+    bit = box((-0.27, -0.025, -0.2), (-0.22, 0.025, 0.0))
     return joined(shaft, bit, bow)
 
 
@@ -163,10 +163,10 @@ def main() -> None:
     save_scene(
         "lock",
         "A plate with a keyhole, and a key whose bit is behind it, turned: it has to be turned back and drawn out.",
-        pierced(square(0.5), keyhole(), 0.08),
+        pierced(square(0.5), keyhole(), 0.06),
         np.eye(4),
         KEY,
-        start=[0.1, 0.0, 0.0, half, 0.0, 0.0, half],
+        start=[0.1, 0.0, 0.0, 0.5, 0.0, 0.0, float(np.sqrt(0.75))],
         goal=[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
     )
     panda, goal = pc.Robot.load("panda"), [0.0, 0.5, 0.0, -1.6, 0.0, 2.1, 0.785398]

@@ -42,7 +42,7 @@ Examples:
   plannercheck plan --robot panda --scene bookshelf --output plan.csv
   plannercheck plan --robot ur5 --scene cell.yaml --start 0,-1.5,1.5,0,0,0 --goal 1,-1,1,0,0,0
   plannercheck plan --robot forklift --scene warehouse --curve reeds_shepp --turning-radius 1.5
-  plannercheck plan --robot configs/puzzles/key.yaml --scene configs/puzzles/lock.yaml --scene-meshes solid
+  plannercheck plan --robot configs/puzzles/hook.yaml --scene configs/puzzles/ring.yaml --scene-meshes solid
   plannercheck plan --robot panda --problems cage_panda.tar.bz2 --output results.json
 """
 

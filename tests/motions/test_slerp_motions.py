@@ -17,6 +17,7 @@ from plannercheck.motions.proof_builder import Builder
 from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.proofs import Motion, Proof
 from plannercheck.proofs.chains import Chains
+from plannercheck.validation.paths import validate_path
 
 BRICK = """<robot name="brick"><link name="brick"><collision><geometry><box size="0.4 0.2 0.1"/></geometry></collision>
 </link></robot>"""
@@ -203,7 +204,7 @@ def corners(item):
     return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * np.array(item.shape.size) / 2
 
 
-# ----- proofs
+# ----- paths and proofs
 
 
 @pytest.fixture
@@ -213,6 +214,20 @@ def aside(tmp_path):
     robot = robot_of(tmp_path, BRICK, floating=True)
     on_screw = pc.Checker(robot, scene_of(far=(0.1, (9, 9, 9)))).motion_certifier.states(start, end, np.array([0.5]))
     return pc.Checker(robot, scene_of(ball=(0.2, on_screw[0, :3]))), start, end
+
+
+def test_paths_are_validated_and_drawn_as_they_were_planned(aside):
+    checker, start, end = aside
+    assert validate_path(checker, [start, end], motion_path="slerp").passed
+    stopped = validate_path(checker, [start, end]).stopped
+    assert stopped is not None
+    assert not stopped.free
+    frames, _ = pc.view.along_path(checker, [start, end], 10, "slerp")
+    assert checker.check_states(frames).all()
+    assert not frames[:, 1:3].any()
+    planar = pc.planar.Checker(pc.planar.Robot.load("forklift"))
+    with pytest.raises(PlannercheckError, match="motion paths are of robots in space"):
+        validate_path(planar, [[0.0, 0, 0], [1, 0, 0]], motion_path="slerp")
 
 
 def changed(proof, **changes):
