@@ -29,6 +29,7 @@ from plannercheck.ompl.plans import Plan, check_suffix
 from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 from plannercheck.planar.curves import CURVES
 from plannercheck.planar.robot_files import is_planar
+from plannercheck.robots.robot import Robot
 from plannercheck.validation.path_recheck import check_path
 
 _EPILOG = """\
@@ -137,7 +138,7 @@ def _run_one(options: argparse.Namespace) -> int:
         turning_radius=options.turning_radius,
         bounds=None if options.bounds is None else _box(options.bounds),
     )
-    _show(found, "rad" if isinstance(checker, Checker) else "in m and rad")
+    _show(found, _columns(checker), "rad" if isinstance(checker, Checker) else "in m and rad")
     if found.solved and options.output is not None:
         found.save(options.output)
         print(f"written to {options.output}")
@@ -176,11 +177,22 @@ def _in_space(checker: AnyChecker) -> Checker:
     return checker
 
 
-def _show(found: Plan, unit: str) -> None:
+def _columns(checker: AnyChecker) -> list[str]:
+    """A name for each column: of a joint that takes several, it is over the first one."""
+    robot = checker.robot
+    names = list(robot.joint_names)
+    if len(names) == robot.nq or not isinstance(robot, Robot):
+        return names
+    out = [""] * robot.nq
+    for name, start in zip(names, robot.configuration_map.starts, strict=True):
+        out[start] = name
+    return out
+
+
+def _show(found: Plan, names: list[str], unit: str) -> None:
     if not found.solved:
         print(f"not solved: {found.reason}")
         return
-    names = found.joint_names
     print(
         table(
             ("", *names),

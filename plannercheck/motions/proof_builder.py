@@ -94,7 +94,7 @@ class Builder:
         if result is None:
             return None
         margin = self._margin(start, end, asked_end)
-        motion = Motion(*(tuple(q.tolist()) for q in (start, end, asked_end)), path)
+        motion = Motion(tuple(start.tolist()), tuple(end.tolist()), tuple(asked_end.tolist()), path)
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
         resting = _resting_directions(self._checker, result.proofs, start)

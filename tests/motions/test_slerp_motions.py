@@ -171,7 +171,8 @@ def test_points_leave_their_chords_by_no_more_than_the_bound(tmp_path):
     checker = pc.Checker(robot_of(tmp_path, PAIR), scene_of(ball=(0.1, (30, 0, 0))))
     robot, frames, looked_at = checker.robot, set(), 0
     q0 = pair_states(rng, 30)
-    q1 = q0 + 0.2 * rng.normal(size=q0.shape)
+    q1 = q0 + 0.01 * rng.normal(size=q0.shape)
+    q1[:, 8:] += 0.5 * rng.normal(size=(30, 4))
     for start, stop in ((2, 4), (8, 12)):
         q1[:, start:stop] /= np.linalg.norm(q1[:, start:stop], axis=1)[:, None]
     for a, b in zip(q0, q1, strict=True):
