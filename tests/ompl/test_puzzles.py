@@ -75,7 +75,7 @@ def test_a_command_plans_one(capsys, tmp_path):
     assert "found a path" in capsys.readouterr().out
     validate = ["validate", *where, *solid, "--path", str(file)]
     assert main([*validate, "--motion-path", "slerp"]) == 0
-    assert main([*plan]) == 2
+    assert main([*plan, "--geometry", "hull"]) == 2
     assert "start collides: hook with ring" in capsys.readouterr().err
     assert main([*plan, *solid, "--bounds", "1,2,3"]) == 2
     assert "--bounds takes six numbers" in capsys.readouterr().err
