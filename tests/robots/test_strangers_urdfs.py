@@ -228,6 +228,14 @@ def test_a_zero_after_the_end_is_passed_over(tmp_path):
     assert_whole(loaded(tmp_path, URDF.encode() + b"\r\n\x00"))
 
 
+def test_types_without_end_are_cut_in_errors(tmp_path):
+    text = URDF.replace('type="revolute"', f'type="{"9" * 5000}"', 1)
+    assert text != URDF
+    with pytest.raises(pc.PlannercheckError, match="URDFs have no type '9999") as error:
+        loaded(tmp_path, text)
+    assert len(str(error.value)) < 1000
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
