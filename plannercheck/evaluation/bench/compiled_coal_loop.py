@@ -59,14 +59,18 @@ def library() -> ctypes.CDLL:
 def _own_library(file: Path, command: list[str]) -> ctypes.CDLL | None:
     """The library in a cache that others may share; None if others could have written it.
 
-    It is loaded by the descriptor that was looked at, so that no one can put another file in its place.
+    What is loaded is a private copy of the file that was looked at, so that no one can put another one in its place.
     """
     if not os.path.lexists(file):
         _compile(command, file)
     if not is_own_file(file):
         return None
-    with file.open("rb") as held:
-        return ctypes.CDLL(f"/proc/self/fd/{held.fileno()}") if is_own(os.fstat(held.fileno())) else None
+    with file.open("rb") as held, tempfile.TemporaryDirectory(prefix="plannercheck-") as folder:
+        if not is_own(os.fstat(held.fileno())):
+            return None
+        copy = Path(folder) / file.name
+        copy.write_bytes(held.read())
+        return ctypes.CDLL(str(copy))
 
 
 def _compiled(command: list[str], file: Path) -> ctypes.CDLL:
