@@ -1,13 +1,15 @@
-"""Makes docs/bookshelf.png and docs/talos.png: `pip install '.[bench]' && python docs/pictures.py`, with Chromium.
+"""Makes docs/bookshelf.png, talos.png and key.png: `pip install '.[bench]' && python docs/pictures.py`, with Chromium.
 
 Left a configuration that is valid, with the plane that keeps the nearest pair apart; right one that is not, with what
-collides in red and the points that are shared. The pages are those of `plannercheck view --html`.
+collides in red and the points that are shared. Of the key in its lock, left with hulls, then twice with solids: where
+it starts, and on its way out. The pages are those of `plannercheck view --html`. Names of pictures choose some of them.
 """
 
 from __future__ import annotations
 
 import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -15,6 +17,7 @@ import numpy as np
 from PIL import Image
 
 import plannercheck as pc
+from plannercheck.common.package_data import shipped_folder
 
 SIZE = 560, 460
 FLAGS = (
@@ -46,9 +49,28 @@ def side_by_side(images: list[Image.Image], path: Path) -> None:
     whole.save(path, optimize=True)
 
 
+def key(folder: Path) -> list[Image.Image]:
+    """The key in its lock, with hulls and with solids."""
+    puzzles = shipped_folder("configs") / "puzzles"
+    hulls = pc.Checker(pc.Robot.load(puzzles / "key.yaml", geometry="hull"), pc.Scene.load(puzzles / "lock.yaml"))
+    solids = pc.Checker(pc.Robot.load(puzzles / "key.yaml"), pc.Scene.load(puzzles / "lock.yaml", meshes="solid"))
+    start, in_the_slot = solids.scene.start("key"), np.array([0.245, 0, 0, 0, 0, 0, 1])
+    view = "bare=1&distance=2.3&azimuth=-140&elevation=18&target=0.1,0,0"
+    shots = (hulls, start), (solids, start), (solids, in_the_slot)
+    return [photograph(pc.view.picture(checker, q), view, folder) for checker, q in shots]
+
+
 def main() -> None:
-    """Writes both."""
-    here = Path(__file__).parent
+    """Writes those that are asked for, or all."""
+    here, asked = Path(__file__).parent, sys.argv[1:]
+    if not asked or "key" in asked:
+        with tempfile.TemporaryDirectory() as name:
+            side_by_side(key(Path(name)), here / "key.png")
+    if not asked or {"bookshelf", "talos"} & set(asked):
+        _robots(here)
+
+
+def _robots(here: Path) -> None:
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
     shelf = pc.Checker(robot, scene)
     hit = next(

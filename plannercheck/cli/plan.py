@@ -29,6 +29,7 @@ from plannercheck.ompl.plans import Plan, check_suffix
 from plannercheck.ompl.start_and_goal import check_end_state, checked_end
 from plannercheck.planar.curves import CURVES
 from plannercheck.planar.robot_files import is_planar
+from plannercheck.robots.robot import Robot
 from plannercheck.validation.path_recheck import check_path
 
 _EPILOG = """\
@@ -42,6 +43,7 @@ Examples:
   plannercheck plan --robot panda --scene bookshelf --output plan.csv
   plannercheck plan --robot ur5 --scene cell.yaml --start 0,-1.5,1.5,0,0,0 --goal 1,-1,1,0,0,0
   plannercheck plan --robot forklift --scene warehouse --curve reeds_shepp --turning-radius 1.5
+  plannercheck plan --robot configs/puzzles/hook.yaml --scene configs/puzzles/ring.yaml --scene-meshes solid
   plannercheck plan --robot panda --problems cage_panda.tar.bz2 --output results.json
 """
 
@@ -81,6 +83,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--turning-radius", type=float, metavar="M", help="turning radius of dubins and reeds_shepp curves, m"
+    )
+    parser.add_argument(
+        "--bounds",
+        metavar="X,Y,Z,X,Y,Z",
+        help="least and largest position of floating and planar joints, m; default: room around all obstacles",
     )
     parser.add_argument("--no-simplify", action="store_true", help="leave paths as the planner found them")
     parser.add_argument("--seed", type=int, help="seed of at least 1: the same seed gives the same search")
@@ -129,8 +136,9 @@ def _run_one(options: argparse.Namespace) -> int:
         longest_motion=options.range,
         curve=options.curve,
         turning_radius=options.turning_radius,
+        bounds=None if options.bounds is None else _box(options.bounds),
     )
-    _show(found, "rad" if isinstance(checker, Checker) else "in m and rad")
+    _show(found, _columns(checker), "rad" if isinstance(checker, Checker) else "in m and rad")
     if found.solved and options.output is not None:
         found.save(options.output)
         print(f"written to {options.output}")
@@ -139,6 +147,14 @@ def _run_one(options: argparse.Namespace) -> int:
     check = check_path(_in_space(checker), found.path)
     show_checks([check])
     return 0 if check.passed else 1
+
+
+def _box(text: str) -> Floats:
+    """(2, 3) least and largest position, m."""
+    numbers = vector(text, "--bounds")
+    if numbers.shape != (6,):
+        raise PlannercheckError(f"--bounds takes six numbers, the least and the largest x, y, z, not {text!r:.80}")
+    return numbers.reshape(2, 3)
 
 
 def _check_ends(checker: AnyChecker, **ends: Floats) -> None:
@@ -161,11 +177,22 @@ def _in_space(checker: AnyChecker) -> Checker:
     return checker
 
 
-def _show(found: Plan, unit: str) -> None:
+def _columns(checker: AnyChecker) -> list[str]:
+    """A name for each column: of a joint that takes several, it is over the first one."""
+    robot = checker.robot
+    names = list(robot.joint_names)
+    if len(names) == robot.nq or not isinstance(robot, Robot):
+        return names
+    out = [""] * robot.nq
+    for name, start in zip(names, robot.configuration_map.starts, strict=True):
+        out[start] = name
+    return out
+
+
+def _show(found: Plan, names: list[str], unit: str) -> None:
     if not found.solved:
         print(f"not solved: {found.reason}")
         return
-    names = found.joint_names
     print(
         table(
             ("", *names),

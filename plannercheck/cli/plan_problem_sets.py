@@ -24,7 +24,7 @@ from plannercheck.scenes.motion_bench_maker import load_problems
 from plannercheck.validation.problem_sets import ProblemResult, SetSummary, solve, summary, with_ompl
 
 # Options that say nothing of problem sets, whose problems are in space and are judged as they are.
-_OF_ONE = ("--padding", "--no-self-collision", "--curve", "--turning-radius")
+_OF_ONE = ("--padding", "--no-self-collision", "--curve", "--turning-radius", "--bounds")
 
 _HEADER = (
     "set",

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.cli.common import check_folder
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.proofs import Proof, save_proofs
+from plannercheck.validation.paths import how_moved
 
 # What is added to the name of a path's file, its suffix replaced.
 _SUFFIX = ".proof.json"
@@ -27,7 +29,9 @@ _SUFFIX = ".proof.json"
 class ProvingChecker(Protocol):
     """A checker that proves motions."""
 
-    def certify_motions(self, q0: ArrayLike, q1: ArrayLike, tolerance: float = ...) -> tuple[Proof | None, ...]:
+    def certify_motions(
+        self, q0: ArrayLike, q1: ArrayLike, tolerance: float = ..., **how: Any
+    ) -> tuple[Proof | None, ...]:
         """A proof a motion, None where it is not free."""
 
 
@@ -74,14 +78,17 @@ def check_proof_file(file: Path, inputs: Iterable[Path]) -> None:
         raise PlannercheckError(f"the proof would replace the path {str(file)!r}: choose another file by --proof")
 
 
-def write_proof(checker: AnyChecker, path: NDArray[np.float64], tolerance: float, file: Path) -> PathProof:
+def write_proof(
+    checker: AnyChecker, path: NDArray[np.float64], tolerance: float, file: Path, motion_path: MotionPath = "screw"
+) -> PathProof:
     """Proves the motions of a path (k, nq) and writes the proofs, if the verifier confirms them all."""
     starts, ends = (path[:-1], path[1:]) if len(path) > 1 else (path, path)
     if not isinstance(checker, ProvingChecker):
         raise PlannercheckError(f"there are no proofs of motions of {checker.robot.name!r}: leave --certify out")
     proofs: list[Proof] = []
     entries = 0
-    for k, proof in enumerate(checker.certify_motions(starts, ends, tolerance=tolerance)):
+    found_proofs = checker.certify_motions(starts, ends, tolerance=tolerance, **how_moved(checker, motion_path))
+    for k, proof in enumerate(found_proofs):
         if proof is None:
             return PathProof(file, k, entries, f"motion {k} is free, but only so far as pairs that can't meet count")
         found = proof.verify()

@@ -9,6 +9,7 @@ from plannercheck.cli.common import add_checker_arguments, add_robot_argument, a
 from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import PATHS
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.validation.formats.chunks import STANDARD_INPUT
@@ -180,6 +181,13 @@ def _add_path_arguments(parser: argparse.ArgumentParser) -> None:
         "refused",
     )
     group.add_argument(
+        "--motion-path",
+        choices=PATHS,
+        default="screw",
+        help="for --path: how planar and floating joints move: along one screw, or straight and turning by slerp, as "
+        "plans of free bodies do; default: screw",
+    )
+    group.add_argument(
         "--tolerance",
         type=float,
         default=DEFAULT_TOLERANCE,
@@ -206,7 +214,7 @@ def check_options(options: argparse.Namespace) -> None:
     if options.path:
         _check_path_options(options)
     else:
-        check_heeded(options, ("--straight", "--tolerance"), "with --path, not for sets")
+        check_heeded(options, ("--straight", "--motion-path", "--tolerance"), "with --path, not for sets")
     with error_context("--threads"):
         checked_threads(options.threads, options.threads)
     if options.proof is not None:

@@ -24,6 +24,7 @@ from plannercheck.cli.proved_paths import PathProof, check_proof_file, proof_fil
 from plannercheck.cli.robot_options import robot_of
 from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.validation.formats.paths import PathFile, read_robot_path
@@ -63,10 +64,11 @@ def _planar(options: argparse.Namespace) -> list[Judged]:
 
 
 def _judged(checker: AnyChecker, path: Path, states: NDArray[np.float64], options: argparse.Namespace) -> Judged:
-    verdict = validate_path(checker, states, options.tolerance, options.threads)
+    kind: MotionPath = options.motion_path
+    verdict = validate_path(checker, states, options.tolerance, options.threads, kind)
     if not options.certify or not verdict.free:
         return verdict, None
-    return verdict, write_proof(checker, states, options.tolerance, proof_file(path, options.proof))
+    return verdict, write_proof(checker, states, options.tolerance, proof_file(path, options.proof), kind)
 
 
 def _in_space(options: argparse.Namespace) -> list[Judged]:

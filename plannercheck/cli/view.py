@@ -25,6 +25,7 @@ from plannercheck.cli.robot_options import described
 from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import PATHS
 from plannercheck.ompl.start_and_goal import checked_end
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.validation.formats.chunks import read_states
@@ -70,6 +71,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--path", type=Path, metavar="PATH", help="plan or other path to animate")
     parser.add_argument(
         "--frames", type=int, default=DEFAULT_FRAMES, help="number of frames of a path; default: %(default)s"
+    )
+    parser.add_argument(
+        "--motion-path",
+        choices=PATHS,
+        default="screw",
+        help="how planar and floating joints move on a path: slerp for plans of free bodies; default: screw",
     )
     parser.add_argument(
         "--first",
@@ -128,7 +135,7 @@ def _check(options: argparse.Namespace) -> None:
     if sum(given is not None for given in (options.file, options.q, options.path)) > 1:
         raise PlannercheckError("FILE, --q and --path exclude each other: give one")
     if options.path is None:
-        check_heeded(options, ("--frames",), "with --path")
+        check_heeded(options, ("--frames", "--motion-path"), "with --path")
     if options.file is None:
         check_heeded(options, ("--first", "--only-invalid"), "with FILE, a set")
     if options.html is not None:
@@ -152,7 +159,7 @@ def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
                 "in the file ask for",
                 stacklevel=2,
             )
-        return along_path(checker, path.states, options.frames)
+        return along_path(checker, path.states, options.frames, options.motion_path)
     if options.file is not None:
         return _of_set(options, checker)
     if options.q is not None:

@@ -4,6 +4,7 @@ Read `errors` and `core` first (the one family of errors; the compiled core for 
 `array_types`, `arrays`, `transforms` and `angles` (numbers as the core reads them) and `counters` (sums of its
 counters). Files: `package_data`, `package_files`, `checked_yaml` and `input_limits` find and read them, `atomic_files`
 writes them, `escaping` and `html_tables` put names into them. `optional_imports`, `isolated_process`, `silence` and
-`threads` deal with other libraries and processes. `version` and `public_names` hold the package's version and its
-public names, and `model_comparisons` what the package's face hands down to `proofs`.
+`threads` deal with other libraries and processes. `motion_paths` names how free bodies move. `version` and
+`public_names` hold the package's version and its public names, and `model_comparisons` what the package's face hands
+down to `proofs`.
 """

@@ -2,7 +2,8 @@
 
 In: a robot, bodies, pairs. Out: `MotionCertifier`, which judges the straight segments between configurations. Every
 joint moves by itself: revolute and prismatic joints linearly, continuous ones the short way round, quaternions by
-slerp, floating and planar bases along one screw (Pinocchio's interpolation).
+slerp, floating and planar bases along one screw (Pinocchio's interpolation), or straight and turning by slerp (OMPL's
+in SE(3) and SE(2)).
 
 Proofs are about exact kinematics and hold for computed poses as well, since the certificates' gaps exceed the rounding
 of poses (`Robot.kinematic_error`, and the core's own bound).
@@ -25,6 +26,7 @@ from plannercheck.common.arrays import Configuration
 from plannercheck.common.core import core
 from plannercheck.common.counters import sum_counters
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.certifier_answers import (
     FREE,
     IMPRECISE,
@@ -62,6 +64,7 @@ class MotionCertifier:
         tables: CompiledTables,
         excess: float,
         switches: MotionSwitches,
+        path: MotionPath = "screw",
     ) -> None:
         """Prepares the chains of joints.
 
@@ -72,6 +75,7 @@ class MotionCertifier:
             tables: These pairs, compiled: those that can meet within the limits, and all of them.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
             switches: Ways to save work.
+            path: How planar and floating joints move.
 
         Raises:
             PlannercheckError: If Pinocchio itself poses the robot.
@@ -83,9 +87,11 @@ class MotionCertifier:
             )
         self._robot, self._limits = robot, tables.limits
         mounts = tables.mounts(robot.kinematics)
-        self._pairs_within_limits = ChainedPairs(robot, bodies, pairs, tables.within_limits, mounts, excess, switches)
+        self._pairs_within_limits = ChainedPairs(
+            robot, bodies, pairs, tables.within_limits, mounts, excess, switches, path
+        )
         self._compile_all_pairs: Callable[[], ChainedPairs] = lambda: ChainedPairs(
-            robot, bodies, pairs, tables.all, mounts, excess, switches
+            robot, bodies, pairs, tables.all, mounts, excess, switches, path
         )
         self._errors = errors = robot.remembered("rounding bounds", lambda: RoundingBounds(robot))
         self._range = errors.low, errors.high

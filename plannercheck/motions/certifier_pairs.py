@@ -19,6 +19,7 @@ from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.checking.compiled_pairs import CompiledPairs
 from plannercheck.common.array_types import Bools, Floats, Ints
 from plannercheck.common.core import core
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.robot_chains import chains_of_robot
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.robot_memory import RobotMemory
@@ -64,6 +65,7 @@ class ChainedPairs:
         mounts: tuple[Ints, Floats],
         excess: float,
         switches: MotionSwitches,
+        path: MotionPath = "screw",
     ) -> None:
         """Prepares the chains of joints.
 
@@ -75,6 +77,7 @@ class ChainedPairs:
             mounts: The links that bodies hang on, and their poses there, see `compiled_pairs.body_placements`.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
             switches: Ways to save work.
+            path: How planar and floating joints move.
         """
         links, placements = mounts
         table = _ordered(pairs[part.rows], links)
@@ -83,7 +86,7 @@ class ChainedPairs:
         self.rows = part.rows[moving]
         self.flipped = (table[:, 0] != pairs[part.rows, 0])[moving]
         self.touching = part.rows[~moving][~_permanently_apart(robot, table[~moving], polytopes, placements)].tolist()
-        of_robot = chains_of_robot(robot, bodies, links, excess)
+        of_robot = chains_of_robot(robot, bodies, links, excess, path)
         chains = of_robot.of(table[moving].astype(np.int64))
         self.frames = chains.pairs[:, 2].tolist()
         live = sorted(polytopes)

@@ -16,11 +16,13 @@ from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.arrays import Configuration, contiguous
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import checked_threads
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE, MotionCertifier
 from plannercheck.motions.certifier_pairs import MotionSwitches
 from plannercheck.motions.explanation import explained_motion
+from plannercheck.motions.joint_drives import split_joints
 from plannercheck.motions.motion_ends import checked_ends, with_given_ends
 from plannercheck.motions.proof_builder import Builder
 from plannercheck.motions.rounding_bounds import NEAR_TURNS
@@ -32,10 +34,11 @@ from plannercheck.proofs.proof import Proof
 class Checker(StateChecker):
     """Exact collision verdicts for one robot in one scene. Immutable, so threads may share it."""
 
-    _COMPILED: ClassVar[frozenset[str]] = StateChecker._COMPILED | {"motion_certifier", "_prover"}
+    _COMPILED: ClassVar[frozenset[str]] = StateChecker._COMPILED | {"motion_certifier", "_slerp_certifier", "_prover"}
 
     def _scene_taken(self, earlier: StateChecker | None) -> None:
-        for name in ("motion_certifier", "_prover", "motion_sampler"):  # of the earlier scene, or of what it attached
+        kept = ("motion_certifier", "_slerp_certifier", "_prover", "motion_sampler")
+        for name in kept:  # of the earlier scene, or of what it attached
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -50,11 +53,13 @@ class Checker(StateChecker):
         q1: Configuration,
         resolution: float | None = None,
         tolerance: float = DEFAULT_TOLERANCE,
+        *,
+        path: MotionPath = "screw",
     ) -> bool:
         """Whether a motion is free, both ends included: proved for every state on it, or sampled.
 
         Each joint moves by itself: revolute and prismatic ones linearly, continuous ones the short way round,
-        quaternions by slerp, floating bases along a screw.
+        quaternions by slerp, planar and floating bases along the path that is named.
 
         Args:
             q0: (nq,) start, rad and m.
@@ -64,10 +69,14 @@ class Checker(StateChecker):
             tolerance: A motion that keeps more than this distance from all collisions is proved free, in m; a motion
                 that comes nearer may be refused. A motion that touches something is never called free, whatever the
                 tolerance.
+            path: How planar and floating joints move: "screw", along the one screw from start to end (Pinocchio's
+                interpolation), or "slerp", with their position on a straight line and their turn the short way at
+                constant speed, each by itself (OMPL's in SE(2) and SE(3)).
 
         Returns:
             True if the motion is free.
         """
+        check_path(path)
         if resolution is None and self._kernel is not None:
             known = self.motion_certifier.judge_rows(q0, q1, tolerance)
             if known is not None:
@@ -77,7 +86,7 @@ class Checker(StateChecker):
             near = self.motion_sampler.short_way(starts, ends)
             if near is ends or (np.abs(ends) <= NEAR_TURNS).all():
                 return self.motion_certifier.is_free(starts[0].tolist(), near[0].tolist(), tolerance)
-        return bool(self.check_motions(starts, ends, resolution, tolerance)[0])
+        return bool(self.check_motions(starts, ends, resolution, tolerance, path=path)[0])
 
     def check_motions(
         self,
@@ -86,6 +95,8 @@ class Checker(StateChecker):
         resolution: float | None = None,
         tolerance: float = DEFAULT_TOLERANCE,
         threads: int = 1,
+        *,
+        path: MotionPath = "screw",
     ) -> Bools:
         """Whether each of n motions is free.
 
@@ -95,10 +106,12 @@ class Checker(StateChecker):
             resolution: As for `check_motion`.
             tolerance: As for `check_motion`.
             threads: Number of threads to use for proofs.
+            path: As for `check_motion`.
 
         Returns:
             (n,), True means free.
         """
+        check_path(path)
         if resolution is None and type(threads) is int and threads == 1 and self._kernel is not None:
             known = self.motion_certifier.judge_sets(q0, q1, tolerance)
             if known is not None:
@@ -107,12 +120,12 @@ class Checker(StateChecker):
         given = contiguous(q1).reshape(ends.shape)
         if resolution is None:
             threads = checked_threads(threads, len(starts))
-            return self.motion_certifier.check(starts, ends, tolerance, threads, given)
-        return with_given_ends(self, self._sampled_free(starts, ends, resolution), ends, given)
+            return self.certifier_of(path).check(starts, ends, tolerance, threads, given)
+        return with_given_ends(self, self._sampled_free(starts, ends, resolution, path), ends, given)
 
-    def _sampled_free(self, starts: Floats, ends: Floats, resolution: float) -> Bools:
+    def _sampled_free(self, starts: Floats, ends: Floats, resolution: float, path: MotionPath) -> Bools:
         if self._kernel is None or not self.motion_sampler.is_vector_space:
-            return self.motion_sampler.check(self, starts, ends, resolution)
+            return self.motion_sampler.check(self, starts, ends, resolution, path)
         steps = self.motion_sampler.steps(starts, ends, resolution)
         # Between two states within the limits, rounding takes no state further beyond them than the proof's margin
         # allows.
@@ -121,7 +134,13 @@ class Checker(StateChecker):
         )
 
     def explain_motion(
-        self, q0: Configuration, q1: Configuration, tolerance: float = DEFAULT_TOLERANCE, proofs: bool = False
+        self,
+        q0: Configuration,
+        q1: Configuration,
+        tolerance: float = DEFAULT_TOLERANCE,
+        proofs: bool = False,
+        *,
+        path: MotionPath = "screw",
     ) -> MotionVerdict:
         """How far a motion is free and what stops it, with certificates.
 
@@ -130,19 +149,26 @@ class Checker(StateChecker):
             q1: (nq,) end.
             tolerance: As for `check_motion`.
             proofs: Whether to return the proof of the free part: planes for all pairs, interval by interval.
+            path: As for `check_motion`.
 
         Returns:
             The verdict.
         """
         given = np.ascontiguousarray(self._single(q1))
         (start,), (end,) = self._motion_ends(self._single(q0), given)
-        certifier = self.motion_certifier
+        certifier = self.certifier_of(path)
         result = certifier.motion_result(start, end, tolerance, proofs, given[0])
-        prover = partial(self._proof, start, end, self.robot.check_configurations(given)[0], tolerance)
+        prover = partial(self._proof, start, end, self.robot.check_configurations(given)[0], tolerance, path)
         return explained_motion(self, result, lambda t: certifier.states(start, end, t), tolerance, prover)
 
     def certify_motions(
-        self, q0: ArrayLike, q1: ArrayLike, tolerance: float = DEFAULT_TOLERANCE, threads: int = 1
+        self,
+        q0: ArrayLike,
+        q1: ArrayLike,
+        tolerance: float = DEFAULT_TOLERANCE,
+        threads: int = 1,
+        *,
+        path: MotionPath = "screw",
     ) -> tuple[Proof | None, ...]:
         """Proofs of motions that anyone can check, without this checker (`Proof.verify`, `Proof.save`).
 
@@ -151,6 +177,7 @@ class Checker(StateChecker):
             q1: (n, nq) ends.
             tolerance: As for `check_motion`.
             threads: Number of threads to use to find the motions that are free.
+            path: As for `check_motion`.
 
         Returns:
             One for each motion. None where the motion is not free, and where it is free but rounding takes nearly all
@@ -160,26 +187,41 @@ class Checker(StateChecker):
         Raises:
             PlannercheckError: If Pinocchio itself poses, or python-flint is not installed.
         """
-        free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads)
+        free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads, path=path)
         (starts, ends), asked = self._motion_ends(q0, q1), self.robot.check_configurations(q1)
         rows = zip(starts, ends, asked, free.tolist(), strict=True)
-        return tuple(self._proof(q, end, to, tolerance) if passed else None for q, end, to, passed in rows)
+        return tuple(self._proof(q, end, to, tolerance, path) if passed else None for q, end, to, passed in rows)
 
-    def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Proof | None:
-        return self._prover.proof(start, end, asked_end, tolerance)
+    def _proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath) -> Proof | None:
+        return self._prover.proof(start, end, asked_end, tolerance, path)
 
     @cached_property
     def _prover(self) -> Builder:
         """Builds proofs of motions; made when first needed."""
         return Builder(self)
 
+    def certifier_of(self, path: MotionPath) -> MotionCertifier:
+        """Proves motions along a path free; arguments as for `check_motion`, errors as of `motion_certifier`."""
+        check_path(path)
+        table = self.robot.joint_table
+        if table is None or not split_joints(table, path):
+            return self.motion_certifier
+        return self._slerp_certifier
+
+    @cached_property
+    def _slerp_certifier(self) -> MotionCertifier:
+        return self._made_certifier("slerp")
+
     @cached_property
     def motion_certifier(self) -> MotionCertifier:
-        """Proves motions free; built when first needed.
+        """Proves motions along screws free; built when first needed.
 
         Raises:
             PlannercheckError: If Pinocchio itself poses.
         """
+        return self._made_certifier("screw")
+
+    def _made_certifier(self, path: MotionPath) -> MotionCertifier:
         if self._kernel is None:
             raise PlannercheckError(
                 f"motions of {self.robot.name!r} are proved free for the compiled kinematics only, and Pinocchio poses "
@@ -187,7 +229,7 @@ class Checker(StateChecker):
             )
         chosen = self._settings.switches
         switches = MotionSwitches(chosen.pair.cached_plane, chosen.bounds, chosen.overlaps, chosen.middle_states)
-        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, switches)
+        return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, switches, path)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:
         """Starts and ends (n, nq); continuous joints take the short way."""

@@ -13,6 +13,8 @@ import numpy as np
 import pinocchio as pin
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.motion_paths import MotionPath
+from plannercheck.motions.joint_drives import split_joints
 from plannercheck.robots.configurations import ConfigurationMap
 from plannercheck.robots.kinematics import JointTable, joint_placements
 
@@ -50,10 +52,21 @@ class JointAxis(NamedTuple):
 
 
 class JointTree:
-    """Joints and links at one configuration: moving joints at rest, the others where they are held."""
+    """Joints and links at one configuration: moving joints at rest, the others where they are held.
+
+    On the path "slerp", the child of a planar or floating joint is at T(x(t)) R(t) in the joint's placement: x moves
+    linearly, and R turns about a fixed axis at constant speed. So the joint is a chain of simple ones, for which the
+    bounds of cpp/motions/motion_bounds.hpp are proved: a slide for each number of x, then a ball joint (or a turn) that
+    keeps the joint's index. The slides come after all joints of the table; no link is on them.
+    """
 
     def __init__(
-        self, model: pin.Model, configurations: ConfigurationMap, table: JointTable, frames: Sequence[int]
+        self,
+        model: pin.Model,
+        configurations: ConfigurationMap,
+        table: JointTable,
+        frames: Sequence[int],
+        path: MotionPath = "screw",
     ) -> None:
         joints = joint_placements(model, _at_rest(model, configurations, table))
         links = [model.frames[frame] for frame in frames]
@@ -63,6 +76,8 @@ class JointTree:
         self.slides = [self.moves[j] and kind >= _SLIDE and kind != 10 for j, kind in enumerate(table.kinds.tolist())]
         self.turns = [self.moves[j] and kind != _SLIDE for j, kind in enumerate(table.kinds.tolist())]
         self.axes = [_axis(table, j, joints[j + 1]) for j in range(len(self.parents))]
+        for joint, slides in split_joints(table, path):
+            self._split(joint, slides)
         self.origins = np.array([axis.origin for axis in self.axes]).reshape(-1, 3)
         self.link_poses = np.reshape(
             [(joints[link.parentJoint] * link.placement).homogeneous for link in links], (-1, 4, 4)
@@ -70,6 +85,17 @@ class JointTree:
         self.link_joints = table.link_joints.tolist()
         self.link_on = {joint: link for link, joint in reversed(list(enumerate(self.link_joints)))}
         self.link_on[-1] = -1
+
+    def _split(self, joint: int, slides: int) -> None:
+        """Puts so many slides above a joint, which only turns from now on."""
+        self.slides[joint] = False
+        for _ in range(slides):
+            self.parents.append(self.parents[joint])
+            self.parents[joint] = len(self.parents) - 1
+            self.moves.append(True)
+            self.slides.append(True)
+            self.turns.append(False)
+            self.axes.append(self.axes[joint])
 
     def joint_path(self, start: int, end: int) -> tuple[list[int], list[int]]:
         """The moving joints between links on two joints, and for each of them the joint that the link before it is on.

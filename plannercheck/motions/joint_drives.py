@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.unit_lengths import DEFECT_PARTS
 
@@ -23,12 +24,16 @@ _TURN_DRIVE, _SLIDE_DRIVE, _PART_DRIVE = 0, 1, 2
 _CIRCLE = 0
 _PARTS = {9: 1 + 1, 10: 1, 11: 3}
 
+# By the kernel's kind of joints whose position and turn may move by themselves: how many numbers the position has, and
+# the part that the turn is.
+_SPLIT = {9: (2, _CIRCLE), 11: (3, 1)}
+
 # Which numbers of a joint form a unit vector, by the kernel's kind: cosine and sine, or a quaternion.
 _UNIT_NUMBERS = {**dict.fromkeys(range(_LAST_TURN + 1, _LAST_UNIT_TURN + 1), (0, 2)), 9: (2, 4), 10: (0, 4), 11: (3, 7)}
 
 # How many of a joint's first numbers are lengths, and how far from the origin a motion may go between two of them, as a
 # multiple of the larger one. A slide goes straight. A pose follows a screw of at most half a turn, on which the
-# distance from the start only grows, up to that of the ends.
+# distance from the start only grows, up to that of the ends; or its position goes straight.
 _LENGTHS = {_SLIDE: (1, 1.0), 9: (2, 3.0), 11: (3, 3.0)}
 
 
@@ -62,21 +67,40 @@ def spread(table: JointTable) -> Spread:
     return Spread(max(*extents, *on_links), travel, max(counts))
 
 
-def drives(table: JointTable) -> tuple[Ints, Floats, Ints]:
-    """Kinds and columns (joints, 2), multipliers and offsets (joints, 2), and parts (parts, 2), see `MotionChains`."""
-    listed, parts = [], {}
-    for kind, columns in zip(table.kinds.tolist(), table.columns.tolist(), strict=True):
+def split_joints(table: JointTable, path: MotionPath) -> tuple[tuple[int, int], ...]:
+    """The joints whose position and turn move by themselves on a path, and how many numbers the position has."""
+    kinds = enumerate(table.kinds.tolist() if path == "slerp" else ())
+    return tuple((j, _SPLIT[kind][0]) for j, kind in kinds if kind in _SPLIT and (table.columns[j] >= 0).any())
+
+
+def drives(table: JointTable, path: MotionPath = "screw") -> tuple[Ints, Floats, Ints]:
+    """Kinds and columns (joints, 2), multipliers and offsets (joints, 2), and parts (parts, 2), see `MotionChains`.
+
+    Where positions and turns move by themselves, the slides come after the table's joints, as in `JointTree`.
+    """
+    listed: list[tuple[int, int]] = []
+    parts: dict[int, int] = {}
+    split = dict(split_joints(table, path))
+    factors = [np.stack([table.multipliers[:, 0], table.offsets[:, 0]], axis=1)]
+    for joint, (kind, columns) in enumerate(zip(table.kinds.tolist(), table.columns.tolist(), strict=True)):
         column = columns[0]
         if kind <= _LAST_TURN or kind == _SLIDE or column < 0:
             listed.append((_SLIDE_DRIVE if kind == _SLIDE else _TURN_DRIVE, column))
             continue
+        if joint in split:
+            count, part = _SPLIT[kind]
+            listed.append((_PART_DRIVE, column + count))
+            parts[column + count] = part
+            continue
         listed.append((_PART_DRIVE, column))
         parts[column] = _CIRCLE if kind <= _LAST_UNIT_TURN else _PARTS[kind]
-    factors = np.stack([table.multipliers[:, 0], table.offsets[:, 0]], axis=1)
+    for joint, count in split.items():
+        listed += [(_SLIDE_DRIVE, int(column)) for column in table.columns[joint, :count]]
+        factors.append(np.stack([table.multipliers[joint, :count], table.offsets[joint, :count]], axis=1))
     by_column = sorted(parts.items())
     return (
         np.array(listed, dtype=np.int32).reshape(-1, 2),
-        np.ascontiguousarray(factors),
+        np.ascontiguousarray(np.concatenate(factors)),
         np.array([(part, column) for column, part in by_column], dtype=np.int32).reshape(-1, 2),
     )
 

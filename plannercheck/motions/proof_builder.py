@@ -18,6 +18,7 @@ from plannercheck.bodies.certificates import Separation
 from plannercheck.checking.verdicts import PairVerdict
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.certifier_answers import MotionResult
@@ -50,9 +51,8 @@ class CertifiedPairs(PosedPairs, Protocol):
 
     scene: Scene
 
-    @property
-    def motion_certifier(self) -> MotionCertifier:
-        """Proves motions free."""
+    def certifier_of(self, path: MotionPath) -> MotionCertifier:
+        """Proves motions along a path free."""
 
     def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
         """The verdict of row k of `pairs`, with its certificate."""
@@ -75,7 +75,9 @@ class Builder:
         self._hashes: Hashes = hashes_of(self._model)
         self._size = _size(self._model)
 
-    def proof(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> Proof | None:
+    def proof(
+        self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath = "screw"
+    ) -> Proof | None:
         """The proof of one motion, None if the certifier does not find it free.
 
         Args:
@@ -83,15 +85,16 @@ class Builder:
             end: (nq,) the end of the short way round.
             asked_end: (nq,) the end as it was asked for.
             tolerance: m.
+            path: How planar and floating joints move.
 
         Raises:
             PlannercheckError: If solids are apart on the motion, but their hulls are not.
         """
-        result = self._motion_result(start, end, asked_end, tolerance)
+        result = self._motion_result(start, end, asked_end, tolerance, path)
         if result is None:
             return None
         margin = self._margin(start, end, asked_end)
-        motion = Motion(*(tuple(q.tolist()) for q in (start, end, asked_end)))
+        motion = Motion(tuple(start.tolist()), tuple(end.tolist()), tuple(asked_end.tolist()), path)
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
         resting = _resting_directions(self._checker, result.proofs, start)
@@ -111,10 +114,12 @@ class Builder:
                     "proofs of motions are of hulls so far"
                 )
 
-    def _motion_result(self, start: Floats, end: Floats, asked_end: Floats, tolerance: float) -> MotionResult | None:
+    def _motion_result(
+        self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath
+    ) -> MotionResult | None:
         """The certifier's proofs of all pairs; None if the motion is not free or a pair has no proof."""
         try:
-            result = self._checker.motion_certifier.motion_result(start, end, tolerance, True, asked_end)
+            result = self._checker.certifier_of(path).motion_result(start, end, tolerance, True, asked_end)
         except PlannercheckError:  # rounding is too large a part of the tolerance
             return None
         return result if result.free and result.proved_until == 1.0 else None

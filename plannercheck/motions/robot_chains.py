@@ -16,6 +16,7 @@ import numpy as np
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.array_types import Bools, Floats, Ints, Ints64
 from plannercheck.common.arrays import read_only
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.joint_axes import JointTree
 from plannercheck.motions.joint_chains import ChainBuilder, ChainJoint, PairParts, chain_arrays
 from plannercheck.motions.joint_drives import Spread, defect, drives, spread
@@ -68,6 +69,7 @@ class RobotChains:
         links: Sequence[int],
         excess: float,
         carrier: RobotChains | None = None,
+        path: MotionPath = "screw",
     ) -> None:
         """Poses the joints at rest.
 
@@ -77,15 +79,20 @@ class RobotChains:
             links: Each body's link, -1 if no joint moves the body.
             excess: How far polytopes of curved shapes stick out, as a part of the radius.
             carrier: The same for the robot without what it carries; its results are taken over.
+            path: How planar and floating joints move.
         """
         table = robot.joint_table
         assert table is not None
         self._lock, self._own, self._carrier = threading.Lock(), len(bodies), carrier
         # One more link, that of any body beyond those given: it is at rest.
         self._links = np.array([*links, -1], dtype=np.int32)
-        tree = JointTree(robot.model, robot.configuration_map, table, robot.frames) if carrier is None else carrier.tree
+        tree = (
+            JointTree(robot.model, robot.configuration_map, table, robot.frames, path)
+            if carrier is None
+            else carrier.tree
+        )
         self._builder = ChainBuilder(tree, bodies, self._links.tolist(), excess)
-        self.drives = drives(table) if carrier is None else carrier.drives
+        self.drives = drives(table, path) if carrier is None else carrier.drives
         self.defect = defect(table) if carrier is None else carrier.defect
         self.leverage = float(max(1.0, np.abs(table.multipliers).sum()))
         self.depth = robot.configuration_map.lengths.depth
@@ -177,7 +184,9 @@ def _by_first_use(chains: Ints) -> tuple[Ints64, Ints]:
     return order, new[used].reshape(-1, 2)
 
 
-def chains_of_robot(robot: Robot, bodies: Sequence[GeometryObject], links: Ints, excess: float) -> RobotChains:
+def chains_of_robot(
+    robot: Robot, bodies: Sequence[GeometryObject], links: Ints, excess: float, path: MotionPath = "screw"
+) -> RobotChains:
     """The chains of a robot's bodies, made when a certifier of it first asks.
 
     Args:
@@ -185,17 +194,18 @@ def chains_of_robot(robot: Robot, bodies: Sequence[GeometryObject], links: Ints,
         bodies: The bodies on its links, or stand-ins for them, then obstacles, then copies of any of them.
         links: Each body's link, -1 if no joint moves the body.
         excess: How far polytopes of curved shapes stick out, as a part of the radius.
+        path: How planar and floating joints move.
     """
     count = len(robot.bodies)
     if (links[count:] >= 0).any():  # a pair has a padding of its own
-        return RobotChains(robot, bodies, links.tolist(), excess)
+        return RobotChains(robot, bodies, links.tolist(), excess, None, path)
     own, hung = tuple(bodies[:count]), tuple(links[:count].tolist())
     alone = next((k for k, body in enumerate(own) if body.carried is not None), count)
 
     def compute() -> RobotChains:
         carrier = None
         if alone < count:
-            carrier = chains_of_robot(robot.carrying(()), own[:alone], links[:alone], excess)
-        return RobotChains(robot, own, hung, excess, carrier)
+            carrier = chains_of_robot(robot.carrying(()), own[:alone], links[:alone], excess, path)
+        return RobotChains(robot, own, hung, excess, carrier, path)
 
-    return robot.remembered(("chains", own, hung, excess), compute)
+    return robot.remembered(("chains", own, hung, excess, path), compute)

@@ -8,7 +8,7 @@ carries.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 import pinocchio as pin
@@ -19,6 +19,7 @@ from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.motion_ends import short_way
 from plannercheck.robots.configurations import NO_LIMIT
 from plannercheck.robots.robot import Robot
@@ -74,7 +75,11 @@ class MotionSampler:
         return short_way(q0, q1, self._turning)
 
     def _way(self, q0: Floats, q1: Floats) -> Floats:
-        """(n,) m: no link point travels further on these motions."""
+        """(n,) m: no link point travels further on these motions, whichever path they take.
+
+        A screw takes the origin of a planar or floating joint along an arc, which is no shorter than the straight line,
+        and turns it as slerp does.
+        """
         levers = self._levers_within(q0, q1)
         if self._column_levers is not None:
             columns = self._column_levers if levers is self._levers else _column_levers(self._robot, levers)
@@ -92,23 +97,39 @@ class MotionSampler:
             return self._levers
         return lever_arms(self._robot, np.maximum(self._positions, taken), self._excess)
 
-    def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+    def states(self, q0: Floats, q1: Floats, parameters: Floats, path: MotionPath = "screw") -> Floats:
         """States (k, nq) of one motion at parameters (k,) in [0, 1]; both ends are met exactly."""
         if self.is_vector_space:
             states = (1 - parameters)[:, None] * q0 + parameters[:, None] * q1
         else:
             model = self._robot.model
-            states = np.array([pin.interpolate(model, q0, q1, float(t)) for t in parameters])
+            states = np.array([pin.interpolate(model, q0, q1, float(t)) for t in parameters]).reshape(-1, len(q0))
+            straight = self._placed if path == "slerp" else slice(0)
+            states[:, straight] = (1 - parameters)[:, None] * q0[straight] + parameters[:, None] * q1[straight]
         states[parameters == 0] = q0
         states[parameters == 1] = q1
         return states
 
-    def check(self, checker: AnyChecker, q0: Floats, q1: Floats, resolution: float | None) -> NDArray[np.bool_]:
+    def check(
+        self, checker: AnyChecker, q0: Floats, q1: Floats, resolution: float | None, path: MotionPath = "screw"
+    ) -> NDArray[np.bool_]:
         """Whether all sampled states of each motion (n, nq) to (n, nq) are valid, by batches of states."""
         steps = self.steps(q0, q1, resolution)
         motions = zip(q0, q1, steps.tolist(), strict=True)
-        free = [samples_are_free(checker, partial(self.states, start, end), count) for start, end, count in motions]
+        free = [
+            samples_are_free(checker, partial(self.states, start, end, path=path), count)
+            for start, end, count in motions
+        ]
         return np.array(free, dtype=bool)
+
+    @cached_property
+    def _placed(self) -> NDArray[np.int64]:
+        """Columns that are positions of planar and floating joints, of a robot in Pinocchio's own numbers."""
+        model = self._robot.model
+        joints = [joint for joint in range(1, model.njoints) if str(model.joints[joint].shortname()) in _SCREWS]
+        return np.concatenate(
+            [np.zeros(0, np.int64), *(np.arange(model.nq)[_sliding_part(model, joint)] for joint in joints)]
+        )
 
 
 def _column_levers(robot: Robot, levers: Floats) -> Floats:

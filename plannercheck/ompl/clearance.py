@@ -16,6 +16,7 @@ from ompl import base
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.motion_validators import Space
+from plannercheck.ompl.pose_space import PoseSpace
 
 # The step between states at which a motion's clearance is measured, in the space's distance (rad).
 CLEARANCE_RESOLUTION = 0.05
@@ -40,12 +41,15 @@ class MaxMinClearance(base.OptimizationObjective):  # type: ignore[misc]  # OMPL
 
     def motionCost(self, first: Any, second: Any) -> Any:  # noqa: N802
         """The negative of the least clearance at states along a motion, both ends included."""
+        steps = max(1, ceil(self._ompl_space.distance(first, second) / self._resolution))
+        t = np.linspace(0.0, 1.0, steps + 1)
+        if isinstance(self._space, PoseSpace):
+            return base.Cost(-float(self._checker.clearances(self._space.curve_states(first, second, t)).min()))
         ends = (np.array(self._space.read(state)) for state in (first, second))
         starts, ends_too = (self._checker.robot.check_configurations(q[None]) for q in ends)
         ends_too = self._checker.motion_sampler.short_way(starts, ends_too)
-        steps = max(1, ceil(self._ompl_space.distance(first, second) / self._resolution))
-        t = np.linspace(0.0, 1.0, steps + 1)[:, None]
-        return base.Cost(-float(self._checker.clearances((1 - t) * starts + t * ends_too).min()))
+        part = t[:, None]
+        return base.Cost(-float(self._checker.clearances((1 - part) * starts + part * ends_too).min()))
 
     def combineCosts(self, first: Any, second: Any) -> Any:  # noqa: N802
         """The costlier of two parts of a path."""

@@ -146,13 +146,13 @@ def _columns(robot: Robot) -> tuple[NDArray[np.bool_], Floats, Floats, list[int]
     lower, upper = robot.lower, robot.upper
     free: list[int] = np.flatnonzero(np.array(angles, dtype=bool) & ~columns).tolist()
     for k in free:
-        upper[k] = _free_range(robot.configuration_map, k)
+        upper[k] = free_range(robot.configuration_map, k)
         lower[k] = -upper[k]
     columns.flags.writeable = False
     return columns, lower, upper, free
 
 
-def _free_range(used: ConfigurationMap, column: int) -> float:
-    """The bound of an angle without limits in planning: a whole turn of its own and of each follower."""
+def free_range(used: ConfigurationMap, column: int) -> float:
+    """The bound of an angle without limits in planning, rad: a whole turn of its own and of each follower."""
     followers = (used.columns == column) & (used.roles != PLAIN) & (used.multipliers != 0)
     return float(np.pi * (1 / np.abs(used.multipliers[followers])).max(initial=1.0))

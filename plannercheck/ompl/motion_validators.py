@@ -20,11 +20,12 @@ from plannercheck.motions.checker import Checker
 from plannercheck.motions.sampling import coarse_to_fine
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
+from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.motion_certifier import STRAIGHT
 
-# Either kind of space: it reads and writes states, and computes their differences.
-Space: TypeAlias = JointSpace | PlanarSpace
+# Any kind of space: it reads and writes states, and computes their differences.
+Space: TypeAlias = JointSpace | PoseSpace | PlanarSpace
 
 # A curved motion is checked coarse to fine, to find a collision early: first this many states, then twice as many each
 # time.
@@ -135,6 +136,34 @@ class ProvedMotions(_CountingValidator):
         return result.free, result.free_until, state
 
 
+class ProvedPoses(_CountingValidator):
+    """Motions of robots with free bodies, each proved free along OMPL's interpolation."""
+
+    def __init__(self, information: Any, checker: Checker, space: PoseSpace, tolerance: float) -> None:
+        """Takes the checker; `tolerance` as for `Checker.check_motion`, m."""
+        super().__init__(information, space)
+        self._poses, self._tolerance, self._checker = space, tolerance, checker
+
+    def _is_free(self, s1: Any, s2: Any) -> bool:
+        starts, ends, *others = self._poses.pieces(s1, s2)
+        return self._are_free(starts, ends) and self._are_free(*others)
+
+    def _are_free(self, starts: Floats, ends: Floats) -> bool:
+        return bool(self._checker.check_motions(starts, ends, tolerance=self._tolerance, path="slerp").all())
+
+    def _last_valid(self, s1: Any, s2: Any) -> tuple[bool, float, Floats]:
+        starts, ends, *others = self._poses.pieces(s1, s2)
+        if not self._are_free(*others):
+            return False, 0.0, starts[0]
+        certifier, sampler = self._checker.certifier_of("slerp"), self._checker.motion_sampler
+        for k, (q0, q1) in enumerate(zip(starts, sampler.short_way(starts, ends), strict=True)):
+            result = certifier.motion_result(q0, q1, self._tolerance, given=ends[k])
+            if not result.free:
+                last = certifier.states(q0, q1, np.array([result.free_until]))[0]
+                return False, (k + result.free_until) / len(starts), last
+        return True, 1.0, ends[-1]
+
+
 class ProvedPlanarMotions(_CountingValidator):
     """Motions in the plane, straight or on curves, each proved free by one call of the core."""
 
@@ -211,7 +240,7 @@ def motion_validator(
     space: Space,
     resolution: float | None = None,
     tolerance: float = DEFAULT_TOLERANCE,
-) -> ProvedMotions | ProvedPlanarMotions | SampledMotions:
+) -> ProvedMotions | ProvedPoses | ProvedPlanarMotions | SampledMotions:
     """The validator for a checker.
 
     Args:
@@ -221,6 +250,8 @@ def motion_validator(
         resolution: None to prove motions free; else they are sampled, as for `check_motion`, m.
         tolerance: The tolerance of proofs, as for `Checker.check_motion`, m.
     """
+    if resolution is None and isinstance(checker, Checker) and isinstance(space, PoseSpace):
+        return ProvedPoses(information, checker, space, tolerance)
     if resolution is None and isinstance(checker, Checker):
         assert isinstance(space, JointSpace)
         return ProvedMotions(information, checker, space, tolerance)

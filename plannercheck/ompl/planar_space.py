@@ -8,7 +8,7 @@ and one part for each joint.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from ompl import base
@@ -23,6 +23,16 @@ from plannercheck.planar.curves import Curve, Curves, check_curve
 from plannercheck.planar.motion_sampling import MotionSampler
 from plannercheck.planar.robot import Robot
 from plannercheck.planar.spare_states import SpareStates
+
+
+class CurvedSpace(Protocol):
+    """A space whose motions are sampled by OMPL's interpolation."""
+
+    def curve_steps(self, s1: Any, s2: Any, sampler: Any, resolution: float | None) -> int:
+        """How many steps a motion needs: no point moves over `resolution` m in one."""
+
+    def curve_states(self, s1: Any, s2: Any, parameters: Floats) -> Floats:
+        """The states (k, nq) of a motion at parameters (k,) in [0, 1]."""
 
 
 class PlanarSpace(NumberedSpace):
@@ -128,7 +138,7 @@ class PlanarSpace(NumberedSpace):
         return np.array(rows)
 
 
-def sampled_curve(space: PlanarSpace, s1: Any, s2: Any, sampler: MotionSampler, resolution: float | None) -> Floats:
+def sampled_curve(space: CurvedSpace, s1: Any, s2: Any, sampler: Any, resolution: float | None) -> Floats:
     """States (k, nq) of a curved motion, both ends included: no point moves over `resolution` m between two."""
     steps = space.curve_steps(s1, s2, sampler, resolution)
     return space.curve_states(s1, s2, np.arange(steps + 1) / steps)

@@ -3,8 +3,9 @@
 In: a checker. Out: `setup`, an OMPL SimpleSetup with the robot's joint space and validators, and `plan`,
 which runs a planner from a start to a goal.
 
-Bounded joints are real numbers, continuous joints of a planning group are angles (SO2). Motions are proved free unless
-a resolution is given: see motion_validators.py.
+Bounded joints are real numbers, continuous joints of a planning group are angles (SO2), floating, planar and ball
+joints are OMPL's SE(3), SE(2) and SO(3). Motions are proved free unless a resolution is given: see
+motion_validators.py.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from ompl import base, geometric, util
 
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
@@ -26,7 +28,7 @@ from plannercheck.motions.certifier import DEFAULT_TOLERANCE
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
 from plannercheck.ompl.motion_validators import Space
-from plannercheck.ompl.planar_space import sampled_curve
+from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
 from plannercheck.ompl.prepared_spaces import given_back, lent, space_information, space_of
 from plannercheck.ompl.simple_setup import SimpleSetup
@@ -53,6 +55,7 @@ def setup(
     *,
     curve: Curve = "straight",
     turning_radius: float | None = None,
+    bounds: ArrayLike | None = None,
 ) -> Any:
     """Makes an OMPL SimpleSetup for a checker's robot.
 
@@ -65,21 +68,25 @@ def setup(
         tolerance: A motion that comes within this of a collision may be refused by the proof, m.
         curve: How a planar robot's root moves: "straight" (SE(2)), "dubins" (forwards) or "reeds_shepp" (either way).
         turning_radius: The turning radius of the two latter, m.
+        bounds: (2, 3) the least and the largest position of floating and planar joints, m. None for the limits, or
+            else a box around all obstacles in which the robot has room on all sides.
 
     Returns:
         An `ompl.geometric.SimpleSetup` with space, state and motion validators set. Its `simplifySolution` keeps the
         path that was found if OMPL's simpler one collides. `getPathSimplifier()` does not: for a path that collides it
-        only returns False.
+        only returns False. Free bodies move as OMPL interpolates: positions on straight lines, turns by slerp, which is
+        the path "slerp" of `Checker.check_motion`.
 
         AORRTC, BITstar, InformedRRTstar and SORRTstar serve bounded joints and planar robots without joints; OMPL's
         other planners serve every space.
 
     Raises:
-        PlannercheckError: If a joint is neither bounded nor continuous, or takes several numbers.
+        PlannercheckError: If a joint is neither bounded nor continuous, or takes several numbers that OMPL has no space
+            for.
     """
     if util.getLogLevel().value < util.LOG_WARN.value:
         util.setLogLevel(util.LOG_WARN)
-    space = space_of(checker, curve, turning_radius)
+    space = space_of(checker, curve, turning_radius, (), bounds)
     information = space_information(checker, space, resolution, tolerance)
     return SimpleSetup(information, not space.is_straight, space.numbers.failure)
 
@@ -127,6 +134,7 @@ def plan(
     longest_motion: float | None = None,
     curve: Curve = "straight",
     turning_radius: float | None = None,
+    bounds: ArrayLike | None = None,
 ) -> Plan:
     """Plans from one configuration to another.
 
@@ -144,9 +152,11 @@ def plan(
             OMPL, as None does in the plane; None is `LONGEST_MOTION` in space.
         curve: As for `setup`.
         turning_radius: As for `setup`.
+        bounds: As for `setup`; the box around all obstacles is also around start and goal.
 
     Returns:
-        The plan. Curved motions are given as states between which no point moves further than 1 cm, or the resolution.
+        The plan. Free bodies move as on the path "slerp" of `Checker.check_motion`. Curved motions are given as states
+        between which no point moves further than 1 cm, or the resolution.
         If the start or the goal collides or is beyond the limits, the plan is unsolved and `reason` says why.
     """
     if planner not in planner_names():
@@ -162,7 +172,7 @@ def plan(
     if any(reasons):
         return _unsolved(checker.robot, planner, 0.0, "; ".join(filter(None, reasons)))
     with OMPL_SILENCE():
-        prepared = lent(checker, planner, resolution, curve, turning_radius, tuple(ends.values()))
+        prepared = lent(checker, planner, resolution, curve, turning_radius, tuple(ends.values()), bounds)
         seed_ompl(seed)
         space = prepared.space
         setup = SimpleSetup(prepared.information, not space.is_straight, space.numbers.failure)
@@ -216,8 +226,8 @@ def _search(
 
 def _configurations(space: Space, states: list[Any], checker: AnyChecker, resolution: float | None) -> Floats:
     """The path (k, nq) along OMPL states; where motions are curved, with states between them."""
-    if space.is_straight:
-        return space.numbers.rows(states)
+    if not isinstance(space, PlanarSpace) or space.is_straight:
+        return space.rows(states)
     curves = (sampled_curve(space, a, b, checker.motion_sampler, resolution) for a, b in pairwise(states))
     return np.concatenate([[space.read(states[0])], *(curve[1:] for curve in curves)])
 

@@ -28,13 +28,14 @@ class Plan(OwnsArrays):
 
     Attributes:
         solved: Whether the path leads from the start to the goal.
-        path: (k, nq) configurations, joined by straight motions; (0, nq) if there is none. rad and m.
+        path: (k, nq) configurations, joined by straight motions (on which free bodies go by slerp); (0, nq) if there is
+            none. rad and m.
         length: The path's Euclidean length in joint space, rad (and m, for prismatic joints).
         time: Time of the search, s.
         simplification_time: Time of shortening the path afterwards, s.
         planner: The planner's name.
         reason: Why there is no path; empty if solved.
-        joint_names: Names of the path's columns.
+        joint_names: Names of the path's columns; of its joints, in their order, where some take several columns.
     """
 
     solved: bool
@@ -57,8 +58,10 @@ class Plan(OwnsArrays):
         """Reads a plan from JSON, with the same numbers."""
         try:
             values = json.loads(Path(path).read_text(encoding="utf-8"))
-            width = len(values["joint_names"])
-            values["path"] = np.array(values["path"], dtype=np.float64).reshape(-1, width)
+            rows = np.array(values["path"], dtype=np.float64)
+            joints = len(values["joint_names"])
+            width = max(joints, rows.shape[1]) if rows.ndim == 2 else joints
+            values["path"] = rows.reshape(-1, width)
             values["joint_names"] = tuple(values["joint_names"])
             return cls(**values)
         except BROKEN_FILE as error:
@@ -102,7 +105,9 @@ def _write_npy(plan: Plan, path: Path) -> None:
 
 
 def _write_csv(plan: Plan, path: Path) -> None:
-    lines = [",".join(map(csv_cell, plan.joint_names)), *(",".join(map(repr, row)) for row in plan.path.tolist())]
+    has_names = len(plan.joint_names) == plan.path.shape[1]  # else some joints take several columns
+    names = [",".join(map(csv_cell, plan.joint_names))] if has_names else []
+    lines = [*names, *(",".join(map(repr, row)) for row in plan.path.tolist())]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -18,6 +18,7 @@ from typing import Any, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import ArrayLike
 from ompl import base, util
 
 from plannercheck.checking.protocols import AnyChecker
@@ -29,6 +30,9 @@ from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.ompl.motion_validators import Space, motion_validator
 from plannercheck.ompl.planar_space import PlanarSpace
+from plannercheck.ompl.pose_bounds import default_bounds
+from plannercheck.ompl.pose_parts import has_free_bodies
+from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.ompl.state_validators import ExactStates
 from plannercheck.planar.checker import Checker as PlanarChecker
 from plannercheck.planar.curves import Curve
@@ -86,6 +90,7 @@ def lent(
     curve: Curve,
     turning_radius: float | None,
     ends: Sequence[Floats],
+    bounds: ArrayLike | None = None,
 ) -> PreparedSpace:
     """A space that is ready, for this plan only; arguments as for `plan`, `ends` as for `JointSpace`."""
     key = (resolution, curve, turning_radius)
@@ -95,8 +100,8 @@ def lent(
             return _KEPT[checker][key].pop()
         except (KeyError, IndexError):
             pass
-    space = space_of(checker, curve, turning_radius, ends)
-    if not is_kept or (isinstance(space, JointSpace) and space.depends_on_ends):
+    space = space_of(checker, curve, turning_radius, ends, bounds)
+    if not is_kept or isinstance(space, PoseSpace) or (isinstance(space, JointSpace) and space.depends_on_ends):
         return PreparedSpace(space, space_information(checker, space, resolution), None)
     information = space_information(weakref.proxy(checker), space, resolution)
     information.setup()
@@ -110,13 +115,22 @@ def given_back(checker: AnyChecker, prepared: PreparedSpace) -> None:
 
 
 def space_of(
-    checker: AnyChecker, curve: Curve = "straight", turning_radius: float | None = None, held: Sequence[Floats] = ()
+    checker: AnyChecker,
+    curve: Curve = "straight",
+    turning_radius: float | None = None,
+    held: Sequence[Floats] = (),
+    bounds: ArrayLike | None = None,
 ) -> Space:
     """The space in which a checker's robot is planned for; arguments as for `setup`, `held` as for `JointSpace`."""
+    has_poses = isinstance(checker, Checker) and has_free_bodies(checker.robot)
+    if bounds is not None and not has_poses:
+        raise PlannercheckError("bounds are for robots with a floating, planar or ball joint; others have limits")
     if isinstance(checker, PlanarChecker):
         return PlanarSpace(checker.robot, curve, turning_radius)
     if curve != "straight" or turning_radius is not None:
         raise PlannercheckError("curves and turning radii are for planar robots")
+    if isinstance(checker, Checker) and has_poses:
+        return PoseSpace(checker.robot, default_bounds(checker, held) if bounds is None else bounds, *held)
     return JointSpace(checker.robot, *held)  # type: ignore[arg-type]  # the other kind of checker
 
 
@@ -136,7 +150,7 @@ def space_information(
 def _state_validity(information: Any, checker: AnyChecker, space: Space) -> Any:
     """OMPL's state validity checker; in space it also has clearances."""
     if isinstance(checker, Checker):
-        assert isinstance(space, JointSpace)
+        assert isinstance(space, JointSpace | PoseSpace)
         return ExactStates(information, checker, space)
 
     def is_valid(state: Any) -> bool:

@@ -2,6 +2,7 @@
 
 In: one of our OMPL compound spaces. Out: its first two numbers as the default projection: x and y of a planar robot, or
 else the two joints next to the base, which move most of the robot (MoveIt's setup assistant uses these two as well).
+With a free body, it is the projection of the first of OMPL's own spaces that has one.
 """
 
 from __future__ import annotations
@@ -10,6 +11,9 @@ from math import pi
 from typing import Any
 
 from ompl import base
+
+# Spaces that OMPL has a projection for.
+_PROJECTED = (base.SE2StateSpace, base.SE3StateSpace, base.SO3StateSpace)
 
 # Joints whose values are the projection.
 _JOINTS = 2
@@ -41,5 +45,8 @@ class FirstJoints(base.ProjectionEvaluator):  # type: ignore[misc]  # OMPL's bin
 
 def register_projection(space: Any) -> None:
     """Gives one of our OMPL compound spaces a default projection; other spaces have OMPL's own."""
-    has_root = isinstance(space.getSubspace(0), base.SE2StateSpace)
-    space.registerDefaultProjection(base.SubspaceProjectionEvaluator(space, 0) if has_root else FirstJoints(space))
+    for k in range(space.getSubspaceCount()):
+        if isinstance(space.getSubspace(k), _PROJECTED):
+            space.registerDefaultProjection(base.SubspaceProjectionEvaluator(space, k))
+            return
+    space.registerDefaultProjection(FirstJoints(space))

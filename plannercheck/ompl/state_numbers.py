@@ -66,3 +66,7 @@ class NumberedSpace:
     def read(self, state: Any) -> list[float]:
         """The configuration of an OMPL state, nq numbers."""
         return self.numbers.read(state)
+
+    def rows(self, states: list[Any]) -> Floats:
+        """(n, nq) the configurations of a path's states."""
+        return self.numbers.rows(states)

@@ -13,16 +13,18 @@ from ompl import base
 
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
+from plannercheck.ompl.pose_space import PoseSpace
 
 
 class ExactStates(base.StateValidityChecker):  # type: ignore[misc]  # OMPL's bindings are untyped
     """Judges states, and gives clearances to OMPL's samplers, paths and objectives."""
 
-    def __init__(self, information: Any, checker: Checker, space: JointSpace) -> None:
+    def __init__(self, information: Any, checker: Checker, space: JointSpace | PoseSpace) -> None:
         """Keeps the space, but not the SpaceInformation, which keeps this object."""
         super().__init__(information)
         self._checker, self._space = checker, space
-        compiled = checker.state_validity(space.numbers.serialize, space.numbers.failure)
+        is_plain = isinstance(space, JointSpace)
+        compiled = checker.state_validity(space.numbers.serialize, space.numbers.failure) if is_plain else None
         if compiled is not None:
             self.__dict__["isValid"] = compiled  # OMPL calls it instead of the method, without a frame of Python
 

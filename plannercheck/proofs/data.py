@@ -6,8 +6,9 @@ parameter t goes from 0 to 1, every joint of `model.joints` moves by itself from
 - "turn" and "slide": the value goes linearly from multiplier * start + offset to multiplier * end + offset;
 - "circle" (cosine and sine): about its axis the short way round, at constant speed;
 - "ball" (a unit quaternion x, y, z, w): by slerp, the short way;
-- "planar" (x, y, cosine, sine) and "free" (x, y, z, quaternion): along the one screw that leads from start to end, the
-  turn being the short way;
+- "planar" (x, y, cosine, sine) and "free" (x, y, z, quaternion), where `motion.path` is "screw": along the one screw
+  that leads from start to end, the turn being the short way; where it is "slerp": the position goes linearly, and the
+  turn about one axis the short way at constant speed;
 
 and at every t the convex hulls of `vertices` of the two bodies of every pair of `model.pairs`, each inflated by its
 `radius`, are more than `margin` apart. Links are where exact kinematics of the given numbers puts them: placements as
@@ -25,6 +26,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from plannercheck.common.array_types import Floats
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
 FORMAT, VERSION = "plannercheck motion proof", 1
@@ -133,11 +135,13 @@ class Motion:
         end: (columns,) the end of the motion: angles of `whole_turns` take the short way.
         asked_end: (columns,) the end that was asked for. It differs by whole turns and by rounding. Every gap exceeds
             the margin plus the motion of bodies by this rounding, so the claim holds for either end.
+        path: How planar and free joints move.
     """
 
     start: tuple[float, ...]
     end: tuple[float, ...]
     asked_end: tuple[float, ...]
+    path: MotionPath = "screw"
 
 
 @dataclass(frozen=True)

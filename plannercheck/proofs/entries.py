@@ -301,7 +301,7 @@ def _length(rows: Sequence[float]) -> float:
 
 
 def _slide(joint: Any, motion: Any) -> float:
-    """How far a joint shifts its frame at most, m: along a screw at most pi / 2 of the way between its ends."""
+    """How far a joint shifts its frame at most, m: on any path at most pi / 2 of the way between its ends."""
     count = {"slide": 1, "planar": 2, "free": 3}.get(joint.kind, 0)
     ends = [
         [

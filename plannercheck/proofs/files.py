@@ -3,8 +3,9 @@
 In: proofs of motions of one robot in one scene, which share the model. Out: a file, and the same bits back.
 
 A document: {"format": "plannercheck motion proof", "version": 1, "kind", "robot", "scene", "hashes", "model",
-"motions": [{"motion", "margin", "entries"}, …]}, with the fields of the classes in `data.py`. An npz has the document
-as the text `document`, in which {"array": k} stands for the array `array_k`.
+"motions": [{"motion", "margin", "entries"}, …]}, with the fields of the classes in `data.py`. A motion in space without
+`path` follows screws: so files from before there were other paths can be read. An npz has the document as the text
+`document`, in which {"array": k} stands for the array `array_k`.
 """
 
 from __future__ import annotations
@@ -27,6 +28,9 @@ from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
 # The classes of a proof's model and motion, by its kind.
 _CLASSES: dict[str, tuple[type, type]] = {"space": (Model, Motion), "plane": (PlanarModel, PlanarMotion)}
+
+# The path of motions in files that name none.
+_UNNAMED_PATH = "screw"
 
 _KEYS = ("format", "version", "kind", "robot", "scene", "hashes", "model", "motions")
 
@@ -81,6 +85,9 @@ def document(proofs: Sequence[ProofData]) -> dict[str, Any]:
         raise PlannercheckError("a proof file holds motions of one robot in one scene: save others in another file")
     shared = {name: to_plain(getattr(first, name)) for name in ("kind", "robot", "scene", "hashes", "model")}
     motions = [{name: to_plain(getattr(proof, name)) for name in ("motion", "margin", "entries")} for proof in proofs]
+    for item in motions:
+        if item["motion"].get("path") == _UNNAMED_PATH:
+            del item["motion"]["path"]
     return {"format": FORMAT, "version": VERSION, **shared, "motions": motions}
 
 
@@ -122,7 +129,10 @@ def _motion(
         raise PlannercheckError(f"{where}: 'entries' must be a list")
     margin = from_plain(float, item["margin"], f"{where}, 'margin'")
     entries = tuple(from_plain(Entry, entry, f"{where}, entry {k}") for k, entry in enumerate(item["entries"]))
-    motion = from_plain(motion_class, item["motion"], where)
+    given = item["motion"]
+    if motion_class is Motion and isinstance(given, dict):
+        given = {"path": _UNNAMED_PATH, **given}
+    motion = from_plain(motion_class, given, where)
     return ProofData(kind, names[0], names[1], hashes, model, motion, margin, entries)
 
 

@@ -5,7 +5,8 @@ the map from the joint's frame after its motion to its parent's.
 
 Turns are Rodrigues' formula, c I + (1 - c) a a^T + s [a], with the axis a as it is. Planar, floating and ball joints
 move along M exp(t X) with the constant twist X = log(M^-1 N), so derivatives are products with X. The matrix over an
-interval is the one at its middle times exp of the small rest.
+interval is the one at its middle times exp of the small rest. Where the path is "slerp", planar and floating joints
+move along T exp(t X): a shift T that is linear in t, and then a ball joint's motion.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ from typing import Any
 
 from flint import arb, arb_mat
 
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.proofs.data import Joint
 from plannercheck.proofs.faults import UnprovedError
-from plannercheck.proofs.jets import Jet, affine, linear
+from plannercheck.proofs.jets import Jet, affine, linear, product
 
 Motion = Callable[[Any], Jet]
 
@@ -29,13 +31,14 @@ _SMALL = arb(1) / 4
 _HALF_TURN_ROOM = 1e-12
 
 
-def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float]) -> Motion:
+def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float], path: MotionPath = "screw") -> Motion:
     """The jet of a joint's map as a function of the parameter.
 
     Args:
         joint: The joint, well-formed.
         start: (columns,) configuration.
         end: (columns,).
+        path: How planar and floating joints move.
 
     Returns:
         The function; for joints that are held, of a constant.
@@ -57,6 +60,8 @@ def joint_motion(joint: Joint, start: Sequence[float], end: Sequence[float]) -> 
         angle, rate = arb.atan2(arb(here[1]), arb(here[0])), _way_round(here, there)
         return _turning(placement, joint.axis, angle, rate, joint.multipliers)
     before, after = _placed(joint.kind, here), _placed(joint.kind, there)
+    if path == "slerp" and joint.kind in ("planar", "free"):
+        return _straight_and_turning(placement, before, after, _turn_vector(joint.kind, here, there))
     return _screw(placement * before, _twist(before, after, _turn_vector(joint.kind, here, there)))
 
 
@@ -134,6 +139,19 @@ def _screw(before: Any, twist: Any) -> Motion:
         return Jet(value, first, first * twist)
 
     return jet
+
+
+def _straight_and_turning(placement: Any, before: Any, after: Any, turn: Sequence[Any]) -> Motion:
+    """A motion between two poses whose shift and turn move by themselves; the turn's vector is known."""
+    here, there = ([pose[k, 3] for k in range(3)] for pose in (before, after))
+    start, rate = placement * shifted(here), placement * _column([b - a for a, b in zip(here, there, strict=True)])
+    turning = _screw(before - _column(here), linear(_cross(turn)))
+    return lambda t: product(Jet(start + rate * t, rate), turning(t))
+
+
+def _column(shift: Sequence[Any]) -> Any:
+    """The 4 x 4 matrix that is 0 but for a shift."""
+    return arb_mat(4, 4, [x for part in shift for x in (0, 0, 0, part)] + [0] * 4)
 
 
 def _way_round(a: Sequence[float], b: Sequence[float]) -> Any:

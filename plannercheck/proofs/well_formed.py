@@ -13,6 +13,7 @@ import flint
 import numpy as np
 from flint import arb
 
+from plannercheck.common.motion_paths import PATHS
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Entry, Hashes, Joint, Model, Motion, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
@@ -131,6 +132,8 @@ def _check_bodies(model: Model) -> None:
 
 
 def _check_ends(model: Model, motion: Motion) -> None:
+    if motion.path not in PATHS:
+        raise UnprovedError(f"the motion's path is {motion.path!r:.40}, which is not known")
     for name, q in (("start", motion.start), ("end", motion.end), ("asked end", motion.asked_end)):
         check_length(q, model.columns, f"the motion's {name}")
         check_numbers(q, f"the motion's {name}")

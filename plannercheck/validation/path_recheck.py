@@ -14,7 +14,6 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.motions.checker import Checker
 from plannercheck.motions.sampling import DEFAULT_RESOLUTION
-from plannercheck.ompl.joint_space import JointSpace
 from plannercheck.validation.fcl_agreement import AgreementReport, compare_with_fcl, merged
 
 # States between the samples are this many times denser than the samples.
@@ -46,7 +45,7 @@ def check_path(checker: Checker, path: Floats, resolution: float = DEFAULT_RESOL
 
     Args:
         checker: The checker.
-        path: Configurations, joined by straight motions.
+        path: Configurations, joined by straight motions, on which free bodies go by slerp as OMPL moves them.
         resolution: No link point moves further than this between two sampled states, m.
 
     Returns:
@@ -74,8 +73,8 @@ def resampled(checker: Checker, path: Floats, resolution: float, denser: int = 1
     Yields:
         (steps + 1, nq) for each motion.
     """
-    sampler, space = checker.motion_sampler, JointSpace(checker.robot)
+    sampler = checker.motion_sampler
     for q0, q1 in pairwise(path):
-        end = q0 + space.differences(q0, q1)
+        end = sampler.short_way(q0, q1)
         steps = int(sampler.steps(q0[None], end[None], resolution)[0]) * denser
-        yield sampler.states(q0, end, np.arange(steps + 1) / steps)
+        yield sampler.states(q0, end, np.arange(steps + 1) / steps, "slerp")

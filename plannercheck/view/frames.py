@@ -11,19 +11,23 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.checking.protocols import AnyChecker
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.motions.checker import Checker
 
 # Of an animation: four seconds.
 DEFAULT_FRAMES = 120
 
 
-def along_path(checker: AnyChecker, path: ArrayLike, frames: int = DEFAULT_FRAMES) -> tuple[Floats, tuple[str, ...]]:
+def along_path(
+    checker: AnyChecker, path: ArrayLike, frames: int = DEFAULT_FRAMES, motion_path: MotionPath = "screw"
+) -> tuple[Floats, tuple[str, ...]]:
     """Configurations along a path of straight motions.
 
     Args:
         checker: Knows how its robot moves from one configuration to the next.
         path: (k, nq) rad and m.
         frames: Approximate number of frames; the path's own configurations are always among them.
+        motion_path: How planar and floating joints move, as `path` of `Checker.check_motion`.
 
     Returns:
         (n, nq) configurations, and their labels: motion and parameter.
@@ -32,13 +36,14 @@ def along_path(checker: AnyChecker, path: ArrayLike, frames: int = DEFAULT_FRAME
         PlannercheckError: If the path is empty or `frames` is less than 1.
     """
     rows = checker.robot.check_configurations(path)
+    check_path(motion_path)
     if not len(rows) or frames < 1:
         raise PlannercheckError(f"an animation needs a path and at least 1 frame, not {len(rows)} states and {frames}")
     steps = _steps(checker, rows, frames)
     parts, labels = [rows[:1]], ["start"]
     for k, count in enumerate(steps.tolist()):
         parameters = np.arange(1, count + 1) / count
-        parts.append(_states(checker, rows[k], rows[k + 1], parameters))
+        parts.append(_states(checker, rows[k], rows[k + 1], parameters, motion_path))
         labels += [f"motion {k} at {t:.3g}" for t in parameters.tolist()]
     return np.concatenate(parts), tuple(labels)
 
@@ -53,8 +58,8 @@ def _steps(checker: AnyChecker, rows: Floats, frames: int) -> NDArray[np.int64]:
     return np.maximum(1, np.round(frames * lengths / whole)).astype(np.int64) if whole else np.ones(len(ends), np.int64)
 
 
-def _states(checker: AnyChecker, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
+def _states(checker: AnyChecker, q0: Floats, q1: Floats, parameters: Floats, motion_path: MotionPath) -> Floats:
     if isinstance(checker, Checker):
         sampler = checker.motion_sampler
-        return sampler.states(q0, sampler.short_way(q0, q1), parameters)
+        return sampler.states(q0, sampler.short_way(q0, q1), parameters, motion_path)
     return q0 + parameters[:, None] * (q1 - q0)

@@ -63,3 +63,16 @@ def test_a_failed_write_leaves_the_old_file(tmp_path):
         write_atomically(file, fail)
     assert file.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["out.txt"]
+
+
+def test_plans_of_joints_of_several_numbers_are_kept(tmp_path):
+    """A free body has one name for seven columns: in a table the columns stay without names."""
+    rows = np.array([[0.1, 0, 0, 0, 0, 0, 1], [0.2, 0, 0, 0, 0, 1, 0]])
+    plan = Plan(True, rows, 1.0, 0.1, 0.2, "RRTConnect", "", ("root_joint",))
+    plan.save(tmp_path / "plan.json")
+    assert Plan.load(tmp_path / "plan.json").path.tolist() == rows.tolist()
+    plan.save(tmp_path / "plan.csv")
+    assert np.loadtxt(tmp_path / "plan.csv", delimiter=",").tolist() == rows.tolist()
+    unsolved = Plan(False, np.empty((0, 7)), 0.0, 1.0, 0.0, "RRT", "no way", ("root_joint",))
+    unsolved.save(tmp_path / "none.json")
+    assert Plan.load(tmp_path / "none.json").reason == "no way"

@@ -84,6 +84,9 @@ class Draw:
     tolerance: float
 
 
+# The family of motions whose planar and floating joints go straight and turn by slerp, as OMPL moves them.
+STRAIGHT = "straight"
+
 FAMILIES: dict[str, Wishes] = {
     "tree": Wishes(),
     "chain": Wishes(branching=0.0, joints=(3, 8)),
@@ -91,6 +94,9 @@ FAMILIES: dict[str, Wishes] = {
     "placed": Wishes(("planar", "floating", "ball", "revolute"), (1.0, 1.0, 0.5, 1.0), (2, 5), 0.0, 0.3),
     "mimic": Wishes(
         (*CONTINUOUS, "revolute", "prismatic", "prismatic z"), (1.0,) * 4 + (1.0,) * 3, (3, 6), 0.6, 0.5, 0.0
+    ),
+    STRAIGHT: Wishes(
+        ("planar", "floating", "ball", "revolute", "prismatic"), (1.5, 2.0, 0.5, 1.0, 0.5), (1, 4), 0.0, 0.3
     ),
     "off unit": Wishes(
         ("floating", "ball", "planar", *CONTINUOUS), (9.0, 1.0, 1.0, *[0.2] * 4), (3, 25), 0.0, 0.05, 0.8
@@ -105,11 +111,12 @@ def tree_draw(family: str, rng: np.random.Generator) -> Draw:
     """A random tree among contacts."""
     while True:
         recipe = random_tree(FAMILIES[family], rng)
+        recipe["path"] = "slerp" if family == STRAIGHT else "screw"
         robot = robot_of(recipe)
         if robot.nq > 0:
             break
     _add_bodies(recipe, rng, family == "off unit")
-    stage = Stage(recipe, robot, tangents_of(robot), SHARP if family == "off unit" else USUAL)
+    stage = Stage(recipe, robot, tangents_of(robot, recipe["path"]), SHARP if family == "off unit" else USUAL)
     probes = [_probe(stage, state_of(stage, family, rng), rng) for _ in range(int(rng.integers(*_PROBES)))]
     obstacles = [_obstacle(stage, state_of(stage, family, rng), rng) for _ in range(int(rng.integers(*_OBSTACLES)))]
     _choose_pairs(stage, [*probes, *obstacles], rng)

@@ -17,6 +17,7 @@ import pinocchio as pin
 from plannercheck import planar
 from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Hull, Shape, Sphere
 from plannercheck.common.array_types import Floats
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.description import find_description, read_description
 from plannercheck.robots.loading import RobotParts
@@ -91,6 +92,7 @@ class SpaceRecipe(TypedDict):
     obstacles: list[BodyRecipe]
     self_collision: bool
     padding: float  # m
+    path: MotionPath
 
 
 class LinkRecipe(TypedDict):
@@ -142,6 +144,7 @@ def tree_recipe() -> SpaceRecipe:
         "obstacles": [],
         "self_collision": True,
         "padding": 0.0,
+        "path": "screw",
     }
 
 

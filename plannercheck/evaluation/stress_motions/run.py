@@ -22,6 +22,7 @@ from plannercheck.evaluation.stress_motions.draws import (
     FAMILIES,
     MOTIONS,
     OFF_UNIT_MOTIONS,
+    STRAIGHT,
     Draw,
     shipped_draw,
     shipped_robot,
@@ -42,6 +43,7 @@ WEIGHTS: dict[str, float] = {
     "chain": 0.1,
     "turns": 0.1,
     "placed": 0.16,
+    STRAIGHT: 0.12,
     "mimic": 0.08,
     "off unit": 0.04,
     "far ends": 0.06,
@@ -59,7 +61,7 @@ _SPECIAL: dict[str, Callable[[np.random.Generator], Judged]] = {
     UNPOSED: judge_unposed,
 }
 # About how many motions a draw has; those of other families have MOTIONS.
-_SIZES = {"off unit": OFF_UNIT_MOTIONS, "plane curves": CURVES, OMPL_FAMILY: 40, UNPOSED: 10}
+_SIZES = {"off unit": OFF_UNIT_MOTIONS, "plane curves": CURVES, OMPL_FAMILY: 80, UNPOSED: 10}
 # Failures that are kept; more of the same say nothing new.
 KEPT = 20
 # Random numbers of a draw: what it is, and how it is judged.

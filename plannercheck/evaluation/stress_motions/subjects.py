@@ -14,6 +14,7 @@ import numpy as np
 
 from plannercheck.checking.verdicts import MotionVerdict
 from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.evaluation.stress_motions.recipes import (
     PlaneRecipe,
     Recipe,
@@ -60,13 +61,18 @@ class Subject(ABC):
     def motion_result(self, q0: Floats, q1: Floats, tolerance: float, proofs: bool = False) -> MotionResult:
         """What `explain_motion` is made of, without the search for the first collision."""
         start, end, *pieces = self._motion(q0, q1)
-        found: MotionResult = self.checker.motion_certifier.motion_result(start, end, tolerance, proofs, *pieces, q1)
+        found: MotionResult = self._certifier.motion_result(start, end, tolerance, proofs, *pieces, q1)
         return found
 
     def states(self, q0: Floats, q1: Floats, parameters: Floats) -> Floats:
         """(k, nq) of one motion at parameters (k,)."""
         start, end, *pieces = self._motion(q0, q1)
-        return np.asarray(self.checker.motion_certifier.states(start, end, parameters, *pieces))
+        return np.asarray(self._certifier.states(start, end, parameters, *pieces))
+
+    @property
+    def _certifier(self) -> Any:
+        """What judges motions as the robot moves here."""
+        return self.checker.motion_certifier
 
     def placed(self, q: Floats) -> Floats:
         """(n, links, …) poses of the links at configurations (n, nq)."""
@@ -90,8 +96,13 @@ class SpaceSubject(Subject):
 
     def __init__(self, recipe: SpaceRecipe, robot: Robot | None = None) -> None:
         """Builds a new checker; `robot` if it was built already."""
-        super().__init__(space_checker(recipe, robot), {})
+        path: MotionPath = recipe.get("path", "screw")  # cases from before there were paths name none
+        super().__init__(space_checker(recipe, robot), {"path": path})
         self.padding = float(recipe["padding"])
+
+    @property
+    def _certifier(self) -> Any:
+        return self.checker.certifier_of(self._how["path"])
 
     def clearances(self, q: Floats) -> Floats:
         """See `Subject`."""

@@ -3,7 +3,8 @@
 In: a robot's joints, configurations, tangent vectors. Out: configurations. A motion from `moved(q, -t d)` to
 `moved(q, (1 - t) d)` is at q at the parameter t, for all kinds of joints: single numbers move linearly; circles, ball,
 planar and floating joints move along one screw, seen from the moving frame (Pinocchio's `integrate`, independent of the
-core).
+core). On the path "slerp", positions of planar and floating joints move straight, seen from the parent's frame, and
+turns as those of ball joints.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.motion_paths import MotionPath
 from plannercheck.robots.robot import Robot
 
 # The kernel's joint kinds (JointKind in cpp/robots/kinematics.hpp): unit turns, and joints of several numbers.
@@ -38,6 +40,7 @@ class Tangents:
         slides: (dimension,) which numbers of a tangent vector are lengths, m, else angles, rad.
         turning: (dimension,) which numbers are angles of which only the short way counts.
         owners: (dimension,) the joint, or column, that each number belongs to.
+        path: How planar and floating joints move.
     """
 
     linear: Ints64
@@ -45,6 +48,7 @@ class Tangents:
     slides: NDArray[np.bool_]
     turning: NDArray[np.bool_]
     owners: Ints64
+    path: MotionPath = "screw"
 
     @property
     def dimension(self) -> int:
@@ -57,14 +61,15 @@ class Tangents:
         out[:, self.linear] += way[:, : len(self.linear)]
         for kind, column, first in self.parts:
             width, tangent = _WIDTHS[kind]
-            out[:, column : column + width] = _moved(
+            move = _moved_straight if self.path == "slerp" and kind in _LENGTHS else _moved
+            out[:, column : column + width] = move(
                 kind, out[:, column : column + width], way[:, first : first + tangent]
             )
         return out
 
 
-def tangents_of(robot: Robot) -> Tangents:
-    """The tangent space of a robot that the compiled kernel poses."""
+def tangents_of(robot: Robot, path: MotionPath = "screw") -> Tangents:
+    """The tangent space of a robot that the compiled kernel poses; `path` is how planar and floating joints move."""
     table = robot.joint_table
     assert table is not None
     found = sorted(
@@ -90,7 +95,9 @@ def tangents_of(robot: Robot) -> Tangents:
         slides += [k < straight for k in range(many)]
         turning += [k >= straight for k in range(many)]
         owners += [column] * many
-    return Tangents(linear, tuple(parts), np.array(slides, bool), np.array(turning, bool), np.array(owners, np.int64))
+    return Tangents(
+        linear, tuple(parts), np.array(slides, bool), np.array(turning, bool), np.array(owners, np.int64), path
+    )
 
 
 def _moved(kind: int, q: Floats, way: Floats) -> Floats:
@@ -102,6 +109,13 @@ def _moved(kind: int, q: Floats, way: Floats) -> Floats:
         return _product(q, _exponential(way))
     shift = _rotated(q[:, 3:], _screw_shift(way[:, :3], way[:, 3:]))
     return np.hstack([q[:, :3] + shift, _product(q[:, 3:], _exponential(way[:, 3:]))])
+
+
+def _moved_straight(kind: int, q: Floats, way: Floats) -> Floats:
+    """Planar or floating joints whose position and turn move by themselves."""
+    count = _LENGTHS[kind]
+    turn = _turned_circle(q[:, 2:], way[:, 2]) if kind == _PLANAR else _product(q[:, 3:], _exponential(way[:, 3:]))
+    return np.hstack([q[:, :count] + way[:, :count], turn])
 
 
 def _turned_circle(q: Floats, angle: Floats) -> Floats:

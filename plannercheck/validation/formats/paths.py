@@ -142,7 +142,7 @@ def _from_document(document: Any, joint_names: Sequence[str], width: int) -> Pat
     if "path" in document:
         names = [text(name, "joint_names") for name in sequence(document.get("joint_names"), "'joint_names'")]
         rows = sequence(document["path"], "'path'")
-        if not names:
+        if not names or (names == list(joint_names) and len(names) < width):  # joints of several numbers
             return PathFile(_table(rows, width), {})
         return _ordered(names, _table(rows, len(names)), joint_names)
     trajectory = read_trajectory(document)

@@ -1,0 +1,123 @@
+"""The joints of a robot with free bodies: what each of them is for OMPL, and the limits of its numbers.
+
+In: a robot, a box for positions. Out: `parts_of`, the joints in the order of their columns, and `limits_of`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from plannercheck.common.array_types import Floats
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.ompl.joint_space import free_range
+from plannercheck.robots.configurations import is_continuous, joint_by_name
+from plannercheck.robots.robot import Robot
+
+Kind = Literal["free", "planar", "ball", "circle", "angle", "number"]
+
+# How many numbers of a configuration and of an OMPL state a joint takes, and how many of these are a position.
+WIDTHS: dict[Kind, tuple[int, int, int]] = {
+    "free": (7, 7, 3),
+    "planar": (4, 3, 2),
+    "ball": (4, 4, 0),
+    "circle": (2, 1, 0),
+    "angle": (1, 1, 0),
+    "number": (1, 1, 0),
+}
+_KINDS: dict[str, Kind] = {
+    "JointModelFreeFlyer": "free",
+    "JointModelPlanar": "planar",
+    "JointModelSpherical": "ball",
+}
+
+
+class Part(NamedTuple):
+    """A joint: its kind, its first column in a configuration, and its first number in an OMPL state."""
+
+    kind: Kind
+    column: int
+    number: int
+
+    @property
+    def columns(self) -> slice:
+        """Its numbers in a configuration."""
+        return slice(self.column, self.column + WIDTHS[self.kind][0])
+
+    @property
+    def position(self) -> slice:
+        """The columns of its position; none for joints that only turn or slide."""
+        return slice(self.column, self.column + WIDTHS[self.kind][2])
+
+    @property
+    def turn(self) -> slice:
+        """The columns of a quaternion, of a cosine and a sine, or of an angle."""
+        return slice(self.position.stop, self.columns.stop)
+
+
+def has_free_bodies(robot: Robot) -> bool:
+    """Whether a joint of a robot's configurations is floating, planar or a ball joint."""
+    return any(str(joint_by_name(robot.model, name).shortname()) in _KINDS for name in robot.joint_names)
+
+
+def parts_of(robot: Robot) -> tuple[Part, ...]:
+    """The joints of a robot's configurations, in the order of their columns.
+
+    Raises:
+        PlannercheckError: If a joint takes several numbers that OMPL has no space for.
+    """
+    whole_turns, out, number = robot.configuration_map.turning_columns(), list[Part](), 0
+    for name, column in zip(robot.joint_names, robot.configuration_map.starts, strict=True):
+        joint = joint_by_name(robot.model, name)
+        kind = _KINDS.get(str(joint.shortname()))
+        if kind is None and is_continuous(joint):
+            kind = ("angle" if whole_turns[column] else "number") if robot.group is not None else "circle"
+        if kind is None and joint.nq == 1:
+            kind = "number"
+        if kind is None:
+            raise PlannercheckError(
+                f"joint {name!r} of {robot.name} takes {joint.nq} numbers, of which OMPL has no space: choose a "
+                "planning group without it (robot.with_group)"
+            )
+        out.append(Part(kind, column, number))
+        number += WIDTHS[kind][1]
+    return tuple(out)
+
+
+def limits_of(
+    robot: Robot, parts: Sequence[Part], bounds: ArrayLike | None, held: Sequence[Floats]
+) -> tuple[Floats, Floats]:
+    """(nq,) least and largest of all numbers; positions are within the box as well, if there is one."""
+    lower, upper = robot.lower, robot.upper
+    box = None if bounds is None else _checked_box(bounds)
+    for part in parts:
+        where = part.position
+        if box is not None and where.stop > where.start:
+            lower[where] = np.maximum(lower[where], box[0, : where.stop - where.start])
+            upper[where] = np.minimum(upper[where], box[1, : where.stop - where.start])
+        name = robot.joint_names[parts.index(part)]
+        if part.kind == "number" and is_continuous(joint_by_name(robot.model, name)):
+            reach = free_range(robot.configuration_map, part.column)
+            own = [float(q[part.column]) for q in held]
+            lower[part.column], upper[part.column] = min([-reach, *own]), max([reach, *own])
+        bounded = part.columns if part.kind == "number" else where
+        if not np.isfinite([lower[bounded], upper[bounded]]).all():
+            hint = "give the box of its positions by bounds=" if where.stop > where.start else "planning needs both"
+            limits = f"{lower[bounded].tolist()} to {upper[bounded].tolist()}"
+            raise PlannercheckError(f"joint {name!r} of {robot.name} has limits {limits}: {hint}")
+    return lower, upper
+
+
+def _checked_box(bounds: ArrayLike) -> Floats:
+    try:
+        box = np.array(bounds, dtype=np.float64)
+    except (TypeError, ValueError):
+        box = np.zeros(0)
+    if box.shape != (2, 3) or not np.isfinite(box).all() or not (box[0] < box[1]).all():
+        raise PlannercheckError(
+            f"bounds must be the least and the largest x, y, z of free bodies, (2, 3) in m, not {bounds!r:.80}"
+        )
+    return box
