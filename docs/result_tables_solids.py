@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from result_markdown import beside, number, provenance, record, table, times
+from result_markdown import beside, items, number, provenance, record, source, table, times
 from result_tables import ALL_PAIRS, AT_BEST, ONE_BY_ONE, OURS, TREE
 
 Row = dict[str, Any]
 
-ROBOTS = ("ur3", "ur5", "ur10", "pr2", "baxter", "talos", "xarm7", "panda")
+_STATE_FILES = (
+    *("states_solid_ur3", "states_solid_ur5", "states_solid_ur10", "states_solid_pr2"),
+    *("states_solid_baxter", "states_solid_talos", "states_solid_xarm7", "states_solid_panda"),
+)
 HULLS = "plannercheck, hulls"
 _METHODS = {OURS: "ours", HULLS: "ours, of hulls", ONE_BY_ONE: "ours, one by one", AT_BEST: AT_BEST}
 _METHODS |= {TREE: "Pinocchio + coal, AABB tree", ALL_PAIRS: "Pinocchio + coal, all pairs"}
@@ -21,7 +24,7 @@ _METHODS |= {TREE: "Pinocchio + coal, AABB tree", ALL_PAIRS: "Pinocchio + coal, 
 
 def solid_states() -> str:
     """µs a random state by method, a row a robot, and how verdicts differ."""
-    found = [record(f"states_solid_{robot}") for robot in ROBOTS]
+    found = [record(name) for name in _STATE_FILES]
     lines, verdicts = [], []
     for each in found:
         rows = {row["method"]: row for row in each["rows"]}
@@ -34,7 +37,7 @@ def solid_states() -> str:
         verdicts.append([rows[OURS]["robot"], *_differences(rows)])
     first = table(("µs a state", "ours (× that of hulls)", *list(_METHODS.values())[1:]), lines)
     header = ("robot", "coal's", "free, but colliding, %", "of them inside", "colliding, but free, %")
-    return f"{first}\n{table(header, verdicts)}" + "".join(f"\n{provenance(each)}" for each in found)
+    return f"{first}\n{table(header, verdicts)}\n{items(source(each) for each in found)}"
 
 
 def _differences(rows: dict[str, Row]) -> list[str]:
@@ -49,7 +52,7 @@ def _differences(rows: dict[str, Row]) -> list[str]:
 
 def solid_link_pairs() -> str:
     """µs a pair of links' meshes whose hulls meet, a row a robot."""
-    found = record("link_pairs")
+    found = record("solid_link_pairs")
     lines = []
     for robot in dict.fromkeys(row["robot"] for row in found["rows"]):
         rows = [row for row in found["rows"] if row["robot"] == robot]
@@ -72,7 +75,7 @@ def _mean(rows: list[Row]) -> tuple[str, str]:
 
 def solid_triangles() -> str:
     """µs a pair near contact, and what preparation takes, by number of triangles."""
-    found = record("triangles")
+    found = record("solid_triangles")
     lines = []
     for shape, triangles in dict.fromkeys((row["shape"], row["triangles"]) for row in found["rows"]):
         rows = [row for row in found["rows"] if (row["shape"], row["triangles"]) == (shape, triangles)]
@@ -93,7 +96,7 @@ def solid_triangles() -> str:
 
 def solid_fidelity() -> str:
     """What hulls refuse that meshes would not, a row a robot, and where coal's surfaces disagree."""
-    found = record("fidelity")
+    found = record("solid_fidelity")
     lines = [
         (
             row["robot"],

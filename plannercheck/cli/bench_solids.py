@@ -60,7 +60,7 @@ def _run_fidelity(options: argparse.Namespace) -> None:
         found = fidelity.measure(robot, options.states, options.seed)
         _print_fidelity(found)
         rows += found
-    keep(options.output, "fidelity", rows)
+    keep(options.output, "solid_fidelity", rows)
 
 
 def _print_fidelity(rows: Sequence[FidelityRow]) -> None:
@@ -94,7 +94,7 @@ def _run_link_pairs(options: argparse.Namespace) -> None:
         found = link_pairs.measure(checker, q, options.most, options.rounds, note)
         _print_link_pairs(robot, found)
         rows += found
-    keep(options.output, "link_pairs", rows)
+    keep(options.output, "solid_link_pairs", rows)
 
 
 def _print_link_pairs(robot: str, rows: Sequence[LinkPairRow]) -> None:
@@ -155,7 +155,7 @@ def _run_triangles(options: argparse.Namespace) -> None:
         grown = solid_sizes.growth(rows, shape, gap, method)
         if grown is not None:
             print(f"{shape}, gap {gap:+g}, {method}: time grows {grown:.1f}-fold (asked for: {solid_sizes.ASKED})")
-    keep(options.output, "triangles", rows, _draw_triangles)
+    keep(options.output, "solid_triangles", rows, _draw_triangles)
 
 
 def _draw_triangles(rows: Sequence[SolidSizeRow], path: Path) -> None:

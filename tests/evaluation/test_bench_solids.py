@@ -151,7 +151,7 @@ def test_states_command_with_solids(tmp_path, capsys):
 def test_link_pairs_command(compiled, tmp_path, capsys):
     arguments = ["--robot", "ur5", "--states", "60", "--most", "5", "--rounds", "1"]
     assert main(["bench", "link-pairs", *arguments, "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "link_pairs.csv")
+    rows = read(tmp_path / "solid_link_pairs.csv")
     assert {row["meet"] for row in rows} == {"True", "False"}
     assert all(row["false_free"] == row["inside"] and row["false_collision"] == "0" for row in rows)
     assert "coal's time over ours, by pair" in capsys.readouterr().out
@@ -168,7 +168,7 @@ def test_the_mean_over_queries_needs_every_row():
 def test_triangles_command(compiled, tmp_path, capsys):
     arguments = ["--triangles", "200,400", "--pairs", "6", "--rounds", "1"]
     assert main(["bench", "triangles", *arguments, "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "triangles.csv")
+    rows = read(tmp_path / "solid_triangles.csv")
     assert {row["shape"] for row in rows} == set(solid_sizes.SHAPES)
     assert all(row["wrong"] == "0" for row in rows)
     assert any(float(row["meet"]) < 1 for row in rows if float(row["gap"]) > 0)
@@ -178,7 +178,7 @@ def test_triangles_command(compiled, tmp_path, capsys):
 
 def test_fidelity_command(compiled, tmp_path, capsys):
     assert main(["bench", "fidelity", "--robot", "ur5", "baxter", "--states", "60", "--output", str(tmp_path)]) == 0
-    rows = read(tmp_path / "fidelity.csv")
+    rows = read(tmp_path / "solid_fidelity.csv")
     assert [row["robot"] for row in rows] == ["ur5", "baxter", "baxter"]  # whose torso is open
     for row in rows:
         assert float(row["valid"]) == pytest.approx(float(row["valid_hulls"]) + float(row["filling"]))
