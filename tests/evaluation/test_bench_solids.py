@@ -55,7 +55,7 @@ def test_coals_loop_over_meshes_has_our_verdicts_of_surfaces(compiled, checker, 
     loop = CoalLoop.of_checker(checker, boxes)
     assert loop.has_meshes
     states = loop.states(q)
-    for variant in (VARIANTS[0], COLD_VARIANTS[0]):
+    for variant in (each for each in (*VARIANTS, *COLD_VARIANTS) if each.guess != 2):
         assert np.array_equal(loop.check(states, variant), ~colliding.any(axis=1))
         assert np.array_equal(loop.check_pairs(states, variant), colliding)
 
@@ -108,10 +108,10 @@ def test_the_fastest_loop_is_sought_among_the_kinds_of_boxes(compiled, checker):
         return CoalLoop.of_checker(checker, boxes)
 
     q = checker.robot.random_configurations(3, 0)
-    loop, variant = fastest_loop(make, lambda loop, first: loop.states(q[:first]), VARIANTS[:2])
+    loop, variant = fastest_loop(make, lambda loop, first: loop.states(q[:first]), VARIANTS[:6])
     assert sorted(made) == ["OBB", "OBBRSS"]
     assert loop.mesh_boxes in made
-    assert variant in VARIANTS[:2]
+    assert variant in VARIANTS[:4]  # those after that start from boxes
 
 
 def test_hulls_in_place_of_solids_refuse_more(checker):

@@ -33,6 +33,7 @@ _MESH_BOXES = {"OBB": 6, "OBBRSS": 7}
 # In the order of coal's enumerations.
 _GJK = ("plain GJK", "Polyak", "Nesterov")
 _GUESSES = ("fixed guess", "cached guess", "guess from boxes")
+_FROM_BOXES = _GUESSES.index("guess from boxes")
 _FILTERS = ("no boxes", "world boxes", "world and body boxes")
 # States whose poses are computed at once: with those of all obstacles, they take 40 kB each in a large scene.
 _BLOCK = 1024
@@ -242,6 +243,7 @@ def fastest_loop(
     if loops[0].has_meshes:
         loops.append(make("OBB"))
         first = _TRIED_WITH_MESHES
+        variants = [each for each in variants if each.guess != _FROM_BOXES]  # coal's single triangles have none
     found = [(loop, *loop.fastest(states_of(loop, first), variants=variants)) for loop in loops]
     loop, variant, _ = min(found, key=lambda each: each[2])
     return loop, variant
