@@ -94,6 +94,7 @@ def test_one_body_inside_another_is_free_for_coal_and_counted_apart(compiled):
     middle = np.eye(4)
     middle[0, 3] = 0.3  # within the tube
     assert is_nested(grain, ring, middle, np.eye(4))
+    assert is_nested(ring, grain, np.eye(4), middle)
     assert not is_nested(grain, ring, np.eye(4), np.eye(4))
     pair = PosedBodies((grain, ring), (None, None), np.array([True, True]), np.array([[0, 1]]), ("grain", "ring"))
     loop = CoalLoop(pair, np.tile(np.eye(4), (2, 1, 1)))
