@@ -87,7 +87,7 @@ def read_cached(path: Path) -> bytes | None:
     """
     key = bytes.fromhex(path.stem)
     try:
-        if not _is_own_file(path):
+        if not is_own_file(path):
             return None
         data = read(path)
     except (PlannercheckError, OSError):
@@ -95,9 +95,13 @@ def read_cached(path: Path) -> bytes | None:
     return data[len(key) :] if data.startswith(key) else None
 
 
-def _is_own_file(path: Path) -> bool:
+def is_own_file(path: Path) -> bool:
     """Whether only the user and root could have written a file; it is not opened, since that may block."""
-    found = path.lstat()
+    return is_own(path.lstat())
+
+
+def is_own(found: os.stat_result) -> bool:
+    """The same of what is known of a file."""
     if not stat.S_ISREG(found.st_mode):
         return False
     own = not hasattr(os, "geteuid") or found.st_uid in (os.geteuid(), 0)

@@ -27,7 +27,7 @@ def unknown_name(kind: str, name: str, valid: Iterable[str]) -> PlannercheckErro
     Returns:
         An error that lists the closest and then all valid names.
     """
-    names = [shortened(valid_name) for valid_name in valid]
+    names = [shortened(valid_name) for valid_name in dict.fromkeys(valid)]
     name = shortened(name)
     close = get_close_matches(name, names, n=3)
     hint = f"did you mean {' or '.join(repr(c) for c in close)}? " if close else ""

@@ -1,7 +1,7 @@
-"""Runs one of our modules in a process of its own, which imports nothing from the user's current folder.
+"""Runs one of our modules, or some lines, in a process of its own that imports nothing from the user's current folder.
 
-In: the module's name, its standard input and arguments. Out: its output. Python's isolated mode removes the current
-folder and the user's environment from the path; the parent's path follows after the installed packages.
+In: the module's name or the lines, its standard input and arguments. Out: its output. Python's isolated mode removes
+the current folder and the user's environment from the path; the parent's path follows after the installed packages.
 """
 
 from __future__ import annotations
@@ -9,8 +9,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+
+# The first argument is the path.
+_FIND = "import os, sys; sys.path += sys.argv.pop(1).split(os.pathsep)\n"
 
 # The first argument names the module, the second the path.
 _START = (
@@ -40,6 +43,27 @@ def run_isolated(
     """
     command = [sys.executable, "-I", "-c", _START, module, os.pathsep.join(_path()), *arguments]
     return subprocess.run(command, input=content, capture_output=True, check=False, timeout=time_limit)
+
+
+def run_isolated_lines(
+    lines: str, argument: str, environment: Mapping[str, str] | None = None, time_limit: float | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Runs lines of Python, whose `sys.argv[1]` is the argument.
+
+    Args:
+        lines: The program.
+        argument: What it is told.
+        environment: Variables of the process; None for those of this one.
+        time_limit: s; None waits for ever.
+
+    Returns:
+        Its exit code, output and messages.
+
+    Raises:
+        subprocess.TimeoutExpired: After the time limit; the process is gone then.
+    """
+    command = [sys.executable, "-I", "-c", _FIND + lines, os.pathsep.join(_path()), argument]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=time_limit)
 
 
 def _path() -> list[str]:

@@ -263,10 +263,9 @@ class EntryChecker:
         if not shift:
             return 0.0
         lengths = [_slide(joint, motion) + _length(joint.placement) for joint in self._model.joints]
-        furthest = max(_length(link.placement) for link in self._model.links) + max(
-            _length(body.pose) + math.hypot(*seen.sizes) * 2 + body.radius
-            for body, seen in zip(self._model.bodies, self._seen, strict=True)
-        )
+        bodies = zip(self._model.bodies, self._seen, strict=True)  # of a model without pairs there are none
+        sizes = (_length(body.pose) + math.hypot(*seen.sizes) * 2 + body.radius for body, seen in bodies)
+        furthest = max(_length(link.placement) for link in self._model.links) + max(sizes, default=0.0)
         return shift * (sum(lengths) + furthest) * self._stretch * _UP
 
 

@@ -194,6 +194,10 @@ def _check_named(root: Element, path: Path) -> None:
         raise PlannercheckError(f"URDF {path} is none: {kind}, where the root must be <robot>")
     if root.find("link") is None and (root.find("group") is not None or root.find("disable_collisions") is not None):
         raise PlannercheckError(f"URDF {path} is none: it is an SRDF, which --srdf takes, beside the URDF as --robot")
+    if root.find("link") is None and not root.get("name"):
+        raise PlannercheckError(
+            f"URDF {path} has no <link>, nor a name: does it only define macros? Give the .xacro that calls them"
+        )
     if not root.get("name"):
         raise PlannercheckError(f'URDF {path}: its <robot> has no name: write <robot name="...">')
 

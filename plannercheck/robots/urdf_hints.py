@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
+from plannercheck.common.errors import shortened
 from plannercheck.robots.urdf_file import UrdfFile
 
 # An angle of more than a turn, with room for 6.28319, is no orientation that anyone writes in rad.
@@ -40,13 +41,13 @@ def warn_of_odd_numbers(file: UrdfFile) -> None:
 def foreign_elements(root: Element) -> str:
     """Names shapes and joints that no URDF has, and those that it has; empty if there are none."""
     shapes = [
-        f"<{shape.tag}> of link {link.get('name')!r}"
+        f"<{shortened(shape.tag)}> of link {shortened(link.get('name'))!r}"
         for link in root.iterfind("link")
         for shape in link.iterfind("collision/geometry/*")
         if isinstance(shape.tag, str) and shape.tag not in _SHAPES
     ]
     joints = [
-        f"type {joint.get('type')!r} of joint {joint.get('name')!r}"
+        f"type {shortened(joint.get('type'))!r} of joint {shortened(joint.get('name'))!r}"
         for joint in root.iterfind("joint")
         if joint.get("type") is not None and joint.get("type") not in _JOINTS
     ]

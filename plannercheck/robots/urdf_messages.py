@@ -15,7 +15,7 @@ from pathlib import Path
 
 from plannercheck.common.isolated_process import run_isolated
 
-# If a URDF takes longer than this to fail, s, there is no message.
+# If a URDF takes longer than this to fail, s, its readers are not heard.
 _TIME_LIMIT = 60.0
 
 # Where in its own sources urdfdom was when it found a fault.
@@ -27,8 +27,10 @@ def native_messages(urdf: Path, floating: bool, folders: Sequence[str]) -> str:
     arguments = [str(urdf.resolve()), str(int(floating)), *folders]
     try:
         ran = run_isolated("plannercheck.robots.urdf_messages", arguments, time_limit=_TIME_LIMIT)
-    except (OSError, subprocess.TimeoutExpired):
+    except OSError:
         return ""
+    except subprocess.TimeoutExpired:
+        return f"reading it once more, to find out why, took over {_TIME_LIMIT:g} s"
     # A process that could not start prints a traceback, which is no message about the file.
     return "" if ran.returncode else _PLACE.sub("", (ran.stdout + ran.stderr).decode(errors="replace"))
 

@@ -19,7 +19,7 @@ from plannercheck.common.package_data import is_file
 XACRO_SUFFIX = ".xacro"
 
 # Marks that only xacro files have.
-_XACRO_SIGNS = (b"<xacro:", b"${")
+_XACRO_SIGNS = (b"<xacro:", b"${", b"$(optenv ", b"$(arg ", b"$(find ", b"$(env ")
 
 # The time limit for expanding a file, s.
 _TIME_LIMIT = 120.0

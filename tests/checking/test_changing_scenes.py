@@ -246,17 +246,17 @@ def test_a_long_object_is_not_taken_for_the_short_one_that_was_carried_before(pa
         scene.remove("tool")
 
 
-def test_a_shape_that_changes_its_name_changes_its_padding(panda, q):
+@pytest.mark.parametrize("shape", [Sphere(0.1), pc.Box((0.2, 0.2, 0.2))])
+def test_a_shape_that_changes_its_name_changes_its_padding(panda, q, shape):
     """The same shape under a padded name, then under one without: nothing prepared for the one serves the other."""
-    ball = Sphere(0.1)
     scene = pc.Scene("names")
-    scene.add("padded", ball, at(0.5, 0.2, 0.5))
+    scene.add("padded", shape, at(0.5, 0.2, 0.5))
     checker = pc.Checker(panda, scene, padding={"padded": 0.15})
     scene.remove("padded")
-    scene.add("plain", ball, at(0.5, 0.2, 0.5))
+    scene.add("plain", shape, at(0.5, 0.2, 0.5))
     plain = checker.with_scene(scene)
     scene.remove("plain")
-    scene.add("padded", ball, at(0.5, 0.2, 0.5))
+    scene.add("padded", shape, at(0.5, 0.2, 0.5))
     padded = plain.with_scene(scene)
     verdicts = checker.check_states(q)
     np.testing.assert_array_equal(padded.check_states(q), verdicts)

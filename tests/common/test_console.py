@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import threading
@@ -12,6 +13,7 @@ import pytest
 import plannercheck as pc
 from plannercheck.common.isolated_process import run_isolated
 from plannercheck.common.silence import Silence
+from plannercheck.evaluation.bench import many_boxes, set_up
 
 # Eight threads load a robot, and one that does not load; then both streams are written to.
 _LOADING = """
@@ -83,3 +85,17 @@ def test_workers_run_nothing_from_the_current_folder(tmp_path: Path, monkeypatch
     ran = run_isolated("plannercheck.bodies.coacd_worker")
     assert b"of the current folder" not in ran.stdout + ran.stderr
     assert b"plannercheck" in ran.stderr  # it was started, and had nothing to read
+
+
+@pytest.mark.parametrize("measured", ["boxes", "set-up"])
+def test_benchmarks_run_nothing_from_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, measured: str
+) -> None:
+    for name in ("json", "numpy", "pinocchio", "runpy"):
+        (tmp_path / f"{name}.py").write_text(f"raise SystemExit('{name} of the current folder was run')")
+    monkeypatch.chdir(tmp_path)
+    if measured == "boxes":
+        assert many_boxes.measure("panda", 1, True, 0).boxes == 1
+    else:
+        given = json.dumps(["panda", None, [0.0] * 7, [0.0] * 7])
+        assert len(set_up._fresh(given, True)) == 6

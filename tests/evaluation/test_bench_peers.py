@@ -101,6 +101,19 @@ def test_a_loop_that_does_not_compile_says_why(tmp_path, monkeypatch):
     assert not list((tmp_path / "bench").iterdir())
 
 
+def test_a_library_that_others_may_have_written_is_not_loaded(loop, tmp_path, monkeypatch):
+    monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path))
+    compiled_coal_loop.library.cache_clear()
+    compiled_coal_loop.library()
+    (file,) = (tmp_path / "bench").iterdir()
+    file.unlink()  # this process has loaded it
+    file.write_bytes(b"no library")
+    file.chmod(0o666)
+    compiled_coal_loop.library.cache_clear()
+    assert compiled_coal_loop.library()
+    assert file.read_bytes() == b"no library"
+
+
 def test_missing_libraries_are_left_out_with_notes(checker, monkeypatch):
     for name in ("fcl", "vamp", "mujoco"):
         monkeypatch.setitem(sys.modules, name, None)

@@ -24,7 +24,7 @@ from plannercheck.evaluation.stress_motions.outcomes import ASTRAY, COLLISION, E
 from plannercheck.evaluation.stress_motions.planar_draws import planar_draw
 from plannercheck.evaluation.stress_motions.recipes import robot_of, shape_of, space_checker
 from plannercheck.evaluation.stress_motions.run import FAMILY_NAMES, MotionTally, run, tasks
-from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject
+from plannercheck.evaluation.stress_motions.subjects import PlaneSubject, SpaceSubject, subject_of
 from plannercheck.evaluation.stress_motions.tables import lines
 from plannercheck.evaluation.stress_motions.tangents import tangents_of
 from plannercheck.evaluation.stress_motions.trees import Wishes, random_states, random_tree
@@ -158,6 +158,17 @@ def test_the_command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mon
 )
 def test_motions_that_once_failed(path: Path) -> None:
     assert MotionCase.load(path).faults() == {}
+
+
+def test_a_proof_up_to_the_limit_of_the_tolerance_ends():
+    """With the finest tolerance, one end of an interval between neighbouring doubles is clear and the other is not."""
+    case = MotionCase.load(Path(__file__).parent / "hard_cases" / "motions" / "ends-at-the-limit-of-the-tolerance.json")
+    assert case.recipe is not None
+    assert case.motions is not None
+    subject = subject_of(case.recipe)
+    found = subject.motion_result(case.motions.q0[0], case.motions.q1[0], case.tolerance, True)
+    assert not found.free
+    assert 0 < found.proved_until <= found.free_until < 1
 
 
 def stretched_pose(rng):

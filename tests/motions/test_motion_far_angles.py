@@ -241,3 +241,11 @@ def test_far_angles_of_planar_joints_are_judged_as_they_are_posed_or_refused(pow
         else:
             with contextlib.suppress(pc.PlannercheckError):
                 assert not checker.check_motion(start, goal)
+
+
+def test_a_far_end_is_proved_without_any_pair(tmp_path):
+    """The asked end is off by what are no whole turns, and there is no body whose way that would matter for."""
+    joint = Joint("continuous", "base", "a0", (0, 0, 0), (0.3, -0.2, 1), (0, 0, 1))
+    checker = pc.Checker(robot_of(Tree((joint,)), tmp_path))
+    (proof,) = checker.certify_motions([[0.0]], [[1e9 + 0.3]])
+    assert proof.verify()

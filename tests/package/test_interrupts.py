@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
 import time
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -177,6 +179,34 @@ def test_commands(name, tmp_path, q):
     assert "Traceback" not in said
     left = [path.name for path in (tmp_path / "out").iterdir() if path.is_file()]
     assert all(path.endswith(".progress") for path in left)
+
+
+@pytest.mark.parametrize("run", ["--pairs", "--solids", "--motions"])
+def test_processes_that_have_just_begun_say_nothing(run):
+    """Ctrl-C reaches them, too, while they load their modules, where no handler of ours is known yet."""
+    process = begun_command(["stress", run, "10000000", "--processes", "2"])
+    while not (begun := children_of(process.pid)):
+        assert process.poll() is None
+    time.sleep(0.1)  # Python's own handler is there
+    assert begun <= children_of(process.pid)
+    os.killpg(process.pid, signal.SIGINT)
+    try:
+        _, said = process.communicate(timeout=20)
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+    assert (process.returncode, said) == (130, "plannercheck: interrupted\n")
+
+
+def children_of(number):
+    """Processes that multiprocessing has begun for a process."""
+    found = set()
+    for path in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            parent = int((path / "stat").read_text().rpartition(")")[2].split()[1])
+            if parent == number and b"spawn_main" in (path / "cmdline").read_bytes():
+                found.add(int(path.name))
+    return found
 
 
 DAEMONS = """

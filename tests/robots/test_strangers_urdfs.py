@@ -228,6 +228,20 @@ def test_a_zero_after_the_end_is_passed_over(tmp_path):
     assert_whole(loaded(tmp_path, URDF.encode() + b"\r\n\x00"))
 
 
+def test_a_xacro_that_reads_the_environment_is_told_as_one(tmp_path):
+    """husky.urdf of pybullet_data."""
+    with pytest.raises(pc.PlannercheckError, match=r"r\.urdf does not parse: it is a xacro, which has to be expanded"):
+        loaded(tmp_path, URDF.replace('xyz="0 0 3"', 'xyz="$(optenv HEIGHT 0 0 3)"'))
+
+
+def test_types_without_end_are_cut_in_errors(tmp_path):
+    text = URDF.replace('type="revolute"', f'type="{"9" * 5000}"', 1)
+    assert text != URDF
+    with pytest.raises(pc.PlannercheckError, match="URDFs have no type '9999") as error:
+        loaded(tmp_path, text)
+    assert len(str(error.value)) < 1000
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -240,6 +254,7 @@ def test_a_zero_after_the_end_is_passed_over(tmp_path):
         ),
         (URDF, "hello\n", "r.urdf does not parse: it is no XML (syntax error: line 1, column 0)"),
         (URDF, "", "r.urdf does not parse: it is empty"),
+        (URDF, "<robot><joint/></robot>", "r.urdf has no <link>, nor a name: does it only define macros?"),
     ],
 )
 def test_reasons_are_of_the_file_not_of_its_readers(tmp_path, old, new, message):

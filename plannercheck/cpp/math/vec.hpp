@@ -57,10 +57,11 @@ inline Vec3 unit(Vec3 v) {
   return (1 / norm(scaled)) * scaled;
 }
 
-// v| up to 4u and a denormal, even where squares overflow or underflow.
+// |v| up to 4u and a denormal, even where squares overflow or underflow; infinite if an entry is.
 inline double norm_at_any_scale(Vec3 v) {
   const double largest = norm_max(v);
   if ((largest > kTrustedLength && largest < 1 / kTrustedLength) || largest == 0) return norm(v);
+  if (std::isinf(largest)) return largest;
   return largest * norm(in_units_of_largest(v));
 }
 

@@ -27,6 +27,9 @@ inline constexpr std::size_t kGridStates = 32;  // at most
 // An interval with pairs left is cut into this many: ε shrinks to a ninth.
 inline constexpr int kCut = 3;
 
+// The shortest interval that is cut, as a part of the motion: in shorter ones doubles have few parameters or none.
+inline constexpr double kShortestInterval = 0x1p-48;
+
 // The smallest first grid on which no point leaves its chords by more than `coarse`, m; `curvature`: a bound of |p''|.
 inline int first_intervals(double curvature, double coarse) {
   for (const int n : kIntervals) {
@@ -200,6 +203,10 @@ class AdaptiveSubdivision {
         pairs.push_back(failures[k].pair);
       }
       if (first.refused <= t[interval]) return refuse_at(first.refused, first.pair);
+      // On so short an interval a pair can be left only if the limit of what is refused is between its ends' distances.
+      if (!(t[interval + 1] - t[interval] > kShortestInterval)) {
+        return first.pair >= 0 ? refuse_at(first.refused, first.pair) : refuse_at(t[interval], pairs.front());
+      }
       self().choose(pairs);
       place(t[interval], t[interval + 1], kCut);
       if (!judge_grid(pairs)) return false;

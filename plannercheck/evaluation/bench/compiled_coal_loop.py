@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.bodies.polytope_files import cache_folder
+from plannercheck.bodies.polytope_files import cache_folder, is_own, is_own_file
 from plannercheck.common.errors import PlannercheckError
 
 _SOURCE = Path(__file__).with_name("coal_loop.cpp")
@@ -53,11 +53,31 @@ def library() -> ctypes.CDLL:
     command += [f"-Wl,-rpath,{prefix / 'lib'}"]
     texts = (_SOURCE.read_bytes(), _HEADER.read_bytes(), repr(command).encode(), _coal_version().encode())
     key = hashlib.sha256(b"".join(texts)).hexdigest()
-    folder = cache_folder() or Path(tempfile.mkdtemp(prefix="plannercheck-"))
-    file = folder / "bench" / f"coal_loop_{key[:16]}.so"
-    if not file.exists():
+    folder, name = cache_folder(), f"coal_loop_{key[:16]}.so"
+    found = None if folder is None else _own_library(folder / "bench" / name, command)
+    return _declared(found or _compiled(command, Path(tempfile.mkdtemp(prefix="plannercheck-")) / name))
+
+
+def _own_library(file: Path, command: list[str]) -> ctypes.CDLL | None:
+    """The library in a cache that others may share; None if others could have written it.
+
+    What is loaded is a private copy of the file that was looked at, so that no one can put another one in its place.
+    """
+    if not os.path.lexists(file):
         _compile(command, file)
-    return _declared(ctypes.CDLL(str(file)))
+    if not is_own_file(file):
+        return None
+    with file.open("rb") as held, tempfile.TemporaryDirectory(prefix="plannercheck-") as folder:
+        if not is_own(os.fstat(held.fileno())):
+            return None
+        copy = Path(folder) / file.name
+        copy.write_bytes(held.read())
+        return ctypes.CDLL(str(copy))
+
+
+def _compiled(command: list[str], file: Path) -> ctypes.CDLL:
+    _compile(command, file)
+    return ctypes.CDLL(str(file))
 
 
 def _compile(command: list[str], file: Path) -> None:

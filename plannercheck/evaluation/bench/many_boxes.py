@@ -8,7 +8,6 @@ processor's.
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 import time
 import warnings
@@ -18,6 +17,7 @@ import numpy as np
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.isolated_process import run_isolated_lines
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.robot import Robot
 from plannercheck.scenes.scene import Scene
@@ -70,8 +70,7 @@ def measure(robot_name: str, count: int, are_near: bool, seed: int) -> BoxesRow:
         are_near: Whether all of them are within the robot's reach.
         seed: Seed of the boxes.
     """
-    command = [sys.executable, "-c", _RUN, json.dumps([robot_name, count, are_near, seed])]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=_PATIENCE)
+    done = run_isolated_lines(_RUN, json.dumps([robot_name, count, are_near, seed]), time_limit=_PATIENCE)
     if done.returncode:
         raise PlannercheckError(f"a process with {count} boxes failed: {done.stderr.strip().splitlines()[-1:]}")
     where = "all within reach" if are_near else "in a slab around the robot"

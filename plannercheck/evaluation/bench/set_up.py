@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 import tempfile
 import time
 import warnings
@@ -23,6 +21,7 @@ import numpy as np
 from plannercheck.bodies.shapes import Cylinder
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.isolated_process import run_isolated_lines
 from plannercheck.common.transforms import pose_of
 from plannercheck.evaluation.bench.motion_sets import MotionCase, random_sets
 from plannercheck.evaluation.bench.other_libraries import coal
@@ -229,8 +228,7 @@ def _fresh(given: str, cached: bool) -> list[float]:
     """Milliseconds of the steps of one process."""
     with tempfile.TemporaryDirectory() as folder:
         environment = os.environ if cached else {**os.environ, "PLANNERCHECK_CACHE": folder}
-        command = [sys.executable, "-c", _FRESH, given]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=_PATIENCE)
+        done = run_isolated_lines(_FRESH, given, environment, _PATIENCE)
     if done.returncode:
         raise PlannercheckError(f"a fresh process failed: {done.stderr.strip().splitlines()[-1:]}")
     return [float(value) for value in json.loads(done.stdout.splitlines()[-1])]

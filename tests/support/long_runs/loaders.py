@@ -217,6 +217,8 @@ def _points(rng: np.random.Generator) -> None:
     if body.fault():
         raise AssertionError(body.fault())
     pc.intersects(body, pc.Polytope(np.eye(3)), np.eye(4))
+    if not pc.intersects(body, body):
+        raise AssertionError(f"a body and itself share no point: {points.tolist()}")
     pc.certify(body, body)
 
 
