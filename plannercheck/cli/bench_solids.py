@@ -111,10 +111,10 @@ def _print_link_pairs(robot: str, rows: Sequence[LinkPairRow]) -> None:
     ratios = [row.coal / row.microseconds for row in rows if row.coal is not None]
     if ratios:
         print(f"coal's time over ours, by pair: median {median(ratios):.1f}, least {min(ratios):.1f}")
-    header = ("pair", "triangles", "verdict", "queries", "µs a query", "coal's µs", "x")
+    of_pair = ("pair", "triangles", "verdict", "queries", "µs a query", "coal's µs", "x")
     most = sorted(rows, key=lambda row: -row.microseconds * row.queries)[:6]
     print("where our time goes:")
-    print(table(header, [_pair_cells(row) for row in most]), flush=True)
+    print(table(of_pair, [_pair_cells(row) for row in most]), flush=True)
 
 
 def _verdict_cells(name: str, rows: Sequence[LinkPairRow]) -> tuple[object, ...]:

@@ -102,14 +102,14 @@ def measure(
     for shape, size in product(shapes, sizes):
         surface = SHAPES[shape](size, np.random.default_rng(_SEED))
         solid = Solid(surface.points, surface.triangles)
-        ours, hull = built(partial(Polytope, solid)), built(partial(Polytope, solid.used[0]))
+        ours, hull = built(partial(_prepared, solid)), built(partial(Polytope, solid.used[0]))
         bodies = ours.value, ours.value
         coal: Built[Callable[[Posed], Judge]] | None = None
         try:
             coal = built(partial(coal_at_best, bodies))
         except (PlannercheckError, ImportError) as error:
             skipped(f"{COAL_AT_BEST} is left out at {size} triangles: {error}")
-        costs = {OURS_NAME: (ours.busy, hull.busy, ours.value.nbytes)}
+        costs: dict[str, _Cost] = {OURS_NAME: (ours.busy, hull.busy, ours.value.nbytes)}
         if coal is not None:
             costs[COAL_AT_BEST] = (coal.busy, None, coal.resident)
         rng = np.random.default_rng(_SEED)
@@ -119,6 +119,10 @@ def measure(
                 judges[COAL_AT_BEST] = coal.value(posed)
             rows += _timed(shape, len(solid.triangles), gap, judges, costs, rounds)
     return rows
+
+
+def _prepared(solid: Solid) -> Polytope:
+    return Polytope(solid.used[0]).of_solid(solid)
 
 
 def growth(rows: Sequence[SolidSizeRow], shape: str, gap: float, method: str) -> float | None:
