@@ -3,8 +3,8 @@
 In: `docs/results/*.json`, written by `plannercheck bench ... --output` and by `tests/benchmarks/*.py --output`, and
 `docs/results/older/*.json`, figures that pages stated before and that no run has replaced yet. Out: README.md and the
 pages of docs/, in which the lines between `<!-- table: NAME -->` and `<!-- end of table -->` are rendered again. A test
-holds that every page is what this script renders. `result_tables.py`, `result_tables_planning.py`
-and `result_tables_inside.py` say what each table shows.
+holds that every page is what this script renders. `result_tables.py`, `result_tables_planning.py`,
+`result_tables_solids.py` and `result_tables_inside.py` say what each table shows.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from pathlib import Path
 import result_tables as peers
 import result_tables_inside as inside
 import result_tables_planning as planning
+import result_tables_solids as solids
 from result_markdown import ROOT, older, record
 
 _MARKED = re.compile(r"(<!-- table: (?P<name>[\w/]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
@@ -31,6 +32,7 @@ TABLES: dict[str, Callable[[], str]] = {
         *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
         *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
         *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games, inside.levels),
+        *(solids.solid_states, solids.solid_link_pairs, solids.solid_triangles, solids.solid_fidelity),
     )
 }
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
+from plannercheck.bodies.coal_bodies import coal_mesh
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, GeometryObject, Hull, Sphere
 from plannercheck.bodies.triangle_meshes import TriangleMesh
@@ -91,7 +91,7 @@ class _Shapes:
             if mesh is None:
                 self._made[index] = _own_shape(body, self._checker.polytopes[index])
             else:
-                self._made[index] = triangle_model(mesh.points, mesh.triangles)
+                self._made[index] = coal_mesh(mesh.points, mesh.triangles)
         return self._made[index]
 
 
@@ -105,17 +105,7 @@ def _own_shape(body: GeometryObject, polytope: Polytope | None) -> coal.Collisio
         case Capsule():
             return coal.Capsule(body.shape.radius, body.shape.length)
     assert polytope is not None  # a pair of it collides
-    return triangle_model(polytope.vertices, polytope.faces)
-
-
-def triangle_model(points: Floats, triangles: NDArray[np.integer]) -> coal.CollisionGeometry:
-    """Triangles (m, 3) of points (n, 3), m, for coal."""
-    model = coal.BVHModelOBBRSS()
-    model.beginModel(len(triangles), len(points))
-    for corners in triangles:
-        model.addTriangle(*(points[corner] for corner in corners))
-    model.endModel()
-    return model
+    return coal_mesh(polytope.vertices, polytope.faces)
 
 
 def _intersect(a: coal.CollisionGeometry, pose_a: Floats, b: coal.CollisionGeometry, pose_b: Floats) -> bool:
@@ -136,7 +126,7 @@ def largest_filling(polytope: Polytope, mesh: TriangleMesh, seed: int = 0) -> fl
     generator = np.random.default_rng(seed)
     chosen = corners[generator.choice(len(corners), _SURFACE_POINTS, p=areas / areas.sum())]
     weights = generator.dirichlet(np.ones(3), _SURFACE_POINTS)
-    model = triangle_model(mesh.points, mesh.triangles)
+    model = coal_mesh(mesh.points, mesh.triangles)
     point, here = coal.Sphere(0.0), coal.Transform3s()
     points = np.einsum("nk,nki->ni", weights, chosen)
     places = (coal.Transform3s(np.eye(3), each) for each in points)

@@ -1,7 +1,8 @@
 """The cost of building something: seconds and resident memory, without the disk cache of prepared bodies.
 
-In: a function that builds. Out: `Built`. Memory is the growth of the process's resident set; freed memory is given back
-to the system before and after. The figure is coarse below some hundred kB, and 0 where freed memory was used again.
+In: a function that builds. Out: `Built`. Wall time is what users wait; the processor's holds on a loaded machine.
+Memory is the growth of the process's resident set; freed memory is given back to the system before and after. The
+figure is coarse below some hundred kB, and 0 where freed memory was used again.
 """
 
 from __future__ import annotations
@@ -29,11 +30,13 @@ class Built(Generic[T]):
     Attributes:
         value: The object that was built.
         seconds: Wall time.
+        busy: Seconds of the processor, in all threads of this process.
         resident: Bytes that the resident set grew by; None where the system does not tell.
     """
 
     value: T
     seconds: float
+    busy: float
     resident: int | None
 
 
@@ -41,11 +44,11 @@ def built(build: Callable[[], T]) -> Built[T]:
     """Builds something without the disk cache."""
     with uncached():
         before = resident_bytes()
-        start = time.perf_counter()
+        start, busy = time.perf_counter(), time.process_time()
         value = build()
-        seconds = time.perf_counter() - start
+        seconds, busy = time.perf_counter() - start, time.process_time() - busy
         after = resident_bytes()
-    return Built(value, seconds, None if before is None or after is None else max(after - before, 0))
+    return Built(value, seconds, busy, None if before is None or after is None else max(after - before, 0))
 
 
 @contextlib.contextmanager

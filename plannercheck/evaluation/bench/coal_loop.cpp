@@ -1,15 +1,14 @@
 // coal as fast as a careful user gets it: a loop over posed states without Python, built by compiled_coal_loop.py.
 //
-// In: convex shapes, pairs of bodies, poses of the moving bodies in many states (coal's transforms are made beforehand,
-// so that kinematics cost nothing). Out: which groups of states are free; a group ends at its first collision. The
+// In: convex shapes and meshes, pairs of bodies, poses of the moving bodies in many states (coal's transforms are made
+// beforehand, so that kinematics cost nothing). Out: which groups of states are free; a group ends at its first
+// collision. Or of every pair in every state, whether it collides. Meshes are trees of boxes around triangles. The
 // idea: boxes along the world's axes first, tested over all partners of a body at once; boxes in the bodies' frames
 // where asked for; then coal's narrow phase without contacts, which stops as soon as it has a separating plane, each
 // pair with a solver of its own and, where asked for, the guess that its last call left. The pair that collided last is
 // asked first: successive states of a motion mostly collide alike.
 #include <coal/BV/OBB.h>
 #include <coal/collision.h>
-#include <coal/shape/convex.h>
-#include <coal/shape/geometric_shapes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +19,8 @@
 #include <utility>
 #include <vector>
 
+#include "coal_shapes.hpp"
+
 namespace {
 
 using coal::Transform3s;
@@ -27,8 +28,6 @@ using coal::Vec3s;
 
 // World boxes grow by this part of their size and distance from the origin, far above the rounding of a pose.
 constexpr double kBoxSlack = 1e-12;
-
-enum Kind { kBox, kSphere, kCapsule, kCylinder, kCone, kHull };
 
 // How the loop asks, in the order of coal_loop.py's `Variant`.
 struct Settings {
@@ -81,7 +80,7 @@ class CoalLoop {
   std::string error;
 
   void add_shape(int kind, const double* numbers, const double* points, int n, const int* triangles, int m) {
-    shapes_.push_back(shape(kind, numbers, points, n, triangles, m));
+    shapes_.push_back(coal_shape(kind, numbers, points, n, triangles, m));
     shapes_.back()->computeLocalAABB();
   }
 
@@ -131,13 +130,7 @@ class CoalLoop {
   // Whether each group of states, which ends before `ends[g]`, is free.
   void check(const States& states, const std::int64_t* ends, std::int64_t groups, const Settings& settings,
              std::uint8_t* free) {
-    request_.enable_contact = false;
-    request_.distance_upper_bound = 0;  // a separating plane is enough
-    request_.gjk_variant = static_cast<coal::GJKVariant>(settings.gjk);
-    request_.gjk_initial_guess = static_cast<coal::GJKInitialGuess>(settings.guess);
-    cached_ = settings.guess == coal::CachedGuess;
-    boxes_asked_ = settings.boxes;
-    last_ = -1;
+    set_up(settings);
     std::int64_t state = 0;
     for (std::int64_t g = 0; g < groups; ++g) {
       bool hit = false;
@@ -147,28 +140,26 @@ class CoalLoop {
     }
   }
 
- private:
-  static std::unique_ptr<coal::ShapeBase> shape(int kind, const double* numbers, const double* points, int n,
-                                                const int* triangles, int m) {
-    switch (kind) {
-      case kBox:
-        return std::make_unique<coal::Box>(numbers[0], numbers[1], numbers[2]);
-      case kSphere:
-        return std::make_unique<coal::Sphere>(numbers[0]);
-      case kCapsule:
-        return std::make_unique<coal::Capsule>(numbers[0], numbers[1]);
-      case kCylinder:
-        return std::make_unique<coal::Cylinder>(numbers[0], numbers[1]);
-      case kCone:
-        return std::make_unique<coal::Cone>(numbers[0], numbers[1]);
-      default:
-        break;
+  // Whether each pair collides in each state: (states, pairs).
+  void check_pairs(const States& states, const Settings& settings, std::uint8_t* hit) {
+    set_up(settings);
+    for (std::size_t state = 0; state < states.count; ++state) {
+      const Transform3s* poses = states.poses.data() + state * movers_.size();
+      set_boxes(poses);
+      for (std::size_t k = 0; k < pairs_.size(); ++k)
+        *hit++ = (!boxes_asked_ || world_boxes_meet(static_cast<int>(k))) && pair_collides(static_cast<int>(k), poses);
     }
-    auto corners = std::make_shared<std::vector<Vec3s>>();
-    auto faces = std::make_shared<std::vector<coal::Triangle>>();
-    for (int k = 0; k < n; ++k) corners->emplace_back(points[3 * k], points[3 * k + 1], points[3 * k + 2]);
-    for (int k = 0; k < m; ++k) faces->emplace_back(triangles[3 * k], triangles[3 * k + 1], triangles[3 * k + 2]);
-    return std::make_unique<coal::Convex<coal::Triangle>>(corners, n, faces, m);
+  }
+
+ private:
+  void set_up(const Settings& settings) {
+    request_.enable_contact = false;
+    request_.distance_upper_bound = 0;  // a separating plane is enough
+    request_.gjk_variant = static_cast<coal::GJKVariant>(settings.gjk);
+    request_.gjk_initial_guess = static_cast<coal::GJKInitialGuess>(settings.guess);
+    cached_ = settings.guess == coal::CachedGuess;
+    boxes_asked_ = settings.boxes;
+    last_ = -1;
   }
 
   // Of a (4, 4) matrix in rows.
@@ -187,16 +178,26 @@ class CoalLoop {
   bool collides(const Transform3s* poses) {
     if (last_ >= 0 && pair_collides(last_, poses)) return true;
     if (!boxes_asked_) return collides_without_boxes(poses);
-    for (std::size_t m = 0; m < movers_.size(); ++m) {
-      const auto [middle, extent] = world_box(movers_[m].body, poses[m]);
-      boxes_.set(m, middle, extent);
-    }
+    set_boxes(poses);
     for (const int k : both_move_)
       if (k != last_ && moving_boxes_meet(mover_of_[pairs_[k].p], mover_of_[pairs_[k].r]) && found(k, poses))
         return true;
     for (std::size_t m = 0; m < movers_.size(); ++m)
       if (hits_what_stands(m, poses)) return true;
     return false;
+  }
+
+  void set_boxes(const Transform3s* poses) {
+    for (std::size_t m = 0; m < movers_.size(); ++m) {
+      const auto [middle, extent] = world_box(movers_[m].body, poses[m]);
+      boxes_.set(m, middle, extent);
+    }
+  }
+
+  bool world_boxes_meet(int k) const {
+    const Pair& pair = pairs_[k];
+    if (mover_of_[pair.r] >= 0) return moving_boxes_meet(mover_of_[pair.p], mover_of_[pair.r]);
+    return true;  // boxes of what stands still are beside those of its partners
   }
 
   bool collides_without_boxes(const Transform3s* poses) {
@@ -263,8 +264,8 @@ class CoalLoop {
     return coal::obbDisjoint(turn, way, (a.max_ - a.min_) / 2, (b.max_ - b.min_) / 2);
   }
 
-  std::vector<std::unique_ptr<coal::ShapeBase>> shapes_;
-  std::vector<const coal::ShapeBase*> shape_of_;
+  std::vector<std::unique_ptr<coal::CollisionGeometry>> shapes_;
+  std::vector<const coal::CollisionGeometry*> shape_of_;
   std::vector<Transform3s> placed_;  // by body
   std::vector<int> mover_of_;        // by body; -1 stands still
   std::vector<Mover> movers_;
@@ -316,5 +317,9 @@ int coal_loop_check(CoalLoop* loop, const void* states, const std::int64_t* ends
                     int guess, int boxes, std::uint8_t* free) {
   return attempt(
       loop, [&] { loop->check(*static_cast<const States*>(states), ends, groups, Settings{gjk, guess, boxes}, free); });
+}
+int coal_loop_check_pairs(CoalLoop* loop, const void* states, int gjk, int guess, int boxes, std::uint8_t* hit) {
+  return attempt(loop,
+                 [&] { loop->check_pairs(*static_cast<const States*>(states), Settings{gjk, guess, boxes}, hit); });
 }
 }

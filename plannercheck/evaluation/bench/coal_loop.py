@@ -1,16 +1,18 @@
 """coal at its best: a C++ loop over posed states (coal_loop.cpp, which compiled_coal_loop.py compiles).
 
-In: a checker. Out: a `CoalLoop` over the same hulls and pairs, which judges groups of states whose poses it is given.
+In: a checker. Out: a `CoalLoop` over the same bodies and pairs, which judges groups of states whose poses it is given.
+Solids are coal's trees of boxes around triangles, so they are surfaces there; solids that are their hulls are hulls.
 
 How coal is asked best depends on the states: a guess from the last call helps along a motion, not on random states. So
-there are `VARIANTS`, and `fastest` tries them all on the very states that are timed.
+there are `VARIANTS`, and `fastest` tries them all on the very states that are timed; for meshes on the first of them,
+with each kind of boxes.
 """
 
 from __future__ import annotations
 
 import ctypes
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -27,14 +29,18 @@ from plannercheck.motions.checker import Checker
 
 # In the order of coal_loop.cpp's `Kind`.
 _BOX, _SPHERE, _CAPSULE, _CYLINDER, _CONE, _HULL = range(6)
+_MESH_BOXES = {"OBB": 6, "OBBRSS": 7}
 # In the order of coal's enumerations.
 _GJK = ("plain GJK", "Polyak", "Nesterov")
 _GUESSES = ("fixed guess", "cached guess", "guess from boxes")
+_FROM_BOXES = _GUESSES.index("guess from boxes")
 _FILTERS = ("no boxes", "world boxes", "world and body boxes")
 # States whose poses are computed at once: with those of all obstacles, they take 40 kB each in a large scene.
 _BLOCK = 1024
 # Each variant is tried so often, and the least time counts.
 _TRIALS = 3
+# States on which variants are tried where there are meshes, which take coal far longer than hulls.
+_TRIED_WITH_MESHES = 200
 
 
 class Variant(NamedTuple):
@@ -65,7 +71,7 @@ class PosedBodies:
     """Bodies as coal takes them.
 
     Attributes:
-        polytopes: Their hulls, for those that are no simple shape.
+        polytopes: Their hulls, or solids, for those that are no simple shape.
         shapes: Their shapes where coal has them as such; else None.
         moves: (k,) which change their poses from state to state.
         pairs: (p, 2) indices; a pair has at least one body that moves.
@@ -97,17 +103,21 @@ class CoalStates:
 class CoalLoop:
     """A loop over posed states in C++."""
 
-    def __init__(self, bodies: PosedBodies, placed: Floats) -> None:
+    def __init__(self, bodies: PosedBodies, placed: Floats, mesh_boxes: str = "OBBRSS") -> None:
         """Hands bodies and pairs to coal.
 
         Args:
             bodies: The bodies.
             placed: (k, 4, 4) poses, m, of which those of bodies that stand still are kept.
+            mesh_boxes: What coal has around the triangles of solids: "OBB" or "OBBRSS".
 
         Raises:
             PlannercheckError: If there is no compiler, or coal has no shape for a body.
         """
         self.library = library()
+        self.mesh_boxes = mesh_boxes
+        self.pairs = len(bodies.pairs)
+        self.has_meshes = any(p.solid is not None for p in bodies.polytopes)
         self.handle = ctypes.c_void_p(self.library.coal_loop_new())
         shape_of: dict[int, int] = {}
         indices = [shape_of.setdefault(id(p), len(shape_of)) for p in bodies.polytopes]  # equal shapes are one
@@ -127,8 +137,8 @@ class CoalLoop:
         )
 
     @classmethod
-    def of_checker(cls, checker: Checker) -> CoalLoop:
-        """The loop over a checker's pairs; bodies in no pair are left out."""
+    def of_checker(cls, checker: Checker, mesh_boxes: str = "OBBRSS") -> CoalLoop:
+        """The loop over a checker's pairs; bodies in no pair are left out; `mesh_boxes` as of `CoalLoop`."""
         used = np.unique(checker.pairs).tolist()
         index = {body: k for k, body in enumerate(used)}
         polytopes = [p for body in used if (p := checker.polytopes[body]) is not None]
@@ -137,7 +147,7 @@ class CoalLoop:
         pairs = np.array([[index[a], index[b]] for a, b in checker.pairs.tolist()], dtype=np.int32).reshape(-1, 2)
         moves = np.array([item.link is not None for item in items])
         bodies = PosedBodies(polytopes, [item.shape for item in items], moves, pairs, [item.name for item in items])
-        loop = cls(bodies, checker.body_poses(checker.robot.random_configurations(1, 0))[0][used])
+        loop = cls(bodies, checker.body_poses(checker.robot.random_configurations(1, 0))[0][used], mesh_boxes)
         loop._checker, loop._movers = checker, np.array(used)[moves]
         return loop
 
@@ -173,6 +183,14 @@ class CoalLoop:
         )
         return free
 
+    def check_pairs(self, states: CoalStates, variant: Variant) -> Bools:
+        """Which pairs collide, in each state by itself: (states, pairs)."""
+        hit = np.empty((states.count, self.pairs), dtype=bool)
+        self._checked(
+            self.library.coal_loop_check_pairs(self.handle, states.handle, *variant, hit.reshape(-1)), "these states"
+        )
+        return hit
+
     def fastest(
         self, states: CoalStates, ends: NDArray[np.int64] | None = None, variants: Sequence[Variant] = VARIANTS
     ) -> tuple[Variant, float]:
@@ -187,10 +205,13 @@ class CoalLoop:
 
     def _add(self, polytope: Polytope, shape: Shape | None, name: str) -> None:
         kind, numbers = _simple(shape)
+        points, faces = polytope.vertices, polytope.faces if kind == _HULL else np.zeros((0, 3))
+        if polytope.solid is not None:
+            kind, points, faces = _MESH_BOXES[self.mesh_boxes], polytope.solid.points(), polytope.solid.triangles()
         if kind == _HULL and polytope.dimension < 3:
             raise PlannercheckError(f"coal has no shape for {name}, which has no volume")
-        points = np.ascontiguousarray(polytope.vertices, dtype=np.float64)
-        faces = np.ascontiguousarray(polytope.faces if kind == _HULL else np.zeros((0, 3)), dtype=np.int32)
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        faces = np.ascontiguousarray(faces, dtype=np.int32)
         given = np.array([*numbers, 0.0, 0.0, 0.0])
         done = self.library.coal_loop_add_shape(self.handle, kind, given, points, len(points), faces, len(faces))
         self._checked(done, name)
@@ -205,25 +226,54 @@ class CoalLoop:
             self.library.coal_loop_delete(self.handle)
 
 
+def fastest_loop(
+    make: Callable[[str], CoalLoop],
+    states_of: Callable[[CoalLoop, int | None], CoalStates],
+    variants: Sequence[Variant] = VARIANTS,
+) -> tuple[CoalLoop, Variant]:
+    """The loop and the variant that judge some states fastest.
+
+    Args:
+        make: Makes the loop, given what coal has around the triangles of solids.
+        states_of: The states for a loop, or the first so many of them.
+        variants: Variants to try.
+    """
+    loops = [make("OBBRSS")]
+    first = None
+    if loops[0].has_meshes:
+        loops.append(make("OBB"))
+        first = _TRIED_WITH_MESHES
+        variants = [each for each in variants if each.guess != _FROM_BOXES]  # coal's single triangles have none
+    found = [(loop, *loop.fastest(states_of(loop, first), variants=variants)) for loop in loops]
+    loop, variant, _ = min(found, key=lambda each: each[2])
+    return loop, variant
+
+
 class CoalAtBest:
     """coal's loop, asked as is fastest for the first states that it gets."""
 
     def __init__(self, checker: Checker) -> None:
         """Builds the loop."""
         self._loop = CoalLoop.of_checker(checker)
+        self._checker = checker
         self._variant: Variant | None = None
 
     @property
     def note(self) -> str:
         """How coal is asked."""
-        return f"C++ loop over poses given beforehand: {self._variant}"
+        meshes = f", meshes in {self._loop.mesh_boxes}" if self._loop.has_meshes else ""
+        return f"C++ loop over poses given beforehand: {self._variant}{meshes}"
 
     def states(self, q: Floats) -> CoalStates:
         """Configurations (n, nq) as coal takes them."""
-        found = self._loop.states(q)
         if self._variant is None:
-            self._variant = self._loop.fastest(found)[0]
-        return found
+            self._loop, self._variant = fastest_loop(self._made, lambda loop, first: loop.states(q[:first]))
+        return self._loop.states(q)
+
+    def _made(self, mesh_boxes: str) -> CoalLoop:
+        if mesh_boxes == self._loop.mesh_boxes:
+            return self._loop
+        return CoalLoop.of_checker(self._checker, mesh_boxes)
 
     def check(self, states: CoalStates) -> Bools:
         """Which are free."""

@@ -24,6 +24,7 @@ from plannercheck.bodies.polytope_files import cache_folder, is_own, is_own_file
 from plannercheck.common.errors import PlannercheckError
 
 _SOURCE = Path(__file__).with_name("coal_loop.cpp")
+_HEADER = Path(__file__).with_name("coal_shapes.hpp")
 # EIGEN_MAX_ALIGN_BYTES is what coal's own library was built with: wider instructions would align its types otherwise.
 _FLAGS = ("-std=c++17", "-O3", "-DNDEBUG", "-DEIGEN_MAX_ALIGN_BYTES=16", "-DCOAL_HAS_OCTOMAP", "-shared", "-fPIC")
 _OCTOMAP = (
@@ -50,7 +51,8 @@ def library() -> ctypes.CDLL:
     command = [_compiler(), *_FLAGS, *_OCTOMAP, *_native(), "-isystem", str(prefix / "include")]
     command += ["-isystem", str(_eigen(prefix)), str(_SOURCE), f"-L{prefix / 'lib'}", "-lcoal"]
     command += [f"-Wl,-rpath,{prefix / 'lib'}"]
-    key = hashlib.sha256(_SOURCE.read_bytes() + repr(command).encode() + _coal_version().encode()).hexdigest()
+    texts = (_SOURCE.read_bytes(), _HEADER.read_bytes(), repr(command).encode(), _coal_version().encode())
+    key = hashlib.sha256(b"".join(texts)).hexdigest()
     folder, name = cache_folder(), f"coal_loop_{key[:16]}.so"
     found = None if folder is None else _own_library(folder / "bench" / name, command)
     return _declared(found or _compiled(command, Path(tempfile.mkdtemp(prefix="plannercheck-")) / name))
@@ -146,6 +148,7 @@ def _declared(found: ctypes.CDLL) -> ctypes.CDLL:
         "pose": (pointer, [pointer, doubles, ctypes.c_int64]),
         "unpose": (None, [pointer]),
         "check": (count, [pointer, pointer, longs, ctypes.c_int64, count, count, count, verdicts]),
+        "check_pairs": (count, [pointer, pointer, count, count, count, verdicts]),
     }
     for name, (result, arguments) in types.items():
         function = getattr(found, f"coal_loop_{name}")

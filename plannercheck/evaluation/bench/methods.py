@@ -2,12 +2,12 @@
 
 In: a checker. Out: `Method`s. All judge the same pairs of the same robot. Cut-off hierarchies, balls, capsules and
 boxes replace the robot's bodies only; obstacles stay as they are. The error of such a stand-in is computed from its
-shape (`furthest` of hausdorff.py); it is the largest one over the bodies of all pairs.
+shape (`furthest` of hausdorff.py); it is the largest one over the bodies of all pairs. They stand in for hulls: beside
+solids there are coal, which takes them as surfaces, and our own verdicts of their hulls.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import Box, Capsule, GeometryObject, Hull, Sphere
+from plannercheck.bodies.shapes import Box, Capsule, GeometryObject, Sphere
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench import other_libraries
@@ -26,16 +26,19 @@ from plannercheck.evaluation.bench.coal_loop import CoalAtBest
 from plannercheck.evaluation.bench.compiled_coal_loop import library
 from plannercheck.evaluation.bench.hausdorff import furthest, furthest_of_balls
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
+from plannercheck.evaluation.bench.solid_checkers import as_hull, has_solids, substituted, with_hulls
 from plannercheck.evaluation.bench.truncated_hierarchies import inner_levels, outer_levels
 from plannercheck.evaluation.bench.vamp_model import VampModel
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.joint_space import JointSpace
 
-Kind = Literal["exact", "inner", "outer", "spheres", "capsules", "boxes", "coal", "coal loop", "fcl", "vamp"]
+Kind = Literal["exact", "hulls", "inner", "outer", "spheres", "capsules", "boxes", "coal", "coal loop", "fcl", "vamp"]
 _Around = Callable[[Polytope], tuple[Box | Capsule | Sphere, Floats]]
 
 # All kinds except the exact ones, which are always compared, and coal's loop, which comes with coal.
 KINDS: tuple[Kind, ...] = ("inner", "outer", "spheres", "capsules", "boxes", "coal", "fcl", "vamp")
+# Those that take solids as they are.
+_KINDS_OF_SOLIDS: tuple[Kind, ...] = ("coal",)
 
 # States that slower methods judge in a round; their rates are over these.
 _ONE_BY_ONE_STATES, _COAL_STATES, _FCL_STATES = 5000, 1000, 200
@@ -70,10 +73,21 @@ class Method:
     described: Callable[[Any], str] | None = None
 
 
-def methods(checker: Checker, kinds: Iterable[Kind] = KINDS) -> Iterator[Method]:
-    """Methods of some kinds, the exact ones always, and first."""
+def methods(checker: Checker, kinds: Iterable[Kind] | None = None) -> Iterator[Method]:
+    """Methods of some kinds, the exact ones always, and first; None takes all kinds that there are for the bodies.
+
+    Raises:
+        PlannercheckError: If a kind is named that has no solids, and there are some.
+    """
+    solids = has_solids(checker)
+    known = _KINDS_OF_SOLIDS if solids else KINDS
+    chosen = known if kinds is None else tuple(kinds)
+    if refused := [kind for kind in chosen if kind not in known]:
+        raise PlannercheckError(f"{', '.join(refused)}: these are compared on hulls, solids with {', '.join(known)}")
     yield from _exact(checker)
-    for kind in kinds:
+    if solids:
+        yield _hulls(checker)
+    for kind in chosen:
         match kind:
             case "inner" | "outer":
                 yield from _cut_off(checker, kind)
@@ -92,7 +106,7 @@ def methods(checker: Checker, kinds: Iterable[Kind] = KINDS) -> Iterator[Method]
 
 
 def _exact(checker: Checker) -> Iterator[Method]:
-    build = partial(_substitute_checker, checker, {})
+    build = partial(substituted, checker, {})
     batch = Method("plannercheck, batch", "exact", "check_states", build, _none_off, _by_batch)
     yield batch
     yield replace(
@@ -121,6 +135,12 @@ def _exact(checker: Checker) -> Iterator[Method]:
             prepare=lambda built, q: _ompl_states(space, q),
             states=_ONE_BY_ONE_STATES,
         )
+
+
+def _hulls(checker: Checker) -> Method:
+    """The hulls of all solids, which fill what these leave empty."""
+    note = "check_states on the hulls of solids"
+    return Method("plannercheck, hulls", "hulls", note, partial(with_hulls, checker), _unknown, _by_batch)
 
 
 def _none_off(built: Any) -> float:
@@ -157,7 +177,7 @@ def _cut_off(checker: Checker, side: Literal["inner", "outer"]) -> Iterator[Meth
             f"{side} bodies, level {level}",
             side,
             "check_states on the hierarchies' bodies at this level; their preparation counts, not finding them",
-            partial(_substitute_checker, checker, {k: _as_hull(checker.bodies[k], p) for k, p in chosen.items()}),
+            partial(substituted, checker, {k: as_hull(checker.bodies[k], p) for k, p in chosen.items()}),
             partial(_hausdorff, checker, chosen, side),
             _by_batch,
         )
@@ -167,17 +187,6 @@ def _own(checker: Checker) -> list[tuple[int, Polytope]]:
     """The robot's bodies that some pair needs."""
     own = checker.polytopes[: len(checker.robot.bodies)]
     return [(k, polytope) for k, polytope in enumerate(own) if polytope is not None]
-
-
-def _as_hull(body: GeometryObject, polytope: Polytope) -> GeometryObject:
-    return GeometryObject(body.name, body.link, body.pose, Hull(polytope.vertices))
-
-
-def _substitute_checker(checker: Checker, substitutes: dict[int, GeometryObject]) -> Checker:
-    bodies = [substitutes.get(k, body) for k, body in enumerate(checker.bodies)]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of static pairs, which the exact checker has given
-        return Checker(checker.robot, checker.scene, bodies=bodies)
 
 
 def _hausdorff(checker: Checker, chosen: dict[int, Polytope], side: str, built: Any) -> float:
@@ -197,7 +206,7 @@ def _wrapped(checker: Checker, kind: Kind, wrap: _Around) -> Method:
             body = checker.bodies[k]
             shape, pose = wrap(polytope)
             substitutes[k] = GeometryObject(body.name, body.link, _product(body.pose, pose), shape)
-        return _substitute_checker(checker, substitutes)
+        return substituted(checker, substitutes)
 
     def error(built: Checker) -> float:
         off = [_sticks_out(built.polytopes[k], polytope, wrap(polytope)[1]) for k, polytope in _own(checker)]

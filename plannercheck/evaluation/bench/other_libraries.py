@@ -2,8 +2,10 @@
 
 In: a checker. Out: functions that judge rows of configurations, True meaning valid, over the checker's pairs, stopping
 at a state's first collision. coal and FCL get the same hulls that the checker tests (and spheres, capsules, cylinders
-and cones as such), with contacts switched off. Pinocchio poses the robot for coal. For FCL the checker's batch kernel
-poses it, and boxes along the world's axes, in numpy, leave out pairs that are far apart.
+and cones as such), with contacts switched off. Solids are meshes for coal, also those that are their hulls, as
+Pinocchio loads them: surfaces, so that a body within a body does not collide. FCL is not asked about solids. Pinocchio
+poses the robot for coal. For FCL the checker's batch kernel poses it, and boxes along the world's axes, in numpy, leave
+out pairs that are far apart.
 """
 
 from __future__ import annotations
@@ -15,12 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.coal_bodies import coal_hull
+from plannercheck.bodies.coal_bodies import coal_hull, coal_mesh
 from plannercheck.bodies.fcl_bodies import FclBodies
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Sphere
+from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.solid_checkers import has_solids
 from plannercheck.motions.checker import Checker
 
 Judge = Callable[[Floats], NDArray[np.bool_]]
@@ -61,6 +65,8 @@ def coal(checker: Checker, tolerance: float = COAL_TOLERANCES[0], with_tree: boo
 
 def fcl(checker: Checker) -> Judge:
     """python-fcl pair by pair, on those whose boxes meet."""
+    if has_solids(checker):
+        raise PlannercheckError("python-fcl is compared on hulls alone")
     bodies = FclBodies(
         [None if p is None else (p.vertices, p.faces) for p in checker.polytopes],
         [0.0 if p is None else p.inflation_radius for p in checker.polytopes],
@@ -140,4 +146,6 @@ def coal_shape(body: GeometryObject, polytope: Polytope) -> Any:
             return coal.Cone(radius, length)
         case Capsule(radius=radius, length=length):
             return coal.Capsule(radius, length)
+        case Solid(used=(points, triangles)):
+            return coal_mesh(points, triangles)
     return coal_hull(polytope, body.name)

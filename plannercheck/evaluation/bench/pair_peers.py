@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from plannercheck.bodies.fcl_bodies import fcl_hull, load_fcl
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.evaluation.bench.coal_loop import COLD_VARIANTS, CoalLoop, PosedBodies
+from plannercheck.evaluation.bench.coal_loop import COLD_VARIANTS, CoalLoop, PosedBodies, fastest_loop
 
 Posed = tuple[Floats, Floats]
 Bodies = tuple[Polytope, Polytope]
@@ -88,15 +89,20 @@ def _start_cold(request: Any) -> None:
 
 
 def coal_at_best(bodies: Bodies) -> JudgeMaker:
-    """The loop of coal_loop.cpp, which asks for no more than a separating plane."""
+    """The loop of coal_loop.cpp, which asks for no more than a separating plane; of meshes for no contact."""
     both = np.array([True, True])
-    pair = PosedBodies(bodies, (None, None), both, np.array([[0, 1]]), ("a round body", "another round body"))
-    loop = CoalLoop(pair, np.tile(np.eye(4), (2, 1, 1)))
+    pair = PosedBodies(bodies, (None, None), both, np.array([[0, 1]]), ("a body", "another body"))
+    make = cache(partial(CoalLoop, pair, np.tile(np.eye(4), (2, 1, 1))))
+    make("OBBRSS")
+    of_meshes = all(body.solid is not None for body in bodies)
+    variants = [each for each in COLD_VARIANTS if not (of_meshes and (each.gjk or each.guess))]
 
     def posed_judge(posed: Posed) -> Judge:
-        states = loop.posed(np.stack(posed, axis=1))
-        variant = loop.fastest(states, variants=COLD_VARIANTS)[0]
-        return Judge(lambda: loop.check(states, variant), lambda found: ~found, str(variant))
+        poses = np.stack(posed, axis=1)
+        loop, variant = fastest_loop(make, lambda loop, first: loop.posed(poses[:first]), variants)
+        states = loop.posed(poses)
+        meshes = f", meshes in {loop.mesh_boxes}" if loop.has_meshes else ""
+        return Judge(lambda: loop.check(states, variant), lambda found: ~found, f"{variant}{meshes}")
 
     return posed_judge
 

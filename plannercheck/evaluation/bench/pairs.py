@@ -111,10 +111,10 @@ class _Shapes:
 
 
 def _measured(bodies: Bodies, shapes: _Shapes, posed: Posed, gap: float, rounds: int) -> list[PairRow]:
-    judges = {f"plannercheck, {method}": _ours(bodies, posed, method) for method in OURS}
+    judges = {f"plannercheck, {method}": in_batch(bodies, posed, method) for method in OURS}
     judges |= {FROM_PYTHON: _from_python(bodies, posed), IN_ONE_CALL: _in_one_call(bodies, posed)}
     judges |= {name: make(posed) for name, make in shapes.judges.items()}
-    truth = _ours(bodies, posed, "exact")()
+    truth = in_batch(bodies, posed, "exact")()
     wrong = {name: int((judge() != truth).sum()) for name, judge in judges.items()}
     seconds = least_seconds({name: judge.work for name, judge in judges.items()}, rounds)
     vertices, pairs, coal = len(bodies[0].vertices), len(truth), seconds.get(COAL)
@@ -137,7 +137,8 @@ def _measured(bodies: Bodies, shapes: _Shapes, posed: Posed, gap: float, rounds:
 _BEST = f"plannercheck, {OURS[0]}"
 
 
-def _ours(bodies: Bodies, posed: Posed, method: Method) -> Judge:
+def in_batch(bodies: Bodies, posed: Posed, method: Method) -> Judge:
+    """Pairs of two bodies in the core's batch, each cold."""
     options = pair_options(method, cached_plane=False)
     p, r = (body.core for body in bodies)
     return Judge(

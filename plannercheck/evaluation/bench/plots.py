@@ -26,6 +26,7 @@ _LINEAR_BELOW_SHARE = 1e-2
 # Marker, colour, whether points are joined, legend.
 _STYLES: Mapping[str, tuple[str, str, bool, str]] = {
     "exact": ("*", "#d43d2f", False, "plannercheck (exact)"),
+    "hulls": ("p", "#8c8c3b", False, "hulls of solids"),
     "inner": ("v", "#3b76af", True, "hierarchy cut off: inner bodies"),
     "outer": ("^", "#519e3e", True, "hierarchy cut off: outer bodies"),
     "spheres": ("o", "#ef8636", True, "bounding spheres"),

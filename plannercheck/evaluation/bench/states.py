@@ -1,7 +1,8 @@
 """Run time against error on the states of a robot in a scene, for all methods of methods.py.
 
 In: a checker, configurations. Out: a row for each method. The exact verdicts are the truth. A method is wrong in a
-state that it calls free although it collides ("false free"), or the other way round.
+state that it calls free although it collides ("false free"), or the other way round. Where there are solids, states
+count apart in which nothing but one body inside another collides, since other libraries take meshes as surfaces.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.build_cost import built
 from plannercheck.evaluation.bench.methods import Method
+from plannercheck.evaluation.bench.solid_checkers import has_solids, nested_pairs
 from plannercheck.evaluation.bench.timing import Work, least_seconds, seconds_of
 from plannercheck.motions.checker import Checker
 
@@ -43,6 +45,8 @@ class StateRow:
         ratio: The time over that of `check_states`.
         false_free: Part of the states that it calls free though they collide.
         false_collision: Part of the states that it calls colliding though they are free.
+        false_free_inside: Those of the false free ones in which bodies collide only by one being inside the other, so
+            that no surfaces meet; None where there are no solids.
         error: How far its bodies are off at most, m: computed for stand-ins, stated for coal; None where unknown.
         resident: Bytes that building it took; None where the system does not tell.
         preparation: Seconds that building it took, without the disk cache.
@@ -61,6 +65,7 @@ class StateRow:
     ratio: float
     false_free: float
     false_collision: float
+    false_free_inside: float | None
     error: float | None
     resident: int | None
     preparation: float
@@ -120,8 +125,11 @@ def measure(
     contenders |= {_less(item.method.name): item.overheads for item in ready if item.overheads}
     seconds = least_seconds(contenders, rounds)
     truth = checker.check_states(q)
+    inside = _OnlyInside(checker, q) if has_solids(checker) else None
     each = [(seconds[item.method.name] - seconds.get(_less(item.method.name), 0.0)) / item.states for item in ready]
-    return [_row(checker, which, item, truth, spent, each[0]) for item, spent in zip(ready, each, strict=True)]
+    return [
+        _row(checker, which, item, truth, inside, (spent, each[0])) for item, spent in zip(ready, each, strict=True)
+    ]
 
 
 def _less(name: str) -> str:
@@ -152,8 +160,33 @@ def _parts(rows: Floats, seconds: float) -> list[Floats]:
     return np.array_split(rows, int(np.clip(round(seconds / _PART), 1, min(_MOST_PARTS, len(rows)))))
 
 
-def _row(checker: Checker, which: str, item: _Ready, truth: Bools, seconds: float, first: float) -> StateRow:
-    right = truth[: item.states]
+class _OnlyInside:
+    """In which states bodies collide only by one being inside the other; each state is looked at once."""
+
+    def __init__(self, checker: Checker, q: Floats) -> None:
+        self._checker, self._q = checker, q
+        self._found: dict[int, bool] = {}
+
+    def share(self, states: Bools) -> float:
+        """The part of states (n,), the first of the configurations, that are marked and such ones."""
+        return sum(map(self._of, np.flatnonzero(states).tolist())) / len(states)
+
+    def _of(self, state: int) -> bool:
+        if state not in self._found:
+            self._found[state] = bool(nested_pairs(self._checker, self._q[state])[1].all())
+        return self._found[state]
+
+
+def _row(
+    checker: Checker,
+    which: str,
+    item: _Ready,
+    truth: Bools,
+    inside: _OnlyInside | None,
+    spent: tuple[float, float],
+) -> StateRow:
+    right, (seconds, first) = truth[: item.states], spent
+    missed = item.verdicts & ~right
     return StateRow(
         checker.robot.name,
         checker.scene.name,
@@ -165,8 +198,9 @@ def _row(checker: Checker, which: str, item: _Ready, truth: Bools, seconds: floa
         float(right.mean()),
         1e6 * seconds,
         seconds / first,
-        float((item.verdicts & ~right).mean()),
+        float(missed.mean()),
         float((~item.verdicts & right).mean()),
+        None if inside is None else inside.share(missed),
         item.error,
         item.resident,
         item.preparation,

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from plannercheck.bodies.coal_bodies import coal_mesh
 from plannercheck.bodies.fcl_bodies import load_fcl
 from plannercheck.evaluation.stress.other_libraries import outcomes_of_shapes
 from plannercheck.evaluation.stress_solids.bodies import Body
@@ -64,14 +65,7 @@ class CoalMeshes:
     def _model(self, body: Body) -> Any:
         if body.inflation_radius:
             return "unfit"
-        points, triangles = self._coal.StdVec_Vec3s(), self._coal.StdVec_Triangle()
-        points.extend(list(body.surface.points))
-        triangles.extend([self._coal.Triangle(*corners) for corners in body.surface.triangles.tolist()])
-        model = self._coal.BVHModelOBBRSS()
-        model.beginModel(len(triangles), len(points))
-        model.addSubModel(points, triangles)
-        model.endModel()
-        return model
+        return coal_mesh(body.surface.points, body.surface.triangles)
 
     def _collide(self, p: Any, pose_p: Any, r: Any, pose_r: Any) -> bool:
         first, second = (self._coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (pose_p, pose_r))

@@ -1,0 +1,155 @@
+"""Pairs of links whose hulls meet: meshes in the core's batch, beside coal's trees of boxes in a loop of its own.
+
+In: a checker of meshes, configurations. Out: a row for each pair of bodies and verdict. All queries are pairs as random
+states have them, each cold: no plane, no triangles and no guess are left from another one. Hulls that are apart decide
+before any mesh is looked at, so only pairs that survive them are asked, where one of both bodies at least is concave.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from plannercheck.common.array_types import Bools, Floats
+from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.pair_peers import Judge, coal_at_best
+from plannercheck.evaluation.bench.pairs import OURS, in_batch
+from plannercheck.evaluation.bench.solid_checkers import is_nested, posed_pair, with_hulls
+from plannercheck.evaluation.bench.timing import Work, least_seconds
+from plannercheck.motions.checker import Checker
+
+# How many times coal's time over ours is asked for.
+ASKED = 8
+
+
+@dataclass(frozen=True)
+class LinkPairRow:
+    """Queries of one pair of bodies with one verdict.
+
+    Attributes:
+        robot: Its name.
+        first: The first body's name.
+        second: That of the second.
+        triangles: Numbers of triangles of both; of a hull, those of its faces.
+        meet: The exact verdict of all these queries.
+        queries: Their number.
+        microseconds: Our least time a query.
+        coal: coal's, at its best; None without it.
+        inside: Queries in which one body is inside the other, so that no surfaces meet.
+        false_free: Queries that coal calls free though the bodies share points; those inside are among them.
+        false_collision: Queries that coal calls colliding though the bodies share none.
+        note: How coal was asked.
+    """
+
+    robot: str
+    first: str
+    second: str
+    triangles: tuple[int, int]
+    meet: bool
+    queries: int
+    microseconds: float
+    coal: float | None
+    inside: int
+    false_free: int
+    false_collision: int
+    note: str
+
+
+@dataclass(frozen=True)
+class _Queries:
+    """Queries of a pair with one verdict, ready to be judged."""
+
+    pair: int
+    meet: bool
+    inside: int
+    ours: Judge
+    coal: Judge | None
+    count: int
+
+
+def measure(
+    checker: Checker, q: Floats, most: int, rounds: int, skipped: Callable[[str], None] = lambda reason: None
+) -> list[LinkPairRow]:
+    """Times all pairs by turns.
+
+    Args:
+        checker: Of meshes.
+        q: Configurations (n, nq).
+        most: Queries of a pair at most, the first of those that there are.
+        rounds: How often each runs.
+        skipped: Is told why coal is left out.
+
+    Returns:
+        The rows, by pair; colliding queries first.
+    """
+    colliding, poses = with_hulls(checker).colliding_pairs(q), checker.body_poses(q)
+    found = [
+        each for k in range(len(checker.pairs)) for each in _queries(checker, k, colliding[:, k], poses, most, skipped)
+    ]
+    works: dict[str, Work] = {}
+    for number, each in enumerate(found):
+        works[f"{number}"] = each.ours.work
+        if each.coal is not None:
+            works[f"{number} by coal"] = each.coal.work
+    seconds = least_seconds(works, rounds)
+    return [_row(checker, each, seconds[f"{k}"], seconds.get(f"{k} by coal")) for k, each in enumerate(found)]
+
+
+def _queries(
+    checker: Checker, pair: int, colliding: Bools, poses: Floats, most: int, skipped: Callable[[str], None]
+) -> list[_Queries]:
+    """The queries of a pair in the states (n,) in which its hulls meet, by verdict."""
+    a, b = checker.pairs[pair].tolist()
+    bodies = checker.polytopes[a], checker.polytopes[b]
+    states = np.flatnonzero(colliding)[:most]
+    if bodies[0] is None or bodies[1] is None or not len(states) or not (bodies[0].solid or bodies[1].solid):
+        return []
+    both = bodies[0], bodies[1]
+    try:
+        make = coal_at_best(both)
+    except (PlannercheckError, ImportError) as error:
+        skipped(f"coal is left out: {error}")
+        make = None
+    posed = np.ascontiguousarray(poses[states, a]), np.ascontiguousarray(poses[states, b])
+    truth = in_batch(both, posed, OURS[0])()
+    out = []
+    for meet in (True, False):
+        chosen = posed[0][truth == meet], posed[1][truth == meet]
+        if len(chosen[0]):
+            inside = sum(is_nested(*both, *each) for each in zip(*chosen, strict=True)) if meet else 0
+            coal = None if make is None else make(chosen)
+            out.append(_Queries(pair, meet, inside, in_batch(both, chosen, OURS[0]), coal, len(chosen[0])))
+    return out
+
+
+def _row(checker: Checker, found: _Queries, ours: float, coal: float | None) -> LinkPairRow:
+    a, b = checker.pairs[found.pair].tolist()
+    p, r, *_ = posed_pair(checker, found.pair, np.zeros((len(checker.bodies), 4, 4)))
+    triangles = [len(each.faces) if each.solid is None else len(each.solid.triangles()) for each in (p, r)]
+    told = np.zeros(0, dtype=bool) if found.coal is None else found.coal()
+    wrong = int((told != found.meet).sum())
+    return LinkPairRow(
+        checker.robot.name,
+        checker.bodies[a].name,
+        checker.bodies[b].name,
+        (triangles[0], triangles[1]),
+        found.meet,
+        found.count,
+        1e6 * ours / found.count,
+        None if coal is None else 1e6 * coal / found.count,
+        found.inside,
+        wrong if found.meet else 0,
+        0 if found.meet else wrong,
+        "" if found.coal is None else found.coal.note,
+    )
+
+
+def mean(rows: Sequence[LinkPairRow], of: Callable[[LinkPairRow], float | None]) -> float | None:
+    """The mean over all queries of rows; None where a row has none, or there are no rows."""
+    values = [(of(row), row.queries) for row in rows]
+    known = [(value, count) for value, count in values if value is not None]
+    if not known or len(known) < len(values):
+        return None
+    return sum(value * count for value, count in known) / sum(count for _, count in known)
