@@ -4,7 +4,7 @@ In: `docs/results/*.json`, written by `plannercheck bench ... --output` and by `
 `docs/results/older/*.json`, figures that pages stated before and that no run has replaced yet. Out: README.md and the
 pages of docs/, in which the lines between `<!-- table: NAME -->` and `<!-- end of table -->` are rendered again. A test
 holds that every page is what this script renders. `result_tables.py`, `result_tables_planning.py`,
-`result_tables_solids.py` and `result_tables_inside.py` say what each table shows.
+`result_tables_solids.py`, `result_tables_sensed.py` and `result_tables_inside.py` say what each table shows.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from pathlib import Path
 import result_tables as peers
 import result_tables_inside as inside
 import result_tables_planning as planning
+import result_tables_sensed as sensed
 import result_tables_solids as solids
 from result_markdown import ROOT, older, record
 
@@ -32,7 +33,10 @@ TABLES: dict[str, Callable[[], str]] = {
         *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
         *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
         *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games, inside.levels),
+        *(sensed.sensed_states, sensed.sensed_motions, sensed.sensed_costs, sensed.sensed_maps),
+        *(sensed.sensed_camera, sensed.sensed_pages),
         *(solids.solid_states, solids.solid_link_pairs, solids.solid_triangles, solids.solid_fidelity),
+        solids.pieces,
     )
 }
 

@@ -94,6 +94,34 @@ def solid_triangles() -> str:
     return table(columns, lines) + "\n" + provenance(found)
 
 
+def pieces() -> str:
+    """Valid states and their cost by hulls, convex pieces and meshes, a row a robot."""
+    found = record("pieces")
+    robots: dict[str, dict[str, Row]] = {}
+    for row in found["rows"]:
+        robots.setdefault(row["robot"], {})[row["geometry"]] = row
+    lines = []
+    for robot, rows in robots.items():
+        ways = [rows.get(way) for way in ("hulls", "pieces", "meshes")]
+        shares = [_share(row, "valid") for row in ways]
+        shares += [_share(row, "refused_by_filling") for row in ways[:2]]
+        shares.append(_share(ways[1], "valid_but_meshes_collide"))
+        lines.append((robot, *shares, *("–" if row is None else number(row["microseconds"]) for row in ways)))
+    header = (
+        "valid by hulls",
+        "pieces",
+        "meshes",
+        "only hulls refuse",
+        "pieces refuse, not meshes",
+        "meshes, not pieces",
+    )
+    return table(("robot", *header, "µs by hulls", "pieces", "meshes"), lines) + "\n" + provenance(found)
+
+
+def _share(row: Row | None, field: str) -> str:
+    return "–" if row is None else f"{100 * row[field]:.1f} %"
+
+
 def solid_fidelity() -> str:
     """What hulls refuse that meshes would not, a row a robot, and where coal's surfaces disagree."""
     found = record("solid_fidelity")

@@ -23,12 +23,18 @@ if TYPE_CHECKING:
     from plannercheck.bodies.convex_decomposition import Decomposition as Decomposition
     from plannercheck.bodies.distance import Distance as Distance
     from plannercheck.bodies.distance import distance as distance
+    from plannercheck.bodies.ellipsoids import Ellipsoid as Ellipsoid
+    from plannercheck.bodies.half_spaces import HalfSpace as HalfSpace
+    from plannercheck.bodies.height_fields import HeightField as HeightField
     from plannercheck.bodies.intersection import certify as certify
     from plannercheck.bodies.intersection import intersects as intersects
     from plannercheck.bodies.objects import Part as Part
+    from plannercheck.bodies.octrees import Octree as Octree
+    from plannercheck.bodies.part_certificates import PartSeparation as PartSeparation
     from plannercheck.bodies.penetration_depth import Depth as Depth
     from plannercheck.bodies.penetration_depth import depth as depth
     from plannercheck.bodies.placed import Placed as Placed
+    from plannercheck.bodies.point_clouds import PointCloud as PointCloud
     from plannercheck.bodies.polytope import Polytope as Polytope
     from plannercheck.bodies.shapes import Box as Box
     from plannercheck.bodies.shapes import Capsule as Capsule
@@ -39,6 +45,7 @@ if TYPE_CHECKING:
     from plannercheck.bodies.solid_certificates import Enclosure as Enclosure
     from plannercheck.bodies.solid_separations import SolidSeparation as SolidSeparation
     from plannercheck.bodies.solids import Solid as Solid
+    from plannercheck.bodies.voxel_grids import VoxelGrid as VoxelGrid
     from plannercheck.checking.verdicts import ValidityReport as ValidityReport
     from plannercheck.checking.verdicts import Verdict as Verdict
     from plannercheck.motions.checker import Checker as Checker
@@ -55,10 +62,16 @@ _HOMES = {
     "Cylinder": "bodies.shapes",
     "Decomposition": "bodies.convex_decomposition",
     "Distance": "bodies.distance",
+    "Ellipsoid": "bodies.ellipsoids",
     "Enclosure": "bodies.solid_certificates",
+    "HalfSpace": "bodies.half_spaces",
+    "HeightField": "bodies.height_fields",
     "Hull": "bodies.shapes",
+    "Octree": "bodies.octrees",
     "Part": "bodies.objects",
+    "PartSeparation": "bodies.part_certificates",
     "Placed": "bodies.placed",
+    "PointCloud": "bodies.point_clouds",
     "Polytope": "bodies.polytope",
     "Robot": "robots.robot",
     "Scene": "scenes.scene",
@@ -69,6 +82,7 @@ _HOMES = {
     "Sphere": "bodies.shapes",
     "ValidityReport": "checking.verdicts",
     "Verdict": "checking.verdicts",
+    "VoxelGrid": "bodies.voxel_grids",
     "certify": "bodies.intersection",
     "depth": "bodies.penetration_depth",
     "distance": "bodies.distance",
@@ -78,8 +92,8 @@ _MODULES = ("ndim", "ompl", "planar", "view")
 
 
 def _comparison(home: str) -> Comparison:
-    def compare(model: Any, robot: Any, scene: str | None) -> None:
-        importlib.import_module(f"plannercheck.{home}").confirm_model(model, robot, scene)
+    def compare(model: Any, robot: Any, scene: str | None, meshes: Any, geometry: Any) -> None:
+        importlib.import_module(f"plannercheck.{home}").confirm_model(model, robot, scene, meshes, geometry)
 
     return compare
 
@@ -97,11 +111,17 @@ __all__ = [
     "Decomposition",
     "Depth",
     "Distance",
+    "Ellipsoid",
     "Enclosure",
+    "HalfSpace",
+    "HeightField",
     "Hull",
+    "Octree",
     "Part",
+    "PartSeparation",
     "Placed",
     "PlannercheckError",
+    "PointCloud",
     "Polytope",
     "Robot",
     "Scene",
@@ -112,6 +132,7 @@ __all__ = [
     "Sphere",
     "ValidityReport",
     "Verdict",
+    "VoxelGrid",
     "__version__",
     "certify",
     "depth",

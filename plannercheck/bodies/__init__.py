@@ -4,6 +4,7 @@ Read `shapes` first (collision shapes of links and obstacles), then `polytope` (
 hull and its hierarchies), `intersection` (the test of one pair), `certificates` (proofs of its verdict), `distance` and
 `penetration_depth`. `solids` are meshes that are not their hulls, which `hull_equality` tells; `solid_certificates` and
 `solid_separations` prove what is said of them. `placed` keeps a body's pose for many queries, `pair_queries` asks the
-core at once. `objects` are posed shapes that move as one. `meshes` and `convex_decomposition` make shapes from files.
-`exact_reference` and `fcl_bodies` check verdicts.
+core at once. `objects` are posed shapes that move as one. `meshes` and `convex_decomposition` make shapes from files;
+`piece_repair` makes convex `pieces` hold their mesh, which `exact_coverage` decides, and `protrusion` bounds how far
+they stick out of it. `exact_reference` and `fcl_bodies` check verdicts.
 """

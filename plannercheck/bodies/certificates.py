@@ -21,6 +21,7 @@ import numpy as np
 
 from plannercheck.bodies.integers import IntegerHull, Integers, in_common_unit, negated
 from plannercheck.bodies.integers import dot as product
+from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.common.array_types import Floats, Ints64
 from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.errors import PlannercheckError
@@ -59,7 +60,8 @@ class PosedBody(OwnsArrays):
         return self.inflation_radius
 
 
-Bodies: TypeAlias = tuple[PosedBody, PosedBody]
+CertifiedBody: TypeAlias = PosedBody | PosedHalfSpace
+Bodies: TypeAlias = tuple[CertifiedBody, CertifiedBody]
 
 
 @dataclass(frozen=True)
@@ -176,7 +178,7 @@ class SharedPoint(OwnsArrays):
     Attributes:
         point: (3,) in the world, in m, rounded.
         first: Vertices of the first body and weights that mix the point, or a point within the body's inflation radius
-            of it.
+            of it; none of a half-space.
         second: The same for the second body.
         place: Point and weights in exact form.
         bodies: The bodies that share the point.
@@ -245,10 +247,27 @@ def shared_point(first: dict[int, Fraction], second: dict[int, Fraction], bodies
     Returns:
         The point that divides the segment from one mixture to the other in the ratio of the inflation radii.
     """
-    p, r = _mixed(bodies[0], list(first), first.values()), _mixed(bodies[1], list(second), second.values())
+    one, two = bodies
+    assert isinstance(one, PosedBody)
+    assert isinstance(two, PosedBody)
+    p, r = _mixed(one, list(first), first.values()), _mixed(two, list(second), second.values())
     inflation_p, inflation_r = Fraction(bodies[0].inflation_radius), Fraction(bodies[1].inflation_radius)
     part = inflation_p / (inflation_p + inflation_r) if inflation_p else Fraction(0)
     point = (p[0] + part * (r[0] - p[0]), p[1] + part * (r[1] - p[1]), p[2] + part * (r[2] - p[2]))
+    return shared_point_at(point, first, second, bodies)
+
+
+def shared_point_at(
+    point: Point, first: dict[int, Fraction], second: dict[int, Fraction], bodies: Bodies
+) -> SharedPoint:
+    """The certificate of a common point, which both mixtures are no further from than the inflation radii.
+
+    Args:
+        point: In the world, m.
+        first: Weights of vertices of the first body, of sum 1; none of a half-space.
+        second: The same for the second body.
+        bodies: The two bodies.
+    """
     place = ExactPoint(point, tuple(first.values()), tuple(second.values()))
     return SharedPoint(np.array([rounded(x) for x in point]), _mixture(first), _mixture(second), place, bodies)
 
@@ -264,13 +283,19 @@ def separates_exactly(plane: ExactPlane, bodies: Bodies) -> bool:
     """Whether a plane keeps two bodies apart, by its gap at least, proved with all their vertices."""
     if plane.length <= 0 or plane.length**2 < sum(x * x for x in plane.normal):
         return False
-    low, high, inflation_p, inflation_r = _extents(plane.normal, bodies)
+    extents = _extents(plane.normal, bodies)
+    if extents is None:
+        return False
+    low, high, inflation_p, inflation_r = extents
     apart = low - inflation_p * plane.length > plane.offset > high + inflation_r * plane.length
     return apart and 0 < plane.gap <= (low - high) / plane.length - inflation_p - inflation_r
 
 
 def _plane_between(direction: Point, bodies: Bodies) -> ExactPlane | None:
-    low, high, inflation_p, inflation_r = _extents(direction, bodies)
+    extents = _extents(direction, bodies)
+    if extents is None:
+        return None
+    low, high, inflation_p, inflation_r = extents
     square, apart, inflation = sum((x * x for x in direction), Fraction(0)), low - high, inflation_p + inflation_r
     if apart <= 0 or apart**2 <= inflation**2 * square:
         return None
@@ -281,24 +306,51 @@ def _plane_between(direction: Point, bodies: Bodies) -> ExactPlane | None:
     return ExactPlane(direction, length, offset, apart / length - inflation)
 
 
-def _extents(direction: Point, bodies: Bodies) -> tuple[Fraction, Fraction, Fraction, Fraction]:
-    """The least product with a vertex of the first body, the largest with one of the second, and the radii."""
-    whole, denominator = _in_integers(direction)
-    p, r = in_common_unit(*(IntegerHull(body.vertices, body.pose, body.inflation_radius) for body in bodies))
+def _extents(direction: Point, bodies: Bodies) -> tuple[Fraction, Fraction, Fraction, Fraction] | None:
+    """The least product with a point of the first body, the largest with one of the second, and the radii.
+
+    None if a half-space reaches on and on along the direction.
+    """
+    first, second = bodies
+    if isinstance(first, PosedHalfSpace) or isinstance(second, PosedHalfSpace):
+        return _extents_of_half_space(direction, first, second)
+    whole, denominator = in_integers(direction)
+    p, r = in_common_unit(*(IntegerHull(body.vertices, body.pose, body.inflation_radius) for body in (first, second)))
     low, high = product(whole, p.point(p.lowest(whole))), product(whole, r.point(r.lowest(negated(whole))))
     unit = Fraction(2) ** p.unit
     return low * unit / denominator, high * unit / denominator, p.inflation_radius * unit, r.inflation_radius * unit
 
 
-def _in_integers(direction: Point) -> tuple[Integers, int]:
+def _extents_of_half_space(
+    direction: Point, first: CertifiedBody, second: CertifiedBody
+) -> tuple[Fraction, Fraction, Fraction, Fraction] | None:
+    x, y, z = direction
+    low, minus_high = _lowest(first, direction), _lowest(second, (-x, -y, -z))
+    if low is None or minus_high is None:
+        return None
+    return low, -minus_high, Fraction(first.inflation_radius), Fraction(second.inflation_radius)
+
+
+def _lowest(body: CertifiedBody, direction: Point) -> Fraction | None:
+    """The least product of a direction with a body's points, its radius left out; None if there is none."""
+    if isinstance(body, PosedHalfSpace):
+        return body.lowest(direction)
+    whole, denominator = in_integers(direction)
+    hull = IntegerHull(body.vertices, body.pose)
+    return product(whole, hull.point(hull.lowest(whole))) * Fraction(2) ** hull.unit / denominator
+
+
+def in_integers(direction: Point) -> tuple[Integers, int]:
     """Integers, and the common denominator."""
     denominator = math.lcm(*(x.denominator for x in direction))
     x, y, z = (x.numerator * (denominator // x.denominator) for x in direction)
     return (x, y, z), denominator
 
 
-def _holds_point(body: PosedBody, mixture: Mixture, weights: tuple[Fraction, ...], point: Point) -> bool:
+def _holds_point(body: CertifiedBody, mixture: Mixture, weights: tuple[Fraction, ...], point: Point) -> bool:
     """Whether weights are convex and agree with the rounded ones, and the point within the radius of their mixture."""
+    if isinstance(body, PosedHalfSpace):
+        return len(weights) == len(mixture.vertices) == len(mixture.weights) == 0 and body.holds(point)
     vertices = [int(v) for v in mixture.vertices]
     if not len(vertices) == len(mixture.weights) == len(weights) or not 0 < len(vertices) <= _MOST_VERTICES:
         return False

@@ -27,8 +27,8 @@ ROUNDING_MARGIN = 2.0**-48
 BOX_SIGNS = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))])
 BOX_SIGNS.setflags(write=False)
 
-# The most divisions of an octahedron's edge: 4 * 500^2 + 2 points are a million, more than a ball needs.
-MAX_DIVISIONS = 500
+# The least excess of a ball: 500 divisions of an octahedron's edge, a million points, stick out by less.
+LEAST_BALL_EXCESS = 4e-6
 
 
 def checked_excess(excess: float) -> float:
@@ -36,6 +36,14 @@ def checked_excess(excess: float) -> float:
     if not (math.isfinite(excess) and 4 * ROUNDING_MARGIN < excess <= 1):
         raise PlannercheckError(f"excess must be within (0, 1], a part of the radius, not {excess}")
     return float(excess)
+
+
+def check_ball_excess(excess: float) -> None:
+    """Raises if a polytope around a ball can't stick out by so little."""
+    if excess < LEAST_BALL_EXCESS:
+        raise PlannercheckError(
+            f"excess {excess:g} needs about a million points around a ball, or more: give {LEAST_BALL_EXCESS:g} or more"
+        )
 
 
 def segment(length: float) -> NDArray[np.float64]:
@@ -107,16 +115,14 @@ def _inner_radius(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> 
 @lru_cache(maxsize=16)
 def ball_around(excess: float) -> Ball:
     """The polytope of fewest points around the unit ball that sticks out by at most `excess`."""
+    check_ball_excess(excess)
     # The widest triangles, amid an octant, have a circumradius of nearly pi / (divisions * sqrt(6)) rad.
     divisions = max(1, math.floor(math.pi / math.sqrt(6) / math.acos(1 / (1 + excess))) - 1)
-    while divisions <= MAX_DIVISIONS:
+    while True:
         ball = unit_ball(divisions)
         if np.linalg.norm(ball.points, axis=1).max() <= 1 + excess:
             return ball
         divisions += 1
-    raise PlannercheckError(
-        f"excess {excess:g} needs more than {4 * MAX_DIVISIONS**2} points around a ball, choose 4e-6 or more"
-    )
 
 
 def capsule_faces(ball: Ball, upper: NDArray[np.int64], lower: NDArray[np.int64]) -> list[NDArray[np.int64]]:

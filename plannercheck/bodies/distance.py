@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_bodies import GivenBody, given_polytope
+from plannercheck.bodies.half_space_certificates import is_of_half_space
 from plannercheck.bodies.pair_queries import queries
 from plannercheck.common.array_types import Floats
 from plannercheck.common.core import core
@@ -34,7 +35,7 @@ class Distance:
             that length separates them, and the shortest such translation is no longer. It is the shortest one if only
             the inflation radii overlap, not the hulls. Else it is the shortest along all facets' normals, the boxes'
             axes and the centres' axis; directions at right angles to two edges are not tried. Of solids it is that of
-            their hulls.
+            their hulls, of sets of parts that of the boxes around them. Into a half-space it is the depth, rounded up.
         direction: (3,) of length 1 up to rounding, from the second to the first body: along it they are about
             `lower_bound` apart, or the first body has to be moved.
     """
@@ -80,5 +81,6 @@ def distance_checked(
     """`distance` for whatever users give: converted, and checked in Python, whose errors say what is wrong."""
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
+    is_of_half_space(P, R)  # which refuses two of them
     overlap, found, lower, on_p, on_r, along = core.distance_batch(P.core, pose_p[None], R.core, pose_r[None])
     return Distance(0.0 if overlap[0] else float(found[0]), on_p[0], on_r[0], float(lower[0]), along[0])

@@ -7,7 +7,7 @@ other inflated bodies are left out, since FCL has no form that handles them well
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,10 @@ class FclBodies:
     """
 
     def __init__(
-        self, bodies: Sequence[tuple[Floats, Indices] | None], inflation_radii: Sequence[float] | None = None
+        self,
+        bodies: Sequence[tuple[Floats, Indices] | None],
+        inflation_radii: Sequence[float] | None = None,
+        made: Mapping[int, Any] | None = None,
     ) -> None:
         """Hands the bodies to FCL.
 
@@ -44,6 +47,7 @@ class FclBodies:
             bodies: Hull vertices (n, 3), m, and triangles (m, 3), counter-clockwise seen from outside, of
                 each; no triangles if the hull has no volume.
             inflation_radii: Distance around each hull that belongs to the body, m; none if None.
+            made: Geometries of FCL that stand for bodies, by index; the hulls hold them.
 
         Raises:
             PlannercheckError: If python-fcl is not installed.
@@ -58,6 +62,8 @@ class FclBodies:
             None if body is None else self._form(*body, radius)
             for body, radius in zip(bodies, self.inflation_radii, strict=True)
         ]
+        for k, geometry in (made or {}).items():
+            forms[k] = self._fcl.CollisionObject(geometry), np.eye(4)
         self._objects: list[Any] = [None if form is None else form[0] for form in forms]
         self._placements = [np.eye(4) if form is None else form[1] for form in forms]
         self.known: Bools = np.array([form is not None for form in forms])

@@ -13,6 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.bodies.ellipsoids import Ellipsoid
+from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.meshes import hull_of_triangles
 from plannercheck.bodies.shapes import (
     Box,
@@ -187,6 +189,10 @@ def sized_shape_of_coal(value: Any, radius: float = 0.0) -> Shape | None:
             return Capsule(value.radius + radius, 2 * value.halfLength)
         case coal.Cone():
             return Cone(value.radius, 2 * value.halfLength)
+        case coal.Ellipsoid():
+            return _ellipsoid(value.radii)
+        case coal.Halfspace():
+            return _half_space(value.n, value.d)
     return None
 
 
@@ -207,8 +213,20 @@ _FCL_SHAPES: dict[str, Callable[[Any], Shape]] = {
     "Capsule": lambda shape: Capsule(shape.radius, shape.lz),
     "Cylinder": lambda shape: Cylinder(shape.radius, shape.lz),
     "Cone": lambda shape: Cone(shape.radius, shape.lz),
+    "Ellipsoid": lambda shape: _ellipsoid(shape.radii),
+    "Halfspace": lambda shape: _half_space(shape.n, shape.d),
     "TriangleP": lambda shape: Hull(np.array([shape.a, shape.b, shape.c], dtype=np.float64)),
 }
+
+
+def _ellipsoid(radii: ArrayLike) -> Ellipsoid:
+    x, y, z = np.asarray(radii, dtype=np.float64).tolist()
+    return Ellipsoid((x, y, z))
+
+
+def _half_space(normal: ArrayLike, offset: float) -> HalfSpace:
+    x, y, z = np.asarray(normal, dtype=np.float64).tolist()
+    return HalfSpace((x, y, z), offset)
 
 
 def _box(size: ArrayLike) -> Box:

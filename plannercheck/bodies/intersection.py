@@ -18,7 +18,6 @@ from plannercheck.bodies.certificates import (
     Bodies,
     Certificate,
     Point,
-    PosedBody,
     SharedPoint,
     UnprovedVerdictError,
     direction_of,
@@ -26,7 +25,9 @@ from plannercheck.bodies.certificates import (
     shared_point,
 )
 from plannercheck.bodies.given_bodies import GivenBody, are_poses, given_polytope, given_polytope_at_poses
+from plannercheck.bodies.half_space_certificates import certified_body, certify_half_space, is_of_half_space
 from plannercheck.bodies.pair_queries import queries
+from plannercheck.bodies.part_certificates import PartSeparation, certify_parts, is_of_parts
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import POSED_TOLERANCE, checked_pose
 from plannercheck.bodies.solid_certificates import Enclosure, contact_certificate
@@ -38,7 +39,7 @@ from plannercheck.common.public_names import set_module
 from plannercheck.common.threads import MOST_THREADS, checked_threads
 
 Method: TypeAlias = Literal["oracle", "walk", "exact"]
-SolidCertificate: TypeAlias = Certificate | Enclosure | SolidSeparation
+SolidCertificate: TypeAlias = Certificate | Enclosure | SolidSeparation | PartSeparation
 
 METHODS: tuple[Method, ...] = ("oracle", "walk", "exact")
 
@@ -59,6 +60,7 @@ class Switches:
         warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.
         interleaving: For large bodies, process several pairs of a batch at once, so that their waits for memory
             overlap. A cached plane is then tried only if poses are close to the previous ones, so stages may differ.
+        trees_first: Test solids whose hulls met last time by their trees of triangles, before their hulls.
     """
 
     method: Method = "oracle"
@@ -70,6 +72,7 @@ class Switches:
     double_double: bool = True
     warm_start: bool = True
     interleaving: bool = True
+    trees_first: bool = True
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
@@ -87,6 +90,7 @@ class Switches:
             self.double_double,
             self.warm_start,
             self.interleaving,
+            self.trees_first,
         )
 
 
@@ -142,6 +146,8 @@ def intersects_checked(
         return _intersects_at_poses(P, R, pose_p, pose_r, method)
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
+    if is_of_half_space(P, R):
+        return bool(core.solids_contact(P.core, pose_p, R.core, pose_r)[0] != "apart")
     return bool(core.certify_pair(P.core, pose_p, R.core, pose_r, pair_options(method), False)["shared"])
 
 
@@ -156,6 +162,7 @@ def _intersects_at_poses(
         )
     if counts == {0}:
         return np.zeros(0, dtype=bool)
+    is_of_half_space(p, r)  # which refuses two of them
     shared, _, _ = core.intersect_batch(p.core, poses_p, r.core, poses_r, pair_options(method))
     return np.asarray(shared).view(bool)
 
@@ -180,7 +187,8 @@ def certify(
     Returns:
         A `Separation`, its normal from R to P, or a `SharedPoint`; in world coordinates. Of solids the point is one of
         two triangles, which are then the certificate's bodies; where one body is inside the other, an `Enclosure`;
-        where only their hulls meet, a `SolidSeparation`.
+        where only their hulls meet, a `SolidSeparation`. Of sets of parts, the point is one of two parts; else, where
+        one plane is not enough, the proof is a `PartSeparation`.
 
     Raises:
         PlannercheckError: If a pose is not finite or not rigid.
@@ -195,7 +203,13 @@ def certify_posed(
 ) -> SolidCertificate:
     """`certify` of bodies on links, whose poses may be less rigid than given ones (robots/unit_lengths.py)."""
     pose_p, pose_r = (checked_pose(pose, "a body on a link", POSED_TOLERANCE) for pose in (pose_p, pose_r))
-    bodies = PosedBody(P.vertices, pose_p, P.inflation_radius), PosedBody(R.vertices, pose_r, R.inflation_radius)
+    over_plane = is_of_half_space(P, R)
+    if is_of_parts(P, R):
+        of_parts: SolidCertificate = certify_parts(P, R, pose_p, pose_r, certify_posed)
+        return of_parts
+    if over_plane:
+        return certify_half_space(P, R, pose_p, pose_r)
+    bodies = certified_body(P, pose_p), certified_body(R, pose_r)
     if P.solid is not None or R.solid is not None:
         return _certify_solids(P, R, bodies)
     for stage in (method, METHODS[-1]):

@@ -12,11 +12,12 @@ import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.given_shapes import GivenShape, given_shape, in_frame, is_geometry
+from plannercheck.bodies.half_spaces import check_stands_still
 from plannercheck.bodies.shapes import Box, GeometryObject, Shape, checked_pose
 from plannercheck.common.array_types import Floats
 from plannercheck.common.arrays import read_only_copy
@@ -32,12 +33,13 @@ class Part:
     Attributes:
         shape: The shape; in an object, points (n, 3) and objects of trimesh, coal and python-fcl become one of ours.
         pose: (4, 4) in the object's frame, m; None is the identity.
-        source: The file and scale of a mesh, so that a saved scene can name it.
+        source: The file and scale of a mesh, so that a saved scene can name it; of a sensed shape (a cloud, an octree
+            and so on) the file and the other keys of a scene's file.
     """
 
     shape: Shape
     pose: ArrayLike | None = None
-    source: tuple[Path, float | Sequence[float]] | None = None
+    source: tuple[Path, float | Sequence[float] | Mapping[str, Any]] | None = None
 
     def __post_init__(self) -> None:
         if self.pose is None:
@@ -121,6 +123,7 @@ class SceneObject:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose", checked_pose(self.pose, f"object {self.name!r}"))
+        check_stands_still(self.name, self.link, [part.shape for part in self.parts])
         carried = None if self.link is None else self.name
         if len(self.parts) == 1 and self.parts[0].pose is None:  # most of all
             bodies = (_posed(self.name, self.link, self.pose, self.parts[0].shape, carried),)
@@ -136,6 +139,10 @@ class SceneObject:
     def moved(self, pose: ArrayLike | None) -> SceneObject:
         """The same object elsewhere: in the world, or on its link."""
         return dataclasses.replace(self, pose=checked_pose(pose, f"object {self.name!r}"), pose_frame=None, frame="")
+
+    def reshaped(self, parts: tuple[Part, ...]) -> SceneObject:
+        """The same object of other shapes."""
+        return dataclasses.replace(self, parts=parts)
 
     def attached(self, link: str, pose: ArrayLike | None, touch_links: Iterable[str] = ()) -> SceneObject:
         """The same object on a link, with its frame at a pose (4, 4) in the link's frame, m."""

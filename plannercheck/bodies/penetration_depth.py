@@ -73,12 +73,15 @@ def depth(
         The depth.
 
     Raises:
-        PlannercheckError: If a pose is not finite or not rigid, a body is a solid, or they have too many vertices.
+        PlannercheckError: If a pose is not finite or not rigid, a body is a solid or a half-space, or there are too
+            many vertices.
     """
     P, pose_p = given_polytope(P, pose_p, "P")
     R, pose_r = given_polytope(R, pose_r, "R")
     if P.solid is not None or R.solid is not None:
         raise PlannercheckError("depths are of convex bodies: take hulls, pc.Polytope(solid.vertices)")
+    if P.half_space is not None or R.half_space is not None:
+        raise PlannercheckError("depths are of bounded bodies: into a half-space, take -distance(...).lower_bound")
     count = len(P.vertices) * len(R.vertices)
     if count > MOST_DIFFERENCES:
         raise PlannercheckError(

@@ -1,8 +1,8 @@
-"""Checks that a PLY file is complete, before it reaches a library that would crash on it.
+"""Checks that a PLY file is complete, before it reaches a library that would crash on it; reads the points of a cloud.
 
-In: a path. Out: nothing, or an error that says what is wrong. Assimp and coal crash on PLY files that are cut short, or
-whose faces name missing vertices. So header, lengths and indices are checked here first. In other formats they find
-such faults themselves.
+In: a path. Out: nothing, or its points, or an error that says what is wrong. Assimp and coal crash on PLY files that
+are cut short, or whose faces name missing vertices. So header, lengths and indices are checked here first. In other
+formats they find such faults themselves.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError, shortened
 
 # The most bytes of a header; a valid one takes some hundred.
@@ -32,6 +33,9 @@ _TYPES = {
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _INDICES = ("vertex_indices", "vertex_index")
 _FEWEST_CORNERS = 3
+# The element of organised clouds: which vertex each place of the scan has. PCL writes it.
+_SCAN = "range_grid"
+_AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
@@ -59,18 +63,52 @@ def check_ply(path: Path) -> None:
     Raises:
         PlannercheckError: If it is not, or has unknown types of numbers.
     """
+    _checked(path)
+
+
+def points_of_ply(path: Path) -> Floats:
+    """The points (n, 3) of a PLY file, in m, as the file has them: a cloud, or a mesh's vertices.
+
+    Raises:
+        PlannercheckError: If the file is not complete, has more than its header says, or vertices are not its first
+            element. A text must end with an end of line, since its last number could be cut short otherwise.
+    """
+    content, order, elements, body = _checked(path, exactly=True)
+    vertex = elements[0]
+    if vertex.name != "vertex" or any(each.count for each in vertex.properties):
+        raise PlannercheckError("a PLY file of points must have 'vertex' as its first element, without lists")
+    if order:
+        table = np.frombuffer(content, _row_type(order, vertex, {}), vertex.rows, body)
+        with np.errstate(invalid="ignore"):  # of signalling NaNs, which are points like other NaNs
+            return np.column_stack([table[axis].astype(np.float64) for axis in _AXES])
+    columns = [[each.name for each in vertex.properties].index(axis) for axis in _AXES]
+    lines = [line.split() for line in content[body:].decode("latin-1").splitlines() if line.strip()]
+    rows = [[float(words[column]) for column in columns] for words in lines[: vertex.rows]]
+    return np.array(rows, dtype=np.float64).reshape(-1, len(_AXES))
+
+
+def _checked(path: Path, exactly: bool = False) -> tuple[bytes, str, list[_Element], int]:
+    """The content of a complete file, its byte order ("" for text), its elements, and where they begin.
+
+    Args:
+        path: The file.
+        exactly: Whether nothing may follow the elements, and a text must end with an end of line.
+    """
     try:
         content = path.read_bytes()
     except OSError as error:
         raise PlannercheckError(f"can't be read: {error.strerror or error}") from None
     order, elements, body = _header(content)
     vertices = [element for element in elements if element.name == "vertex"]
-    if len(vertices) != 1 or not {"x", "y", "z"} <= {each.name for each in vertices[0].properties if not each.count}:
+    if len(vertices) != 1 or not {*_AXES} <= {each.name for each in vertices[0].properties if not each.count}:
         raise PlannercheckError("a PLY file needs one element 'vertex' with x, y and z")
-    rows = _words(content[body:], elements) if order == "" else _numbers(content, body, order, elements)
+    if order == "" and exactly and not content.endswith((b"\n", b"\r")):
+        raise PlannercheckError("is cut short: its last line has no end; if it is whole, add an end of line")
+    rows = (_words if order == "" else _numbers)(content, body, order, elements, exactly)
     for name, indices in rows:
         if len(indices) and not (indices.min() >= 0 and indices.max() < vertices[0].rows):
             raise PlannercheckError(f"element {name!r} names a vertex that is not among the {vertices[0].rows}")
+    return content, order, elements, body
 
 
 def _header(content: bytes) -> tuple[str, list[_Element], int]:
@@ -105,9 +143,11 @@ def _property(words: list[str]) -> _Property:
     raise PlannercheckError(f"its PLY header has a property {shortened(' '.join(words))!r}")
 
 
-def _words(body: bytes, elements: list[_Element]) -> Iterator[tuple[str, NDArray[np.float64]]]:
+def _words(
+    content: bytes, body: int, order: str, elements: list[_Element], exactly: bool
+) -> Iterator[tuple[str, NDArray[np.float64]]]:
     """Of a text, the indices of vertices in each element; raises for rows that are not whole."""
-    lines = [line for line in body.decode("latin-1").splitlines() if line.strip()]
+    lines = [line for line in content[body:].decode("latin-1").splitlines() if line.strip()]
     at = 0
     for element in elements:
         found = []
@@ -117,6 +157,8 @@ def _words(body: bytes, elements: list[_Element]) -> Iterator[tuple[str, NDArray
             raise _cut_short(element)
         at += element.rows
         yield element.name, np.array(found, dtype=np.float64)
+    if exactly and at < len(lines):
+        raise PlannercheckError(f"{len(lines) - at} lines follow the rows that its header says")
 
 
 def _indices_of_line(line: str, element: _Element) -> list[float]:
@@ -125,7 +167,7 @@ def _indices_of_line(line: str, element: _Element) -> list[float]:
         values, found = [float(word) for word in line.split()], []
         for each in element.properties:
             length = 1 if each.count is None else int(values.pop(0))
-            if (each.count is not None and length < _least(each)) or length > len(values):
+            if (each.count is not None and length < _least(element, each)) or length > len(values):
                 raise ValueError(line)
             if each.name in _INDICES:
                 found += values[:length]
@@ -137,9 +179,13 @@ def _indices_of_line(line: str, element: _Element) -> list[float]:
     return found
 
 
-def _numbers(content: bytes, at: int, order: str, elements: list[_Element]) -> Iterator[tuple[str, NDArray[np.int64]]]:
+def _numbers(
+    content: bytes, at: int, order: str, elements: list[_Element], exactly: bool
+) -> Iterator[tuple[str, NDArray[np.int64]]]:
     """The same of bytes. Rows of one length, as those of triangles are, are read at once."""
     for element in elements:
+        if not element.properties:  # its rows take no bytes, however many they are
+            continue
         lengths = _lengths(content, at, order, element)
         row = _row_type(order, element, lengths)
         if element.rows and row.itemsize and at + element.rows * row.itemsize <= len(content):
@@ -159,6 +205,8 @@ def _numbers(content: bytes, at: int, order: str, elements: list[_Element]) -> I
             found += [part.astype(np.int64) for part in named]
             at += row.itemsize
         yield element.name, np.concatenate([*found, np.zeros(0, dtype=np.int64)])
+    if exactly and at < len(content):
+        raise PlannercheckError(f"{len(content) - at} bytes follow the rows that its header says")
 
 
 def _lengths(content: bytes, at: int, order: str, element: _Element) -> dict[int, int]:
@@ -175,14 +223,14 @@ def _lengths(content: bytes, at: int, order: str, element: _Element) -> dict[int
             return {}
         lengths[k] = int(np.frombuffer(content, count, 1, at)[0])
         at += count.itemsize + lengths[k] * np.dtype(each.kind).itemsize
-        if not _least(each) <= lengths[k] <= len(content):
+        if not _least(element, each) <= lengths[k] <= len(content):
             raise PlannercheckError(f"element {element.name!r} has a list of {lengths[k]} numbers")
     return lengths
 
 
-def _least(each: _Property) -> int:
-    """Numbers that a list must have: a face needs three corners."""
-    return _FEWEST_CORNERS if each.name in _INDICES else 0
+def _least(element: _Element, each: _Property) -> int:
+    """Numbers that a list must have: a face needs three corners; a place of a scan has a vertex or none."""
+    return _FEWEST_CORNERS if each.name in _INDICES and element.name != _SCAN else 0
 
 
 def _row_type(order: str, element: _Element, lengths: dict[int, int]) -> np.dtype[np.void]:

@@ -17,12 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 from plannercheck.bodies import polytope_files as body_files
 from plannercheck.bodies.circumscribed import BOX_SIGNS, prism_faces
 from plannercheck.bodies.core_polytopes import LARGEST_COORDINATE, core_polytope, fans, parsed_polytope
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope_files import GivenFaces
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.common.arrays import read_only
 from plannercheck.common.core import core
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.common.public_names import set_module
 
 _NO_ARRAYS: dict[str, NDArray[Any]] = {}
@@ -60,7 +62,8 @@ class Polytope:
 
         Args:
             vertices: Points (n, 3) in m; or one of our shapes, a trimesh.Trimesh, or a geometry of coal or python-fcl,
-                whose convex hull is taken (of a `Solid`, the solid), without `faces` and `inflation_radius`.
+                whose convex hull is taken (of a `Solid`, a set of parts or a half-space, that body), without `faces`
+                and `inflation_radius`.
             faces: The hull's faces, if they are known: polygons of indices into `vertices`, counter-clockwise seen
                 from outside; corners of a face must be exactly coplanar or convex in the order of a fan.
             inflation_radius: The inflation radius, measured in the world, m.
@@ -77,11 +80,17 @@ class Polytope:
         inflation_radius, given = inflation_radius if swell is None else swell, vertices
         if not isinstance(vertices, np.ndarray | list | tuple) and is_geometry(vertices):
             if faces is not None or inflation_radius:
-                raise PlannercheckError(f"{name} is a {type(vertices).__name__}, which has its own faces and radius")
+                kind = with_article(type(vertices).__name__)
+                raise PlannercheckError(f"{name} is {kind}, which has its own faces and radius")
+            if isinstance(vertices, HalfSpace):
+                self._adopt(self.of_half_space(vertices).core)
+                return
             vertices, inflation_radius = points_of_geometry(vertices, name)
         self._adopt(core_polytope(vertices, faces, inflation_radius, name))
         if isinstance(given, Solid):
             self._core = self.of_solid(given).core
+        if isinstance(given, PartSet):
+            self._core = self.of_parts(given).core
 
     def _adopt(self, body: Any) -> None:
         self._core = body
@@ -126,6 +135,28 @@ class Polytope:
         """The compiled solid whose set the body is; None if it is the hull of its vertices."""
         return self._core.solid
 
+    @property
+    def parts(self) -> Any | None:
+        """The compiled set of parts whose union the body is; None if it is none, see `PointCloud` and its like."""
+        return self._core.parts
+
+    @property
+    def half_space(self) -> tuple[tuple[float, float, float], float] | None:
+        """Normal and offset of the half-space that the body is, whose vertices are those of a cube; None if none."""
+        found: tuple[tuple[float, float, float], float] | None = self._core.half_space
+        return found
+
+    @classmethod
+    def of_half_space(cls, half_space: HalfSpace, inflation_radius: float = 0.0) -> Polytope:
+        """The body of a half-space, with an inflation radius in m."""
+        normal, offset = half_space.scaled
+        return cls._from_core(core.Polytope.of_half_space(np.array(normal), offset, inflation_radius))
+
+    @classmethod
+    def of_parts(cls, parts: PartSet, inflation_radius: float = 0.0) -> Polytope:
+        """The body of a set of parts that is not empty, with an inflation radius in m; its hull is a box around it."""
+        return cls._from_core(parts.core.body(inflation_radius))
+
     def of_solid(self, solid: Solid) -> Polytope:
         """A solid's body, given its hull, whose inflation radius it has; the hull itself if the solid is its hull."""
         return self if solid.equals_hull else self._from_core(self._core.with_solid(solid.core))
@@ -161,7 +192,8 @@ class Polytope:
     @property
     def nbytes(self) -> int:
         """Memory of the prepared body in bytes."""
-        return int(self._core.bytes()) + (0 if self.solid is None else int(self.solid.nbytes))
+        inside = [0 if each is None else int(each.nbytes) for each in (self.solid, self.parts)]
+        return int(self._core.bytes()) + sum(inside)
 
     def statistics(self) -> dict[str, Any]:
         """Sizes of the hull, of both hierarchies (levels, longest chain, fans, bytes), and of the body."""
@@ -192,9 +224,11 @@ class Polytope:
         return str(self._core.fault())
 
     def save(self, path: str | Path) -> None:
-        """Writes the prepared body, unless it is a solid's, to a file (magic, version, content hash, data)."""
-        if self.solid is not None:
-            raise PlannercheckError("files of prepared bodies hold convex bodies, this is a solid's: pickle it")
+        """Writes the prepared body, if it is a hull, to a file (magic, version, content hash, data)."""
+        kinds = {"a solid's": self.solid, "a set of parts": self.parts, "a half-space": self.half_space}
+        kind = next((kind for kind, value in kinds.items() if value is not None), None)
+        if kind is not None:
+            raise PlannercheckError(f"files of prepared bodies hold hulls, this is {kind}: pickle it")
         body_files.write(Path(path), self._core.serialise())
 
     @classmethod
@@ -215,11 +249,27 @@ class Polytope:
         return cls._from_core(body.with_solid(core.Solid(*solid)) if solid else body)
 
     def __reduce__(self) -> tuple[Any, ...]:
+        if self.parts is not None:
+            return _body_of_parts, (*self.parts.state(), self.inflation_radius)
+        if self.half_space is not None:
+            return _body_of_half_space, (*self.half_space, self.inflation_radius)
         solid = () if self.solid is None else (self.solid.points(), self.solid.triangles())
         return Polytope._from_bytes, (self._core.serialise(), *solid)
 
     def __repr__(self) -> str:
+        if self.half_space is not None:
+            return f"Polytope(half-space {self.half_space[0]} · x <= {self.half_space[1]})"
         return f"Polytope({len(self.vertices)} vertices, {self._core.facets} facets)"
+
+
+def _body_of_parts(kind: str, arrays: tuple[Any, ...], inflation_radius: float) -> Polytope:
+    """A pickled body of a set of parts: what one of the core's makers was given."""
+    return Polytope._from_core(getattr(core.PartSet, kind)(*arrays).body(inflation_radius))
+
+
+def _body_of_half_space(normal: tuple[float, float, float], offset: float, inflation_radius: float) -> Polytope:
+    """A pickled body of a half-space."""
+    return Polytope.of_half_space(HalfSpace(normal, offset), inflation_radius)
 
 
 def polytopes_of_boxes(sizes: Floats, inflation_radii: Floats) -> list[Polytope | None]:

@@ -4,17 +4,16 @@ In: sizes in metres (as URDF and coal give them) or points. Out: `Shape` datacla
 and faces as a convex polytope, and `GeometryObject`, a named shape with a rigid pose on a link or in the world.
 
 Shapes are centred at their frame's origin and lie along z; a cone's apex is at +length/2. Boxes and hulls are exact;
-concave bodies are in solids.py. Curved shapes become polytopes that contain them and stick out by at most `excess`
-times the radius: cylinders and cones are the prism and pyramid over a polygon around the circle, a capsule is a
-sphere's polytope, cut along its ring of points at z = 0 and pulled apart. Faces with more than three corners are flat
-exactly. A size of zero makes a plate, a segment or a point, which is a body like any other.
+concave bodies are in solids.py, ellipsoids in ellipsoids.py, half-spaces in half_spaces.py. Curved shapes become
+polytopes that contain them and stick out by at most `excess` times the radius: cylinders and cones are the prism and
+pyramid over a polygon around the circle, a capsule is a sphere's polytope, cut along its ring of points at z = 0 and
+pulled apart. Faces with more than three corners are flat exactly. A size of zero makes a plate, a segment or a point,
+which is a body like any other.
 """
 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -31,6 +30,10 @@ from plannercheck.bodies.circumscribed import (
     segment,
     without_volume,
 )
+from plannercheck.bodies.ellipsoids import Ellipsoid
+from plannercheck.bodies.half_spaces import HalfSpace, check_stands_still
+from plannercheck.bodies.part_sets import PartSet
+from plannercheck.bodies.sizes import array_of, length, numbers
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Faces
 from plannercheck.common.core import core
@@ -64,10 +67,10 @@ class Box:
     size: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        size = _numbers(self.size, "box size")
+        size = numbers(self.size, "box size")
         if len(size) != 3:
             raise PlannercheckError(f"box size needs 3 edge lengths in m, not {len(size)}: {list(size)}")
-        edges = (_length(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
+        edges = (length(s, f"box size {c}") for s, c in zip(size, "xyz", strict=True))
         object.__setattr__(self, "size", tuple(edges))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
@@ -90,7 +93,7 @@ class Sphere:
     radius: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", _length(self.radius, "sphere radius"))
+        object.__setattr__(self, "radius", length(self.radius, "sphere radius"))
 
     def vertices_and_faces(self, excess: float = DEFAULT_EXCESS) -> tuple[Points, Faces | None]:
         """A polytope (n, 3) in m around the sphere and its triangles."""
@@ -109,8 +112,8 @@ class _AlongZ:
 
     def __post_init__(self) -> None:
         kind = type(self).__name__.lower()
-        object.__setattr__(self, "radius", _length(self.radius, f"{kind} radius"))
-        object.__setattr__(self, "length", _length(self.length, f"{kind} length"))
+        object.__setattr__(self, "radius", length(self.radius, f"{kind} radius"))
+        object.__setattr__(self, "length", length(self.length, f"{kind} length"))
 
 
 @set_module("plannercheck")
@@ -191,7 +194,7 @@ class Hull:
     vertices: Points
 
     def __post_init__(self) -> None:
-        vertices = _array(self.vertices, "hull vertices")
+        vertices = array_of(self.vertices, "hull vertices")
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise PlannercheckError(f"hull vertices must have shape (n, 3), not {vertices.shape}")
         if len(vertices) < 4:
@@ -208,7 +211,7 @@ class Hull:
 
 
 InflatedHull: TypeAlias = tuple[Points, Faces | None, float]
-Shape: TypeAlias = Box | Sphere | Cylinder | Cone | Capsule | Hull | Solid
+Shape: TypeAlias = Box | Sphere | Cylinder | Cone | Capsule | Ellipsoid | Hull | Solid | PartSet | HalfSpace
 
 
 def inflated_hull(shape: Shape, excess: float = DEFAULT_EXCESS) -> InflatedHull:
@@ -251,6 +254,7 @@ class GeometryObject:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose", checked_pose(self.pose, f"body {self.name!r}"))
+        check_stands_still(self.name, self.link, [self.shape])
 
     @property
     def label(self) -> str:
@@ -281,7 +285,7 @@ def checked_pose(pose: ArrayLike | None, what: str, tolerance: float = RIGID_TOL
 
 def _checked_matrix(pose: ArrayLike, what: str, tolerance: float) -> Points:
     """The same without the core: converts, and says what is wrong."""
-    matrix = _array(pose, f"pose of {what}")
+    matrix = array_of(pose, f"pose of {what}")
     if matrix.shape != (4, 4):
         raise PlannercheckError(f"pose of {what} must be a homogeneous matrix of shape (4, 4), not {matrix.shape}")
     if not np.isfinite(matrix).all():
@@ -298,7 +302,7 @@ def checked_poses(poses: ArrayLike, what: str) -> Points:
     Returns:
         A float64 copy (n, 4, 4) in C order.
     """
-    rows = [checked_pose(row, f"{what}[{i}]") for i, row in enumerate(_array(poses, f"poses of {what}"))]
+    rows = [checked_pose(row, f"{what}[{i}]") for i, row in enumerate(array_of(poses, f"poses of {what}"))]
     return np.array(rows, dtype=np.float64, order="C").reshape(-1, 4, 4)
 
 
@@ -311,34 +315,6 @@ def _check_rotation(rotation: Points, what: str, tolerance: float) -> None:
         raise PlannercheckError(f"pose of {what} is a reflection: det M is -1, a rotation has +1")
 
 
-def _array(values: ArrayLike, what: str) -> Points:
-    """A float64 copy of an array, or an error that names what is no array of numbers."""
-    try:
-        return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise PlannercheckError(f"{what} must be an array of numbers: {error}") from None
-
-
 def _frozen(array: Points) -> Points:
     array.setflags(write=False)
     return array
-
-
-def _numbers(values: Sequence[float], what: str) -> tuple[float, ...]:
-    if type(values) in (tuple, list) and all(type(value) is float for value in values):  # most of all
-        return tuple(values)
-    array = _array(values, what)
-    if array.ndim != 1:
-        raise PlannercheckError(f"{what} must be a list of numbers, not {values!r}")
-    return tuple(float(v) for v in array)
-
-
-def _length(value: float, what: str) -> float:
-    """The value as a float, if it is finite and not negative."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise PlannercheckError(f"{what} must be a number in m, not {value!r}") from None
-    if not (math.isfinite(number) and number >= 0):
-        raise PlannercheckError(f"{what} must be finite and not negative (m), not {number}")
-    return number + 0.0  # -0.0 is 0.0

@@ -70,7 +70,7 @@ class SolidSeparation:
         """
         first, second = self.bodies
         return (
-            _cover([(p.first, p.second) for p in self.patches], len(first.triangles), len(second.triangles))
+            covers([(p.first, p.second) for p in self.patches], len(first.triangles), len(second.triangles))
             and all(self._holds(patch) for patch in self.patches)
             and not _is_inside(first, second)
             and not _is_inside(second, first)
@@ -127,11 +127,12 @@ def _divided(first: Range, second: Range, can_divide: tuple[bool, bool]) -> list
     if max(sizes) <= 1:
         raise UnprovedVerdictError("the core finds two solids to be apart, but two of their triangles meet")
     if sizes[0] >= sizes[1]:
-        return [(half, second) for half in _halves(*first)]
-    return [(first, half) for half in _halves(*second)]
+        return [(half, second) for half in halves(*first)]
+    return [(first, half) for half in halves(*second)]
 
 
-def _halves(first: int, last: int) -> tuple[Range, Range]:
+def halves(first: int, last: int) -> tuple[Range, Range]:
+    """Both halves of a range, the first one not smaller."""
     middle = (first + last + 1) // 2
     return (first, middle), (middle, last)
 
@@ -147,7 +148,7 @@ def _patch(body: PosedSurface, triangles: Range, inflation_radius: float = 0.0) 
     return PosedBody(body.points[corners], body.pose, inflation_radius)
 
 
-def _cover(patches: list[tuple[Range, Range]], rows: int, columns: int) -> bool:
+def covers(patches: list[tuple[Range, Range]], rows: int, columns: int) -> bool:
     """Whether ranges of rows, each with a range of columns, cover every row with every column."""
     if not all(0 <= a < b <= rows and 0 <= c < d <= columns for (a, b), (c, d) in patches):
         return False

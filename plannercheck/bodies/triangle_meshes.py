@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from plannercheck.common.array_types import Floats, Ints64
+from plannercheck.common.array_types import Floats, Ints, Ints64
 from plannercheck.common.arrays import OwnsArrays
 
 
@@ -29,7 +29,7 @@ class TriangleMesh(OwnsArrays):
     triangles: Ints64
 
     @staticmethod
-    def of(points: Floats, triangles: Ints64) -> TriangleMesh:
+    def of(points: Floats, triangles: Ints | Ints64) -> TriangleMesh:
         """Merges equal points (n, 3), m, of triangles (m, 3)."""
         merged, index = np.unique(points, axis=0, return_inverse=True)
         corners = np.asarray(index, dtype=np.int64).reshape(-1)[triangles].reshape(-1, 3)

@@ -4,8 +4,8 @@ Read `pair_table` first (all pairs). `pair_proofs` and `unreachable_pairs` prove
 limits, by the bounds of `reach_bounds`; `robot_reach` keeps what obstacles do not change. `prepared_bodies`,
 `compiled_pairs` and `compiled_tables` hold what the core judges configurations with, and `verdicts` what a checker
 returns. `state_checker` puts these together; its base classes are in `checker_base` (names and certificates, in space
-and in the plane), `clearance` and `carrying_checker`. `padding` and `settings` hold its arguments, and `touching_pairs`
-its warnings. `left_out_pairs` lists all places where a pair may be left out, and `collision_matrix` proposes pairs to
-leave out. `hull_fidelity` measures what hulls refuse that meshes would not. `protocols` says what checkers in space and
-in the plane have in common.
+and in the plane), `clearance`, `point_queries` and `carrying_checker`. `padding` and `settings` hold its arguments,
+and `touching_pairs` its warnings. `left_out_pairs` lists all places where a pair may be left out, and
+`collision_matrix` proposes pairs to leave out. `hull_fidelity` measures how far hulls are from meshes.
+`protocols` says what checkers in space and in the plane have in common.
 """

@@ -99,7 +99,14 @@ class ExplainingChecker(ABC):
         """The verdict of row k of `pairs` at poses of all bodies (bodies, …), m, with its certificate."""
         a, b = self.pairs[k].tolist()
         certificate = self._certificate(a, b, poses)
-        return PairVerdict(*self.pair_names(k), self.bodies[a].name, self.bodies[b].name, colliding, certificate)
+        links, names = self.pair_names(k), (self.bodies[a].name, self.bodies[b].name)
+        if colliding:
+            names = self._names_of_met(a, b, poses)
+        return PairVerdict(*links, *names, colliding, certificate)
+
+    def _names_of_met(self, a: int, b: int, poses: Floats) -> tuple[str, str]:
+        """The names of two bodies that share a point; of sets of parts with the part that does."""
+        return self.bodies[a].name, self.bodies[b].name
 
     def pair_names(self, k: int) -> tuple[str, str]:
         """The link and the other link or obstacle of row k of `pairs`."""

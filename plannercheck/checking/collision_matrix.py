@@ -3,8 +3,9 @@
 In: a robot. Out: for each pair of links with collision bodies, how many random configurations it collides in, and the
 reason, if any, to leave it out. The reasons are those of MoveIt's setup assistant: the links are adjacent; the pair
 collides at the reference, or in (almost) all configurations; it was never seen to collide. Pairs that
-unreachable_pairs.py proves apart within the limits are not sampled. All others are judged exactly, for the convex hulls
-of the links. All joints that do not follow another one are moved, whatever the robot's group.
+unreachable_pairs.py proves apart within the limits are not sampled. All others are judged exactly, for the geometry
+that the robot has: hulls, convex pieces or solids. All joints that do not follow another one are moved, whatever the
+robot's group.
 """
 
 from __future__ import annotations
@@ -102,14 +103,7 @@ class CollisionMatrix(OwnsArrays):
 
     def colliding_rows(self, pair: LinkPair) -> NDArray[np.int64]:
         """The rows of `configurations` in which a pair collides, ascending."""
-        robot = self.robot
-        bodies = [
-            [k for k, body in enumerate(robot.bodies) if body.link == link] for link in (pair.link_a, pair.link_b)
-        ]
-        pairs = np.array([(min(i, j), max(i, j)) for i in bodies[0] for j in bodies[1]], dtype=np.int32)
-        preparation = Preparation(robot.bodies, DEFAULT_EXCESS, np.zeros(len(robot.bodies)))
-        compiled = CompiledPairs(PairSource(robot, robot.bodies, preparation, _OPTIONS), pairs)
-        return np.flatnonzero(_collide(robot, compiled, self.configurations, [range(len(pairs))])[:, 0])
+        return colliding_rows(self.robot, self.configurations, pair.link_a, pair.link_b)
 
     def example(self, pair: LinkPair) -> dict[str, float]:
         """Values by joint name, rad and m, of the first configuration in which a pair collides."""
@@ -117,6 +111,15 @@ class CollisionMatrix(OwnsArrays):
             raise PlannercheckError(f"{pair.link_a!r} and {pair.link_b!r} were not seen to collide")
         row = self.configurations[pair.first].tolist()
         return dict(zip(self.robot.joint_names, row, strict=True))
+
+
+def colliding_rows(robot: Robot, q: Floats, link_a: str, link_b: str) -> NDArray[np.int64]:
+    """The rows of configurations (n, nq) in which two links of a robot collide, ascending, decided exactly."""
+    bodies = [[k for k, body in enumerate(robot.bodies) if body.link == link] for link in (link_a, link_b)]
+    pairs = np.array([(min(i, j), max(i, j)) for i in bodies[0] for j in bodies[1]], dtype=np.int32)
+    preparation = Preparation(robot.bodies, DEFAULT_EXCESS, np.zeros(len(robot.bodies)))
+    compiled = CompiledPairs(PairSource(robot, robot.bodies, preparation, _OPTIONS), pairs)
+    return np.flatnonzero(_collide(robot, compiled, q, [range(len(pairs))])[:, 0])
 
 
 def with_all_joints(robot: Robot) -> Robot:

@@ -16,6 +16,8 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope import Polytope, polytopes_of_boxes, prepared
 from plannercheck.bodies.shapes import (
     Box,
@@ -179,6 +181,10 @@ class Preparation:
     def _prepared(self, body: int) -> Polytope:
         """The prepared body, shared by equal hulls; a solid that is not its hull is shared by equal solids."""
         shape = self._bodies[body].shape
+        if isinstance(shape, PartSet):
+            return Polytope.of_parts(shape, float(self.paddings[body]))
+        if isinstance(shape, HalfSpace):
+            return Polytope.of_half_space(shape, float(self.paddings[body]))
         points, faces, inflation_radius = self.hull(body)
         key = np.float64(inflation_radius).tobytes() + points.tobytes()
         if isinstance(shape, Solid) and not shape.equals_hull:

@@ -31,7 +31,8 @@ class CheckerSwitches:
         learning: The pair that collided most often is tested first, where any collision decides.
         reach: Pairs that can't meet within the limits are left out there.
         static_poses: Links that no joint of the group moves are posed once, as obstacles are.
-        middle_states: The middle states of several motions are judged first, together.
+        middle_states: The middle states of several motions are judged first, together; then the ends, where these often
+            collide.
     """
 
     pair: Switches = field(default_factory=Switches)

@@ -2,8 +2,8 @@
 
 In: a `Robot`, a `Scene`. Out: an immutable `StateChecker` whose verdicts are exact for the hulls at the poses that
 forward kinematics computes in doubles. Building one places the scene's objects, lists and pads bodies and pairs, proves
-pairs apart that never meet, and compiles the others. The base classes add names and certificates (checker_base.py),
-distances (clearance.py), and objects that links pick up and put down (carrying_checker.py).
+pairs apart that never meet, and compiles the others. Base classes add certificates (checker_base.py), distances
+(clearance.py), points (point_queries.py), and what links carry (carrying_checker.py).
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.intersection import Method, Switches, certify_posed
+from plannercheck.bodies.part_certificates import is_of_parts, parts_met
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import DEFAULT_EXCESS, GeometryObject
 from plannercheck.checking.carrying_checker import CarryingChecker
@@ -26,6 +28,7 @@ from plannercheck.checking.compiled_tables import CompiledTables
 from plannercheck.checking.padding import Padding
 from plannercheck.checking.pair_proofs import MeetingProofs
 from plannercheck.checking.pair_table import Acm
+from plannercheck.checking.point_queries import PointChecker
 from plannercheck.checking.prepared_bodies import Preparation
 from plannercheck.checking.scene_placement import place_objects
 from plannercheck.checking.settings import CheckerSwitches, Settings, without_attached
@@ -42,7 +45,7 @@ from plannercheck.scenes.scene import Scene
 Same = TypeVar("Same", bound="StateChecker")
 
 
-class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
+class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointChecker):
     """Exact verdicts of configurations of one robot in one scene; `Checker` adds motions.
 
     Attributes:
@@ -86,6 +89,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
         turned_axis: bool = True,
         facet_plane: bool = True,
         nearest_points: bool = True,
+        trees_first: bool = True,
         bounds: bool = True,
         boxes: bool = True,
         overlaps: bool = True,
@@ -122,7 +126,9 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             )
         self.excess = excess
         alone = without_attached(robot, () if scene is None else scene.attached)
-        test = Switches(method, cached_plane, centre_axis, turned_axis, facet_plane, nearest_points)
+        test = Switches(
+            method, cached_plane, centre_axis, turned_axis, facet_plane, nearest_points, trees_first=trees_first
+        )
         switches = CheckerSwitches(test, bounds, boxes, overlaps, learning, reach, static_poses, middle_states)
         self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, switches)
         self._prepare(scene if scene is not None else Scene("empty"), None)
@@ -319,6 +325,16 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker):
             (n, bodies, 4, 4), m; NaN for bodies that no pair needs.
         """
         return self._tables.all.body_poses(self._link_poses(self.robot.check_configurations(q)))
+
+    def _names_of_met(self, a: int, b: int, poses: Floats) -> tuple[str, str]:
+        names, shapes = [self.bodies[k].name for k in (a, b)], [self.bodies[k].shape for k in (a, b)]
+        p, r = self._preparation.polytope(a), self._preparation.polytope(b)
+        met = parts_met(p, r, poses[a], poses[b]) if is_of_parts(p, r) else None
+        for k, place in enumerate(met or ()):
+            shape, parts = shapes[k], (p, r)[k].parts
+            if isinstance(shape, PartSet) and parts is not None and place >= 0:
+                names[k] += f"[{shape.part_name(parts.part(place)[2])}]"
+        return names[0], names[1]
 
     def _certificate(self, a: int, b: int, poses: Floats) -> PairCertificate:
         return certify_posed(self._preparation.polytope(a), self._preparation.polytope(b), poses[a], poses[b])

@@ -39,7 +39,7 @@ class PairVerdict:
     Attributes:
         first: Name of the robot's link.
         second: Name of the other link or of the obstacle.
-        first_body: Name of the first collision body.
+        first_body: Name of the first collision body; of a cloud or map that collides, with the part: "camera[17]".
         second_body: Name of the second collision body.
         colliding: Whether the bodies share a point.
         certificate: The proof in world coordinates: a `Separation` (normal from second to first), a `SharedPoint`, or
@@ -52,6 +52,11 @@ class PairVerdict:
     second_body: str
     colliding: bool
     certificate: PairCertificate
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """`first` and `second`; of a cloud or map that collides with the part that does: "camera[17]"."""
+        return _with_part(self.first, self.first_body), _with_part(self.second, self.second_body)
 
     def __repr__(self) -> str:
         return f"PairVerdict({_named(self)}, {_words(self)})"
@@ -127,7 +132,12 @@ class MotionProof(OwnsArrays):
 
 
 def _named(pair: PairVerdict) -> str:
-    return f"{pair.first} – {pair.second}"
+    return " – ".join(pair.names)
+
+
+def _with_part(name: str, body: str) -> str:
+    """The body's name if that has a part in brackets, which a set of parts is given where one is met."""
+    return body if body.endswith("]") and body.startswith((f"{name}[", f"{name}/")) else name
 
 
 def _words(pair: PairVerdict) -> str:
@@ -201,7 +211,7 @@ class MotionVerdict:
         None unless the motion is free.
 
         Raises:
-            PlannercheckError: If python-flint is not installed.
+            PlannercheckError: If python-flint is not installed, or no proof is found for a solid or a set of parts.
         """
         return self.prover() if self.free and self.prover is not None else None
 

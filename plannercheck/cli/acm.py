@@ -15,10 +15,11 @@ from plannercheck.checking.collision_matrix import (
     CollisionMatrix,
     LinkPair,
     audit,
+    colliding_rows,
     collision_matrix,
+    with_all_joints,
 )
 from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
-from plannercheck.checking.mesh_collisions import LinkMeshes
 from plannercheck.cli.common import check_folder, table
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
 from plannercheck.cli.unheeded_options import check_heeded
@@ -27,14 +28,15 @@ from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.description import RobotDescription, description_of, shipped_robots
 from plannercheck.robots.description_files import description_text
+from plannercheck.robots.geometry_choices import of_meshes
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.srdf import DisabledPair, disabled_collisions
 
 _EPILOG = """\
 Pairs are left out for MoveIt's reasons: adjacent; default, they collide in the reference; always, in at least 95 % of
-random configurations; never, in none of them, or proved never to within the joint limits. Links are their convex hulls,
-so that they collide more often than their meshes; --meshes says how often those do. All joints are moved, whatever the
-robot's group.
+random configurations; never, in none of them, or proved never to within the joint limits. Links are their convex hulls
+unless --geometry says otherwise, so that they collide more often than their meshes; --meshes says how often those do.
+All joints are moved, whatever the robot's group.
 
 --audit holds the pairs that the SRDF or YAML disables against the same configurations and names those that collide,
 most frequent first. Its exit code is 1 if there are any.
@@ -65,7 +67,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="share of colliding configurations that counts as always; default: 0.95",
     )
     parser.add_argument(
-        "--meshes", type=int, default=0, metavar="N", help="with --audit: also test up to N states a pair as meshes"
+        "--meshes",
+        type=int,
+        default=0,
+        metavar="N",
+        help="with --audit: also test up to N states a pair by their meshes as they are, exactly",
     )
 
 
@@ -174,12 +180,11 @@ def _mesh_counter(matrix: CollisionMatrix, description: RobotDescription, most: 
 
 def _mesh_share(matrix: CollisionMatrix, description: RobotDescription, most: int) -> Callable[[LinkPair], float]:
     """A function that estimates in which part of all configurations a pair collides as meshes."""
-    meshes = LinkMeshes(matrix.robot, description)
+    robot = with_all_joints(of_meshes(description))
 
     def share(pair: LinkPair) -> float:
-        rows = matrix.colliding_rows(pair)
-        tried = rows[:most]
-        return pair.share * meshes.collisions(pair.link_a, pair.link_b, matrix.configurations[tried]) / len(tried)
+        tried = matrix.configurations[matrix.colliding_rows(pair)[:most]]
+        return pair.share * len(colliding_rows(robot, tried, pair.link_a, pair.link_b)) / len(tried)
 
     return share
 

@@ -9,7 +9,7 @@ import argparse
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from plannercheck.cli import bench_planning, bench_solids
+from plannercheck.cli import bench_clouds, bench_planning, bench_solids
 from plannercheck.cli.bench_options import (
     Subcommand,
     add_scenes,
@@ -49,6 +49,7 @@ Examples:
   plannercheck bench pairs --vertices 8,150,10000
   plannercheck bench motions --scene bookshelf --problems bookshelf_small_panda.tar.bz2
   plannercheck bench setup --robot panda --scene bookshelf
+  plannercheck bench clouds --points 1000,100000
   plannercheck bench plans --problems cage_panda.tar.bz2 --every 10
 """
 # What is asked for in `bench states`, as the peer's time over ours.
@@ -263,6 +264,7 @@ SUBCOMMANDS = {
     "pairs": Subcommand("time a pair of bodies against their vertices", _add_pairs, _run_pairs, 31),
     **bench_planning.SUBCOMMANDS,
     **bench_solids.SUBCOMMANDS,
+    **bench_clouds.SUBCOMMANDS,
     "switches": Subcommand("what each stage of a check brings", _add_switches, _run_switches),
     "scale": Subcommand("a scene of 10,000 boxes against one of 100; memory", _add_scale, _run_scale),
     "complexity": Subcommand("rounds and visited vertices against n", _add_complexity, _run_complexity, 0),

@@ -11,8 +11,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.common.package_data import is_folder
 from plannercheck.evaluation.bench import tables as output
 from plannercheck.evaluation.bench.pair_peers import COAL_AT_BEST
@@ -123,7 +125,20 @@ def checker_in(loaded: Robot, scene: str) -> Checker:
     path = Path(scene)
     if is_folder(path) or ".tar" in path.suffixes:
         return checker_of(next(iter(load_problems(path))), loaded)
-    return Checker(loaded, Scene.load(scene))
+    checker = Checker(loaded, Scene.load(scene))
+    _refuse_sets(checker)
+    return checker
+
+
+def _refuse_sets(checker: Checker) -> None:
+    """Raises if what stands in for a body, here or in a library, would be another body."""
+    for body in checker.bodies:
+        if isinstance(body.shape, PartSet | HalfSpace):
+            kind = with_article(type(body.shape).__name__)
+            raise PlannercheckError(
+                f"others are compared on hulls and meshes, and {body.label} is {kind}: "
+                "`bench clouds` and `bench maps` have scenes of clouds and grids"
+            )
 
 
 def keep(

@@ -6,19 +6,19 @@ import argparse
 import functools
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck import planar
-from plannercheck.bodies.convex_decomposition import polytope_volume
 from plannercheck.bodies.mesh_files import load_triangles
+from plannercheck.bodies.pieces import polytope_volume
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Hull
 from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
-from plannercheck.checking.hull_fidelity import largest_filling, refused_by_filling
+from plannercheck.checking.hull_fidelity import largest_filling
 from plannercheck.checking.input_hints import always_hint
 from plannercheck.checking.left_out_pairs import left_out_pairs
 from plannercheck.checking.protocols import AnyChecker
@@ -30,6 +30,7 @@ from plannercheck.cli.common import (
     percentage,
     table,
 )
+from plannercheck.cli.inspect_geometry import show_geometries
 from plannercheck.cli.robot_options import described
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.timing import least_seconds
@@ -53,6 +54,7 @@ SKIPS = {
     "centre_axis": "axis between centres",
     "turned_axis": "axis between ellipsoids",
     "facet_plane": "facets of small bodies",
+    "trees_first": "solids' trees before their hulls",
     "learning": "likeliest pair first",
 }
 # What settles pairs, and how.
@@ -66,6 +68,7 @@ STAGES = {
     "cached_plane": "apart by the plane that separated them last",
     "centre_axis": "apart along the line between their centres",
     "facet_plane": "apart along the normal of a facet",
+    "trees": "of solids: their trees of triangles, before their hulls were tested",
     "solver": "search for a separating plane or a common point, in doubles",
     "nearest_points": "nearest points (GJK), in doubles",
     "double_double": "the same in double-double arithmetic",
@@ -102,7 +105,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--fidelity",
         action="store_true",
-        help="also show how far hulls are from their meshes, and the share of states that only filled hulls refuse",
+        help="also show how far hulls are from their meshes, and which share of states hulls, convex pieces and meshes "
+        "leave valid",
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of the random configurations; default: 0")
 
@@ -120,7 +124,7 @@ def run(options: argparse.Namespace) -> int:
         _show_polygons(checker)
     if options.fidelity:
         _check_fidelity(checker)
-        _show_fidelity(checker, described(options), options.states, options.seed)
+        _show_fidelity(checker, options)
     _show_sample(checker, options.states, options.seed)
     if options.without:
         if not isinstance(checker, Checker):
@@ -173,10 +177,10 @@ def _check_fidelity(checker: AnyChecker) -> None:
         raise PlannercheckError("--fidelity compares hulls with meshes, which planar robots do not have")
 
 
-def _show_fidelity(checker: AnyChecker, description: RobotDescription, states: int, seed: int) -> None:
+def _show_fidelity(checker: AnyChecker, options: argparse.Namespace) -> None:
     """How far hulls are from meshes, and what that refuses."""
     assert isinstance(checker, Checker)
-    meshes = meshes_of(checker, description)
+    meshes = meshes_of(checker, described(options))
     rows = []
     for body, polytope in zip(checker.bodies, checker.polytopes, strict=True):
         mesh = meshes.get(body.name)
@@ -186,16 +190,11 @@ def _show_fidelity(checker: AnyChecker, description: RobotDescription, states: i
         ratio = f"{polytope_volume(polytope) / mesh.volume:.2f}" if mesh.volume else "-"
         rows.append((body.name, body.link or "(scene)", ratio, f"{1e3 * largest_filling(polytope, mesh):.1f}"))
     print()
-    print(table(("hull", "link", "hull / mesh volume", "furthest from the mesh, mm"), rows))
-    found = refused_by_filling(checker, meshes, checker.robot.random_configurations(states, seed))
-    share = percentage(found.only_filling, found.states)
-    print(
-        f"\n{found.only_filling} of {found.states} random configurations ({share}) are refused only because hulls fill "
-        f"hollows: hulls collide in {found.refused}, triangles of meshes in {found.refused - found.only_filling} "
-        "of these (coal, without a proof)"
-    )
-    if found.only_filling:
-        print("--geometry solid takes meshes as they are, --geometry pieces is closer than hulls")
+    if rows:
+        print(table(("hull", "link", "hull / mesh volume", "furthest from the mesh, mm"), rows))
+    else:
+        print("no body is the hull of a mesh, so there is no distance of hulls from meshes to show")
+    show_geometries(options)
 
 
 def _left_out(checker: Checker) -> str:
@@ -209,7 +208,7 @@ def _left_out(checker: Checker) -> str:
 
 def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str, str, str, str]:
     """Cells: the ball around a body's centre, the volumes of hull and mesh, how many times as large the hull is."""
-    if polytope is None:
+    if polytope is None or polytope.half_space is not None:
         return "-", "-", "-", "-"
     middle = 0.5 * (polytope.vertices.min(axis=0) + polytope.vertices.max(axis=0))
     radius = float(np.linalg.norm(polytope.vertices - middle, axis=1).max()) + polytope.inflation_radius
@@ -226,6 +225,8 @@ def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
     is_open = [name for name, mesh in meshes.items() if mesh.volume is None and name in names]
     if is_open:
         print(f"\nopen meshes, whose volume means nothing (not watertight): {', '.join(is_open)}")
+    if checker.robot.open_links:
+        print(f"links whose meshes are not closed, so they keep their hulls: {', '.join(checker.robot.open_links)}")
     for name, pieces in checker.robot.pieces.items():
         volume = pieces.mesh_volume
         times = (
@@ -234,8 +235,8 @@ def _show_meshes(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
             else f", {pieces.volume / volume:.2f} times the mesh (its hull {pieces.hull_volume / volume:.2f})"
         )
         print(
-            f"{name}: {len(pieces.points)} convex pieces{times}; the mesh stuck out of CoACD's by "
-            f"{1e3 * pieces.excess:.3g} mm, they grew by up to {1e3 * pieces.growth:.3g} mm to hold it"
+            f"{name}: {len(pieces.points)} convex pieces{times}; they hold all its triangles, and stick out of "
+            f"it by at most {1e3 * pieces.protrusion:.3g} mm"
         )
 
 
@@ -245,8 +246,9 @@ def meshes_of(checker: Checker, description: RobotDescription) -> dict[str, Tria
     found = {each.name: triangles_of_coal(each.geometry) for each in geometry.geometryObjects}
     for item in (*checker.scene.objects, *checker.scene.attached):
         for part, body in zip(item.parts, item.bodies, strict=True):
-            if part.source is not None:
-                found[body.name] = load_triangles(*part.source)
+            file, scale = part.source or (None, None)
+            if file is not None and not isinstance(scale, Mapping | None):  # of a mesh, not of a cloud or a map
+                found[body.name] = load_triangles(file, scale)
     return {name: mesh for name, mesh in found.items() if mesh is not None}
 
 

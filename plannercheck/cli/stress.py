@@ -1,4 +1,4 @@
-"""`plannercheck stress`: hard pairs of bodies, every verdict compared with exact arithmetic; concave pairs; motions."""
+"""`plannercheck stress`: hard pairs of bodies, every verdict compared with exact arithmetic; solids, sets, motions."""
 
 from __future__ import annotations
 
@@ -25,12 +25,22 @@ exception is thrown, a body is refused or a query takes more than a second.
 With --solids instead: pairs of concave solids, nested, interlocked, crossing themselves, open or without volume, also
 against polytopes, balls, segments and points, about where they begin to share a point. Exit code as above.
 
+With --parts instead: clouds of points, lattices of cells and heights over a base, against hulls, each other and solids,
+every part of one against every part of the other; half-spaces and ellipsoids. Exit code as above.
+
 With --motions instead: random trees of all kinds of joints, the shipped robots, planar chains and curves, among bodies
 that touch them by construction. Exit code 1 if a motion that collides is passed, one is refused without reason, a
-verdict depends on what else was asked, or a proof is not verified.
+verdict depends on what else was asked, or a proof is not verified. With --geometry solid: arms with their meshes as
+they are, and free bodies in concave puzzles, held against coal's meshes at states in between, too; and how many motions
+of RRT-Connect hulls, or with --pieces convex pieces (which CoACD makes first, in minutes), would have refused.
 """
-# Options of pairs, of solids, of motions, and of all kinds of runs.
-_OF_PAIRS, _OF_SOLIDS, _OF_MOTIONS = ("--pairs",), ("--solids",), ("--motions", "--verified", "--families")
+# Options of pairs, of solids, of sets of parts, of motions, and of all kinds of runs.
+_OF_PAIRS, _OF_SOLIDS, _OF_PARTS, _OF_MOTIONS = (
+    ("--pairs",),
+    ("--solids",),
+    ("--parts",),
+    ("--motions", "--verified", "--families", "--geometry", "--pieces"),
+)
 _OF_BODIES = ("--peers",)
 _OF_RUNS = ("--seed", "--processes", "--cases")
 # Pairs between two lines of progress.
@@ -44,12 +54,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = _EPILOG
     parser.add_argument("--pairs", type=int, default=10_000, help="judge at least this many (default: %(default)s)")
     parser.add_argument("--solids", type=int, metavar="N", help="judge at least N pairs of solids instead")
+    parser.add_argument("--parts", type=int, metavar="N", help="judge at least N pairs with sets of parts instead")
     parser.add_argument("--motions", type=int, metavar="N", help="judge at least N motions instead of pairs")
     parser.add_argument("--verified", type=int, default=0, metavar="M", help="prove and verify about M of the motions")
-    parser.add_argument("--families", default="", metavar="NAME,...", help="families of motions to draw (default: all)")
     parser.add_argument(
-        "--case", type=Path, metavar="FILE", help="judge the motion or the pair of solids in this file again"
+        "--geometry", choices=("hull", "solid"), default="hull", help="what moves (default: hulls, among hulls)"
     )
+    parser.add_argument("--pieces", action="store_true", help="with solids: count what convex pieces refuse, too")
+    parser.add_argument("--families", default="", metavar="NAME,...", help="families of motions to draw (default: all)")
+    parser.add_argument("--case", type=Path, metavar="FILE", help="judge the motion or the pair in this file again")
     parser.add_argument("--seed", type=int, default=0, help="seed of the random numbers (default: %(default)s)")
     parser.add_argument("--processes", type=int, default=1, help="number of processes (default: %(default)s)")
     parser.add_argument("--peers", action="store_true", help="count the errors of python-fcl and coal, too")
@@ -77,6 +90,10 @@ def run(options: argparse.Namespace) -> int:
         from plannercheck.cli.stress_solids import run_solids
 
         return run_solids(options)
+    if options.parts is not None:
+        from plannercheck.cli.stress_parts import run_parts
+
+        return run_parts(options)
     peers: list[Peer[Draw]] = [Fcl(), Coal()] if options.peers else []
     tally = run_suite(options.pairs, options.seed, peers, _Progress(), options.processes)
     print("\n".join(lines(tally, [peer.name for peer in peers])))
@@ -90,20 +107,28 @@ def run(options: argparse.Namespace) -> int:
 def _check_heeded(options: argparse.Namespace) -> None:
     """Raises if options are given that would change nothing."""
     if options.case is not None:
-        others = (*_OF_PAIRS, *_OF_SOLIDS, *_OF_MOTIONS, *_OF_BODIES, *_OF_RUNS)
+        others = (*_OF_PAIRS, *_OF_SOLIDS, *_OF_PARTS, *_OF_MOTIONS, *_OF_BODIES, *_OF_RUNS)
         check_heeded(options, others, "without --case, which is one motion or pair")
     elif options.motions is not None:
-        check_heeded(options, (*_OF_PAIRS, *_OF_SOLIDS, *_OF_BODIES), "without --motions")
+        check_heeded(options, (*_OF_PAIRS, *_OF_SOLIDS, *_OF_PARTS, *_OF_BODIES), "without --motions")
     elif options.solids is not None:
-        check_heeded(options, _OF_PAIRS, "without --solids")
+        check_heeded(options, (*_OF_PAIRS, *_OF_PARTS), "without --solids")
+        check_heeded(options, _OF_MOTIONS, "with --motions")
+    elif options.parts is not None:
+        check_heeded(options, (*_OF_PAIRS, *_OF_BODIES), "without --parts")
         check_heeded(options, _OF_MOTIONS, "with --motions")
     else:
         check_heeded(options, _OF_MOTIONS, "with --motions")
 
 
 def _run_case(path: Path) -> int:
+    from plannercheck.evaluation.stress_parts.cases import PartCase
     from plannercheck.evaluation.stress_solids.cases import SolidCase
 
+    if PartCase.is_in(path):
+        from plannercheck.cli.stress_parts import run_part_case
+
+        return run_part_case(path)
     if SolidCase.is_in(path):
         from plannercheck.cli.stress_solids import run_solid_case
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.evaluation.stress_motions.cases import MotionCase, shrunk
-from plannercheck.evaluation.stress_motions.run import FAMILY_NAMES, MotionTally
+from plannercheck.evaluation.stress_motions.run import FAMILY_NAMES, SOLID_NAMES, MotionTally
 from plannercheck.evaluation.stress_motions.run import run as run_suite
 from plannercheck.evaluation.stress_motions.tables import lines
 
@@ -26,12 +26,17 @@ def run_motions(options: argparse.Namespace) -> int:
         raise PlannercheckError(
             f"--motions must be at least 1 and --verified at least 0, not {options.motions}, {options.verified}"
         )
-    families = tuple(name for name in options.families.split(",") if name) or FAMILY_NAMES
+    known = SOLID_NAMES if options.geometry == "solid" else FAMILY_NAMES
+    families = tuple(name for name in options.families.split(",") if name) or known
     for name in families:
-        if name not in FAMILY_NAMES:
-            raise unknown_name("family", name, FAMILY_NAMES)
+        if name not in known:
+            raise unknown_name("family", name, known)
+    if options.pieces and options.geometry != "solid":
+        raise PlannercheckError("--pieces is of planners' motions among solids, with --geometry solid")
     progress = _Progress(options.motions)
-    tally = run_suite(options.motions, options.seed, options.verified, options.processes, families, progress)
+    tally = run_suite(
+        options.motions, options.seed, options.verified, options.processes, families, progress, options.pieces
+    )
     print("\n".join(lines(tally)))
     for number, case in enumerate(tally.cases):
         print(f"failed: {case.kind}: {case.name}")

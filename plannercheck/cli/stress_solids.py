@@ -6,21 +6,17 @@ In: the command's options. Out: tables on standard output, failures as files, th
 from __future__ import annotations
 
 import argparse
-import sys
-import time
 from pathlib import Path
 
+from plannercheck.cli.stress_progress import PairsProgress
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.other_libraries import Peer
 from plannercheck.evaluation.stress_solids.cases import SolidCase
 from plannercheck.evaluation.stress_solids.draws import Draw
 from plannercheck.evaluation.stress_solids.other_libraries import CoalMeshes, FclMeshes
-from plannercheck.evaluation.stress_solids.run import SolidTally, faults_of
+from plannercheck.evaluation.stress_solids.run import faults_of
 from plannercheck.evaluation.stress_solids.run import run as run_suite
 from plannercheck.evaluation.stress_solids.tables import lines
-
-# Seconds between two lines of progress.
-_REPORT_SECONDS = 10.0
 
 
 def run_solids(options: argparse.Namespace) -> int:
@@ -28,7 +24,7 @@ def run_solids(options: argparse.Namespace) -> int:
     if options.solids < 1:
         raise PlannercheckError(f"--solids must be at least 1, not {options.solids}")
     peers: list[Peer[Draw]] = [FclMeshes(), CoalMeshes()] if options.peers else []
-    tally = run_suite(options.solids, options.seed, peers, _Progress(options.solids), options.processes)
+    tally = run_suite(options.solids, options.seed, peers, PairsProgress(options.solids), options.processes)
     print("\n".join(lines(tally, [peer.name for peer in peers])))
     for number, case in enumerate(tally.cases):
         print(f"failed: {case.name}")
@@ -44,21 +40,3 @@ def run_solid_case(path: Path) -> int:
     print(case.name)
     print("\n".join(f"{who}: {outcome}" for who, outcome in faults.items()) or "nothing is wrong now")
     return 1 if faults else 0
-
-
-class _Progress:
-    """A line on the error stream now and then."""
-
-    def __init__(self, pairs: int) -> None:
-        self._pairs, self._began = pairs, time.monotonic()
-        self._next = self._began + _REPORT_SECONDS
-
-    def __call__(self, tally: SolidTally) -> None:
-        now = time.monotonic()
-        if now < self._next:
-            return
-        self._next = now + _REPORT_SECONDS
-        pairs = tally.pairs.total()
-        rate = pairs / (now - self._began)
-        failures = len(tally.cases) + len(tally.broken)
-        print(f"{pairs} of {self._pairs} pairs, {rate:.0f} a second, {failures} failures", file=sys.stderr, flush=True)

@@ -183,9 +183,8 @@ def _add_path_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--motion-path",
         choices=PATHS,
-        default="screw",
         help="for --path: how planar and floating joints move: along one screw, or straight and turning by slerp, as "
-        "plans of free bodies do; default: screw",
+        "plans of free bodies do; default: as the file says, or screw",
     )
     group.add_argument(
         "--tolerance",

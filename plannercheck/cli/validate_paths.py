@@ -10,11 +10,9 @@ import json
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
 from plannercheck import planar
 from plannercheck.bodies.certificates import Separation, SharedPoint
+from plannercheck.bodies.part_certificates import PartSeparation
 from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
@@ -59,12 +57,13 @@ def _planar(options: argparse.Namespace) -> list[Judged]:
         with error_context(f"path file {str(path)!r}"):
             if file.others:
                 raise PlannercheckError(f"{checker.robot.name!r} has no joint {', '.join(file.others)}")
-            verdicts.append(_judged(checker, path, file.states, options))
+            verdicts.append(_judged(checker, path, file, options))
     return verdicts
 
 
-def _judged(checker: AnyChecker, path: Path, states: NDArray[np.float64], options: argparse.Namespace) -> Judged:
-    kind: MotionPath = options.motion_path
+def _judged(checker: AnyChecker, path: Path, file: PathFile, options: argparse.Namespace) -> Judged:
+    kind: MotionPath = options.motion_path or file.motion_path or "screw"
+    states = file.states
     verdict = validate_path(checker, states, options.tolerance, options.threads, kind)
     if not options.certify or not verdict.free:
         return verdict, None
@@ -82,7 +81,7 @@ def _in_space(options: argparse.Namespace) -> list[Judged]:
             if held not in checkers:
                 posed = robot.holding(file.others) if held else robot
                 checkers[held] = Checker(posed, scene, not options.no_self_collision, padding_of(options, scene))
-            verdicts.append(_judged(checkers[held], path, file.states, options))
+            verdicts.append(_judged(checkers[held], path, file, options))
     return verdicts
 
 
@@ -104,7 +103,7 @@ def _sentence(verdict: PathVerdict) -> str:
     stopped, count = verdict.stopped, f"{verdict.motions - verdict.free_motions} of {verdict.motions} motions"
     start = f"not free ({count}): motion {verdict.motion} is proved free up to {stopped.free_until:.9g}, "
     assert stopped.pair is not None
-    pair = f"{stopped.pair.first} with {stopped.pair.second}"
+    pair = " with ".join(stopped.pair.names)
     if stopped.collides_at is not None:
         return f"{start}collides at {stopped.collides_at:.9g}: {pair}, {_certificate(stopped.pair)}{limits}"
     near = f"is within the tolerance of {stopped.tolerance:g} m at {stopped.near_at:.9g}"
@@ -115,7 +114,7 @@ def _certificate(pair: PairVerdict) -> str:
     certificate = pair.certificate
     if isinstance(certificate, Separation | planar.Separation):
         return f"apart by at least {certificate.gap:.3g} m along ({_listed(certificate.normal.tolist())})"
-    if isinstance(certificate, SolidSeparation):
+    if isinstance(certificate, SolidSeparation | PartSeparation):
         return f"apart by at least {certificate.gap:.3g} m"
     assert isinstance(certificate, SharedPoint | planar.SharedPoint | Enclosure)
     return f"which share the point ({_listed(certificate.point.tolist())})"
@@ -149,7 +148,7 @@ def _as_json(path: Path, verdict: PathVerdict, proved: PathProof | None) -> dict
             "offset": certificate.offset,
             "gap": certificate.gap,
         }
-    elif isinstance(certificate, SolidSeparation):
+    elif isinstance(certificate, SolidSeparation | PartSeparation):
         proof = {"gap": certificate.gap}
     else:
         assert isinstance(certificate, SharedPoint | planar.SharedPoint | Enclosure)
@@ -161,5 +160,6 @@ def _as_json(path: Path, verdict: PathVerdict, proved: PathProof | None) -> dict
         "collides_at": stopped.collides_at,
         "near_at": stopped.near_at,
         "pair": [pair.first, pair.second],
+        "bodies": [pair.first_body, pair.second_body],
         "certificate": proof,
     }

@@ -64,6 +64,8 @@ def as_json(outcome: Outcome) -> dict[str, Any]:
     solids = _solids(outcome.checker)
     if solids:
         values["solids"] = {name: "closed" if solid.is_closed else "open" for name, solid in solids.items()}
+    if kept := _open_links(outcome.checker):
+        values["open_links_as_hulls"] = list(kept)
     if outcome.agreement is not None:
         values["fcl"] = {**_agreement_counts(outcome.agreement), "passed": outcome.agreement.passed}
     if outcome.certification is not None:
@@ -80,6 +82,8 @@ def show_table(outcome: Outcome) -> None:
     if solids:
         alone = f"; not closed, so their triangles alone: {', '.join(is_open)}" if is_open else ""
         print(f"solids: {len(solids)} bodies{alone}")
+    if kept := _open_links(checker):
+        print(f"links whose meshes are not closed, so they keep their hulls: {', '.join(kept)}")
     counts = [("configurations", report.states), ("valid", report.valid), ("invalid", report.invalid)]
     if outcome.limits != "ignore":
         counts.append(("beyond limits", report.beyond_limits))
@@ -102,6 +106,11 @@ def _solids(checker: AnyChecker) -> dict[str, Solid]:
     if not isinstance(checker, Checker):
         return {}
     return {body.name: body.shape for body in checker.bodies if isinstance(body.shape, Solid)}
+
+
+def _open_links(checker: AnyChecker) -> tuple[str, ...]:
+    """The links that keep their hulls although solids are asked for."""
+    return checker.robot.open_links if isinstance(checker, Checker) else ()
 
 
 def _show_pairs(report: ValidityReport) -> None:

@@ -24,6 +24,7 @@ Exit codes: 0 all motions proved, 1 some are not, 2 bad input, such as a file th
 Examples:
   plannercheck validate --robot panda --scene bookshelf --path plan.json --certify
   plannercheck verify plan.proof.json --robot panda --scene bookshelf
+  plannercheck verify plan.proof.json --robot ur10 --geometry solid --scene cell.yaml --scene-meshes solid
 """
 
 
@@ -34,6 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", help=f"confirm that the proof's joints and bodies are this one's: {ROBOT_HELP}")
     add_urdf_arguments(parser)
     parser.add_argument("--scene", help="with --robot: confirm the obstacles, too; default: the empty scene")
+    parser.add_argument(
+        "--scene-meshes", choices=("hull", "solid"), default="hull", help="what meshes of the scene are; default: hull"
+    )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="format of what is printed")
 
 
@@ -43,6 +47,8 @@ def run(options: argparse.Namespace) -> int:
         raise PlannercheckError("--scene needs --robot: a proof is of a robot in a scene")
     if options.robot is None and given_options(options):
         check_heeded(options, given_options(options), "with --robot")
+    if options.scene is None:
+        check_heeded(options, ("--scene-meshes",), "with --scene")
     results = [_verified(path, options) for path in options.files]
     if options.format == "json":
         print(json.dumps(results, indent=1))
@@ -60,7 +66,11 @@ def _robot(options: argparse.Namespace) -> Any:
 def _verified(path: Path, options: argparse.Namespace) -> dict[str, Any]:
     proofs = load_proofs(path)
     found = [proof.verify() for proof in proofs]
-    model = None if options.robot is None else model_confirmed(proofs[0], _robot(options), options.scene)
+    model = (
+        None
+        if options.robot is None
+        else model_confirmed(proofs[0], _robot(options), options.scene, options.scene_meshes)
+    )
     return {
         "proof": str(path),
         "proved": all(found) and (model is None or bool(model)),

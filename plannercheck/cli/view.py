@@ -25,7 +25,7 @@ from plannercheck.cli.robot_options import described
 from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
-from plannercheck.common.motion_paths import PATHS
+from plannercheck.common.motion_paths import PATHS, MotionPath
 from plannercheck.ompl.start_and_goal import checked_end
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.validation.formats.chunks import read_states
@@ -75,8 +75,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--motion-path",
         choices=PATHS,
-        default="screw",
-        help="how planar and floating joints move on a path: slerp for plans of free bodies; default: screw",
+        help="how planar and floating joints move on a path; default: as the file says, as plans of free bodies do, "
+        "or screw",
     )
     parser.add_argument(
         "--first",
@@ -113,16 +113,17 @@ def run(options: argparse.Namespace) -> int:
     drawn = picture(
         checker, rows, labels=labels, animated=is_path, planes=options.planes, meshes=meshes, visuals=visuals
     )
+    frames = "1 frame" if drawn.frames == 1 else f"{drawn.frames} frames"
     if options.html is not None:
         write_page(drawn, options.html)
         size = options.html.stat().st_size / 1e6
-        print(f"{drawn.title}, {drawn.frames} frames: written to {options.html} ({size:.1f} MB)")
+        print(f"{drawn.title}, {frames}: written to {options.html} ({size:.1f} MB)")
         return 0
     has_sliders = len(checker.robot.joint_names) == checker.robot.nq > 0
     joints = joints_of(checker, rows, meshes, visuals) if has_sliders else None
     stage = serve(drawn, options.port, options.host, joints)
     address = f"http://{options.host}:{stage.server.get_port()}"
-    print(f"{drawn.title}, {drawn.frames} frames: {address}, until Ctrl-C", flush=True)
+    print(f"{drawn.title}, {frames}: {address}, until Ctrl-C", flush=True)
     try:
         stage.play()
     finally:
@@ -159,7 +160,8 @@ def _frames(options: argparse.Namespace, checker: AnyChecker) -> tuple[Floats, t
                 "in the file ask for",
                 stacklevel=2,
             )
-        return along_path(checker, path.states, options.frames, options.motion_path)
+        motion_path: MotionPath = options.motion_path or path.motion_path or "screw"
+        return along_path(checker, path.states, options.frames, motion_path)
     if options.file is not None:
         return _of_set(options, checker)
     if options.q is not None:

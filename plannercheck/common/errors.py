@@ -34,6 +34,11 @@ def unknown_name(kind: str, name: str, valid: Iterable[str]) -> PlannercheckErro
     return PlannercheckError(f"unknown {kind} {name!r}: {hint}valid are {', '.join(names) or 'none'}")
 
 
+def with_article(noun: str) -> str:
+    """A noun after "a" or "an", by its first letter."""
+    return f"{'an' if noun[:1].lower() in tuple('aeiou') else 'a'} {noun}"
+
+
 def shortened(name: object) -> str:
     """A name for an error, cut if it is absurdly long; a name read from a file may be anything."""
     words = str(name)

@@ -13,6 +13,7 @@ import numpy as np
 
 from plannercheck.bodies.certificates import Separation
 from plannercheck.bodies.intersection import certify_posed
+from plannercheck.bodies.part_certificates import PartSeparation
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.bodies.solid_separations import SolidSeparation
@@ -36,7 +37,8 @@ class MotionSwitches(NamedTuple):
         hints: Planes of earlier motions are tried.
         bounds: Pairs that are far apart at one state are left out by bounds of speed.
         overlaps: A ball inside one body that meets a box inside the other refuses a motion.
-        middle_states: The middle states of several motions are judged first, together.
+        middle_states: The middle states of several motions are judged first, together; then the ends, where these often
+            collide.
     """
 
     hints: bool = True
@@ -146,4 +148,4 @@ def _separations(robot: Robot, pairs: list[list[int]], polytopes: Mapping[int, P
 
 def _are_separate(a: int, b: int, polytopes: Mapping[int, Polytope], poses: Floats) -> bool:
     certificate = certify_posed(polytopes[a], polytopes[b], poses[a], poses[b])
-    return isinstance(certificate, Separation | SolidSeparation) and certificate.gap > _PERMANENT_GAP
+    return isinstance(certificate, Separation | SolidSeparation | PartSeparation) and certificate.gap > _PERMANENT_GAP

@@ -185,7 +185,8 @@ class Checker(StateChecker):
             included.
 
         Raises:
-            PlannercheckError: If Pinocchio itself poses, or python-flint is not installed.
+            PlannercheckError: If Pinocchio itself poses, or python-flint is not installed; or no proof is found of a
+                free motion on which a solid or a set of parts comes near: the pair is named.
         """
         free = self.check_motions(q0, q1, tolerance=tolerance, threads=threads, path=path)
         (starts, ends), asked = self._motion_ends(q0, q1), self.robot.check_configurations(q1)

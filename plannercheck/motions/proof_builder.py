@@ -15,6 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.certificates import Separation
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.intersection import intersects
+from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.verdicts import PairVerdict
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
@@ -24,6 +27,7 @@ from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.certifier_answers import MotionResult
 from plannercheck.motions.certifier_answers import Proof as Plane
 from plannercheck.motions.proof_model import PosedPairs, space_model
+from plannercheck.motions.solid_covers import PartHulls, Poses, SolidCover
 from plannercheck.proofs.data import WORLD, Entry, Hashes, Model, Motion
 from plannercheck.proofs.proof import Proof
 from plannercheck.scenes.scene import Scene
@@ -45,6 +49,10 @@ _WITHIN = 2
 _ROUNDING = 2.0**-44
 _OFF_UNIT = 12.0
 
+# States of a motion at which it is looked whether a body is within the box around a set of parts.
+_LOOKS = 9
+_ONLY_BOXES = "proofs know a set of parts by the box around it, which is too near"
+
 
 class CertifiedPairs(PosedPairs, Protocol):
     """The parts of a `Checker` from which proofs of motions in space are built."""
@@ -53,6 +61,9 @@ class CertifiedPairs(PosedPairs, Protocol):
 
     def certifier_of(self, path: MotionPath) -> MotionCertifier:
         """Proves motions along a path free."""
+
+    def body_poses(self, q: ArrayLike) -> Floats:
+        """(n, bodies, 4, 4) poses of the bodies at configurations (n, nq)."""
 
     def explain_pair(self, k: int, q: ArrayLike) -> PairVerdict:
         """The verdict of row k of `pairs`, with its certificate."""
@@ -65,15 +76,19 @@ class Builder:
         """Reads the checker.
 
         Raises:
-            PlannercheckError: If python-flint is not installed.
+            PlannercheckError: If python-flint is not installed, or an obstacle is a half-space.
         """
         extra_module("flint", "proofs", "proofs of motions")
         from plannercheck.proofs.well_formed import hashes_of
 
+        _refuse_half_spaces(checker)
         self._checker = checker
         self._model: Model = space_model(checker)
         self._hashes: Hashes = hashes_of(self._model)
         self._size = _size(self._model)
+        self._has_solids = any(body.triangles for body in self._model.bodies)
+        self._parts = PartHulls(self._model)
+        self._of_sets = [k for k, pair in enumerate(checker.pairs.tolist()) if any(map(self._is_set, pair))]
 
     def proof(
         self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath = "screw"
@@ -88,8 +103,9 @@ class Builder:
             path: How planar and floating joints move.
 
         Raises:
-            PlannercheckError: If solids are apart on the motion, but their hulls are not.
+            PlannercheckError: If the motion is free, but no proof is found of a pair with a solid or a set of parts.
         """
+        self._refuse_within_boxes(start, end, asked_end, tolerance, path)
         result = self._motion_result(start, end, asked_end, tolerance, path)
         if result is None:
             return None
@@ -97,32 +113,94 @@ class Builder:
         motion = Motion(tuple(start.tolist()), tuple(end.tolist()), tuple(asked_end.tolist()), path)
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
-        resting = _resting_directions(self._checker, result.proofs, start)
-        entries, lost = _entries(empty, result.proofs, resting)
-        self._refuse_solids(lost)
+        if self._has_solids:
+            entries = self._of_solids(empty, start, end, path)
+        else:
+            resting = _resting_directions(self._checker, result.proofs, start)
+            entries, lost = _entries(empty, result.proofs, resting)
+            self._refuse_sets_of_parts(lost)
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
 
-    def _refuse_solids(self, lost: Sequence[int]) -> None:
-        """Raises if one of the pairs without a proof has a solid: a proof is of hulls, which meet on this motion."""
+    def _is_set(self, body: int) -> bool:
+        polytope = self._checker.polytopes[body]
+        return polytope is not None and polytope.parts is not None
+
+    def _refuse_within_boxes(
+        self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath
+    ) -> None:
+        """Raises if a free motion is seen to go through a set's box, of which pieces would be sought for very long."""
+        if not self._of_sets:
+            return
+        certifier = self._checker.certifier_of(path)
+        poses = self._checker.body_poses(certifier.states(start, end, np.linspace(0, 1, _LOOKS)))
+        used = np.unique(self._checker.pairs)
+        for pair in self._of_sets:
+            first, second = self._model.pairs[pair]
+            meets = intersects(self._hull(first), self._hull(second), poses[:, used[first]], poses[:, used[second]])
+            if np.any(meets) and certifier.motion_result(start, end, tolerance, False, asked_end).free:
+                raise self._not_found(pair, _ONLY_BOXES)
+
+    def _hull(self, body: int) -> Polytope:
+        given = self._model.bodies[body]
+        return Polytope(given.vertices, inflation_radius=given.radius)
+
+    def _refuse_sets_of_parts(self, lost: Sequence[int]) -> None:
+        """Raises if a pair without a proof has a set of parts, of which a proof knows the box alone."""
         for pair in lost:
-            bodies = self._checker.pairs[pair].tolist()
-            prepared = [self._checker.polytopes[body] for body in bodies]
-            if any(polytope is not None and polytope.solid is not None for polytope in prepared):
-                first, second = (self._checker.bodies[body].label for body in bodies)
-                raise PlannercheckError(
-                    f"this motion is free, but its proof is not: the hulls of {first} and {second} meet on it, and "
-                    "proofs of motions are of hulls so far"
-                )
+            if pair in self._of_sets:
+                raise self._not_found(pair, _ONLY_BOXES)
+
+    def _not_found(self, pair: int, why: str) -> PlannercheckError:
+        first, second = (self._model.bodies[k].label for k in self._model.pairs[pair])
+        return PlannercheckError(
+            f"this motion is free, but no proof of it was found, since of {first} and {second}: {why}"
+        )
+
+    def _of_solids(self, empty: Proof, start: Floats, end: Floats, path: MotionPath) -> tuple[Entry, ...]:
+        """The entries of all pairs; planes between parts of surfaces are sought here, not by the certifier."""
+        import flint
+
+        from plannercheck.proofs.entries import EntryChecker
+        from plannercheck.proofs.faults import UnprovedError
+
+        bits, flint.ctx.prec = flint.ctx.prec, 64
+        try:
+            verifier = EntryChecker(empty)
+            poses = _MotionPoses(self._checker, start, end, path)
+            return tuple(
+                entry
+                for pair in range(len(self._model.pairs))
+                for entry in self._entries_of_solids(verifier, pair, poses, empty.margin)
+            )
+        except UnprovedError:  # the verifier will refuse this motion and say why
+            return ()
+        finally:
+            flint.ctx.prec = bits
+
+    def _entries_of_solids(self, verifier: EntryChecker, pair: int, poses: _MotionPoses, margin: float) -> list[Entry]:
+        from plannercheck.proofs.faults import UnprovedError
+
+        radii = sum(self._model.bodies[k].radius for k in self._model.pairs[pair])
+        cover = SolidCover(verifier, self._parts, pair, poses, radii + margin)
+        found = cover.entries()
+        if cover.lost:
+            raise self._not_found(pair, "parts come too near to each other for planes between them")
+        try:
+            verifier.check_nesting(found)
+        except UnprovedError as why:
+            raise self._not_found(pair, f"one may be inside the other: {why}") from None
+        return found
 
     def _motion_result(
         self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath
     ) -> MotionResult | None:
         """The certifier's proofs of all pairs; None if the motion is not free or a pair has no proof."""
         try:
-            result = self._checker.certifier_of(path).motion_result(start, end, tolerance, True, asked_end)
+            certifier = self._checker.certifier_of(path)
+            result = certifier.motion_result(start, end, tolerance, not self._has_solids, asked_end)
         except PlannercheckError:  # rounding is too large a part of the tolerance
             return None
-        return result if result.free and result.proved_until == 1.0 else None
+        return result if result.free and (self._has_solids or result.proved_until == 1.0) else None
 
     def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
         ends = np.stack([start, end, asked_end])
@@ -133,6 +211,32 @@ class Builder:
         leverage = sum(abs(factor) for joint in self._model.joints for factor in joint.multipliers)
         part = _ROUNDING + _OFF_UNIT * off + 16 * 2.0**-53 * leverage * (1 + largest)
         return error + part * (1 + self._size)
+
+
+class _MotionPoses:
+    """Poses on a motion, kept by parameter: pairs ask at the same ones."""
+
+    def __init__(self, checker: CertifiedPairs, start: Floats, end: Floats, path: MotionPath) -> None:
+        self._checker, self._ends, self._states = checker, (start, end), checker.certifier_of(path).states
+        self._used = np.unique(checker.pairs)
+        self._known: dict[float, Poses] = {}
+
+    def at(self, t: float) -> Poses:
+        """World poses of the model's bodies and of links at a parameter."""
+        if t not in self._known:
+            q = self._states(*self._ends, np.array([t]))
+            self._known[t] = Poses(self._checker.body_poses(q)[0][self._used], self._checker.robot.link_poses(q)[0])
+        return self._known[t]
+
+
+def _refuse_half_spaces(checker: CertifiedPairs) -> None:
+    for first, second in checker.pairs.tolist():
+        for body, other in ((first, second), (second, first)):
+            if isinstance(checker.bodies[body].shape, HalfSpace):
+                raise PlannercheckError(
+                    "motions are proved free of half-spaces, but no proof is written, whose bodies have vertices: "
+                    f"{checker.bodies[other].label} is tested against {checker.bodies[body].label}, a half-space"
+                )
 
 
 def _size(model: Model) -> float:

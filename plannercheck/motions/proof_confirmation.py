@@ -23,9 +23,11 @@ from plannercheck.proofs.data import WORLD, Joint, Model, PosedBody
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.urdf_joints import UrdfJoint, UrdfTree, read_tree
 from plannercheck.robots.description import RobotDescription, description_of
+from plannercheck.robots.link_geometry import Geometry
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.urdf_file import MJCF_ROOT
 from plannercheck.scenes.scene import Scene
+from plannercheck.scenes.scene_paths import MeshKind
 
 # By the URDF's type, the kinds that a joint may have in a proof.
 _KINDS = {
@@ -40,28 +42,37 @@ _KINDS = {
 _AGREEMENT = 1e-12
 
 
-def confirm_model(model: Model, robot: str | RobotDescription, scene: str | None) -> None:
+def confirm_model(
+    model: Model,
+    robot: str | RobotDescription,
+    scene: str | None,
+    meshes: MeshKind = "hull",
+    geometry: Geometry | None = None,
+) -> None:
     """Compares a model with files.
 
     Args:
         model: The well-formed model of a proof in space.
         robot: Name of a shipped robot, or a robot YAML or URDF file, or a description.
         scene: Name of a shipped scene, or a scene file; None for the empty one.
+        meshes: What meshes of the scene are.
+        geometry: What meshes of the robot are; None for what its description says.
 
     Raises:
         UnprovedError: If they differ.
         PlannercheckError: If a file can't be read.
     """
     description = description_of(robot)
+    if geometry is not None:
+        description = dataclasses.replace(description, geometry=geometry)
     file = description.file
     if file.kind != MJCF_ROOT:
         whole = description.joints is None and description.group is None
         tree = read_tree(description.urdf, file.mended)
         _TreeComparison(model, tree, description.floating, whole).run()
     loaded = Robot.from_description(description)
-    known = space_model(
-        Checker(loaded, Scene("empty") if scene is None else Scene.load(scene, description.package_dirs))
-    )
+    obstacles = Scene("empty") if scene is None else Scene.load(scene, description.package_dirs, meshes=meshes)
+    known = space_model(Checker(loaded, obstacles))
     if file.kind == MJCF_ROOT:
         _compare_trees(model, known)
     _compare_columns(model, known)
@@ -188,6 +199,11 @@ def _compare_columns(model: Model, loaded: Model) -> None:
         )
 
 
+def _solids(model: Model) -> str:
+    """The labels of bodies that are solids, in words."""
+    return ", ".join(dict.fromkeys(body.label for body in model.bodies if body.triangles)) or "none"
+
+
 def _compare_bodies(model: Model, loaded: Model) -> None:
     known = {_key(loaded, body): index for index, body in enumerate(loaded.bodies)}
     found = []
@@ -197,9 +213,11 @@ def _compare_bodies(model: Model, loaded: Model) -> None:
             raise UnprovedError(f"body {body.name} ({body.label}) is not in the files, or stands elsewhere")
         found.append(index)
         other = loaded.bodies[index]
-        same = np.array_equal(body.vertices, other.vertices)
+        same = np.array_equal(body.vertices, other.vertices) and body.triangles == other.triangles
         if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
-            raise UnprovedError(f"body {body.name} ({body.label}) has another shape than in the files")
+            given, there = _solids(model), _solids(loaded)
+            why = "" if given == there else f": solids are {given} in the proof, and {there} in the files"
+            raise UnprovedError(f"body {body.name} ({body.label}) has another shape than in the files{why}")
     # Compared by index: a part of an obstacle may have the name of a link's geometry.
     proved = {frozenset((found[a], found[b])) for a, b in model.pairs}
     missing = [pair for pair in loaded.pairs if frozenset(pair) not in proved]

@@ -1,17 +1,23 @@
 """A checker's robot, scene and pairs as the plain data of a proof.
 
 In: a checker in space. Out: `Model`: the kernel's joint table in the URDF's terms, the bodies of all pairs with the
-vertices of their hulls, and all of the checker's pairs, unreachable ones included.
+vertices of their hulls, of solids their triangles, and all of the checker's pairs, unreachable ones included. For a set
+of parts stands a box that holds it; for a cloud, the box around its points, grown by the largest radius, which poses
+leave as it is.
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from plannercheck.bodies.circumscribed import BOX_SIGNS
+from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import GeometryObject
+from plannercheck.bodies.shapes import GeometryObject, Shape
+from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats, Ints
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Joint, Link, Model, PosedBody
@@ -26,6 +32,7 @@ _BALL_ROUNDS = 200
 
 # Balls are enlarged by this part: far above the rounding of doubles.
 _BALL_ROOM = 1 + 1e-12
+_NO_TRIANGLES = np.empty((0, 3), dtype=np.int64)
 
 
 class PosedPairs(Protocol):
@@ -86,18 +93,48 @@ def _body(checker: PosedPairs, k: int) -> PosedBody:
     body, polytope = checker.bodies[k], checker.polytopes[k]
     assert polytope is not None
     link = WORLD if body.link is None else checker.robot.link_index(body.link)
-    centre, reach = ball_around(polytope.vertices)
+    (vertices, radius), triangles = _convex(body.shape, polytope), _NO_TRIANGLES
+    if polytope.solid is not None:
+        assert isinstance(body.shape, Solid)
+        vertices, faces = body.shape.used
+        triangles = faces.astype(np.int64)[spatial_order(vertices, faces)]
+    centre, reach = ball_around(vertices)
     return PosedBody(
         body.name,
         body.label,
         link,
         _rows(body.pose[:3]),
-        polytope.vertices,
-        polytope.inflation_radius,
-        min(float(checker.paddings[k]), polytope.inflation_radius),
+        vertices,
+        radius,
+        min(float(checker.paddings[k]), radius),
         tuple(centre.tolist()),
         reach,
+        tuple((int(a), int(b), int(c)) for a, b, c in triangles.tolist()),
     )
+
+
+def _convex(shape: Shape, polytope: Polytope) -> tuple[Floats, float]:
+    """Vertices (n, 3) in m of a hull that holds a body, and how far around it that reaches; of most, the body."""
+    if not isinstance(shape, PointCloud) or shape.count == 0:
+        return polytope.vertices, polytope.inflation_radius
+    low, high = ([edge(column) for column in shape.points.T] for edge in (np.min, np.max))
+    corners = np.unique(np.where(BOX_SIGNS > 0, high, low), axis=0)
+    return corners, float(np.nextafter(shape.radius.max() + polytope.inflation_radius, np.inf))
+
+
+def spatial_order(vertices: Floats, triangles: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
+    """An order (n,) of triangles in which every half of a half lies close together: cut across the longest side."""
+    centres = vertices[triangles].mean(axis=1)
+    order, parts = np.arange(len(triangles)), [(0, len(triangles))]
+    while parts:
+        low, high = parts.pop()
+        if high - low > 1:
+            own = centres[order[low:high]]
+            axis = int(np.argmax(np.ptp(own, axis=0)))
+            order[low:high] = order[low:high][np.argsort(own[:, axis], kind="stable")]
+            middle = (low + high) // 2
+            parts += [(low, middle), (middle, high)]
+    return order
 
 
 def _rows(matrix: Floats) -> tuple[float, ...]:

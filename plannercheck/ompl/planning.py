@@ -30,6 +30,7 @@ from plannercheck.ompl.clearance import CLEARANCE_RESOLUTION, MaxMinClearance
 from plannercheck.ompl.motion_validators import Space
 from plannercheck.ompl.planar_space import PlanarSpace, sampled_curve
 from plannercheck.ompl.plans import Plan, joint_length
+from plannercheck.ompl.pose_space import PoseSpace
 from plannercheck.ompl.prepared_spaces import given_back, lent, space_information, space_of
 from plannercheck.ompl.simple_setup import SimpleSetup
 from plannercheck.ompl.start_and_goal import check_end_state, checked_end
@@ -221,6 +222,7 @@ def _search(
         simplification_time=spent,
         planner=planner,
         joint_names=robot.joint_names,
+        motion_path="slerp" if isinstance(space, PoseSpace) else "screw",
     )
 
 

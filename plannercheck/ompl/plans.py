@@ -20,6 +20,7 @@ from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.escaping import csv_cell
+from plannercheck.common.motion_paths import MotionPath, check_path
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,7 @@ class Plan(OwnsArrays):
         planner: The planner's name.
         reason: Why there is no path; empty if solved.
         joint_names: Names of the path's columns; of its joints, in their order, where some take several columns.
+        motion_path: How planar and floating joints move between configurations, as of `Checker.check_motion`.
     """
 
     solved: bool
@@ -46,6 +48,7 @@ class Plan(OwnsArrays):
     planner: str
     reason: str = ""
     joint_names: tuple[str, ...] = field(default=())
+    motion_path: MotionPath = "screw"
 
     def save(self, path: str | Path) -> None:
         """Writes the plan as .json, or the path alone as .npy or .csv; the suffix chooses the format."""
@@ -63,6 +66,7 @@ class Plan(OwnsArrays):
             width = max(joints, rows.shape[1]) if rows.ndim == 2 else joints
             values["path"] = rows.reshape(-1, width)
             values["joint_names"] = tuple(values["joint_names"])
+            check_path(values.get("motion_path", "screw"))
             return cls(**values)
         except BROKEN_FILE as error:
             raise PlannercheckError(f"file {str(path)!r} is no plan in JSON: {error!s:.200}") from None

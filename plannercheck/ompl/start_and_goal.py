@@ -26,11 +26,13 @@ class EndState:
         beyond: A text for each joint limit that is exceeded.
         pairs: Links with the links or obstacles they collide with, in the order of the checker's pair table.
         hint: What is probably wrong with the numbers, e.g. degrees; else empty.
+        met: The pairs as `reason` names them: of clouds and maps with the part that collides.
     """
 
     beyond: tuple[str, ...]
     pairs: tuple[tuple[str, str], ...]
     hint: str = ""
+    met: tuple[tuple[str, str], ...] = ()
 
     @property
     def accepted(self) -> bool:
@@ -41,7 +43,7 @@ class EndState:
         """Why it is not accepted, in a sentence that uses the given name; empty if it is accepted."""
         parts = [f"{name} is beyond the limits: {', '.join(self.beyond)}"] if self.beyond else []
         parts += [self.hint] if self.hint else []
-        collisions = ", ".join(f"{first} with {second}" for first, second in self.pairs)
+        collisions = ", ".join(f"{first} with {second}" for first, second in self.met)
         return "; ".join(parts + ([f"{name} collides: {collisions}"] if self.pairs else []))
 
 
@@ -59,7 +61,8 @@ def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
     ]
     collisions = () if checker.is_valid(q) else checker.explain(q).collisions
     pairs = dict.fromkeys((v.first, v.second) for v in collisions)
-    return EndState(tuple(beyond), tuple(pairs), degrees_hint(robot, q))
+    met = dict.fromkeys(v.names for v in collisions)
+    return EndState(tuple(beyond), tuple(pairs), degrees_hint(robot, q), tuple(met))
 
 
 def checked_end(checker: AnyChecker, q: Configuration, name: str) -> Floats:

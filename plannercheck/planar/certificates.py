@@ -121,7 +121,7 @@ class _Difference:
 _Nearest: TypeAlias = tuple[Integers, dict[_Difference, Fraction]]
 
 
-def _found(bodies: space.Bodies) -> Certificate:
+def _found(bodies: tuple[space.PosedBody, space.PosedBody]) -> Certificate:
     p, r = in_common_unit(*(IntegerHull(body.vertices, body.pose) for body in bodies))
     nearest, mixture = _on_point(_Difference(minus(p.point(0), r.point(0)), 0, 0))
     while any(nearest):

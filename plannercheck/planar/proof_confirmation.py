@@ -6,6 +6,7 @@ plannercheck's own format, so its loader is trusted here; its kinematics and its
 
 from __future__ import annotations
 
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.checker import Checker
 from plannercheck.planar.proof_builder import planar_model
 from plannercheck.planar.robot import Robot
@@ -15,18 +16,24 @@ from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.planar_proof import PlanarModel
 
 
-def confirm_model(model: PlanarModel, robot: str, scene: str | None) -> None:
+def confirm_model(
+    model: PlanarModel, robot: str, scene: str | None, meshes: str = "hull", geometry: object = None
+) -> None:
     """Compares a model with files, bit for bit, except the circles around bodies, which were checked before.
 
     Args:
         model: The well-formed model of a proof in the plane.
         robot: Name of a shipped planar robot, or a YAML file.
         scene: Name of a shipped planar scene, or a scene file; None for the empty one.
+        meshes: "hull": there are none in the plane.
+        geometry: None, likewise.
 
     Raises:
         UnprovedError: If they differ.
-        PlannercheckError: If a file can't be read.
+        PlannercheckError: If a file can't be read, or meshes are to be anything.
     """
+    if meshes != "hull" or geometry is not None:
+        raise PlannercheckError("robots and scenes in the plane have no meshes: leave out meshes= and geometry=")
     loaded = planar_model(Checker(Robot.load(robot), Scene("empty") if scene is None else Scene.load(scene)))
     for name, given, known in zip(("links", "bodies", "configurations"), _parts(model), _parts(loaded), strict=True):
         if given != known:

@@ -10,23 +10,26 @@ parameter t goes from 0 to 1, every joint of `model.joints` moves by itself from
   that leads from start to end, the turn being the short way; where it is "slerp": the position goes linearly, and the
   turn about one axis the short way at constant speed;
 
-and at every t the convex hulls of `vertices` of the two bodies of every pair of `model.pairs`, each inflated by its
-`radius`, are more than `margin` apart. Links are where exact kinematics of the given numbers puts them: placements as
-the affine maps that they are, axes as they are, the true sine and cosine. The paddings are parts of the radii. The
-margin covers the error of computed poses and states, so that the claim holds for `check_states` as well. The maker of a
-proof chooses the margin. Not proved are: that the margin is large enough for this; that the configurations are within
-limits; and, without `robot=` and `scene=`, that joints, bodies and pairs are those of a certain robot and scene.
+and at every t the two bodies of every pair of `model.pairs`, each inflated by its `radius`, are more than `margin`
+apart. A body without `triangles` is the convex hull of its `vertices`. One with triangles is these triangles and, if
+their directed edges cancel, all points around which they wind. Links are where exact kinematics of the given numbers
+puts them: placements as the affine maps that they are, axes as they are, the true sine and cosine. The paddings are
+parts of the radii. The margin covers the error of computed poses and states, so that the claim holds for `check_states`
+as well. The maker of a proof chooses the margin. Not proved are: that the margin is large enough for this; that the
+configurations are within limits; and, without `robot=` and `scene=`, that joints, bodies and pairs are those of a
+certain robot and scene.
 
 The same classes serve the plane, where `kind` is "plane", and model and motion are of `planar_proof`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from plannercheck.common.array_types import Floats
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.proofs.optional_fields import OPTIONAL
 from plannercheck.proofs.planar_proof import PlanarModel, PlanarMotion
 
 FORMAT, VERSION = "plannercheck motion proof", 1
@@ -80,18 +83,19 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class PosedBody:
-    """A convex body at its pose.
+    """A convex body, or a solid, at its pose.
 
     Attributes:
         name: Name of the collision geometry.
         label: The link, carried object or obstacle that it belongs to.
         link: Index of the link, -1 for the world.
         pose: Rows of the (3, 4) pose on the link or in the world, 12 numbers, m.
-        vertices: (n, 3) points whose hull it is, in its own frame, m.
+        vertices: (n, 3) points whose hull it is, in its own frame, m; of a solid the corners of its triangles.
         radius: How far around the hull it reaches, m: the radius of balls and capsules, plus padding.
         padding: The part of the radius that is padding, m.
         centre: (3,) of a ball in the body's frame that holds all vertices, m.
         reach: The ball's radius without `radius`, m.
+        triangles: Of a solid: indices of vertices. Entries name ranges of them.
     """
 
     name: str
@@ -103,6 +107,7 @@ class PosedBody:
     padding: float
     centre: tuple[float, ...]
     reach: float
+    triangles: tuple[tuple[int, int, int], ...] = field(default=(), metadata=OPTIONAL)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +162,9 @@ class Entry:
         frame: Index of the link in whose frame the direction is fixed, -1 for the world.
         direction: Three numbers (two in the plane) of any length but 0, from the second body to the first; none for
             balls.
+        first: Of the first body only these triangles, from the first index to before the second; empty for the hull of
+            all vertices. Only planes hold parts apart.
+        second: The same of the second body.
     """
 
     pair: int
@@ -165,6 +173,8 @@ class Entry:
     by: Literal["plane", "balls"]
     frame: int = WORLD
     direction: tuple[float, ...] = ()
+    first: tuple[int, ...] = field(default=(), metadata=OPTIONAL)
+    second: tuple[int, ...] = field(default=(), metadata=OPTIONAL)
 
 
 @dataclass(frozen=True)
@@ -214,7 +224,8 @@ class ProofData:
         model: The robot in its scene.
         motion: The motion.
         margin: Every gap exceeds this, m; it covers the error of computed poses and states.
-        entries: For every pair, intervals that tile [0, 1].
+        entries: For every pair, intervals that tile [0, 1]; or, where some are of parts of solids, intervals and parts
+            that together cover [0, 1] and all pairs of triangles.
     """
 
     kind: Literal["space", "plane"]

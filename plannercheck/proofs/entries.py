@@ -17,6 +17,8 @@ which is subtracted. Lengths in the frame differ from those of the world at most
 Balls: the same with centres in place of vertices and the reach added to the radii, in the frame of both bodies' lowest
 common joint, along a direction that is chosen here.
 
+Parts of solids: the same with the corners of some of their triangles.
+
 Vertices are multiplied with w in doubles: a sum of four products errs by at most 4 u of the sum of their sizes.
 """
 
@@ -31,9 +33,11 @@ from flint import arb, arb_mat
 
 from plannercheck.common.array_types import Floats
 from plannercheck.proofs.chains import Chains, off_rigid
+from plannercheck.proofs.covers import is_whole, pairs_in_parts
 from plannercheck.proofs.data import WORLD, Entry, Model, Motion, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.jets import affine, times, total
+from plannercheck.proofs.nesting import check_not_nested
 from plannercheck.proofs.well_formed import unreached
 
 # An interval is halved this often before its entry counts as false.
@@ -118,6 +122,7 @@ class EntryChecker:
             for body, pose in zip(model.bodies, poses, strict=True)
         ]
         self._balls: dict[int, Seen | None] = {}
+        self._parts: dict[tuple[int, ...], Seen] = {}
         self._margin = (proof.margin + self._end_shift(proof)) * _UP
 
     def check(self, index: int, entry: Entry) -> None:
@@ -135,7 +140,8 @@ class EntryChecker:
         radii = self._model.bodies[a].radius + self._model.bodies[b].radius
         if entry.by == "plane":
             direction = self._direction(entry.frame, entry.direction)
-            return self._apart(self._seen[a], self._seen[b], direction, radii, (entry.start, entry.end), deepest)
+            parts = self._part(a, entry.first), self._part(b, entry.second)
+            return self._apart(*parts, direction, radii, (entry.start, entry.end), deepest)
         first, second = self._ball(a), self._ball(b)
         if first is None or second is None:
             return False
@@ -154,6 +160,30 @@ class EntryChecker:
         joint = WORLD if frame == WORLD else self._model.links[frame].joint
         column = arb_mat(4, 1, [*numbers, 0])
         return _direction(joint, column if frame == WORLD else self._links[frame] * column)
+
+    def check_nesting(self, entries: Sequence[Entry]) -> None:
+        """Raises an `UnprovedError` where one body of a pair may be inside the other.
+
+        Where no entry is of both hulls, which are apart then, that is decided at the start.
+        """
+        apart = {entry.pair for entry in entries if is_whole(entry)}
+        for pair in sorted(pairs_in_parts(entries) - apart):
+            placed = []
+            for k in self._model.pairs[pair]:
+                seen = self._seen[k]
+                placed += [self._model.bodies[k], self._chains.at(0.0, WORLD, seen.joint) * seen.place]
+            check_not_nested(*placed)
+
+    def _part(self, body: int, triangles: tuple[int, ...]) -> Seen:
+        """The corners of some of a body's triangles; all vertices for none."""
+        seen = self._seen[body]
+        if not triangles:
+            return seen
+        key = (body, *triangles)
+        if key not in self._parts:
+            rows = np.unique(self._model.bodies[body].triangles[slice(*triangles)])
+            self._parts[key] = seen._replace(points=seen.points[rows])
+        return self._parts[key]
 
     def _ball(self, body: int) -> Seen | None:
         """The centre of a body's ball; None if it does not hold all vertices."""

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from dataclasses import fields, is_dataclass
+from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
+
+from plannercheck.proofs.optional_fields import given_fields
 
 
 def content_hash(*values: Any) -> str:
@@ -40,7 +42,7 @@ def _add(digest: hashlib._Hash, value: Any) -> None:
             digest.update(b"none")
         case _ if is_dataclass(value):
             digest.update(f"{type(value).__name__} ".encode())
-            for field in fields(value):
+            for field in given_fields(value):
                 _add(digest, getattr(value, field.name))
         case _:
             raise TypeError(f"no plain data: {type(value).__name__}")

@@ -14,6 +14,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 import numpy as np
 
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.proofs.optional_fields import given_fields, optional_names
 
 T = TypeVar("T")
 
@@ -21,7 +22,7 @@ T = TypeVar("T")
 def to_plain(value: Any) -> Any:
     """Dictionaries, lists, numbers and texts; arrays stay arrays."""
     if is_dataclass(value):
-        return {field.name: to_plain(getattr(value, field.name)) for field in fields(value)}
+        return {field.name: to_plain(getattr(value, field.name)) for field in given_fields(value)}
     return [to_plain(part) for part in value] if isinstance(value, tuple | list) else value
 
 
@@ -74,10 +75,11 @@ def _read(kind: Any, value: Any, where: str) -> Any:
 
 def _object(kind: Any, value: Any, where: str) -> Any:
     names = {field.name for field in fields(kind)}
-    if not isinstance(value, dict) or set(value) != names:
+    if not isinstance(value, dict) or not names - optional_names(kind) <= set(value) <= names:
         given = sorted(value) if isinstance(value, dict) else type(value).__name__
         raise PlannercheckError(f"{where} must have {', '.join(sorted(names))}, not {given!s:.200}")
-    return kind(**{name: _read(hint, value[name], f"{where}, {name}") for name, hint in _hints(kind).items()})
+    hints = {name: hint for name, hint in _hints(kind).items() if name in value}
+    return kind(**{name: _read(hint, value[name], f"{where}, {name}") for name, hint in hints.items()})
 
 
 def _sequence(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:

@@ -6,6 +6,7 @@ In: a result of `explain_motion` or `certify_motions`, or a file. Out: the same 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 
@@ -18,12 +19,21 @@ from plannercheck.proofs.verify import model_confirmed, verified
 class Proof(ProofData):
     """A motion and the proof that it is free; see `ProofData` for its attributes."""
 
-    def verify(self, robot: str | None = None, scene: str | None = None) -> Verification:
+    def verify(
+        self,
+        robot: str | None = None,
+        scene: str | None = None,
+        *,
+        meshes: str = "hull",
+        geometry: str | Mapping[str, str] | None = None,
+    ) -> Verification:
         """Confirms the claim in ball arithmetic, without the compiled core and the code that made the proof.
 
         Args:
             robot: If given, the model has to be that of this robot: the name of a shipped one, a YAML or a URDF file.
             scene: With `robot`: a shipped scene's name, or a file; None for the empty one.
+            meshes: What meshes of the scene are: "hull" or "solid".
+            geometry: What meshes of the robot are, as for `Robot.load`; None for what its YAML says.
 
         Returns:
             The verification; a proof with malformed numbers is not proved.
@@ -33,7 +43,7 @@ class Proof(ProofData):
         """
         found = verified(self)
         if found and robot is not None:
-            model = model_confirmed(self, robot, scene)
+            model = model_confirmed(self, robot, scene, meshes, geometry)
             return Verification(model.proved, model.fault, found.entries, found.seconds + model.seconds)
         return found
 

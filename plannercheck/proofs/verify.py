@@ -2,8 +2,9 @@
 
 In: a proof. Out: a `Verification`. It shares no function with the code that makes proofs, and none with the checker.
 The proof has to be well-formed (`well_formed.py`, `planar_well_formed.py`, `planar_curves.py`), its entries have to
-tile [0, 1] for every pair, and every entry has to hold (`entries.py`, `planar_entries.py`) with links posed by the
-proof's own table of joints (`chains.py`, `joint_motions.py`, `planar_paths.py`).
+tile [0, 1] for every pair, of solids all pairs of triangles (`covers.py`, `nesting.py`), and every entry has to hold
+(`entries.py`, `planar_entries.py`) with links posed by the proof's own table of joints (`chains.py`,
+`joint_motions.py`, `planar_paths.py`).
 """
 
 from __future__ import annotations
@@ -58,7 +59,9 @@ def _space(proof: ProofData) -> Callable[[int, Entry], None]:
 
     check_well_formed(proof)
     check_tiling(proof)
-    return EntryChecker(proof).check
+    checker = EntryChecker(proof)
+    checker.check_nesting(proof.entries)
+    return checker.check
 
 
 def _plane(proof: ProofData) -> Callable[[int, Entry], None]:
@@ -72,13 +75,17 @@ def _plane(proof: ProofData) -> Callable[[int, Entry], None]:
     return PlanarEntryChecker(proof).check
 
 
-def model_confirmed(proof: ProofData, robot: Any, scene: str | None) -> Verification:
+def model_confirmed(
+    proof: ProofData, robot: Any, scene: str | None, meshes: str = "hull", geometry: Any = None
+) -> Verification:
     """Whether a proof's model is that of files; entries are not checked.
 
     Args:
         proof: In space or in the plane.
         robot: A shipped robot's name, a YAML or a URDF file, or its description.
         scene: A shipped scene's name or a file; None for the empty one.
+        meshes: What meshes of the scene are: "hull" or "solid".
+        geometry: What meshes of the robot are, as for `Robot.load`; None for what its file says.
 
     Returns:
         Whether it is, or the first difference.
@@ -89,7 +96,7 @@ def model_confirmed(proof: ProofData, robot: Any, scene: str | None) -> Verifica
     began, fault = time.perf_counter(), None
     try:
         _check_well_formed(proof)
-        model_comparison(proof.kind)(proof.model, robot, scene)
+        model_comparison(proof.kind)(proof.model, robot, scene, meshes, geometry)
     except UnprovedError as found:
         fault = str(found)
     return Verification(fault is None, fault, 0, time.perf_counter() - began)

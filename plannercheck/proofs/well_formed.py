@@ -14,7 +14,8 @@ import numpy as np
 from flint import arb
 
 from plannercheck.common.motion_paths import PATHS
-from plannercheck.proofs.data import JOINT_VALUES, WORLD, Entry, Hashes, Joint, Model, Motion, ProofData
+from plannercheck.proofs.covers import check_covers, pairs_in_parts
+from plannercheck.proofs.data import JOINT_VALUES, WORLD, Entry, Hashes, Joint, Model, Motion, PosedBody, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.numbers_of_proofs import (
@@ -56,16 +57,20 @@ def hashes_of(model: Model) -> Hashes:
 
 
 def check_tiling(proof: ProofData) -> None:
-    """Raises a `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is."""
+    """Raises a `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
+
+    Those of a pair in parts have to cover it, in any order.
+    """
     assert isinstance(proof.model, Model)
     links = len(proof.model.links)
+    check_covers(proof.model, proof.entries)
 
     def check_entry(entry: Entry, k: int) -> None:
         if entry.by == "plane" and not (len(entry.direction) == 3 and WORLD <= entry.frame < links):
             raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
         check_numbers(entry.direction, f"direction of entry {k}")
 
-    check_tiled(proof.entries, len(proof.model.pairs), check_entry, "1")
+    check_tiled(proof.entries, len(proof.model.pairs), check_entry, "1", covered=pairs_in_parts(proof.entries))
 
 
 def _check_margin(margin: float) -> None:
@@ -129,6 +134,17 @@ def _check_bodies(model: Model) -> None:
         if not 0 <= body.padding <= body.radius or body.reach < 0:
             raise UnprovedError(f"{what} has a negative length, or a padding beyond its radius")
         check_vertices(body.vertices, 3, what)
+        _check_triangles(body, what)
+
+
+def _check_triangles(body: PosedBody, what: str) -> None:
+    """Corners have to be there, and no two vertices the same: a surface is closed or open by its indices."""
+    if not body.triangles:
+        return
+    if not all(0 <= k < len(body.vertices) for triangle in body.triangles for k in triangle):
+        raise UnprovedError(f"{what} has a triangle with a corner that there is not")
+    if len(np.unique(body.vertices + 0.0, axis=0)) < len(body.vertices):  # -0 is 0
+        raise UnprovedError(f"{what} has a vertex twice")
 
 
 def _check_ends(model: Model, motion: Motion) -> None:

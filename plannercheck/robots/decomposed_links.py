@@ -13,7 +13,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.convex_decomposition import Decomposition, Pieces, hull_volume, pieces_of
+from plannercheck.bodies.convex_decomposition import Decomposition, pieces_of
+from plannercheck.bodies.pieces import Pieces, hull_volume
 from plannercheck.bodies.shapes import GeometryObject, Hull
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
 from plannercheck.common.errors import unknown_name
@@ -67,9 +68,12 @@ def _chosen_mesh(
     is_named = kind == "pieces" or (kind is None and body.link in ((options and options.links) or ()))
     is_asked = is_named or (kind is None and options is not None and options.links is None)
     mesh = triangles_of_coal(geometry.geometry) if is_asked and isinstance(body.shape, Hull) else None
-    if mesh is None or is_named:
-        return mesh
-    return mesh if mesh.volume is None or hull_volume(mesh.points) > (1 + LEAST_EXCESS) * mesh.volume else None
+    return mesh if mesh is None or is_named or is_concave(mesh) else None
+
+
+def is_concave(mesh: TriangleMesh) -> bool:
+    """Whether a mesh is decomposed without its link being named: it is concave, or may be, since it is open."""
+    return mesh.volume is None or hull_volume(mesh.points) > (1 + LEAST_EXCESS) * mesh.volume
 
 
 def _bodies(body: GeometryObject, pieces: Pieces) -> list[GeometryObject]:

@@ -17,6 +17,7 @@ In: a name or a path. Out: `RobotDescription`, all that `Robot` is built from, w
       threshold: 0.05          # optional, concavity that a piece may have; small ones make many pieces
       most_pieces: 16          # optional, of one mesh
       slack: 0.001             # optional, m: pieces grow by about this to hold the mesh
+      time_limit: 600          # optional, s: a mesh that CoACD does not split within it keeps its hull
     disabled_pairs:            # optional, links that are not tested against each other, and why
       - reason: adjacent
         pairs: [[link1, link2], ...]
@@ -198,9 +199,9 @@ def _decomposition(value: Any) -> Decomposition | None:
         return None
     with error_context("convex_decomposition"):
         options = {} if value is True else mapping(value, "it")
-        check_keys(options, ("links", "threshold", "most_pieces", "slack", "seed"))
+        check_keys(options, ("links", "threshold", "most_pieces", "slack", "seed", "time_limit"))
         links = [text(link, "links") for link in sequence(options.get("links"), "links")] or None
-        sizes = {key: number(options[key], key) for key in ("threshold", "slack") if key in options}
+        sizes = {key: number(options[key], key) for key in ("threshold", "slack", "time_limit") if key in options}
         counts = {key: int(number(options[key], key)) for key in ("most_pieces", "seed") if key in options}
         return Decomposition(None if links is None else tuple(links), **sizes, **counts)  # type: ignore[arg-type]
 

@@ -14,7 +14,8 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import pinocchio as pin
 
-from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
+from plannercheck.bodies.convex_decomposition import Decomposition
+from plannercheck.bodies.pieces import Pieces
 from plannercheck.bodies.shapes import GeometryObject, Hull
 from plannercheck.bodies.solids import OPEN_WORDS, Solid
 from plannercheck.bodies.triangle_meshes import corners_of_coal
@@ -53,7 +54,7 @@ def with_geometry(
     meshes: pin.GeometryModel,
     geometry: Geometry | None,
     decomposition: Decomposition | None,
-) -> tuple[tuple[GeometryObject, ...], Pairs, Mapping[str, Pieces]]:
+) -> tuple[tuple[GeometryObject, ...], Pairs, Mapping[str, Pieces], tuple[str, ...]]:
     """Gives links the geometry that is asked for.
 
     Args:
@@ -64,7 +65,8 @@ def with_geometry(
         decomposition: Which links to decompose, and how.
 
     Returns:
-        Bodies, pairs of them, and the pieces by name of the body that they replace.
+        Bodies, pairs of them, the pieces by name of the body that they replace, and the links that keep their hulls
+        although solids are asked for, since their meshes are not closed.
     """
     kinds = dict(geometry) if isinstance(geometry, Mapping) else {}
     known = {str(body.link) for body in bodies}
@@ -72,20 +74,21 @@ def with_geometry(
         if link not in known:
             raise unknown_name("link with a geometry", link, sorted(known))
     wanted = geometry if isinstance(geometry, str) else None
+    kept: tuple[str, ...] = ()
     if wanted == "solid" or "solid" in kinds.values():
-        bodies = _with_solids(bodies, meshes, kinds, wanted == "solid")
+        bodies, kept = _with_solids(bodies, meshes, kinds, wanted == "solid")
     options = decomposition if wanted in (None, "pieces") else None
     if options is None and wanted == "pieces":
         options = Decomposition()
     if options is None and "pieces" not in kinds.values():
-        return bodies, pairs, {}
-    return decomposed(bodies, pairs, meshes, options, kinds)
+        return bodies, pairs, {}, kept
+    return *decomposed(bodies, pairs, meshes, options, kinds), kept
 
 
 def _with_solids(
     bodies: tuple[GeometryObject, ...], meshes: pin.GeometryModel, kinds: Mapping[str, GeometryKind], all_links: bool
-) -> tuple[GeometryObject, ...]:
-    """The bodies, those that are meshes of the chosen links as solids; equal meshes share one."""
+) -> tuple[tuple[GeometryObject, ...], tuple[str, ...]]:
+    """The bodies, those of chosen links as solids, of which equal meshes share one; the links that keep their hulls."""
     found, kept, known = [], [], dict[bytes, Solid]()
     for body, each in zip(bodies, meshes.geometryObjects, strict=True):
         named = kinds.get(str(body.link))
@@ -102,12 +105,12 @@ def _with_solids(
         if not solid.is_closed:
             warnings.warn(f"link {body.link!r}: its mesh {each.meshPath} {OPEN_WORDS}", RuntimeWarning, stacklevel=7)
         found.append(replace(body, shape=solid))
-    if kept:
-        links = list(dict.fromkeys(kept))
+    links = tuple(dict.fromkeys(kept))
+    if links:
         warnings.warn(
             f"meshes of {', '.join(links)} are not closed, so they keep their hulls: name a link, "
-            f"geometry={{{links[0]!r}: 'solid'}}, to take the triangles alone",
+            f"geometry={{{links[0]!r}: 'solid'}} or --geometry {links[0]}=solid, to take the triangles alone",
             RuntimeWarning,
             stacklevel=7,
         )
-    return tuple(found)
+    return tuple(found), links

@@ -15,8 +15,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from plannercheck.bodies.convex_decomposition import Decomposition, Pieces
+from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.objects import SceneObject
+from plannercheck.bodies.pieces import Pieces
 from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.common.arrays import read_only
 from plannercheck.common.checked_yaml import error_context
@@ -55,6 +56,7 @@ class RobotParts:
         joints: The joints of the group, in order; None for the whole robot.
         carried: Objects that links carry.
         pieces: The pieces of decomposed bodies, by name of the body.
+        open_links: Links that keep their hulls although solids are asked for, since their meshes are not closed.
         memory: What has been computed of robots with these files.
     """
 
@@ -70,6 +72,7 @@ class RobotParts:
     joints: tuple[str, ...] | None
     carried: tuple[SceneObject, ...] = ()
     pieces: Mapping[str, Pieces] = field(default_factory=dict)
+    open_links: tuple[str, ...] = ()
     memory: RobotMemory = field(default_factory=RobotMemory)
 
 
@@ -129,9 +132,10 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
     if urdf.kind == MJCF_ROOT:
         pairs = of_meeting_masks(pairs, model, geometry, urdf.root)
     pieces: Mapping[str, Pieces] = {}
+    open_links: tuple[str, ...] = ()
     if description.decomposition is not None or description.geometry is not None:
         asked = description.geometry, description.decomposition
-        bodies, pairs, pieces = with_geometry(bodies, pairs, geometry, *asked)
+        bodies, pairs, pieces, open_links = with_geometry(bodies, pairs, geometry, *asked)
     return RobotParts(
         name=description.name or model.name or urdf.path.stem,
         model=model,
@@ -139,6 +143,7 @@ def robot_parts(description: RobotDescription, reference: Reference) -> RobotPar
         bodies=bodies,
         pairs=pairs,
         pieces=pieces,
+        open_links=open_links,
         disabled_pairs=disabled,
         mimics=mimics,
         values=given_values(model, description.values or reference),

@@ -20,14 +20,17 @@ from numpy.typing import ArrayLike
 
 from plannercheck.bodies.convex_decomposition import Decomposition
 from plannercheck.bodies.objects import SceneObject
+from plannercheck.bodies.shapes import DEFAULT_EXCESS
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import read_only
+from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.checked_yaml import error_context
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.common.public_names import set_module
 from plannercheck.robots.carried_objects import carried_pairs, check_objects
 from plannercheck.robots.configurations import ConfigurationMap, followed
 from plannercheck.robots.description import RobotDescription, description_of
 from plannercheck.robots.link_geometry import Geometry
+from plannercheck.robots.link_points import LinkPoints, checked_points
 from plannercheck.robots.link_tree import LinkTree
 from plannercheck.robots.loading import Reference, RobotParts, posed, robot_parts, urdf_description
 from plannercheck.robots.objects_in_frames import placed
@@ -55,6 +58,7 @@ class Robot(PosedRobot):
         carried: Objects that links carry.
         pieces: The pieces of decomposed bodies, by name of the body.
         disabled_pairs: Pairs of links that the robot's YAML leaves out, with reasons.
+        open_links: Links that keep their hulls although solids are asked for, since their meshes are not closed.
         reference: (nq,) the group's reference configuration, rad and m.
         model: Pinocchio's model.
     """
@@ -64,7 +68,7 @@ class Robot(PosedRobot):
         values = all_values(model, parts.values, parts.mimics)
         self._parts = parts
         self.name, self.model, self.group = parts.name, model, parts.group
-        self.disabled_pairs, self.pieces = parts.disabled_pairs, parts.pieces
+        self.disabled_pairs, self.pieces, self.open_links = parts.disabled_pairs, parts.pieces, parts.open_links
         given = tuple((name, value.tobytes()) for name, value in values.items())
         self._map, self.reference, self._forward = parts.memory.recall(
             ("posed", parts.joints, given), partial(posed, parts, values)
@@ -244,6 +248,32 @@ class Robot(PosedRobot):
         other._parts = replace(self._parts, carried=placed(self, objects))
         other._carry(other._parts.carried)
         return other
+
+    def remove_own_points(self, points: ArrayLike, q: Configuration, margin: float = 0.0) -> Floats:
+        """The points of a cloud that are not the robot's own: those further than a margin from all of its bodies.
+
+        Args:
+            points: (n, 3) in the world, m.
+            q: (nq,) the configuration at which they were seen, rad and m, or each joint's value by its name.
+            margin: m.
+
+        Returns:
+            (k, 3) in their order: the points whose distance from every link, and from what it carries, exceeds the
+            margin, exactly.
+
+        Raises:
+            PlannercheckError: If points are not finite or have another shape, or if the margin is negative.
+        """
+        rows = checked_points(points)
+        poses = self.link_poses(q).reshape(-1, len(self.link_names), 4, 4)
+        if len(poses) != 1:
+            raise PlannercheckError(f"points are seen at one configuration ({self.nq},), not at {len(poses)}")
+        return rows[~self.link_points().near(poses[0], rows, margin)]
+
+    def link_points(self, excess: float = DEFAULT_EXCESS) -> LinkPoints:
+        """The bodies of all links, prepared for tests with points; `excess` as for `Checker`."""
+        links = [self.link_index(str(body.link)) for body in self.bodies]
+        return self.remembered(("points", excess), lambda: LinkPoints(self.bodies, links, excess))
 
     def _carry(self, objects: tuple[SceneObject, ...]) -> None:
         own, pairs = self._parts.bodies, self._parts.pairs

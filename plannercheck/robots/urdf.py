@@ -23,7 +23,7 @@ from plannercheck.bodies.given_shapes import sized_shape_of_coal
 from plannercheck.bodies.mesh_files import check_mesh, mesh_hint
 from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.common.checked_yaml import error_context
-from plannercheck.common.errors import PlannercheckError
+from plannercheck.common.errors import PlannercheckError, with_article
 from plannercheck.common.package_data import is_file
 from plannercheck.common.package_files import folders_above, package_file, where_sought
 from plannercheck.common.silence import urdf_silence
@@ -239,8 +239,8 @@ def _hull_of(geometry: pin.GeometryObject) -> Hull:
     if points is None:
         kind = type(geometry.geometry).__name__
         raise PlannercheckError(
-            f"collision geometry {geometry.name!r} is a {kind}; "
-            "known are boxes, spheres, cylinders, capsules, cones and meshes"
+            f"collision geometry {geometry.name!r} is {with_article(kind)}; "
+            "known are boxes, spheres, ellipsoids, cylinders, capsules, cones and meshes"
         )
     try:
         hull = Hull(points)

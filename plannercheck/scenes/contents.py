@@ -14,13 +14,17 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from plannercheck.bodies.half_spaces import check_stands_still
 from plannercheck.bodies.meshes import load_mesh
 from plannercheck.bodies.objects import Part, Parts, SceneFrames, SceneObject, scene_object, unplaced
-from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Sphere
+from plannercheck.bodies.part_sets import PartSet
+from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Hull, Shape, Sphere
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools
-from plannercheck.common.errors import PlannercheckError, unknown_name
+from plannercheck.common.checked_yaml import error_context
+from plannercheck.common.errors import PlannercheckError, unknown_name, with_article
 from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.sensor_frames import next_frame
 
 Contents = TypeVar("Contents", bound="SceneContents")
 
@@ -172,6 +176,25 @@ class SceneContents(DeclaredStates):
         table = self._table_of(name)
         table[name] = table[name].moved(pose)
 
+    def update(self, name: str, frame: ArrayLike | PartSet) -> None:
+        """Replaces what a sensor has seen, in place, where the object stands; the cost is the frame's, not the scene's.
+
+        Checkers that were built before, and copies of the scene, keep the frame before. `checker.with_scene(scene)`
+        then prepares nothing but the new frame.
+
+        Args:
+            name: An object of one shape, which is a cloud, an octree, a voxel grid or a height field.
+            frame: Points (n, 3) in the object's frame, m, of a cloud, whose radius they get; cells (i, j, k) of a voxel
+                grid; heights (i, j), m, of a height field; or another shape of the same kind.
+        """
+        table = self._table_of(name)
+        item = table[name]
+        if len(item.parts) != 1:
+            raise PlannercheckError(f"object {name!r} has {len(item.parts)} shapes: only objects of one are updated")
+        with error_context(f"object {name!r}"):
+            shape = next_frame(item.parts[0].shape, frame)
+        table[name] = item.reshaped((Part(shape, item.parts[0].pose),))
+
     def remove(self, name: str) -> None:
         """Removes an object with all its parts, from the world or from its link."""
         self._taken(name)
@@ -201,6 +224,9 @@ class SceneContents(DeclaredStates):
             touch_links: Links, or other attached objects, that it may touch.
             parts: For a new object, its shape or posed shapes, as for `add`.
         """
+        if isinstance(pose, Shape):  # `add` takes them in this place
+            check_stands_still(name, link, [pose])
+            raise PlannercheckError(f"pose of {name!r} is {with_article(type(pose).__name__)}: give shapes by parts=")
         if parts is None and name not in self._objects:
             raise unknown_name("object to attach", name, self._objects)
         item = self._objects[name] if parts is None else scene_object(name, parts)

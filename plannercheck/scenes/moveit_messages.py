@@ -16,6 +16,9 @@ from plannercheck.common.transforms import pose_of, rotation_of_quaternion
 
 Matrix = NDArray[np.float64]
 
+# The octomap's name among the objects, which no other object may have (`PlanningScene::OCTOMAP_NS`).
+OCTOMAP = "<octomap>"
+
 _DASHES = b"\n---"
 _NO_TURN = [0.0, 0.0, 0.0, 1.0]
 
@@ -51,6 +54,12 @@ def is_all_zeros(node: Node) -> bool:
     """Whether a pose is ROS 1's unset one: everything zero, the quaternion as well."""
     shift = vector(node.get("position") or [0.0] * 3, "position", "xyz")
     return not any(shift) and not any(vector(node.get("orientation") or _NO_TURN, "orientation", "xyzw"))
+
+
+def object_pose(node: Node) -> Matrix:
+    """An object's own pose; all zeros means an unset pose, hence the identity, as with Eigen in MoveIt."""
+    with error_context("pose"):
+        return np.eye(4) if not node or is_all_zeros(node) else pose(node)
 
 
 def header_frame(node: Node) -> str:

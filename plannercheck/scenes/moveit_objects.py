@@ -17,7 +17,15 @@ from plannercheck.bodies.objects import Part
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Shape, Sphere
 from plannercheck.common.checked_yaml import Node, check_keys, error_context, mapping, numbers, required, sequence, text
 from plannercheck.common.errors import PlannercheckError, unknown_name
-from plannercheck.scenes.moveit_messages import header_frame, is_all_zeros, pose, subframe_poses, vector
+from plannercheck.scenes.moveit_messages import (
+    OCTOMAP,
+    header_frame,
+    is_all_zeros,
+    object_pose,
+    pose,
+    subframe_poses,
+    vector,
+)
 from plannercheck.scenes.scene_meshes import shape_of_file, shape_of_triangles
 from plannercheck.scenes.scene_paths import FindFile
 
@@ -78,6 +86,8 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
     name = text(required(node, "id"), "id")
     with error_context(f"collision object {name!r}"):
         check_keys(node, _OBJECT_KEYS)
+        if name == OCTOMAP:
+            raise PlannercheckError("this id is the octomap's, and refused by MoveIt, too: choose another name")
         for key in ("planes", "plane_poses"):
             if sequence(node.get(key), f"'{key}'"):
                 raise PlannercheckError("planes are not supported: give a box as thick as the robot's reach instead")
@@ -85,19 +95,13 @@ def read_object(node: Node, find_file: FindFile) -> ObjectMessage:
             raise PlannercheckError(f"operation must be 0 (add) in a whole scene, not {node['operation']!r}")
         own = mapping(node.get("pose"), "'pose'")
         subframes = subframe_poses(node)
-        placed = _object_pose(own)
+        placed = object_pose(own)
         posed = [(_primitive(p), q) for p, q in _posed(node, "primitives", "primitive_poses")]
         posed += [(_mesh(m, find_file), q) for m, q in _posed(node, "meshes", "mesh_poses")]
         frame = header_frame(node)
     if len(posed) == 1 and (not own or (np.array_equal(placed, np.eye(4)) and not is_all_zeros(own))):
         return ObjectMessage(name, (Part(posed[0][0]),), posed[0][1], frame, subframes)
     return ObjectMessage(name, tuple(Part(shape, q) for shape, q in posed), placed, frame, subframes)
-
-
-def _object_pose(node: Node) -> Matrix:
-    """An object's own pose; all zeros means an unset pose, hence the identity, as with Eigen in MoveIt."""
-    with error_context("pose"):
-        return np.eye(4) if not node or is_all_zeros(node) else pose(node)
 
 
 def _posed(node: Node, shapes: str, poses: str) -> list[tuple[Node, Matrix]]:

@@ -4,8 +4,8 @@ In: parsed YAML, a scene without objects. Out: the scene as MoveIt would have it
 
 Objects are posed in the frame that their header names (moveit_frames.py), and their primitives and meshes relative to
 the object (moveit_objects.py). docs/reference/moveit.md lists for every field of the messages whether it is used,
-refused or ignored. Unsupported fields that would change verdicts raise an error (planes, octomaps, moved virtual
-joints) or a warning (link scales, scenes that are diffs). Two things are used of the robot's state: attached objects,
+refused or ignored. Unsupported fields that would change verdicts raise an error (planes, moved virtual joints) or a
+warning (link scales, scenes that are diffs). Two things are used of the robot's state: attached objects,
 and the poses of links in whose frames objects are posed. Link padding is kept as `scene.link_padding`, for
 `Checker(padding=)`.
 """
@@ -24,6 +24,7 @@ from plannercheck.scenes.moveit_attached import attach_from_world, attach_with_s
 from plannercheck.scenes.moveit_frames import find_frame, scene_frames
 from plannercheck.scenes.moveit_matrix import allowed_collisions
 from plannercheck.scenes.moveit_objects import ObjectMessage, read_object
+from plannercheck.scenes.moveit_octomap import read_octomap_message
 from plannercheck.scenes.moveit_states import check_robot_state, stated_joints
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
 
@@ -77,7 +78,6 @@ def read_planning_scene(
     _warn_of_diff(document)
     world = mapping(document.get("world"), "'world'")
     check_keys(world, _WORLD_KEYS)
-    _refuse_octomap(mapping(world.get("octomap"), "'octomap'"))
     find_file = FindFile(folder, package_dirs, meshes)
     obstacles = []
     for k, item in enumerate(sequence(world.get("collision_objects"), "'collision_objects'")):
@@ -85,6 +85,9 @@ def read_planning_scene(
             node = mapping(item, "it")
             required(node, "id")
         obstacles.append(read_object(node, find_file))
+    with error_context("world: octomap"):
+        octomap = read_octomap_message(mapping(world.get("octomap"), "it"))
+    obstacles += [] if octomap is None else [octomap]
     _add_objects(scene, state, obstacles, find_file)
     with error_context("allowed_collision_matrix"):
         scene.allowed = allowed_collisions(mapping(document.get("allowed_collision_matrix"), "it"))
@@ -150,9 +153,3 @@ def _warn_of_diff(document: Node) -> None:
     """Warns if the scene is only what changes in another one."""
     if document.get("is_diff") not in (None, False, 0):
         warnings.warn("the scene is a diff (is_diff): what it changes is not in it, and taken as empty", stacklevel=2)
-
-
-def _refuse_octomap(node: Node) -> None:
-    data = mapping(node.get("octomap"), "'octomap'").get("data")
-    if data:
-        raise PlannercheckError("world: octomaps are not supported, only collision_objects")

@@ -38,6 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.objects import Part, SceneObject, scene_object, unplaced
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
 from plannercheck.bodies.solids import Solid
@@ -46,6 +47,7 @@ from plannercheck.common.checked_yaml import error_context
 from plannercheck.common.errors import PlannercheckError, shortened, unknown_name
 from plannercheck.common.transforms import pose_of, quaternion_of_rotation, rotation_of_quaternion
 from plannercheck.scenes.contents import SceneContents
+from plannercheck.scenes.moveit_messages import OCTOMAP
 from plannercheck.scenes.scene_meshes import shape_of_triangles
 from plannercheck.scenes.scene_paths import MeshKind
 
@@ -229,11 +231,13 @@ def scene_text(scene: SceneContents) -> str:
     Reading the file gives the same sizes and positions; rotations, written as quaternions, are rounded.
 
     Raises:
-        PlannercheckError: For a capsule or a flat hull, which MoveIt does not have, and for names that can't be read
-            back.
+        PlannercheckError: For a capsule, a flat hull, a cloud or a map, which MoveIt does not have, and for names that
+            can't be read back.
     """
     lines = [_single_line(scene.name, "the scene's name")]
     for item in scene.objects:
+        if item.name == OCTOMAP:  # MoveIt leaves it out, too
+            continue
         with error_context(f"object {item.name!r}"):
             lines += _object_lines(item)
     _warn_of_the_rest(scene)
@@ -267,7 +271,8 @@ def _shape_lines(shape: Shape) -> list[str]:
             return _mesh_lines(hull.vertices, hull.faces)
         case Solid():
             return _mesh_lines(*shape.used)
-    raise PlannercheckError(f"MoveIt has no {type(shape).__name__.lower()}: a {SUFFIX} file can't hold it")
+    kind = type(shape).__name__ if isinstance(shape, PartSet) else type(shape).__name__.lower()
+    raise PlannercheckError(f"MoveIt has no {kind}: a {SUFFIX} file can't hold it")
 
 
 def _mesh_lines(points: Floats, triangles: Ints) -> list[str]:
@@ -294,6 +299,7 @@ def _single_line(name: str, what: str) -> str:
 
 def _warn_of_the_rest(scene: SceneContents) -> None:
     held = {
+        "octomap": OCTOMAP in scene.object_names,
         "attached objects": scene.attached,
         "allowed collisions": scene.allowed.pairs or scene.allowed.defaults,
         "states": scene.states,

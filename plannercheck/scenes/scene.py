@@ -30,6 +30,19 @@ A scene file is YAML; lengths are in m, angles in rad, paths relative to the fil
       - name: mug
         solid: {file: mug.stl, scale: 0.001}   # the mesh as it is, concave; or solid: mug.stl, or vertices and
                                                # triangles, three indices of vertices each
+      - name: camera                           # what sensors see; these may be the name of a file alone, of which an
+        cloud: {file: frame.ply, radius: 0.01} # npz may hold the other keys, too; ply, pcd, npy, npz, xyz, txt, csv;
+                                               # invalid: drop leaves points out that are NaN
+      - name: map
+        octree: {file: map.bt, unknown: free}  # or occupied; OctoMap's .bt or .ot; threshold: 0.5
+      - name: grid
+        voxels: {file: grid.npy, resolution: 0.05, origin: [0, 0, 0]}   # in an npz, the array is `occupied`
+      - name: ground
+        height_field: {file: heights.npy, resolution: 0.1, base: -1, origin: [0, 0]}   # in an npz, `heights`
+      - name: egg
+        ellipsoid: {radii: [0.03, 0.03, 0.04]} # along x, y, z; excess: 0.001 is how far its polytope sticks out
+      - name: floor
+        half_space: {normal: [0, 0, 1], offset: 0}   # all points with normal · x <= offset; no link can carry it
       - name: wedge
         hull: {vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}   # or {file: wedge.npy}
         matrix: [[1, 0, 0, 0.2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]   # instead of the above
@@ -105,6 +118,9 @@ class Scene(SceneContents):
 
     def save(self, path: str | Path) -> None:
         """Writes the scene in our own format; reading it gives the same doubles.
+
+        Clouds, octrees, voxel grids and height fields that are of no file are written beside it, each to a file of its
+        own that no earlier scene names; then the scene. If anything fails, what was there stays.
 
         A path that ends in `.scene` gets MoveIt's text format, which holds obstacles only, with rotations as
         quaternions, and no capsules.

@@ -6,14 +6,18 @@ is read by moveit_scene.py, a file that ends in `.scene` by moveit_text.py.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from plannercheck.bodies.ellipsoids import ELLIPSOID_EXCESS, Ellipsoid
+from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.objects import Part, SceneObject, unplaced
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Shape, Sphere, checked_pose
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.atomic_files import write_atomically
@@ -37,9 +41,11 @@ from plannercheck.scenes import moveit_scene as moveit
 from plannercheck.scenes import moveit_text
 from plannercheck.scenes.contents import SceneContents
 from plannercheck.scenes.declared_states import DeclaredStates
+from plannercheck.scenes.files_beside import FilesBeside
 from plannercheck.scenes.moveit_messages import single_document
 from plannercheck.scenes.scene_meshes import Source, read_hull, read_mesh, read_solid
 from plannercheck.scenes.scene_paths import FindFile, MeshKind
+from plannercheck.scenes.sensed_shapes import SENSED_KEYS, SensedSource, read_sensed, sensed_kind, sensed_node
 
 # Keys of pairs, and whether the pairs may touch. Pairs of links have keys of their own, so that a misspelt object does
 # not pass for a link.
@@ -49,14 +55,17 @@ _SCENE_KEYS = ("name", "objects", "attached", *_PAIRS, "allowed_by_default", "st
 _STATE_KEYS = ("start", "goal", "samples")
 _POSE_KEYS = ("position", "quaternion", "rpy", "matrix")
 
-# The keys of a shape's mapping, by the shape's key in a file; meshes and hulls have readers of their own.
+# The keys of a shape's mapping, by the shape's key in a file; meshes, hulls and sensed shapes have their own readers.
 _SIZED: dict[str, tuple[Callable[..., Shape], tuple[str, ...]]] = {
     "sphere": (Sphere, ("radius",)),
     "cylinder": (Cylinder, ("radius", "length")),
     "capsule": (Capsule, ("radius", "length")),
     "cone": (Cone, ("radius", "length")),
 }
-_SHAPE_KEYS = ("box", *_SIZED, "mesh", "hull", "solid")
+_SHAPE_KEYS = ("box", *_SIZED, "ellipsoid", "half_space", "mesh", "hull", "solid", *SENSED_KEYS)
+
+# Shapes that may be the name of their file alone.
+_NAMED = ("solid", *SENSED_KEYS)
 
 
 def read_scene(scene: SceneContents, path: Path, package_dirs: Sequence[Path] = (), meshes: MeshKind = "hull") -> None:
@@ -141,7 +150,7 @@ def _part(node: Node, find_file: FindFile, pose: NDArray[np.float64] | None) -> 
     """The shape that a mapping describes, posed in an object's frame."""
     kind = _one_of(node, _SHAPE_KEYS)
     with error_context(kind):
-        is_name = kind == "solid" and isinstance(node[kind], str)
+        is_name = kind in _NAMED and isinstance(node[kind], str)
         values = node[kind] if is_name else mapping(node[kind], "it")
         shape, source = _shape(kind, values, find_file)
     return Part(shape, pose, source)
@@ -156,20 +165,33 @@ def _one_of(node: Node, keys: Sequence[str]) -> str:
     return given[0]
 
 
-def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, Source | None]:
-    """A shape from its key and values, and the file and scale of a mesh."""
+def _shape(kind: str, values: Node, find_file: FindFile) -> tuple[Shape, Source | SensedSource | None]:
+    """A shape from its key and values, and where it is from: a file, with the scale of a mesh or with further keys."""
     if kind == "mesh":
         return read_mesh(values, find_file)
     if kind == "solid":
         return read_solid(values, find_file)
+    if kind in SENSED_KEYS:
+        return read_sensed(kind, values, find_file)
     if kind == "hull":
         return read_hull(values, find_file), None
     if kind == "box":
         check_keys(values, ("size",))
-        return Box(tuple(numbers(required(values, "size"), "size", 3))), None  # type: ignore[arg-type]
+        return Box(_three(values, "size")), None
+    if kind == "ellipsoid":
+        check_keys(values, ("radii", "excess"))
+        return Ellipsoid(_three(values, "radii"), number(values.get("excess", ELLIPSOID_EXCESS), "excess")), None
+    if kind == "half_space":
+        check_keys(values, ("normal", "offset"))
+        return HalfSpace(_three(values, "normal"), number(values.get("offset", 0.0), "offset")), None
     make, keys = _SIZED[kind]
     check_keys(values, keys)
     return make(*(number(required(values, key), key) for key in keys)), None
+
+
+def _three(values: Node, key: str) -> tuple[float, float, float]:
+    x, y, z = numbers(required(values, key), key, 3)
+    return x, y, z
 
 
 def _pose(node: Node) -> NDArray[np.float64]:
@@ -218,54 +240,73 @@ def read_states(scene: DeclaredStates, robot: str, node: Node, folder: Path) -> 
 
 def write_scene(scene: SceneContents, path: Path) -> None:
     """Writes a scene, as MoveIt's text if the path ends in `.scene`, else in our own format."""
+    beside = FilesBeside(path)
     with error_context(f"scene file {str(path)!r}"):
         is_text = path.suffix.lower() == moveit_text.SUFFIX
-        text = moveit_text.scene_text(scene) if is_text else _yaml_text(scene, path.resolve().parent)
+        text = moveit_text.scene_text(scene) if is_text else _yaml_text(scene, beside)
     try:
-        write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+        with beside.written():
+            write_atomically(path, lambda aside: aside.write_text(text, encoding="utf-8"))
     except PlannercheckError as error:
         raise PlannercheckError(f"scene {error}") from None
 
 
-def _yaml_text(scene: SceneContents, folder: Path) -> str:
+def _yaml_text(scene: SceneContents, beside: FilesBeside) -> str:
     """A scene in our own format: reading it gives the same doubles."""
     document: Node = {"name": scene.name} if scene.name else {}
-    document["objects"] = [_object_node(item, folder) for item in scene.objects]
-    document |= {"attached": [_attached_node(item, folder) for item in scene.attached]} if scene.attached else {}
+    document["objects"] = [_object_node(item, beside) for item in scene.objects]
+    document |= {"attached": [_attached_node(item, beside) for item in scene.attached]} if scene.attached else {}
     document |= _allowed_nodes(scene)
-    states = {robot: states_node(scene, robot, folder) for robot in scene.states}
+    states = {robot: states_node(scene, robot, beside.folder) for robot in scene.states}
     document |= {"states": states} if states else {}
     return str(yaml.dump(document, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True))
 
 
-def _object_node(item: SceneObject, folder: Path) -> Node:
+def _object_node(item: SceneObject, beside: FilesBeside) -> Node:
     if item.pose_frame is not None:
         raise unplaced(item)
     if len(item.parts) == 1 and item.parts[0].pose is None:
-        return {"name": item.name, **_shape_node(item.parts[0], folder), **_pose_node(item.pose)}
-    nodes = [_shape_node(part, folder) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts]
+        return {"name": item.name, **_shape_node(item.parts[0], item.name, beside), **_pose_node(item.pose)}
+    nodes = [
+        _shape_node(part, item.name, beside) | _pose_node(checked_pose(part.pose, item.name)) for part in item.parts
+    ]
     return {"name": item.name, **_pose_node(item.pose), "parts": nodes}
 
 
-def _attached_node(item: SceneObject, folder: Path) -> Node:
+def _attached_node(item: SceneObject, beside: FilesBeside) -> Node:
     touched = {"touch_links": list(item.touch_links)} if item.touch_links else {}
-    return {**_object_node(item, folder), "link": item.link, **touched}
+    return {**_object_node(item, beside), "link": item.link, **touched}
 
 
-def _shape_node(part: Part, folder: Path) -> Node:
+def _shape_node(part: Part, owner: str, beside: FilesBeside) -> Node:
     shape = part.shape
     if part.source is not None:
-        file, scale = part.source
-        kind = "solid" if isinstance(shape, Solid) else "mesh"
-        return {kind: {"file": _relative(file, folder), "scale": np.asarray(scale).tolist()}}
+        return _file_node(shape, *part.source, beside.folder)
+    if isinstance(shape, PartSet):
+        return sensed_node(shape, owner, beside)
     if isinstance(shape, Solid):
         return {"solid": {"vertices": shape.vertices.tolist(), "triangles": shape.triangles.tolist()}}
     if isinstance(shape, Hull):
         return {"hull": {"vertices": shape.vertices.tolist()}}
     if isinstance(shape, Box):
         return {"box": {"size": list(shape.size)}}
+    if isinstance(shape, Ellipsoid):
+        excess = {} if shape.excess == ELLIPSOID_EXCESS else {"excess": shape.excess}
+        return {"ellipsoid": {"radii": list(shape.radii), **excess}}
+    if isinstance(shape, HalfSpace):
+        return {"half_space": {"normal": list(shape.normal), "offset": shape.offset}}
     kind = type(shape).__name__.lower()
     return {kind: {key: getattr(shape, key) for key in _SIZED[kind][1]}}
+
+
+def _file_node(shape: Shape, file: Path, more: float | Sequence[float] | Mapping[str, Any], folder: Path) -> Node:
+    """The mapping of a shape from a file: of a mesh with its scale, of a sensed shape with its other keys."""
+    name = _relative(file, folder)
+    if isinstance(shape, PartSet):
+        assert isinstance(more, Mapping)
+        return {sensed_kind(shape): {"file": name, **more}}
+    kind = "solid" if isinstance(shape, Solid) else "mesh"
+    return {kind: {"file": name, "scale": np.asarray(more).tolist()}}
 
 
 def _pose_node(pose: NDArray[np.float64]) -> Node:

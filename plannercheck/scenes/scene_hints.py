@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.shapes import Box, inflated_hull
 from plannercheck.scenes.contents import SceneContents
 
@@ -25,6 +26,8 @@ def scale_hint(scene: SceneContents) -> str:
     extents: dict[str, list[NDArray[np.float64]]] = {}
     for item in scene.objects:
         for part in item.parts:
+            if isinstance(part.shape, HalfSpace):
+                continue  # of no size
             points, _, inflation_radius = inflated_hull(part.shape)
             extents.setdefault(item.name, []).append(np.ptp(points, axis=0) + 2 * inflation_radius)
     if not extents:

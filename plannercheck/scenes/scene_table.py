@@ -5,7 +5,10 @@ In: a scene. Out: HTML, in which names are always plain text.
 
 from __future__ import annotations
 
+from plannercheck.bodies.ellipsoids import Ellipsoid
+from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.objects import SceneObject
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import Box, Hull, Shape, Sphere
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.html_tables import html_table
@@ -34,8 +37,14 @@ def _words(shape: Shape) -> str:
             return f"box {' × '.join(f'{edge:.4g}' for edge in shape.size)}"
         case Sphere():
             return f"sphere of radius {shape.radius:.4g}"
+        case Ellipsoid():
+            return f"ellipsoid of radii {', '.join(f'{radius:.4g}' for radius in shape.radii)}"
+        case HalfSpace():
+            return f"half-space of normal {', '.join(f'{x:.4g}' for x in shape.normal)}, offset {shape.offset:.4g}"
         case Hull():
             return f"hull of {len(shape.vertices)} points"
         case Solid():
             return f"solid of {len(shape.triangles)} triangles"
+        case PartSet():
+            return f"{type(shape).__name__} of {shape.count} parts"
     return f"{type(shape).__name__.lower()} of radius {shape.radius:.4g}, length {shape.length:.4g}"

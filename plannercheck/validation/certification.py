@@ -18,15 +18,21 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.certificates import (
     Certificate,
+    CertifiedBody,
     Mixture,
     PosedBody,
     Separation,
     SharedPoint,
     UnprovedVerdictError,
 )
+from plannercheck.bodies.half_space_certificates import is_of_half_space
+from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.integers import IntegerHull, Integers
 from plannercheck.bodies.intersection import certify_posed
+from plannercheck.bodies.part_certificates import PartSeparation, is_of_parts
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
 from plannercheck.bodies.shapes import GeometryObject, inflated_hull
 from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.bodies.solids import Solid
@@ -34,6 +40,12 @@ from plannercheck.common.array_types import Floats
 from plannercheck.common.counters import sum_fields
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
+from plannercheck.validation.part_proofs import (
+    GivenParts,
+    given_parts,
+    proves_contact_of_parts,
+    proves_separation_of_parts,
+)
 from plannercheck.validation.solid_proofs import GivenMesh, proves_contact, proves_separation
 
 Box = tuple[Integers, Integers]
@@ -123,11 +135,16 @@ class _Certification:
 
     def __init__(self, checker: Checker) -> None:
         self._checker = checker
+        bodies = list(zip(checker.bodies, checker.polytopes, checker.paddings.tolist(), strict=True))
+        self._empty = {k for k, (body, _, _) in enumerate(bodies) if _is_empty(body)}
+        self._parts = {
+            k: given_parts(body.shape, padding)
+            for k, (body, polytope, padding) in enumerate(bodies)
+            if polytope is not None and isinstance(body.shape, PartSet) and k not in self._empty
+        }
         self._given = [
-            None if polytope is None else _given_body(body, polytope, checker.excess, padding)
-            for body, polytope, padding in zip(
-                checker.bodies, checker.polytopes, checker.paddings.tolist(), strict=True
-            )
+            None if polytope is None or k in self._empty else self._given_body(k, polytope, padding)
+            for k, (_, polytope, padding) in enumerate(bodies)
         ]
         self._boxes: dict[int, tuple[bytes, Box]] = {}
         self._meshes: dict[int, GivenMesh] = {}
@@ -156,19 +173,36 @@ class _Certification:
             certificate = certify_posed(self._polytope(p), self._polytope(r), poses[p], poses[r])
         except UnprovedVerdictError:
             return False
+        if is_of_half_space(self._polytope(p), self._polytope(r)):
+            if is_of_parts(self._polytope(p), self._polytope(r)):
+                return colliding != isinstance(certificate, Separation | PartSeparation) and certificate.verify()
+            assert isinstance(certificate, SharedPoint | Separation)
+            return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()
+        if is_of_parts(self._polytope(p), self._polytope(r)) and not isinstance(certificate, Separation):
+            parts = (self._parts_or_mesh(p), poses[p]), (self._parts_or_mesh(r), poses[r])
+            if isinstance(certificate, PartSeparation):
+                return not colliding and proves_separation_of_parts(certificate, *parts)
+            assert not isinstance(certificate, SolidSeparation)
+            return colliding and proves_contact_of_parts(certificate, *parts)
         is_of_solids = self._polytope(p).solid is not None or self._polytope(r).solid is not None
         if is_of_solids and not isinstance(certificate, Separation):
             given = (self._mesh(p), poses[p]), (self._mesh(r), poses[r])
             if isinstance(certificate, SolidSeparation):
                 return not colliding and proves_separation(certificate, *given)
+            assert not isinstance(certificate, PartSeparation)
             return colliding and proves_contact(certificate, *given)
         assert isinstance(certificate, SharedPoint | Separation)  # of hulls
         return isinstance(certificate, SharedPoint) == colliding and self._about_given(certificate, p, r).verify()
+
+    def _parts_or_mesh(self, body: int) -> GivenParts | GivenMesh:
+        """The parts that a body was made of, or the points of one that is no set."""
+        return self._parts.get(body) or self._mesh(body)
 
     def _mesh(self, body: int) -> GivenMesh:
         """The points and, of a solid, triangles that a body was made of."""
         if body not in self._meshes:
             shape, given = self._checker.bodies[body].shape, self._given_of(body)
+            assert isinstance(given, PosedBody)
             is_solid = self._polytope(body).solid is not None
             triangles = shape.used[1] if isinstance(shape, Solid) and is_solid else None
             self._meshes[body] = GivenMesh(given.vertices, triangles, given.inflation_radius)
@@ -187,13 +221,19 @@ class _Certification:
 
     def _are_apart_by_boxes(self, pair: int, poses: Floats) -> bool:
         p, r = self._checker.pairs[pair].tolist()
+        if p in self._empty or r in self._empty:  # which share a point with nothing
+            return True
+        if is_of_half_space(self._polytope(p), self._polytope(r)):
+            return False
         (low_p, high_p), (low_r, high_r) = self._box(p, poses[p]), self._box(r, poses[r])
         return any(low_p[k] > high_r[k] or low_r[k] > high_p[k] for k in range(3))
 
     def _box(self, body: int, pose: Floats) -> Box:
         key = pose.tobytes()
         if body not in self._boxes or self._boxes[body][0] != key:
-            self._boxes[body] = key, exact_box(replace(self._given_of(body), pose=pose))
+            given = self._given_of(body)
+            assert isinstance(given, PosedBody)
+            self._boxes[body] = key, exact_box(replace(given, pose=pose))
         return self._boxes[body][1]
 
     def _polytope(self, body: int) -> Polytope:
@@ -201,7 +241,14 @@ class _Certification:
         assert polytope is not None  # every body of a pair is prepared
         return polytope
 
-    def _given_of(self, body: int) -> PosedBody:
+    def _given_body(self, body: int, polytope: Polytope, padding: float) -> CertifiedBody:
+        """The points that a body was made of, not posed yet; of a set of parts, points whose hull holds them all."""
+        if body in self._parts:
+            points, inflation_radius = self._parts[body].hull
+            return PosedBody(points, np.eye(4), inflation_radius)
+        return _given_body(self._checker.bodies[body], polytope, self._checker.excess, padding)
+
+    def _given_of(self, body: int) -> CertifiedBody:
         given = self._given[body]
         assert given is not None
         return given
@@ -211,8 +258,14 @@ class _Certification:
         return Unproved(row, first, second, colliding)
 
 
-def _given_body(body: GeometryObject, polytope: Polytope, excess: float, padding: float) -> PosedBody:
+def _is_empty(body: GeometryObject) -> bool:
+    return isinstance(body.shape, PartSet) and body.shape.count == 0
+
+
+def _given_body(body: GeometryObject, polytope: Polytope, excess: float, padding: float) -> CertifiedBody:
     """The points that a body was made of, not posed yet; its inflation radius includes its padding."""
+    if isinstance(body.shape, HalfSpace):
+        return PosedHalfSpace(np.array(body.shape.normal), body.shape.offset, np.eye(4), padding)
     points, _, inflation_radius = inflated_hull(body.shape, excess)
     inflation_radius += padding
     source = polytope.source

@@ -119,13 +119,17 @@ def compare_with_fcl(checker: Checker, q: Floats, progress: Callable[[int], obje
         The report; `report.passed` says whether the checker held.
 
     Raises:
-        PlannercheckError: If python-fcl is not installed, or a body is a solid.
+        PlannercheckError: If python-fcl is not installed, or a body is a solid, a set of parts or a half-space.
     """
     solids = [
         body.name for body, prepared in zip(checker.bodies, checker.polytopes, strict=True) if _is_solid(prepared)
     ]
     if solids:
-        raise PlannercheckError(f"FCL is compared with hulls, and {', '.join(solids[:3])} are solids: geometry='hull'")
+        raise PlannercheckError(
+            f"FCL is compared with hulls, and {', '.join(map(repr, solids[:3]))} "
+            f"{'is' if len(solids) == 1 else 'are'} something else: "
+            "load with geometry='hull', without clouds, grids or half-spaces"
+        )
     comparison = _Comparison(checker)
     reports = []
     for start in range(0, len(q), _BLOCK):
@@ -210,7 +214,9 @@ class _Comparison:
 
 
 def _is_solid(polytope: Polytope | None) -> bool:
-    return polytope is not None and polytope.solid is not None
+    if polytope is None:
+        return False
+    return any(kind is not None for kind in (polytope.solid, polytope.parts, polytope.half_space))
 
 
 def _vertices_and_faces(polytope: Polytope | None) -> tuple[Floats, NDArray[np.int32]] | None:

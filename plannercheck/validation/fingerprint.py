@@ -11,6 +11,8 @@ from dataclasses import asdict
 
 import numpy as np
 
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.shapes import inflated_hull
 from plannercheck.bodies.solids import Solid
 from plannercheck.checking.protocols import AnyChecker
@@ -62,4 +64,4 @@ def _add_shapes(digest: hashlib._Hash, checker: Checker | PlanarChecker) -> None
     for body in checker.bodies:
         points, _, inflation_radius = inflated_hull(body.shape, checker.excess)
         digest.update(np.ascontiguousarray(points).tobytes() + np.float64(inflation_radius).tobytes())
-        digest.update(body.shape.digest if isinstance(body.shape, Solid) else b"")
+        digest.update(body.shape.digest if isinstance(body.shape, Solid | PartSet | HalfSpace) else b"")

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.certificates import Separation, SharedPoint
 from plannercheck.bodies.intersection import certify_posed
+from plannercheck.bodies.part_certificates import PartSeparation
 from plannercheck.bodies.solid_certificates import Enclosure
 from plannercheck.bodies.solid_separations import SolidSeparation
 from plannercheck.checking.protocols import AnyChecker
@@ -110,7 +111,7 @@ def _certificates(checker: AnyChecker, rows: Floats, first_pair: NDArray[np.int3
                 point[row] = certificate.point
             elif isinstance(certificate, Separation | PlanarSeparation):
                 normal[row], offset[row], gap[row] = certificate.normal, certificate.offset, certificate.gap
-            elif isinstance(certificate, SolidSeparation):  # by more than one plane
+            elif isinstance(certificate, SolidSeparation | PartSeparation):  # by more than one plane
                 gap[row] = certificate.gap
     return {"explained_pair": explained, "point": point, "normal": normal, "offset": offset, "gap": gap}
 

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from plannercheck.bodies.certificates import PosedBody, SharedPoint
+from plannercheck.bodies.certificates import CertifiedBody, PosedBody, SharedPoint
 from plannercheck.bodies.solid_certificates import Enclosure, PosedSurface
 from plannercheck.bodies.solid_separations import PatchSeparation, Range, SolidSeparation
 from plannercheck.common.array_types import Floats, Ints
@@ -50,7 +50,7 @@ def proves_contact(certificate: SharedPoint | Enclosure, first: Posed, second: P
     """Whether a certificate proves that two posed bodies, of which one is a solid, share a point."""
     if isinstance(certificate, SharedPoint):
         pairs = zip(certificate.bodies, (first, second), strict=True)
-        return all(_is_part(body, *given) for body, given in pairs) and certificate.verify()
+        return all(is_part(body, *given) for body, given in pairs) and certificate.verify()
     inner, outer = (first, second) if certificate.first_is_inside else (second, first)
     is_about = _is_vertex(certificate.inner, *inner) and _is_surface(certificate.outer, *outer)
     return is_about and certificate.verify()
@@ -67,9 +67,11 @@ def proves_separation(certificate: SolidSeparation, first: Posed, second: Posed)
     return replace(certificate, bodies=(surfaces[0], surfaces[1]), patches=patches).verify()
 
 
-def _is_part(body: PosedBody, mesh: GivenMesh, pose: Floats) -> bool:
+def is_part(body: CertifiedBody, mesh: GivenMesh, pose: Floats) -> bool:
     """Whether a certificate's body is a triangle of a solid, or has points of a convex body."""
-    if not np.array_equal(body.pose, pose) or body.inflation_radius != mesh.inflation_radius:
+    if not isinstance(body, PosedBody) or not np.array_equal(body.pose, pose):
+        return False
+    if body.inflation_radius != mesh.inflation_radius:
         return False
     if mesh.triangles is None:
         return _rows(body.vertices) <= mesh.rows

@@ -11,8 +11,9 @@ import bisect
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.certificates import PosedBody, Separation, SharedPoint, direction_of, separation
+from plannercheck.bodies.certificates import Separation, SharedPoint, direction_of, separation
 from plannercheck.bodies.distance import Distance, distance
+from plannercheck.bodies.half_space_certificates import certified_body
 from plannercheck.bodies.intersection import certify_posed
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.solid_certificates import Enclosure
@@ -99,10 +100,7 @@ class Evidence:
     def _separation(self, k: int, poses: Floats, near: Distance) -> Separation | None:
         """Of the nearest points' direction, which keeps the most room; else the one that the verdict comes with."""
         first, second, pose_p, pose_r = self._posed(k, poses)
-        bodies = (
-            PosedBody(first.vertices, pose_p, first.inflation_radius),
-            PosedBody(second.vertices, pose_r, second.inflation_radius),
-        )
+        bodies = certified_body(first, pose_p), certified_body(second, pose_r)
         way = near.point_p - near.point_r
         widest = separation(direction_of(way), bodies) if way.any() else None
         certificate = certify_posed(first, second, pose_p, pose_r) if widest is None else widest

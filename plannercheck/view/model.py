@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from plannercheck.common.array_types import Bools, Floats, Ints
+from plannercheck.view.drawn_parts import DrawnParts
 
-# What a mesh is: the hull of a link, a link's mesh for collisions as it was delivered, or for the eye; an obstacle, or
-# the floor.
-Layer: TypeAlias = Literal["hull", "mesh", "visual", "obstacle", "floor"]
+# What a mesh is: the hull of a link, a link's mesh for collisions as it was delivered, or for the eye; an obstacle, a
+# sensed one of many parts, or the floor.
+Layer: TypeAlias = Literal["hull", "mesh", "visual", "obstacle", "sensed", "floor"]
 
 # Red, green and blue from 0 to 1, and how opaque.
 COLOURS: dict[Layer, tuple[float, float, float]] = {
@@ -21,6 +22,7 @@ COLOURS: dict[Layer, tuple[float, float, float]] = {
     "mesh": (0.55, 0.61, 0.68),
     "visual": (0.86, 0.86, 0.83),
     "obstacle": (0.85, 0.70, 0.51),
+    "sensed": (0.16, 0.60, 0.55),
     "floor": (0.56, 0.62, 0.58),
 }
 COLLIDING = (0.84, 0.12, 0.10)
@@ -117,6 +119,7 @@ class Picture:
         witnesses: Witnesses of all frames.
         centre: (3,) what to look at, m.
         radius: Radius of the ball to look at, m.
+        parts: Bodies of very many parts.
     """
 
     title: str
@@ -128,6 +131,7 @@ class Picture:
     witnesses: tuple[Witness, ...]
     centre: Floats
     radius: float
+    parts: tuple[DrawnParts, ...] = ()
 
     @property
     def frames(self) -> int:

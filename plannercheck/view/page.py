@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.escaping import json_in_script
+from plannercheck.view.drawn_parts import DrawnParts
 from plannercheck.view.model import COLLIDING, COLOURS, PLANE, Mesh, Picture
 
-_TEMPLATE = Path(__file__).with_name("viewer.html")
-_TITLE, _DATA = "<!--TITLE-->", "/*DATA*/"
+_TEMPLATE, _SCRIPT = (Path(__file__).with_name(name) for name in ("viewer.html", "viewer_parts.js"))
+_TITLE, _DATA, _PARTS = "<!--TITLE-->", "/*DATA*/", "/*PARTS*/"
 
 
 def write_page(picture: Picture, path: str | Path) -> None:
@@ -31,7 +32,8 @@ def write_page(picture: Picture, path: str | Path) -> None:
 
 def page_of(picture: Picture) -> str:
     """The HTML of a picture."""
-    parts = {_TITLE: html.escape(picture.title), _DATA: json_in_script(data_of(picture))}
+    script = _SCRIPT.read_text(encoding="utf-8")
+    parts = {_TITLE: html.escape(picture.title), _DATA: json_in_script(data_of(picture)), _PARTS: script}
     template = _TEMPLATE.read_text(encoding="utf-8")
     # In one pass: what is put in is not looked through again.
     return re.sub("|".join(map(re.escape, parts)), lambda match: parts[match[0]], template)
@@ -51,6 +53,7 @@ def data_of(picture: Picture) -> dict[str, Any]:
         "centre": picture.centre.tolist(),
         "radius": picture.radius,
         "meshes": [_mesh(mesh) for mesh in picture.meshes],
+        "parts": [_parts(each, picture) for each in picture.parts],
         "planes": [
             {
                 "frame": plane.frame,
@@ -77,6 +80,19 @@ def _mesh(mesh: Mesh) -> dict[str, Any]:
         # Column by column, without the last row: 12 numbers a frame.
         "poses": _packed(mesh.poses[:, :3].transpose(0, 2, 1), "<f4"),
         "colliding": np.flatnonzero(mesh.colliding).tolist(),
+    }
+
+
+def _parts(each: DrawnParts, picture: Picture) -> dict[str, Any]:
+    return {
+        "name": each.title,
+        "layer": each.layer,
+        "kind": each.kind,
+        "groups": [_packed(group, "<u2") for group in each.groups],
+        "corner": each.corner.tolist(),
+        "step": each.step,
+        "ranges": each.ranges(picture.centre).tolist(),
+        "poses": _packed(each.poses[:, :3].transpose(0, 2, 1), "<f4"),
     }
 
 

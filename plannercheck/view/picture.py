@@ -17,6 +17,7 @@ from plannercheck.common.arrays import Configuration
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.checker import Checker
 from plannercheck.planar.checker import Checker as PlanarChecker
+from plannercheck.view.drawn_parts import DrawnParts, has_many_parts, parts_of
 from plannercheck.view.evidence import Evidence
 from plannercheck.view.floors import with_floor
 from plannercheck.view.model import OBSTACLE_OPACITY, VEIL_OPACITY, Mesh, Picture, Plane, Witness
@@ -69,12 +70,14 @@ def picture(
     colliding = checker.colliding_pairs(rows)
     if isinstance(checker, PlanarChecker):
         drawn = planar_meshes(checker, rows, _bodies_hit(checker, colliding))
+        sensed: tuple[DrawnParts, ...] = ()
         points, found = planar_witnesses(checker, rows, colliding), list[Plane]()
     else:
         assert isinstance(checker, Checker)
         hit = _bodies_hit(checker, colliding)
         drawn = with_floor(space_meshes(checker, rows, hit, meshes or {}, veiled=bool(visuals)))
         drawn += visual_layer(checker, rows, hit, visuals)
+        sensed = sensed_layer(checker, rows, hit)
         count = planes if planes is not None else _PLANES_OF_ONE if len(rows) == 1 else _PLANES_OF_MANY
         points, found = _evidence(checker, rows, colliding, count)
     centre, radius = _focus([mesh for mesh in drawn if mesh.layer not in ("obstacle", "floor")] or drawn)
@@ -88,6 +91,7 @@ def picture(
         witnesses=tuple(points),
         centre=centre,
         radius=radius,
+        parts=sensed,
     )
 
 
@@ -108,6 +112,8 @@ def space_meshes(
     drawn: list[Mesh] = []
     for k, (body, owner) in enumerate(zip(checker.bodies, owners, strict=True)):
         at = poses[:, k] if (poses[:, k] != poses[0, k]).any() else poses[:1, k]
+        if has_many_parts(body.shape):
+            continue
         surface = surface_of(body.shape, body.name)
         if body.link is None:
             drawn.append(Mesh(body.name, owner, "obstacle", *surface, at, hit[:, k], OBSTACLE_OPACITY))
@@ -117,6 +123,19 @@ def space_meshes(
         if inside is not None:
             drawn.append(Mesh(body.name, owner, "mesh", *inside, at, hit[:, k]))
     return drawn
+
+
+def sensed_layer(checker: Checker, rows: Floats, hit: Bools) -> tuple[DrawnParts, ...]:
+    """The bodies of very many parts; arguments as for `space_meshes`."""
+    bodies = [k for k, body in enumerate(checker.bodies) if has_many_parts(body.shape)]
+    poses = drawn_poses(checker, rows) if bodies else np.zeros(0)
+    owners = (*(body.link or body.name for body in checker.robot.bodies), *checker.scene.body_objects)
+    found = []
+    for k in bodies:
+        at = poses[:, k] if (poses[:, k] != poses[0, k]).any() else poses[:1, k]
+        where = {"name": checker.bodies[k].name, "owner": owners[k], "poses": at, "colliding": hit[:, k]}
+        found.append(parts_of(checker.bodies[k].shape, where))
+    return tuple(each for each in found if each is not None)
 
 
 def visual_layer(checker: Checker, rows: Floats, hit: Bools, visuals: Sequence[Visual]) -> list[Mesh]:

@@ -16,6 +16,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from plannercheck.bodies.core_polytopes import fans
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.height_fields import HeightField
 from plannercheck.bodies.polytope import prepared
 from plannercheck.bodies.shapes import Hull, Shape
 from plannercheck.bodies.solids import Solid
@@ -28,17 +30,47 @@ Surface: TypeAlias = tuple[NDArray[np.float64], NDArray[np.int32]]
 
 # How far drawn polytopes of curved shapes stick out, as a part of the radius: a circle has 32 corners.
 _DRAWN_EXCESS = 5e-3
+# Points of a height field that are drawn along each side, at most: 6 MB in a page.
+_MOST_ALONG = 320
+
+
+# Of half-spaces, a square of twice this edge is drawn, m.
+_HALF_PLATE = 2.0
 
 
 def surface_of(shape: Shape, name: str) -> Surface:
-    """The surface of a body: of a hull, the hull; of a solid, its triangles."""
+    """The surface of a body.
+
+    Of a hull the hull, of a solid its triangles, of a height field its upper side, of a half-space part of its plane.
+    """
     if isinstance(shape, Solid):
         return shape.used
+    if isinstance(shape, HeightField):
+        return _ground(shape)
+    if isinstance(shape, HalfSpace):
+        plate = shape.plate(_HALF_PLATE)
+        return plate, _sheet(plate)
     points, faces = shape.vertices_and_faces(_DRAWN_EXCESS)
     if isinstance(shape, Hull) or faces is None:
         hull = prepared(points, name=name)
         return hull.vertices, hull.faces if hull.dimension == 3 else _sheet(hull.vertices)
     return points, fans(faces, len(points), name)
+
+
+def _ground(field: HeightField) -> Surface:
+    """The upper side, every so-many-th point of it, so that it is not too large for a page; without holes."""
+    every = -(-max(field.heights.shape) // _MOST_ALONG)
+    i, j = (np.append(np.arange(0, n - 1, every), n - 1) for n in field.heights.shape)
+    x, y = (start + step * at for start, step, at in zip(field.origin, field.resolution, (i, j), strict=True))
+    heights = field.heights[np.ix_(i, j)]
+    points = np.column_stack([np.repeat(x, len(j)), np.tile(y, len(i)), heights.ravel()])
+    corner = (np.arange(len(i) - 1)[:, None] * len(j) + np.arange(len(j) - 1)).ravel()
+    across = corner + len(j) + 1
+    below = np.column_stack([corner, corner + len(j), across])
+    above = np.column_stack([corner, across, corner + 1])
+    triangles = np.concatenate([below, above]).astype(np.int32)
+    is_there = np.isfinite(heights.ravel())
+    return np.where(np.isfinite(points), points, field.base), triangles[is_there[triangles].all(axis=1)]
 
 
 def _sheet(corners: NDArray[np.float64]) -> NDArray[np.int32]:

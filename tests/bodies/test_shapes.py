@@ -216,7 +216,7 @@ def test_a_hull_keeps_its_points_read_only():
         (lambda: Hull(np.zeros((3, 3))), "at least 4 points, here are 3"),
         (lambda: Hull([[0, 0, 0]] * 4 + [[0, math.nan, 1]]), "row 4"),
         (lambda: Sphere(1).vertices_and_faces(0), "excess"),
-        (lambda: Sphere(1).vertices_and_faces(1e-9), "choose 4e-6 or more"),
+        (lambda: Sphere(1).vertices_and_faces(1e-9), "give 4e-06 or more"),
         (lambda: Cylinder(1, 1).vertices_and_faces(math.nan), "excess"),
     ],
 )

@@ -148,7 +148,7 @@ def test_switches_do_something(checker, samples):
     for key in (*COUNTED, "solver", "states", "pairs", "skipped", "unreachable"):
         assert statistics[key] > 0 or key == "facet_plane"  # only boxes have so few corners here
     stages = ("solver", "nearest_points", "double_double", "exact")
-    settled = ("unreachable", *COUNTED, *stages, "skipped")
+    settled = ("unreachable", *COUNTED, *stages, "trees", "skipped")
     assert sum(statistics[k] for k in settled) == statistics["pairs"]
     assert not checker.check_motions(samples[:-1:20], samples[1::20], resolution=0.05).all()
     statistics = checker.statistics()

@@ -12,9 +12,7 @@ import pytest
 import trimesh
 
 import plannercheck as pc
-from plannercheck.bodies.triangle_meshes import TriangleMesh
 from plannercheck.checking.collision_matrix import collision_matrix
-from plannercheck.checking.hull_fidelity import refused_by_filling
 from plannercheck.common.core import core
 from plannercheck.robots.description import description_of
 from plannercheck.robots.urdf import read_geometry
@@ -133,7 +131,17 @@ def test_kinematics_of_pinocchio_give_the_same(rail):
 
 def test_switches_do_not_change_verdicts(rail):
     expected = pc.Checker(rail()).check_states(ROWS).tolist()
-    for switch in ("bounds", "boxes", "overlaps", "learning", "reach", "static_poses", "cached_plane", "facet_plane"):
+    for switch in (
+        "bounds",
+        "boxes",
+        "overlaps",
+        "learning",
+        "reach",
+        "static_poses",
+        "cached_plane",
+        "facet_plane",
+        "trees_first",
+    ):
         assert pc.Checker(rail(), **{switch: False}).check_states(ROWS).tolist() == expected
     assert pc.Checker(rail(), method="exact").check_states(ROWS).tolist() == expected
 
@@ -220,24 +228,11 @@ def test_attached_solids(rail):
     assert not (valid & collides).any()
 
 
-def test_what_only_filling_refuses_is_nothing_for_solids(rail):
-    meshes = {"ring_0": TriangleMesh.of(np.asarray(RING.vertices), np.asarray(RING.faces))}
-    assert refused_by_filling(pc.Checker(rail()), meshes, ROWS).only_filling == 0
-    found = refused_by_filling(pc.Checker(rail("hull")), meshes, ROWS)
-    assert found.only_filling > 20
-
-
-def test_solids_inside_one_another_are_not_refused_by_filling(rail):
+def test_solids_inside_one_another_collide(rail):
     """A tetrahedron in the wall of the ring collides, though no surfaces meet."""
-    robot = rail({"ball": "solid", "ring": "solid"})
-    meshes = {"ring_0": TriangleMesh.of(np.asarray(RING.vertices), np.asarray(RING.faces))}
-    meshes["ball_0"] = TriangleMesh.of(*robot.bodies[[body.name for body in robot.bodies].index("ball_0")].shape.used)
-    q = np.array([[0.45]])
-    checker = pc.Checker(robot)
-    (pair,) = checker.explain(q[0]).collisions
+    checker = pc.Checker(rail({"ball": "solid", "ring": "solid"}))
+    (pair,) = checker.explain(np.array([0.45])).collisions
     assert isinstance(pair.certificate, pc.Enclosure)
-    found = refused_by_filling(checker, meshes, q)
-    assert (found.refused, found.only_filling) == (1, 0)
 
 
 def test_matrices_of_pairs_are_of_solids(rail):
@@ -252,5 +247,16 @@ def test_matrices_of_pairs_are_of_solids(rail):
 
 def test_what_is_not_there_yet_says_so(rail):
     checker = pc.Checker(rail())
-    with pytest.raises(pc.PlannercheckError, match="FCL is compared with hulls, and ring_0 are solids"):
+    with pytest.raises(pc.PlannercheckError, match=r"FCL is compared with hulls, and 'ring_0' .*something else"):
         compare_with_fcl(checker, ROWS)
+
+
+def test_pairs_that_trees_decide_are_counted_once(rail):
+    for switch in (True, False):
+        checker = pc.Checker(rail(), trees_first=switch, bounds=False, boxes=False, overlaps=False)
+        checker.check_states(ROWS)
+        counted = checker.statistics()
+        stages = ("cached_plane", "centre_axis", "facet_plane", "solver", "nearest_points", "double_double", "exact")
+        settled = sum(counted[key] for key in (*stages, "trees", "bounds", "unreachable", "skipped"))
+        assert settled == counted["pairs"]
+        assert (counted["trees"] > 0) == switch

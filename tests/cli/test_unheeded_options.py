@@ -78,6 +78,9 @@ UNHEEDED = {
     "pairs of solids": (["stress", "--solids", "10", "--pairs", "7"], "--pairs counts only without --solids"),
     "families of solids": (["stress", "--solids", "10", "--families", "a"], "--families counts only with --motions"),
     "solids of motions": (["stress", "--motions", "10", "--solids", "7"], "--solids counts only without --motions"),
+    "pairs of sets": (["stress", "--parts", "10", "--pairs", "7"], "--pairs counts only without --parts"),
+    "sets of solids": (["stress", "--solids", "10", "--parts", "7"], "--parts counts only without --solids"),
+    "sets of motions": (["stress", "--motions", "10", "--parts", "7"], "--parts counts only without --motions"),
     "seed of a case": (["stress", "--case", "c.json", "--seed", "1"], "--seed counts only without --case"),
     "rounds of complexity": (["bench", "complexity", "--rounds", "3"], "unrecognized arguments: --rounds"),
 }

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 from plannercheck.bodies import exact_reference as exact
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.cli.main import main
 from plannercheck.common.errors import PlannercheckError
@@ -232,3 +234,16 @@ def test_bad_input_is_one_line(capsys):
     assert "at least 4" in capsys.readouterr().err
     assert main(["bench", "states", "--scene", "nowhere"]) == 2
     assert "nowhere" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["states", "motions"])
+@pytest.mark.parametrize(
+    ("shape", "kind"),
+    [(HalfSpace([0, 0, 1], -1), "HalfSpace"), (PointCloud(np.array([[1, 0, 0.5]]), 0.1), "PointCloud")],
+)
+def test_scenes_in_which_a_stand_in_would_be_another_body_are_refused(tmp_path, capsys, command, shape, kind):
+    scene = Scene("sensed")
+    scene.add("thing", shape)
+    scene.save(tmp_path / "scene.yaml")
+    assert main(["bench", command, "--robot", "ur5", "--scene", str(tmp_path / "scene.yaml")]) == 2
+    assert f"is a {kind}: `bench clouds`" in capsys.readouterr().err

@@ -177,3 +177,44 @@ def test_middles_that_collide_do_not_hide_that_rounding_is_too_large():
         assert not checker.check_motions(q, q).any()
         with pytest.raises(pc.PlannercheckError, match="rounding"):
             checker.check_motions(q, q, tolerance=1e-13)
+
+
+@pytest.mark.parametrize("way", [30.0, 300.0, 1000.0, 3000.0, 10000.0, 1e5])
+def test_middles_of_far_motions_do_not_hide_that_rounding_is_too_large(way):
+    """Motions so far that only their curvature decides whether rounding is too large."""
+    robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
+    q = robot.random_configurations(400, 1)
+    q = q[~pc.Checker(robot, scene).check_states(q)][:10]
+
+    for checker in with_switches(robot, scene, own=True):
+        if way < 500:
+            assert not checker.check_motions(q - way, q + way).any()
+        else:
+            with pytest.raises(pc.PlannercheckError, match="rounding"):
+                checker.check_motions(q - way, q + way)
+
+
+def test_ends_that_often_collide_are_judged_first():
+    """Sets of motions with free middles: many whose ends collide, none, and again many; at last, with others."""
+    robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
+    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, middle_states=False)
+    starts, ends = (robot.random_configurations(12000, seed) for seed in (1, 2))
+    ends = starts + 0.3 * (ends - starts)
+    valid = [plain.check_states(q) for q in (starts, (starts + ends) / 2, ends)]
+    colliding = np.flatnonzero(valid[0] & valid[1] & ~valid[2])
+    free = np.flatnonzero(valid[0] & valid[1] & valid[2])
+    assert min(len(colliding), len(free)) > 300
+    grids = []
+    for kind in (colliding, free, colliding):
+        a, b = starts[kind[:1000]], ends[kind[:1000]]
+        found = checker.check_motions(a, b)
+        assert (found == plain.check_motions(a, b)).all()
+        assert found.any() == (kind is free)
+        before = checker.motion_certifier.statistics()["grids"]
+        assert (checker.check_motions(a, b) == found).all()
+        grids.append((checker.motion_certifier.statistics()["grids"] - before) / len(a))
+    assert max(grids[0], grids[2]) < 0.3 < grids[1]
+    blocked = np.flatnonzero(valid[0] & ~valid[1])  # their ends are not judged
+    mixed = np.random.default_rng(3).permutation(np.concatenate([colliding[:300], free[:300], blocked[:150]]))
+    a, b = starts[mixed], ends[mixed]
+    assert (checker.check_motions(a, b) == plain.check_motions(a, b)).all()

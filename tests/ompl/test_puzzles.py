@@ -8,6 +8,7 @@ import pytest
 import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.common.package_data import shipped_folder
+from plannercheck.ompl.plans import Plan
 
 FOLDER = shipped_folder("configs") / "puzzles"
 PUZZLES = {"ring": "hook", "lock": "key", "pipe": "panda"}
@@ -79,3 +80,19 @@ def test_a_command_plans_one(capsys, tmp_path):
     assert "start collides: hook with ring" in capsys.readouterr().err
     assert main([*plan, *solid, "--bounds", "1,2,3"]) == 2
     assert "--bounds takes six numbers" in capsys.readouterr().err
+
+
+def test_a_saved_plan_of_a_free_body_is_validated_along_the_path_that_was_planned(tmp_path, capsys):
+    """OMPL turns by slerp. On a screw the same states may collide."""
+    plan = str(tmp_path / "plan.json")
+    given = ["--robot", str(robot_file("lock")), "--scene", str(FOLDER / "lock.yaml"), "--scene-meshes", "solid"]
+    planned = ["plan", *given, "--geometry", "solid", "--time", str(TIME), "--seed", "3", "--output", plan]
+    assert main(planned) == 0
+    assert Plan.load(plan).motion_path == "slerp"
+    assert main(["validate", *given, "--geometry", "solid", "--path", plan]) == 0
+    assert "proved for all" in capsys.readouterr().out
+
+
+def test_plans_of_arms_have_no_slerp():
+    checker = checker_of("pipe")
+    assert pc.ompl.plan(checker, *ends(checker), time_limit=TIME, seed=1).motion_path == "screw"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 from ompl import geometric
 
 import plannercheck as pc
+from plannercheck.common.package_data import shipped_folder
 from plannercheck.ompl import setup, space_of
 
 P = pc.planar
@@ -169,6 +171,7 @@ def test_a_program_with_classes_of_its_own_leaves_no_leaks(goal):
 
 def test_the_program_of_the_docs_leaves_no_leaks(tmp_path):
     blocks = re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    shutil.copytree(shipped_folder("configs") / "puzzles", tmp_path / "configs/puzzles")
     done = subprocess.run(
         [sys.executable, "-c", "\n".join(blocks)], capture_output=True, text=True, check=True, cwd=tmp_path
     )

@@ -79,6 +79,7 @@ def prepare(folder):
     np.save(folder / "set.npy", samples)
     np.savetxt(folder / "set.csv", samples, delimiter=",")
     parquet.write_table(pyarrow.table({"q": samples.tolist()}), folder / "big.parquet")
+    shutil.copytree(shipped_folder("configs") / "puzzles", folder / "configs/puzzles")
     np.save(folder / "set_ur5.npy", np.load(shipped_folder("configs") / "kitchen_ur5.npy")[:8])
     scene = (shipped_folder("configs") / "table.yaml").read_text("utf-8")
     (folder / "my_scene.yaml").write_text(re.sub(r" +samples: .*\n", "", scene), encoding="utf-8")

@@ -13,6 +13,7 @@ from planar_motions import arm, states_of
 from planar_proof_cases import CURVES, SHIPPED, STRAIGHT, P, free_motions, kinds, shipped
 
 from plannercheck.cli.main import main
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.planar.proof_builder import planar_model
 from plannercheck.planar.proof_confirmation import confirm_model
 from plannercheck.proofs import Entry, Proof, load_proofs, save_proofs
@@ -218,6 +219,9 @@ def test_models_of_shipped_robots_are_those_of_their_files(tmp_path):
     assert proof.verify("truck_trailer", "parking")
     assert not proof.verify("forklift", "parking")
     assert "bodies" in proof.verify("truck_trailer", "warehouse").fault
+    for given in ({"meshes": "solid"}, {"geometry": "solid"}):
+        with pytest.raises(PlannercheckError, match="in the plane have no meshes"):
+            proof.verify("truck_trailer", "parking", **given)
     proof.save(tmp_path / "x.json")
     files = ["--robot", "truck_trailer", "--scene"]
     assert main(["verify", str(tmp_path / "x.json"), *files, "parking"]) == 0

@@ -81,12 +81,16 @@ def test_hulls_by_default(gripper):
 
 
 def test_solids_and_what_is_not_closed(gripper):
-    with pytest.warns(RuntimeWarning, match=r"meshes of lid are not closed, so they keep their hulls.*'lid': 'solid'"):
+    with pytest.warns(
+        RuntimeWarning, match=r"lid are not closed, so they keep.*'lid': 'solid'} or --geometry lid=solid"
+    ):
         robot = robot_of(gripper, geometry="solid")
     assert kinds(robot) == ["Solid", "Box", "Hull"]
     near = np.abs(HEIGHTS[:, 0] + 0.1) < 1e-9
     np.testing.assert_array_equal(pc.Checker(robot).check_states(HEIGHTS)[~near], FREE[~near])
+    assert robot.open_links == ("lid",)
     again = pickle.loads(pickle.dumps(robot))
+    assert again.open_links == ("lid",)
     np.testing.assert_array_equal(pc.Checker(again).check_states(HEIGHTS)[~near], FREE[~near])
 
 
@@ -176,13 +180,22 @@ def test_the_command_line(gripper, capsys):
     out = capsys.readouterr().out
     words = {line.split()[0]: line.split()[2] for line in out.splitlines() if line.startswith(("base_0 ", "finger_0 "))}
     assert words["base_0"] in ("solid", out)
-    assert "0 of 50 random configurations (0.0 %) are refused only because hulls fill hollows" in out
+    assert "of 50 random configurations:\nlinks are" in out
     assert main(["inspect", *robot, "--geometry", "solid", "--states", "50"]) == 0
     caught = capsys.readouterr()
     assert "meshes of lid are not closed" in caught.err
+    says_open = "links whose meshes are not closed, so they keep their hulls: lid"
+    assert says_open in caught.out
     np.save(gripper / "q.npy", HEIGHTS)
     assert main(["validate", *robot, "--geometry", "base=solid,lid=hull", str(gripper / "q.npy")]) == 1
-    assert "solids: 1 bodies\n" in capsys.readouterr().out
+    caught = capsys.readouterr()
+    assert "solids: 1 bodies\n" in caught.out
+    assert says_open not in caught.out
+    whole = ["validate", *robot, "--geometry", "solid", str(gripper / "q.npy")]
+    assert main(whole) == 1
+    assert says_open in capsys.readouterr().out
+    assert main([*whole, "--format", "json"]) == 1
+    assert json.loads(capsys.readouterr().out)["open_links_as_hulls"] == ["lid"]
     command = ["validate", *robot, "--geometry", "base=solid,lid=solid", str(gripper / "q.npy")]
     assert main(command) == 1
     assert "solids: 2 bodies; not closed, so their triangles alone: lid_0" in capsys.readouterr().out

@@ -13,6 +13,7 @@ import pytest
 from coal_hulls import CoalHulls
 from sample_robots import PANDA, PANDA_SRDF, PR2, PR2_SRDF, ROBOTS, SHARE, URDF, names_of
 
+from plannercheck.bodies.ellipsoids import Ellipsoid
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, Hull, Sphere
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.robots import kinematics
@@ -161,8 +162,9 @@ def body_of(shape):
 def test_shapes_that_only_coal_knows():
     assert body_of(coal.Capsule(0.1, 0.7)).shape == Capsule(0.1, 0.7)
     assert body_of(coal.Cone(0.3, 0.8)).shape == Cone(0.3, 0.8)
-    with pytest.raises(PlannercheckError, match="'it' is a Ellipsoid; known are boxes"):
-        body_of(coal.Ellipsoid(1.0, 2.0, 3.0))
+    assert body_of(coal.Ellipsoid(1.0, 2.0, 3.0)).shape == Ellipsoid((1.0, 2.0, 3.0))
+    with pytest.raises(PlannercheckError, match="'it' is a Plane; known are boxes"):
+        body_of(coal.Plane(np.array([0.0, 0.0, 1.0]), 0.0))
 
 
 def test_collision_shapes_that_urdfdom_drops_are_an_error(arm):

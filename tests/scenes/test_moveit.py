@@ -211,7 +211,7 @@ def test_entries_of_the_matrix_go_before_defaults(tmp_path):
             {"world__collision_objects__0__primitive_poses__0__orientation": [0, 0, 0, 0]},
             "primitive_poses: quaternion .* has no direction",
         ),
-        ({"world__octomap__octomap__data": [1]}, "octomaps are not supported"),
+        ({"world__octomap__octomap__data": [1]}, "world: octomap: id must be 'OcTree'"),
         ({"allowed_collision_matrix__entry_names": ["a"]}, "allowed_collision_matrix: entry_values must be"),
         (
             {"allowed_collision_matrix__entry_values": [[0, 1, 1], [1, 0, 1], [0, 0, 0]]},

@@ -66,7 +66,7 @@ def test_worlds_and_objects_alone_are_what_they_are_in_a_scene(tmp_path, end):
         ("collision_objects: [{id: a}]", "collision object 'a': has neither primitives nor meshes"),
         ("collision_objects: [{primitives: []}]", "collision object 0: key 'id' is missing"),
         ("{collision_objects: [], colour: 1}", "unknown key 'colour'"),
-        ("octomap: {octomap: {data: [1]}}", "world: octomaps are not supported"),
+        ("octomap: {octomap: {data: [1]}}", "world: octomap: id must be 'OcTree'"),
         ("{id: a, primitives: [{type: 9}]}", "collision object 'a': primitives: unknown primitive type '9'"),
         ("{id: a, operation: 1, primitives: []}", "collision object 'a': operation must be 0"),
         ("{primitives: [{type: 2, dimensions: [1]}]}", "collision object 0: key 'id' is missing"),

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 
+from plannercheck.bodies.intersection import pair_options
 from plannercheck.common.core import core
 
 # A vertex's sum of solid angles, over 4π, is this close to a whole number unless it is on a triangle.
@@ -58,9 +59,9 @@ def meshes():
     }
 
 
-def prepared(mesh):
+def prepared(mesh, own_axes=True):
     points, triangles = (np.ascontiguousarray(each) for each in mesh)
-    solid = core.Solid(points, triangles.astype(np.int32))
+    solid = core.Solid(points, triangles.astype(np.int32), own_axes)
     used = np.ascontiguousarray(points[np.unique(triangles)])
     return core.Polytope.from_points(used, 0.0).with_solid(solid)
 
@@ -86,7 +87,7 @@ def at(mesh, pose):
 
 def triangles_meet(first, a, second, b, radius=0.0):
     """Whether any triangle of one shares a point with any of the other, each tried with each."""
-    options = core.PairOptions(core.Solver.oracle, *[True] * 8)
+    options = pair_options()
     corners = at(second, b)
     low, high = corners.min(axis=1) - radius - 1e-9, corners.max(axis=1) + radius + 1e-9
     others = [core.Polytope.from_points(np.ascontiguousarray(second[0][t]), 0.0) for t in second[1]]

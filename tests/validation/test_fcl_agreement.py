@@ -29,7 +29,10 @@ class SlidingBodies:
         scale: float = 1.0,
     ) -> None:
         self.bodies = [SimpleNamespace(name=name) for name in ("left", "right", "far")]
-        self.polytopes = [SimpleNamespace(vertices=VERTICES * scale, faces=FACES, inflation_radius=0.0, solid=None)] * 3
+        hull = SimpleNamespace(
+            vertices=VERTICES * scale, faces=FACES, inflation_radius=0.0, solid=None, parts=None, half_space=None
+        )
+        self.polytopes = [hull] * 3
         self.pairs = np.array([[0, 1], [0, 2]])
         self._vertices = VERTICES * scale
         self._lies = lies or {}

@@ -136,6 +136,10 @@ def test_what_ompl_prints(tmp_path, name, how):
     assert np.allclose(found.states, robot.random_configurations(4, 1), rtol=1e-5, atol=1e-5)  # it prints six digits
 
 
+# One for each reader.
+SUFFIXES = ("json", "yaml", "npy", "npz", "csv", "txt")
+
+
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
@@ -164,7 +168,7 @@ def test_what_ompl_prints(tmp_path, name, how):
         ),
         ("a.path", "Geometric path with 2 states\nRealVectorState [1 2 3]\n", "2 states hold 3 numbers"),
         ("a.txt", "hello world\n", "no table of numbers"),
-        ("missing.json", None, "missing.json"),
+        *((f"missing.{suffix}", None, rf"^path file '[^']*missing\.{suffix}' does not exist$") for suffix in SUFFIXES),
     ],
 )
 def test_bad_files(tmp_path, name, content, message):

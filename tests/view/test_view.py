@@ -204,8 +204,9 @@ def test_view_on_the_command_line(tmp_path, capsys):
     assert main([*base, str(SAMPLES), "--only-invalid", "--first", "2", "--planes", "0"]) == 0
     text = page.read_text(encoding="utf-8")
     assert text.count('"collision: ') == 2
-    assert "written to" in capsys.readouterr().out
+    assert ", 2 frames: written to" in capsys.readouterr().out
     assert main([*base, "--q", "-0.1,-0.785,0,-2.356,0,1.571,0.785"]) == 0
+    assert ", 1 frame: written to" in capsys.readouterr().out
     assert main([*base, str(SAMPLES), "--q", "0,0,0,0,0,0,0"]) == 2
     assert "exclude each other" in capsys.readouterr().err
     assert main([*base[:-1], str(tmp_path / "no" / "page.html")]) == 2

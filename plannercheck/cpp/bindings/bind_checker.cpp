@@ -64,6 +64,7 @@ class BoundChecker : public Pooled<CheckerCore> {
     out["overlaps"] = total.overlaps;
     out["boxes"] = total.boxes;
     out["skipped"] = total.skipped;
+    out["trees"] = total.trees;
     const char* names[] = {"cached_plane",   "centre_axis",   "facet_plane", "solver",
                            "nearest_points", "double_double", "exact"};
     for (std::size_t i = 0; i < total.stages.size(); ++i) out[names[i]] = total.stages[i];

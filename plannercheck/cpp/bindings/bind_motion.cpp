@@ -99,11 +99,11 @@ template <class Row>
 int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
               const ErrorRange& range, double tolerance) {
   if (!range.holds(q0) || !range.holds(q1)) return kOutside;
-  MotionReport report;
+  std::uint8_t answer = 0;
   bound.with_workspace([&](MotionCertifier::Workspace& w) {
-    report = bound.core().check(kinematics, q0.data(), q1.data(), tolerance, range.error, w);
+    bound.core().check(kinematics, q0.data(), q1.data(), 1, tolerance, range.error, &answer, w);
   });
-  return static_cast<int>(report.answer);
+  return answer;
 }
 
 int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,

@@ -47,11 +47,12 @@ class PairQueries {
 
   nb::object intersects(nb::handle p, nb::handle r, nb::handle pose_p, nb::handle pose_r, int threads) const {
     Side first, second;
-    if (!read(p, pose_p, first) || !read(r, pose_r, second)) return nb::none();
+    if (!read(p, pose_p, first) || !read(r, pose_r, second) || are_half_spaces(first, second)) return nb::none();
     if (first.poses.are_many() || second.poses.are_many()) return intersect_many(first, second, threads);
     const PosedPolytope a = first.posed(), b = second.posed();
-    const bool a_hosts = choose_host(*a.body, *b.body) == 0;
     PairCounters counters;
+    if (is_of_half_space(a, b)) return nb::bool_(half_space_contact(a, b, counters).shared);
+    const bool a_hosts = choose_host(*a.body, *b.body) == 0;
     return nb::bool_(test_pair(a_hosts ? b : a, a_hosts ? a : b, options_, nullptr, counters).shared &&
                      solids_share(a, b, counters));
   }
@@ -59,7 +60,7 @@ class PairQueries {
   // (distance, lower bound, points on p and r and the direction from r to p as rows).
   nb::object distance(nb::handle p, nb::handle r, nb::handle pose_p, nb::handle pose_r) const {
     Side first, second;
-    if (!read(p, pose_p, first) || !read(r, pose_r, second)) return nb::none();
+    if (!read(p, pose_p, first) || !read(r, pose_r, second) || are_half_spaces(first, second)) return nb::none();
     if (first.poses.are_many() || second.poses.are_many()) return nb::none();
     if (first.body->solid || second.body->solid) return nb::none();  // the caller's error says so
     PairCounters counters;
@@ -89,6 +90,8 @@ class PairQueries {
   NumpyArray numpy_;
   double tolerance_;
   PairOptions options_;
+
+  static bool are_half_spaces(const Side& a, const Side& b) { return a.body->half_space && b.body->half_space; }
 
   bool read(nb::handle body, nb::handle pose, Side& side) const {
     const bool is_placed = body.type().is(placed_class_);

@@ -16,6 +16,7 @@
 #include "bindings/module.hpp"
 #include "bindings/plain_floats.hpp"
 #include "bindings/verdict_dicts.hpp"
+#include "bodies/half_space.hpp"
 #include "bodies/polytope.hpp"
 #include "math/predicates.hpp"
 #include "narrow_phase/pair_batch.hpp"
@@ -254,6 +255,7 @@ nb::dict certify_pair(const Polytope& a, InputArray<double, 4, 4> pose_a, const 
   const bool a_hosts = choose_host(a, b) == 0;
   PairCounters counters;
   const PosedPolytope &guest = a_hosts ? pb : pa, &host = a_hosts ? pa : pb;
+  if (is_of_half_space(guest, host)) throw nb::value_error("a half-space has certificates of its own");
   PairVerdict verdict = test_pair(guest, host, options, nullptr, counters);
   if (verdict.shared) verdict.shared = solids_share(guest, host, counters);
   if (explain && verdict.shared && !verdict.exact) {
@@ -276,10 +278,10 @@ void bind_polytope(nb::module_& m) {
       .value("exact", Solver::kExact);
 
   nb::class_<PairOptions>(m, "PairOptions")
-      .def(nb::init<Solver, bool, bool, bool, bool, bool, bool, bool, bool>(), nb::arg("solver"),
+      .def(nb::init<Solver, bool, bool, bool, bool, bool, bool, bool, bool, bool>(), nb::arg("solver"),
            nb::arg("cached_plane"), nb::arg("centre_axis"), nb::arg("turned_axis"), nb::arg("facet_plane"),
            nb::arg("nearest_points"), nb::arg("double_double"), nb::arg("warm_start"), nb::arg("interleaving"),
-           plain_floats);
+           nb::arg("trees_first"), plain_floats);
 
   nb::class_<Polytope>(m, "Polytope")
       .def_static("from_points", &polytope_from_points, plain_floats)
@@ -314,6 +316,20 @@ void bind_polytope(nb::module_& m) {
           "surface", [](const Polytope& b) { return std::make_shared<Solid>(b.surface()); }, plain_floats)
       .def_prop_ro("is_solid", [](const Polytope& b) { return b.solid != nullptr; })
       .def_prop_ro("solid", [](const Polytope& b) { return std::const_pointer_cast<Solid>(b.solid); })
+      .def_prop_ro("parts", [](const Polytope& b) { return std::const_pointer_cast<PartSet>(b.parts); })
+      .def_static(
+          "of_half_space",
+          [](InputArray<double, 3> normal, double offset, double inflation_radius) {
+            const HalfSpace half_space{{normal(0), normal(1), normal(2)}, offset};
+            return std::make_shared<Polytope>(polytope_of(half_space, inflation_radius));
+          },
+          plain_floats)
+      .def_prop_ro("half_space",
+                   [](const Polytope& b) -> nb::object {
+                     if (!b.half_space) return nb::none();
+                     const Vec3 n = b.half_space->normal;
+                     return nb::make_tuple(nb::make_tuple(n.x, n.y, n.z), b.half_space->offset);
+                   })
       .def("extremes", &extremes, plain_floats);
 
   m.def("intersect_batch", &intersect_batch, plain_floats);

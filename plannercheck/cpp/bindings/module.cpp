@@ -8,6 +8,7 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   nanobind::set_leak_warnings(false);
   m.attr("level") = PLANNERCHECK_LEVEL;
   m.attr("lanes") = plannercheck::kLanes;
+  plannercheck::bind_part_set(m);
   plannercheck::bind_solid(m);
   plannercheck::bind_polytope(m);
   plannercheck::bind_kinematics(m);
@@ -18,6 +19,7 @@ NB_MODULE(PLANNERCHECK_MODULE, m) {
   plannercheck::bind_motion(m);
   plannercheck::bind_distance(m);
   plannercheck::bind_pair_queries(m);
+  plannercheck::bind_points(m);
   plannercheck::bind_game(m);
   plannercheck::bind_reach(m);
   plannercheck::bind_plain_yaml(m);

@@ -13,6 +13,7 @@ class CheckerCore;
 std::shared_ptr<const CheckerCore> shared_checker_core(nanobind::object checker);
 
 void bind_kinematics(nanobind::module_& m);
+void bind_part_set(nanobind::module_& m);
 void bind_solid(nanobind::module_& m);
 void bind_polytope(nanobind::module_& m);
 void bind_ompl_states(nanobind::module_& m);
@@ -23,6 +24,7 @@ void bind_planar_motion(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
 void bind_distance(nanobind::module_& m);
 void bind_pair_queries(nanobind::module_& m);
+void bind_points(nanobind::module_& m);
 void bind_game(nanobind::module_& m);
 void bind_reach(nanobind::module_& m);
 void bind_plain_yaml(nanobind::module_& m);

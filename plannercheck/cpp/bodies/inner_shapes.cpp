@@ -92,6 +92,7 @@ bool is_its_box(const Polytope& body) {
 
 InnerShapes find_inner_shapes(const Polytope& body) {
   InnerShapes shapes;
+  if (body.parts || body.half_space) return shapes;
   if (body.solid) return inner_shapes_of(*body.solid);
   if (is_its_box(body)) shapes.box = InnerBox{body.low, body.high, 0};
   if (!body.has_polar()) {

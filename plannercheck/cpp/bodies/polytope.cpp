@@ -130,6 +130,23 @@ Polytope with_solid(const Polytope& hull, std::shared_ptr<const Solid> solid) {
   return body;
 }
 
+Polytope polytope_around(std::shared_ptr<const PartSet> parts, double inflation_radius) {
+  // Radii are lengths of the world, and poses may shrink the box.
+  const double more = parts->largest_radius() * (kRadiusStretch - 1);
+  const Vec3 low = parts->low() - Vec3{more, more, more}, high = parts->high() + Vec3{more, more, more};
+  std::vector<Vec3> corners;
+  for (const double x : {low.x, high.x}) {
+    for (const double y : {low.y, high.y}) {
+      for (const double z : {low.z, high.z}) corners.push_back({x, y, z});
+    }
+  }
+  Polytope body = prepare_polytope(corners);
+  body.inflation_radius = inflation_radius;
+  body.is_box = 0;
+  body.parts = std::move(parts);
+  return body;
+}
+
 Polytope prepare_polytope(const std::vector<Vec3>& points) {
   const AffineSpan span = affine_span(points);
   if (span.dimension == 3) return prepare_polytope(convex_hull(points));

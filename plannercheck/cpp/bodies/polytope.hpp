@@ -17,6 +17,7 @@
 #include "bodies/hull.hpp"
 #include "bodies/inner_shapes.hpp"
 #include "bodies/lazy_value.hpp"
+#include "bodies/part_set.hpp"
 #include "bodies/small_ball.hpp"
 #include "bodies/solid.hpp"
 
@@ -27,6 +28,8 @@ inline constexpr double kPolarError = 4 * 0x1p-53;
 
 // Raise it with any change to the fields of Polytope or Hierarchy, their order or meaning: old files are then refused.
 inline constexpr int kPolytopeFormat = 11;
+
+struct HalfSpace;
 
 struct Polytope {
   std::int32_t dimension = 3;        // of the hull: 0 point, 1 segment, 2 polygon, 3
@@ -48,6 +51,10 @@ struct Polytope {
   LazyValue<SmallBall> lazy_small_ball;
   std::shared_ptr<const Solid> solid;  // if the body is this solid, of which all above is the hull; not in files
   LazyValue<Solid> lazy_surface;       // only tests with solids need it
+  // If the body is this set of parts, around which all above is a box; not in files.
+  std::shared_ptr<const PartSet> parts;
+  // If the body is this half-space, for which all above is a cube that holds everything; not in files.
+  std::shared_ptr<const HalfSpace> half_space;
 
   // None of a solid: what is inside of its hull need not be inside of it.
   const InnerShapes& inner_shapes() const {
@@ -71,6 +78,9 @@ Polytope prepare_polytope(const ConvexMesh& mesh);
 
 // The same body, whose set is the solid's; the body has to be the solid's hull.
 Polytope with_solid(const Polytope& hull, std::shared_ptr<const Solid> solid);
+
+// A set of parts as a body, with an inflation radius.
+Polytope polytope_around(std::shared_ptr<const PartSet> parts, double inflation_radius);
 
 // Prepares the hull of the points, of any dimension; there is at least one point.
 Polytope prepare_polytope(const std::vector<Vec3>& points);

@@ -100,14 +100,14 @@ void find_components(Solid& solid) {
 
 }  // namespace
 
-Solid prepare_solid(const std::vector<Vec3>& points, const std::vector<MeshTriangle>& triangles) {
+Solid prepare_solid(const std::vector<Vec3>& points, const std::vector<MeshTriangle>& triangles, bool own_axes) {
   if (triangles.empty()) throw HullError("it has no triangles");
   Solid solid;
   solid.triangles = triangles;
   solid.points = merge_points(points, solid.triangles);
   solid.is_closed = edges_cancel(solid.triangles);
   find_components(solid);
-  solid.tree = build_triangle_tree(solid.points, solid.triangles, solid.source);
+  solid.tree = build_triangle_tree(solid.points, solid.triangles, solid.source, own_axes);
   for (const Vec3& p : solid.points) {
     solid.reach = {larger(solid.reach.x, std::fabs(p.x)), larger(solid.reach.y, std::fabs(p.y)),
                    larger(solid.reach.z, std::fabs(p.z))};

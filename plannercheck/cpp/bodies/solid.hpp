@@ -31,8 +31,9 @@ struct Solid {
   std::size_t bytes() const;
 };
 
-// Throws HullError if there are no triangles, or one names a point that is not there.
-Solid prepare_solid(const std::vector<Vec3>& points, const std::vector<MeshTriangle>& triangles);
+// Throws HullError if there are no triangles, or one names a point that is not there. `own_axes`: see
+// build_triangle_tree.
+Solid prepare_solid(const std::vector<Vec3>& points, const std::vector<MeshTriangle>& triangles, bool own_axes = true);
 
 // The surface of a convex body, without its inflation radius; of one without volume the polygon, segment or point.
 Solid surface_of(const Polytope& body);

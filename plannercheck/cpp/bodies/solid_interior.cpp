@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bodies/inner_shape_search.hpp"
+#include "bodies/lane_boxes.hpp"
 #include "bodies/solid.hpp"
 #include "math/predicates.hpp"
 #include "math/simd.hpp"
@@ -77,15 +78,16 @@ class SolidInterior {
     int number = 0;
     while (count > 0) {
       const TriangleNode& node = tree_.nodes[at(waiting[--count])];
-      const auto way = [&](std::size_t i) { return load_floats(node.centre[i].data()) - place[i]; };
-      const auto half = [&](std::size_t i) { return load_floats(node.half[i].data()) + room; };
+      const LaneBoxes boxes = lane_boxes(node);
+      const std::array<Floats, 3> around = aligned_half(boxes);
+      const auto way = [&](std::size_t i) { return boxes.centre[i] - place[i]; };
+      const auto half = [&](std::size_t i) { return around[i] + room; };
       const FloatMask misses = (absolute(way(0)) > half(0)) | (absolute(way(1)) > half(1)) | (way(2) < -half(2));
-      for (unsigned left = ~float_bits(misses) & ((1U << kTreeWidth) - 1); left != 0; left &= left - 1) {
-        const auto k = static_cast<std::size_t>(__builtin_ctz(left));
-        if (node.child[k] == TriangleTree::kNothing) continue;
-        if (node.leaf < 0) {
-          waiting[count++] = node.child[k];
-        } else if (const std::optional<int> crossing = crossed(solid_.triangles[at(~node.child[k])], point)) {
+      for (unsigned left = ~float_bits(misses) & node.all(); left != 0; left &= left - 1) {
+        const std::int32_t child = node.child(static_cast<std::size_t>(__builtin_ctz(left)));
+        if (child >= 0) {
+          waiting[count++] = child;
+        } else if (const std::optional<int> crossing = crossed(solid_.triangles[at(~child)], point)) {
           number += *crossing;
         } else {
           return false;
@@ -107,16 +109,16 @@ class SolidInterior {
       if (is_beyond(square, best.distance)) continue;
       const TriangleNode& node = tree_.nodes[at(index)];
       if (node.leaf >= 0) {
-        take_nearest(tree_.leaves[at(node.leaf)], point, best);
+        take_nearest(node, point, best);
         continue;
       }
       const std::size_t first = count;
       const Floats squares = squares_to(node, place);
-      for (std::size_t k = 0; k < kTreeWidth; ++k) {
-        if (node.child[k] == TriangleTree::kNothing || is_beyond(squares[k], best.distance)) continue;
+      for (std::size_t k = 0; k < node.children; ++k) {
+        if (is_beyond(squares[k], best.distance)) continue;
         std::size_t spot = count++;
         for (; spot > first && waiting[spot - 1].second < squares[k]; --spot) waiting[spot] = waiting[spot - 1];
-        waiting[spot] = {node.child[k], squares[k]};
+        waiting[spot] = {node.child(k), squares[k]};
       }
     }
     best.distance = smaller(best.distance, size_) - room_;
@@ -141,16 +143,14 @@ class SolidInterior {
     waiting[count++] = 0;
     while (count > 0) {
       const TriangleNode& node = tree_.nodes[at(waiting[--count])];
+      const LaneBoxes boxes = lane_boxes(node);
+      const std::array<Floats, 3> around = aligned_half(boxes);
       FloatMask misses{};
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Floats way = load_floats(node.centre[i].data()) - place[i];
-        misses |= absolute(way) > load_floats(node.half[i].data()) + reach[i];
-      }
-      for (unsigned left = ~float_bits(misses) & ((1U << kTreeWidth) - 1); left != 0; left &= left - 1) {
+      for (std::size_t i = 0; i < 3; ++i) misses |= absolute(boxes.centre[i] - place[i]) > around[i] + reach[i];
+      for (unsigned left = ~float_bits(misses) & node.all(); left != 0; left &= left - 1) {
         const auto k = static_cast<std::size_t>(__builtin_ctz(left));
-        if (node.child[k] == TriangleTree::kNothing) continue;
         if (node.leaf < 0) {
-          waiting[count++] = node.child[k];
+          waiting[count++] = node.child(k);
         } else if (!is_further(from(tree_.leaves[at(node.leaf)], k, middle), half, radius)) {
           return false;
         }
@@ -172,19 +172,16 @@ class SolidInterior {
   }
 
   static Triangle3 from(const EightTriangles& leaf, std::size_t k, Vec3 origin) {
-    Triangle3 t;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto& corner = leaf.corner[i];
-      t[i] = Vec3{corner[0][k], corner[1][k], corner[2][k]} - origin;
-    }
-    return t;
+    const auto t = leaf.corners(k);
+    return {t[0] - origin, t[1] - origin, t[2] - origin};
   }
 
   static Floats squares_to(const TriangleNode& node, const std::array<float, 3>& place) {
+    const LaneBoxes boxes = lane_boxes(node);
+    const std::array<Floats, 3> around = aligned_half(boxes);
     Floats sum{};
     for (std::size_t i = 0; i < 3; ++i) {
-      const Floats way = absolute(load_floats(node.centre[i].data()) - place[i]) - load_floats(node.half[i].data());
-      const Floats beyond = larger(way, Floats{});
+      const Floats beyond = larger(absolute(boxes.centre[i] - place[i]) - around[i], Floats{});
       sum += beyond * beyond;
     }
     return sum;
@@ -197,9 +194,9 @@ class SolidInterior {
     return static_cast<double>(square) > limit * limit;
   }
 
-  static void take_nearest(const EightTriangles& leaf, Vec3 point, NearestTriangle& best) {
-    for (std::size_t k = 0; k < leaf.count; ++k) {
-      const Triangle3 t = from(leaf, k, point);
+  void take_nearest(const TriangleNode& node, Vec3 point, NearestTriangle& best) const {
+    for (std::size_t k = 0; k < node.children; ++k) {
+      const Triangle3 t = from(tree_.leaves[at(node.leaf)], k, point);
       const Vec3 way = closest_to_origin(t);
       const double square = dot(way, way);
       if (!(square < best.distance * best.distance)) continue;

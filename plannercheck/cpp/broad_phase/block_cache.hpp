@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <type_traits>
 #include <vector>
 
 namespace plannercheck {
@@ -10,7 +12,9 @@ namespace plannercheck {
 template <class Value>
 class BlockCache {
  public:
-  explicit BlockCache(std::size_t bodies = 0) : values_(bodies), block_of_(bodies) {}
+  explicit BlockCache(std::size_t bodies = 0) : values_(new Value[bodies]), block_of_(bodies) {
+    static_assert(std::is_trivially_default_constructible_v<Value>);
+  }
 
   // Starts a new block.
   void begin() { ++block_; }
@@ -27,7 +31,8 @@ class BlockCache {
   }
 
  private:
-  std::vector<Value> values_;
+  // Not set before they are posed: of many obstacles, few are ever asked for, and the others take no memory.
+  std::unique_ptr<Value[]> values_;
   std::vector<std::uint64_t> block_of_;  // for which a body was posed last
   std::uint64_t block_ = 1;
 };

@@ -41,7 +41,7 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
   std::vector<bool> used(bodies.size(), false);
   for (const auto& pair : pairs) {
     const bool moves = bodies[at(pair[0])].link >= 0 || bodies[at(pair[1])].link >= 0;
-    if (moves) used[at(pair[0])] = used[at(pair[1])] = true;
+    for (const std::int32_t b : pair) used[at(b)] = used[at(b)] || (moves && !bodies[at(b)].body->half_space);
   }
   std::vector<WorldBox> boxes;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -63,7 +63,10 @@ BroadPhase::BroadPhase(const std::vector<GeometryObject>& bodies, const std::vec
     const auto pair = static_cast<std::int32_t>(k);
     const bool first = bodies[at(pairs[k][0])].link >= 0, second = bodies[at(pairs[k][1])].link >= 0;
     const std::int32_t a = place[at(pairs[k][0])], b = place[at(pairs[k][1])];
-    if (first && second) {
+    const std::int32_t still = pairs[k][first ? 1 : 0];
+    if (first != second && bodies[at(still)].body->half_space) {
+      plane_filter_.add(pair, at(first ? a : b), bodies[at(still)]);
+    } else if (first && second) {
       moving_pairs_.push_back({a, b, pair});
     } else if (!first && !second) {
       if (permanent[k]) permanent_pairs_.push_back(pair);
@@ -115,6 +118,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
   w.boxes = boxes_.new_workspace();
   w.overlaps = overlaps_.new_workspace();
   w.candidates.reserve(pairs_.size());
+  w.over_planes.reserve(plane_filter_.size());
   w.found.reserve(obstacles_);
   w.reached.reserve(obstacles_);
   w.states.resize(obstacles_);
@@ -123,7 +127,7 @@ BroadPhase::Workspace BroadPhase::new_workspace() const {
 }
 
 void BroadPhase::begin(Workspace& w) {
-  w.candidates.clear();
+  w.candidates.clear(), w.over_planes.clear();
   w.boxed = false;
   w.boxes_apart = w.skipped = 0;
   w.overlapping = 0;
@@ -161,12 +165,18 @@ void BroadPhase::filter(int count, Filters filters, Workspace& w) const {
   }
   for (std::size_t state = 0; state < static_cast<std::size_t>(count); ++state) {
     w.near[state].clear();
-    if ((w.overlapping >> state & 1U) == 0) w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
+    if ((w.overlapping >> state & 1U) != 0) continue;
+    w.near[state].assign(permanent_pairs_.begin(), permanent_pairs_.end());
   }
-  for (const Candidate& candidate : w.candidates) {
-    for (unsigned left = candidate.states; left != 0; left &= left - 1) {
-      w.near[static_cast<std::size_t>(__builtin_ctz(left))].push_back(candidate.pair);
+  const auto take = [&](const Candidate& candidate, unsigned states) {
+    for (; states != 0; states &= states - 1) {
+      w.near[static_cast<std::size_t>(__builtin_ctz(states))].push_back(candidate.pair);
     }
+  };
+  for (const Candidate& candidate : w.candidates) take(candidate, candidate.states);
+  for (const Candidate& candidate : w.over_planes) {
+    take(candidate, candidate.states & ~w.overlapping);
+    w.skipped += __builtin_popcount(candidate.states & w.overlapping);
   }
 }
 
@@ -188,6 +198,8 @@ void BroadPhase::take_all(int count, Workspace& w) const {
 void BroadPhase::find_for_block(int count, Workspace& w) const {
   pose_balls(w);
   find_among_movers(count, w);
+  const auto posed = [&](std::size_t mover) -> const Balls& { return w.balls[mover]; };
+  plane_filter_.find(posed, (1U << count) - 1, [&](auto pair, auto near) { w.over_planes.push_back({pair, near}); });
   if (obstacles_ <= kFewObstacles) {
     const auto groups = [&] { return mover_groups(movers_, world_boxes_, pair_of_, *sampled_); };
     for (const MoverGroup& group : mover_groups_.get(groups)) find_listed(group, count, w);
@@ -210,6 +222,11 @@ void BroadPhase::find_for_state(const double* links, std::size_t state, Workspac
   const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
   single_state_filter_.pose(links, w.single_state_filter);
   single_state_filter_.find(w.single_state_filter, take);
+  const auto posed = [&](std::size_t mover) {
+    const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);
+    return Balls{Floats{} + ball.x, Floats{} + ball.y, Floats{} + ball.z, Floats{} + ball.radius};
+  };
+  plane_filter_.find(posed, 1, [&](auto pair, auto) { w.over_planes.push_back({pair, bit}); });
   for (std::size_t k = 0; obstacles_ > kFewObstacles && k < movers_with_obstacles_.size(); ++k) {
     const std::size_t mover = at(movers_with_obstacles_[k]);
     const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);

@@ -20,6 +20,7 @@
 #include "broad_phase/mover_groups.hpp"
 #include "broad_phase/obstacle_tree.hpp"
 #include "broad_phase/overlap_filter.hpp"
+#include "broad_phase/plane_filter.hpp"
 #include "broad_phase/single_state_filter.hpp"
 #include "broad_phase/state_block.hpp"
 #include "math/simd.hpp"
@@ -51,6 +52,7 @@ class BroadPhase {
     BlockBoxes::Workspace boxes;
     BlockOverlaps::Workspace overlaps;
     std::vector<Candidate> candidates;
+    std::vector<Candidate> over_planes;        // the same with half-spaces
     std::vector<std::int32_t> found, reached;  // obstacles near the ball: in one state, in any state
     std::vector<unsigned> states;              // per obstacle, those in which it is near; 0 between searches
     std::array<std::vector<std::int32_t>, kBlockStates> near;  // pairs, by state
@@ -90,6 +92,7 @@ class BroadPhase {
   std::vector<BoundingBall> movers_;  // around bodies that hang on links
   std::vector<MovingPair> moving_pairs_;
   std::vector<std::int32_t> permanent_pairs_;  // these collide in every state
+  PlaneFilter plane_filter_;                   // of movers before half-spaces
   std::size_t obstacles_;
   std::vector<std::int32_t> pair_of_;                // pair_of_[mover * obstacles_ + obstacle], or −1
   std::vector<std::int32_t> movers_with_obstacles_;  // movers that have a pair with an obstacle

@@ -25,20 +25,52 @@ std::vector<bool> permanent_collisions(const std::vector<GeometryObject>& bodies
     const GeometryObject &guest = bodies[at(pairs[k][0])], &host = bodies[at(pairs[k][1])];
     if (guest.link >= 0 || host.link >= 0) continue;
     const PosedPolytope a{guest.body.get(), guest.placement}, b{host.body.get(), host.placement};
-    out[k] = test_pair(a, b, options, nullptr, counters).shared && plannercheck::solids_share(a, b, counters);
+    out[k] = (is_of_parts(a, b) || is_of_half_space(a, b) || test_pair(a, b, options, nullptr, counters).shared) &&
+             plannercheck::solids_share(a, b, counters);
   }
   return out;
 }
+
+class HullsOfPair final : public HullTest {
+ public:
+  HullsOfPair(const PairFrame& frame, bool likely, const PairOptions& options, CachedPlane& plane,
+              CheckerCounters& counters)
+      : frame_(frame), likely_(likely), options_(options), plane_(plane), counters_(counters) {}
+
+  bool share() override {
+    was_asked_ = true;
+    const PairVerdict verdict = test_pair(frame_, likely_, options_, &plane_, counters_.pair);
+    ++counters_.stages[static_cast<std::size_t>(verdict.stage)];
+    return verdict.shared;
+  }
+
+  bool was_asked() const { return was_asked_; }
+
+ private:
+  const PairFrame& frame_;
+  bool likely_;
+  const PairOptions& options_;
+  CachedPlane& plane_;
+  CheckerCounters& counters_;
+  bool was_asked_ = false;
+};
 
 }  // namespace
 
 CheckerCounters& operator+=(CheckerCounters& sum, const CheckerCounters& more) {
   sum.states += more.states, sum.pairs += more.pairs, sum.bounds += more.bounds;
   sum.boxes += more.boxes, sum.overlaps += more.overlaps, sum.skipped += more.skipped;
+  sum.trees += more.trees;
   for (std::size_t i = 0; i < sum.stages.size(); ++i) sum.stages[i] += more.stages[i];
   sum.pair += more.pair;
   return sum;
 }
+
+// Whether a group of bodies is far from all parts of its set, in the state judged when it was looked at.
+struct GroupLook {
+  std::uint64_t judged = 0;
+  bool is_far = false;
+};
 
 struct CheckerCore::Workspace {
   CheckerCounters counters;
@@ -49,7 +81,9 @@ struct CheckerCore::Workspace {
   std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared
   BroadPhase::Workspace broad_phase;
   std::vector<CachedPlane> planes;         // per pair
-  std::vector<SolidContact> contacts;      // per pair of solids: where they met last
+  std::vector<SolidHistory> histories;     // per pair of solids
+  std::uint64_t judged = 0;                // counts the states that are judged
+  std::vector<GroupLook> groups;           // of parts: what the last look at each has shown
   std::vector<std::uint32_t> hits, tests;  // per pair: collisions found, pair tests
 };
 
@@ -59,11 +93,12 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
   for (auto& pair : pairs_) {
     if (choose_host(*bodies_[at(pair[0])].body, *bodies_[at(pair[1])].body) == 0) std::swap(pair[0], pair[1]);
     for (const std::int32_t body : pair) {
-      has_solids_ |= bodies_[at(body)].body->solid != nullptr;
+      has_solids_ |= bodies_[at(body)].body->solid != nullptr || bodies_[at(body)].body->parts != nullptr;
       const std::int32_t link = bodies_[at(body)].link;
       if (link >= 0) needed_[at(link)] = 1;
     }
   }
+  part_groups_ = part_groups(bodies_, pairs_);
   broad_phase_ = std::make_shared<const BroadPhase>(
       bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), std::move(sampled));
 }
@@ -73,7 +108,8 @@ std::shared_ptr<CheckerCore::Workspace> CheckerCore::new_workspace() const {
   w->links.resize(kBlockGroups * at(links_) * 12);
   w->broad_phase = broad_phase_->new_workspace();
   w->planes.resize(pairs_.size());
-  if (has_solids_) w->contacts.resize(pairs_.size());
+  if (has_solids_) w->histories.resize(pairs_.size(), {{}, true, options_.pair.cached_plane});
+  w->groups.resize(part_groups_.groups.size());
   w->hits.resize(pairs_.size());
   w->tests.resize(pairs_.size());
   return w;
@@ -105,6 +141,8 @@ Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w)
 
 bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  if (bodies_[guest].body->parts || bodies_[host].body->parts) return parts_share(pair, state, w);
+  if (bodies_[guest].body->half_space || bodies_[host].body->half_space) return half_space_shared(pair, state, w);
   const PairFrame frame({bodies_[guest].body.get(), posed(guest, state, w)},
                         {bodies_[host].body.get(), posed(host, state, w)});
   if (options_.boxes && !w.broad_phase.boxed && frame.boxes_apart()) {
@@ -112,22 +150,59 @@ bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) co
     return false;
   }
   const bool likely = options_.learning && 2 * w.hits[pair] > w.tests[pair]++;
-  const PairVerdict verdict = test_pair(frame, likely, options_.pair, &w.planes[pair], w.counters.pair);
-  ++w.counters.stages[static_cast<std::size_t>(verdict.stage)];
-  const bool shared = verdict.shared && solids_share(pair, frame, w);
+  HullsOfPair hulls(frame, likely, options_.pair, w.planes[pair], w.counters);
+  const bool shared = has_solids_ && is_of_solids(frame.posed_guest(), frame.posed_host())
+                          ? solids_share_with(frame.posed_guest(), frame.posed_host(), hulls, options_.pair.trees_first,
+                                              w.histories[pair], w.counters.pair)
+                          : hulls.share();
+  if (!hulls.was_asked()) ++w.counters.trees;
   w.hits[pair] += shared ? 1 : 0;
   return shared;
 }
 
-bool CheckerCore::solids_share(std::size_t pair, const PairFrame& frame, Workspace& w) const {
-  const PosedPolytope &guest = frame.posed_guest(), &host = frame.posed_host();
-  if (!is_of_solids(guest, host)) return true;
-  const SolidContact found = solids_contact(guest, host, w.contacts[pair], w.counters.pair);
-  if (found) w.contacts[pair] = found;
+bool CheckerCore::group_is_far(std::size_t index, std::size_t state, Workspace& w) const {
+  const PartGroup& group = part_groups_.groups[index];
+  GroupLook& look = w.groups[index];
+  if (look.judged != w.judged) {
+    look.judged = w.judged;
+    const Pose mover = posed(at(group.mover), state, w), set = posed(at(group.set), state, w);
+    look.is_far = parts_are_far({mover, group.low, group.high}, {bodies_[at(group.set)].body.get(), set},
+                                group.inflation_radius + posing_room(mover));
+  }
+  return look.is_far;
+}
+
+// The hull of a set of parts says nothing, so that it is not asked.
+bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
+  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  const std::int32_t group = part_groups_.of_pair[pair];
+  if (options_.boxes && group >= 0 && group_is_far(at(group), state, w)) {
+    ++w.counters.boxes;
+    return false;
+  }
+  const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
+  const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
+  ++w.tests[pair];
+  const SolidContact found = solids_contact(a, b, w.histories[pair].contact, w.counters.pair);
+  ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
+  if (found) w.histories[pair].contact = found;
+  w.hits[pair] += found ? 1 : 0;
   return static_cast<bool>(found);
 }
 
+bool CheckerCore::half_space_shared(std::size_t pair, std::size_t state, Workspace& w) const {
+  const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  ++w.tests[pair];
+  ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
+  const bool shared = half_space_contact({bodies_[guest].body.get(), posed(guest, state, w)},
+                                         {bodies_[host].body.get(), posed(host, state, w)}, w.counters.pair)
+                          .shared;
+  w.hits[pair] += shared ? 1 : 0;
+  return shared;
+}
+
 bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
+  ++w.judged;
   if ((w.broad_phase.overlapping >> state & 1U) != 0) return false;
   auto& near = w.broad_phase.near[state];
   if (near.empty()) return true;
@@ -145,6 +220,7 @@ bool CheckerCore::is_free(std::size_t state, Workspace& w) const {
 }
 
 std::int32_t CheckerCore::first_collision(std::size_t state, Workspace& w) const {
+  ++w.judged;
   auto& near = w.broad_phase.near[state];
   std::sort(near.begin(), near.end());
   for (std::size_t k = 0; k < near.size(); ++k) {
@@ -258,6 +334,7 @@ void CheckerCore::first_collisions(const double* links, std::size_t n, std::int3
 void CheckerCore::all_collisions(const double* links, std::size_t n, std::uint8_t* colliding, Workspace& w) const {
   std::fill_n(colliding, n * pairs_.size(), std::uint8_t{0});
   each_state(links, n, w, [&](std::size_t row, std::size_t state) {
+    ++w.judged;
     for (const std::int32_t pair : w.broad_phase.near[state]) {
       colliding[row * pairs_.size() + at(pair)] = collides(at(pair), state, w);
     }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "broad_phase/geometry_object.hpp"
+#include "broad_phase/part_groups.hpp"
 #include "broad_phase/sampled_poses.hpp"
 #include "narrow_phase/intersection.hpp"
 #include "robots/kinematics.hpp"
@@ -25,6 +26,7 @@ struct CheckerCounters {
   long boxes = 0;     // boxes separated by a face plane
   long overlaps = 0;  // balls inside one body that meet a box inside the other
   std::array<long, kStages> stages{};  // of the pair test
+  long trees = 0;                      // trees of solids, before their hulls were tested
   long skipped = 0;                    // the state's verdict was already known
   PairCounters pair;
 };
@@ -85,6 +87,7 @@ class CheckerCore {
   std::int32_t links_;
   std::vector<unsigned char> needed_;  // links that carry a body of some pair
   bool has_solids_ = false;
+  PartGroups part_groups_;
   CheckerOptions options_;
   std::shared_ptr<const BroadPhase> broad_phase_;
 
@@ -101,7 +104,9 @@ class CheckerCore {
   void find_near(int count, Query query, Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
-  bool solids_share(std::size_t pair, const PairFrame& frame, Workspace& workspace) const;
+  bool group_is_far(std::size_t group, std::size_t state, Workspace& workspace) const;
+  bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
+  bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;
   std::int32_t first_collision(std::size_t state, Workspace& workspace) const;
 };

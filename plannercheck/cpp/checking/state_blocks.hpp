@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "math/interruption.hpp"
@@ -15,10 +16,14 @@ namespace plannercheck {
 // n rows of `width` numbers, as the first of `states`.
 template <std::size_t states>
 void load_rows(const double* q, std::size_t n, std::size_t width, Lanes* columns) {
-  for (std::size_t state = 0; state < states; ++state) {
-    const double* from = q + std::min(state, n - 1) * width;
-    Lanes* to = columns + state / kLanes * width;
-    for (std::size_t c = 0; c < width; ++c) to[c][state % kLanes] = from[c];
+  for (std::size_t group = 0; group < states / kLanes; ++group) {
+    std::array<const double*, kLanes> row;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) row[lane] = q + std::min(group * kLanes + lane, n - 1) * width;
+    for (std::size_t c = 0; c < width; ++c) {
+      Lanes column{};  // put together in a register: a wide load after narrow stores would wait for them
+      for (std::size_t lane = 0; lane < kLanes; ++lane) column[lane] = row[lane][c];
+      columns[group * width + c] = column;
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstring>
+#include <utility>
 
 #if defined(__AVX__)
 #include <immintrin.h>
@@ -64,6 +65,13 @@ inline Floats joined_floats(const Lanes* from, std::size_t stride) {
 
 inline Floats absolute(Floats a) {
   return reinterpret_cast<Floats>(reinterpret_cast<FloatMask>(a) & (FloatMask{} + 0x7fffffff));
+}
+
+// The lanes after the first one, then the first one of those that follow.
+inline Lanes next_lanes(Lanes lanes, Lanes following) {
+  return [&]<int... k>(std::integer_sequence<int, k...>) {
+    return shuffled<k + 1 ...>(lanes, following);
+  }(std::make_integer_sequence<int, kLanes>{});
 }
 
 inline Lanes broadcast(double value) { return Lanes{} + value; }

@@ -137,10 +137,13 @@ class AdaptiveSubdivision {
     std::array<double, kGridStates> gaps;
   };
 
-  // A run may replace these: the motion's parameter for one of the grids, what the next grid poses, and collisions that
-  // are found before any pair is settled.
+  // A run may replace these: the motion's parameter for one of the grids, what the next grid poses, what settles an
+  // interval, and collisions that are found before any pair is settled.
   double parameter(double t) const { return t; }
   void choose(const std::vector<std::int32_t>&) {}
+
+  // Whether one direction keeps the swept bodies apart on an interval: the plane found last, or a descent's.
+  bool hulls_settle(PairState& s, std::size_t i) { return plane_settles(s, i) || sweep_settles(s, i); }
 
   // Whether bodies of which the swept hulls are only bounds keep apart on an interval.
   bool parts_settle(PairState&, std::size_t) { return false; }
@@ -247,7 +250,7 @@ class AdaptiveSubdivision {
     if (ordered_ && found.depth < 0) self().touches(s, found.state);
     for (unsigned open = found.open; open != 0; open &= open - 1) {
       const auto i = static_cast<std::size_t>(__builtin_ctz(open));
-      if (plane_settles(s, i) || sweep_settles(s, i) || self().parts_settle(s, i)) {
+      if (self().hulls_settle(s, i) || self().parts_settle(s, i)) {
         prove(s, i);
       } else if (!self().fail(s, i)) {
         return false;

@@ -1,7 +1,9 @@
 #include "motions/motion_bounds.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "math/simd.hpp"
 
@@ -21,12 +23,36 @@ Rate rate_of(const JointDrive& joint, const ConfigurationPath& path) {
   return {0, way, larger(std::fabs(a + joint.offset), std::fabs(b + joint.offset))};
 }
 
+// Whether the arms of a chain depend on the motion.
+bool has_slides(const MotionChains& chains, std::size_t chain) {
+  const auto begin = chains.entries.begin();
+  return std::any_of(begin + chains.first_entry[chain], begin + chains.first_entry[chain + 1],
+                     [](const ChainJoint& entry) { return entry.first_slide < entry.past_slides; });
+}
+
 constexpr auto kChainLanes = static_cast<std::size_t>(kLanes);
+
+LaneMask chain_mask(const std::int64_t* from) {
+  LaneMask mask;
+  std::memcpy(&mask, from, sizeof mask);
+  return mask;
+}
+
+double largest_lane(Lanes lanes) {
+  double most = lanes[0];
+  for (int k = 1; k < kLanes; ++k) most = larger(most, lanes[k]);
+  return most;
+}
+
+// Numbers where the mask is set, else 0.
+Lanes where(LaneMask mask, Lanes numbers) {
+  return reinterpret_cast<Lanes>(mask & reinterpret_cast<LaneMask>(numbers));
+}
 
 }  // namespace
 
 void rates_of(const MotionChains& chains, const ConfigurationPath& path, std::vector<Rate>& rates) {
-  rates.resize(chains.joints.size() + 1);
+  rates.resize(chains.joints.size());
   for (std::size_t j = 0; j < chains.joints.size(); ++j) rates[j] = rate_of(chains.joints[j], path);
 }
 
@@ -53,69 +79,103 @@ MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::v
   return bound;
 }
 
-ChainTable::ChainTable(const MotionChains& chains) : joint_count_(chains.joints.size()) {
-  std::vector<std::size_t> order;
-  const auto first = [&](std::size_t chain) { return at(chains.first_entry[chain]); };
-  const auto length = [&](std::size_t chain) { return first(chain + 1) - first(chain); };
-  for (std::size_t chain = 0; chain + 1 < chains.first_entry.size(); ++chain) {
-    const auto begin = chains.entries.begin() + static_cast<std::ptrdiff_t>(first(chain));
-    const bool slides = std::any_of(begin, begin + static_cast<std::ptrdiff_t>(length(chain)),
-                                    [](const ChainJoint& entry) { return entry.first_slide < entry.past_slides; });
-    (slides ? with_slides_ : order).push_back(chain);
+MotionChains sorted_chains(const MotionChains& chains, std::vector<std::int32_t>& place) {
+  const auto begin = [&](std::size_t chain) { return chains.entries.begin() + chains.first_entry[chain]; };
+  std::vector<std::size_t> order(chains.first_entry.size() - 1);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (has_slides(chains, a) != has_slides(chains, b)) return has_slides(chains, b);
+    return std::lexicographical_compare(begin(a), begin(a + 1), begin(b), begin(b + 1),
+                                        [](const ChainJoint& x, const ChainJoint& y) { return x.joint < y.joint; });
+  });
+  MotionChains out{chains.joints, {}, chains.slides, {0}};
+  place.resize(order.size());
+  for (const std::size_t chain : order) {
+    place[chain] = static_cast<std::int32_t>(out.first_entry.size()) - 1;
+    out.entries.insert(out.entries.end(), begin(chain), begin(chain + 1));
+    out.first_entry.push_back(static_cast<std::int32_t>(out.entries.size()));
   }
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length(a) < length(b); });
-  for (std::size_t k = 0; k < order.size(); k += kChainLanes) {
-    Group group{joints_.size(), 0, {}, {}};
-    group.chains.assign(order.begin() + static_cast<std::ptrdiff_t>(k),
-                        order.begin() + static_cast<std::ptrdiff_t>(std::min(k + kChainLanes, order.size())));
-    group.entries = length(group.chains.back());
-    for (std::size_t e = 0; e < group.entries; ++e) {
-      for (std::size_t lane = 0; lane < kChainLanes; ++lane) {
-        const std::size_t chain = group.chains[std::min(lane, group.chains.size() - 1)];
-        const bool has = e < length(chain);
-        const ChainJoint entry = has ? chains.entries[first(chain) + e] : ChainJoint{};
-        joints_.push_back(has ? at(entry.joint) : joint_count_);
-        arms_.push_back(has ? entry.arm : 0);
-        longest_arm_ = larger(longest_arm_, arms_.back());
-      }
-      const auto row = joints_.end() - static_cast<std::ptrdiff_t>(kChainLanes);
-      group.alike.push_back(std::all_of(row, joints_.end(), [&](std::size_t joint) { return joint == *row; }));
-    }
-    groups_.push_back(std::move(group));
-  }
+  return out;
 }
 
-// The steps are those of `bound_of`; joints that stand still add 0.
-void ChainTable::bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& out) const {
-  out.largest_curvature_ = 0, out.longest_arm_ = longest_arm_;
-  const auto take = [&](std::size_t chain, double curvature, double speed) {
-    out.curvature_[chain + 1] = curvature, out.speed_[chain + 1] = speed;
-    out.largest_curvature_ = larger(out.largest_curvature_, curvature);
+ChainTable::ChainTable(const MotionChains& chains) : chains_(chains.first_entry.size() - 1) {
+  for (const ChainJoint& entry : chains.entries) longest_entry_ = larger(longest_entry_, entry.arm);
+  while (in_groups_ < chains_ && !has_slides(chains, in_groups_)) ++in_groups_;
+  for (std::size_t k = 0; k < in_groups_; k += kChainLanes) add_group(chains, k, std::min(k + kChainLanes, in_groups_));
+}
+
+// Row by row takes the next joint of some chain, and of all chains that have it next: one that no chain has later on,
+// if there is one, so that few rows are needed.
+void ChainTable::add_group(const MotionChains& chains, std::size_t first, std::size_t past) {
+  Group group{joints_.size(), 0};
+  std::vector<std::pair<const ChainJoint*, const ChainJoint*>> left;
+  for (std::size_t chain = first; chain < past; ++chain) {
+    left.push_back(
+        {chains.entries.data() + chains.first_entry[chain], chains.entries.data() + chains.first_entry[chain + 1]});
+  }
+  const auto is_later = [&](std::int32_t joint) {
+    return std::any_of(left.begin(), left.end(), [&](const auto& rest) {
+      return rest.first != rest.second &&
+             std::any_of(rest.first + 1, rest.second, [&](const ChainJoint& e) { return e.joint == joint; });
+    });
   };
+  for (;;) {
+    std::int32_t joint = -1;
+    for (const auto& rest : left) {
+      if (rest.first == rest.second) continue;
+      if (joint < 0 || !is_later(rest.first->joint)) joint = rest.first->joint;
+      if (!is_later(joint)) break;
+    }
+    if (joint < 0) break;
+    joints_.push_back(at(joint));
+    for (std::size_t lane = 0; lane < kChainLanes; ++lane) {
+      const bool has = lane < left.size() && left[lane].first != left[lane].second && left[lane].first->joint == joint;
+      arms_.push_back(has ? left[lane].first->arm : 0);
+      on_chain_.push_back(has ? -1 : 0);
+      longest_arm_ = larger(longest_arm_, arms_.back());
+      if (has) ++left[lane].first;
+    }
+  }
+  group.past_rows = joints_.size();
+  groups_.push_back(group);
+}
+
+// The steps are those of `bound_of`; joints that are not on a chain add 0 to it.
+void ChainTable::bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& out) const {
+  out.curvature_.resize(1 + chains_ + kChainLanes), out.speed_.resize(1 + chains_ + kChainLanes);
+  Lanes largest_curvature{}, largest_speed{};
+  double *curvatures = &out.curvature_[1], *speeds = &out.speed_[1];
   for (const Group& group : groups_) {
     Lanes curvature{}, speed{}, turned{};
-    for (std::size_t e = 0; e < group.entries; ++e) {
-      const std::size_t row = group.first_entry + e * kChainLanes;
-      Lanes turn = broadcast(rates[joints_[row]].turn), slide = broadcast(rates[joints_[row]].slide);
-      for (std::size_t lane = 1; lane < kChainLanes && group.alike[e] == 0; ++lane) {
-        const Rate& rate = rates[joints_[row + lane]];
-        turn[lane] = rate.turn, slide[lane] = rate.slide;
-      }
-      const Lanes moved = turn * load_lanes(&arms_[row]) + slide;
+    for (std::size_t row = group.first_row; row < group.past_rows; ++row) {
+      const Rate& rate = rates[joints_[row]];
+      const LaneMask on_chain = chain_mask(&on_chain_[row * kChainLanes]);
+      const Lanes turn = where(on_chain, broadcast(rate.turn)), slide = where(on_chain, broadcast(rate.slide));
+      const Lanes moved = turn * load_lanes(&arms_[row * kChainLanes]) + slide;
       speed = speed + moved;
       curvature = curvature + moved * (turn + 2 * turned);
       turned = turned + turn;
     }
     speed = speed * kBoundRounding, curvature = curvature * kBoundRounding;
-    for (std::size_t lane = 0; lane < group.chains.size(); ++lane) {
-      take(group.chains[lane], curvature[lane], speed[lane]);
-    }
+    store_lanes(curvatures, curvature), store_lanes(speeds, speed);
+    curvatures += kChainLanes, speeds += kChainLanes;
+    largest_curvature = larger(largest_curvature, curvature), largest_speed = larger(largest_speed, speed);
   }
-  for (const std::size_t chain : with_slides_) {
+  out.largest_ = {largest_lane(largest_curvature), largest_lane(largest_speed), longest_arm_};
+  for (std::size_t chain = in_groups_; chain < chains_; ++chain) {
     const MotionBound bound = bound_of(chains, chain, rates);
-    take(chain, bound.curvature, bound.speed);
-    out.longest_arm_ = larger(out.longest_arm_, bound.arm);
+    out.curvature_[chain + 1] = bound.curvature, out.speed_[chain + 1] = bound.speed;
+    out.largest_.curvature = larger(out.largest_.curvature, bound.curvature);
+    out.largest_.speed = larger(out.largest_.speed, bound.speed);
+    out.largest_.arm = larger(out.largest_.arm, bound.arm);
   }
+}
+
+MotionBound ChainTable::at_most(const std::vector<Rate>& rates) const {
+  Rate all;
+  for (const Rate& rate : rates) all.turn += rate.turn, all.slide += rate.slide, all.extent += rate.extent;
+  const double arm = longest_entry_ + all.extent, speed = (all.turn * arm + all.slide) * kBoundRounding;
+  return {speed * 2 * all.turn * kBoundRounding, speed, arm * kBoundRounding};
 }
 
 }  // namespace plannercheck

@@ -68,45 +68,51 @@ struct MotionBound {
 // The bounds of all chains for one motion. Chain −1 belongs to what stands still: its bounds are 0.
 class ChainBounds {
  public:
-  explicit ChainBounds(std::size_t chains = 0) : curvature_(chains + 1), speed_(chains + 1) {}
-
   double curvature(std::int32_t chain) const { return curvature_[at(chain + 1)]; }
   double speed(std::int32_t chain) const { return speed_[at(chain + 1)]; }
-  double largest_curvature() const { return largest_curvature_; }
-  double longest_arm() const { return longest_arm_; }
+  // The largest of each, over all chains.
+  const MotionBound& largest() const { return largest_; }
 
  private:
   friend class ChainTable;
 
   std::vector<double> curvature_, speed_;
-  double largest_curvature_ = 0, longest_arm_ = 0;
+  MotionBound largest_;
 };
+
+// The chains in another order: neighbours have most joints in common, and those whose arms depend on the motion are
+// last. Writes where each chain has gone.
+MotionChains sorted_chains(const MotionChains& chains, std::vector<std::int32_t>& place);
 
 // The chains, arranged so that as many as there are lanes are bounded at once.
 class ChainTable {
  public:
+  // `chains`: sorted.
   explicit ChainTable(const MotionChains& chains);
 
   // rates: of all joints. Each bound has the bits of `bound_of`.
   void bound(const MotionChains& chains, const std::vector<Rate>& rates, ChainBounds& bounds) const;
+  // At least the largest bounds of all chains, by the sums over all joints: far from tight, but found at once.
+  MotionBound at_most(const std::vector<Rate>& rates) const;
 
  private:
-  // Chains of much the same length. Shorter ones go on with joints that stand still.
+  // Neighbouring chains, one in each lane, and one joint in each row, which chains without it pass over.
   struct Group {
-    std::size_t first_entry, entries;  // in `joints_` and `arms_`, a row of lanes for each entry
-    std::vector<std::size_t> chains;
-    std::vector<unsigned char> alike;  // per entry: whether all lanes have the same joint
+    std::size_t first_row, past_rows;
   };
 
-  std::size_t joint_count_;
   std::vector<Group> groups_;
-  std::vector<std::size_t> joints_;
-  std::vector<double> arms_;
-  double longest_arm_ = 0;                // of the chains in groups
-  std::vector<std::size_t> with_slides_;  // chains whose arms depend on the motion
+  std::vector<std::size_t> joints_;         // by row
+  std::vector<double> arms_;                // by row and lane
+  std::vector<std::int64_t> on_chain_;      // the same: all bits or none
+  double longest_arm_ = 0;                  // of the chains in groups
+  double longest_entry_ = 0;                // of all chains, without extents
+  std::size_t in_groups_ = 0, chains_ = 0;  // the others' arms depend on the motion
+
+  void add_group(const MotionChains& chains, std::size_t first, std::size_t past);
 };
 
-// The rates of all joints for a motion, and then those of a joint that stands still.
+// The rates of all joints for a motion.
 void rates_of(const MotionChains& chains, const ConfigurationPath& path, std::vector<Rate>& rates);
 
 MotionBound bound_of(const MotionChains& chains, std::size_t chain, const std::vector<Rate>& rates);

@@ -1,7 +1,9 @@
 #include "motions/motion_certifier.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "bodies/half_space.hpp"
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
 #include "motions/motion_screen.hpp"
@@ -11,6 +13,11 @@ namespace {
 
 // How far a body's points, centre and sphere lie from the frame that its placement refers to, m.
 double size_of(const GeometryObject& object) {
+  if (object.body->half_space) {  // of which only the plane enters
+    const HalfSpace& h = *object.body->half_space;
+    return norm_1(object.placement.translation()) + 2 * std::fabs(h.offset) / norm_max(h.normal) +
+           2 * object.body->inflation_radius * kStretch;
+  }
   const double far = norm_1(object.placement.translation()) + object.body->origin_radius * kStretch;
   return far + object.body->origin_radius + 2 * sphere_radius(*object.body);
 }
@@ -19,6 +26,12 @@ double size_of(const GeometryObject& object) {
 
 MotionCertifier::MotionCertifier(MotionModel model, MotionOptions options, std::shared_ptr<const CheckerCore> states)
     : model_(std::move(model)), options_(options), states_(std::move(states)) {
+  std::vector<std::int32_t> place;
+  model_.chains = sorted_chains(model_.chains, place);
+  for (CertifiedPair& pair : model_.pairs) {
+    if (pair.chain_a >= 0) pair.chain_a = place[at(pair.chain_a)];
+    if (pair.chain_b >= 0) pair.chain_b = place[at(pair.chain_b)];
+  }
   std::vector<bool> used(model_.bodies.size(), false);
   for (const CertifiedPair& pair : model_.pairs) {
     used[at(pair.a)] = used[at(pair.b)] = true;
@@ -30,8 +43,13 @@ MotionCertifier::MotionCertifier(MotionModel model, MotionOptions options, std::
   }
   for (const std::int32_t body : movers_) mounted_size_ = larger(mounted_size_, size_of(model_.bodies[at(body)]));
   for (const std::int32_t body : still) still_size_ = larger(still_size_, size_of(model_.bodies[at(body)]));
+  std::vector<std::array<std::int32_t, 2>> pairs;
+  for (const CertifiedPair& pair : model_.pairs) pairs.push_back({pair.a, pair.b});
+  part_groups_ = part_groups(model_.bodies, pairs);
   for (const GeometryObject& body : model_.bodies) defects_.push_back(rigidity_defect(body.placement) + 16 * 0x1p-53);
   chain_table_ = std::make_shared<const ChainTable>(model_.chains);
+  const auto is_unbounded = [&](std::int32_t body) { return model_.bodies[at(body)].body->half_space != nullptr; };
+  still.erase(std::remove_if(still.begin(), still.end(), is_unbounded), still.end());
   screen_ = std::make_shared<const MotionScreen>(model_, movers_, still);
   collisions_ = std::make_shared<const MotionCollisions>(model_);
 }

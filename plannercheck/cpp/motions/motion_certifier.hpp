@@ -19,6 +19,7 @@
 
 #include <memory>
 
+#include "broad_phase/part_groups.hpp"
 #include "checking/checker.hpp"
 #include "motions/configuration_path.hpp"
 #include "motions/motion_bounds.hpp"
@@ -83,10 +84,7 @@ class MotionCertifier {
 
   std::int32_t width() const { return model_.width; }
 
-  // `kinematic_error`: bounds the error of the computed poses, m.
-  MotionReport check(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
-                     double kinematic_error, Workspace& workspace) const;
-  // The answers of n motions, (n, width) each.
+  // The answers of n motions, (n, width) each. `kinematic_error`: bounds the error of the computed poses, m.
   void check(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t n, double tolerance,
              double kinematic_error, std::uint8_t* answers, Workspace& workspace) const;
   // The same in the order of the motion: where it is refused first. With `proofs`, records the proofs of all pairs,
@@ -104,13 +102,19 @@ class MotionCertifier {
   std::shared_ptr<const CheckerCore> states_;
   std::vector<std::int32_t> movers_;  // bodies that move and are in a pair
   std::vector<std::int32_t> frames_;  // links
-  std::vector<double> defects_;       // per static body: how far its placement is off rigid
+  PartGroups part_groups_;
+  std::vector<double> defects_;  // per static body: how far its placement is off rigid
   // These hold lanes or are used with them.
   std::shared_ptr<const ChainTable> chain_table_;
   std::shared_ptr<const MotionScreen> screen_;
   std::shared_ptr<const MotionCollisions> collisions_;
   // How far bodies extend: static ones from the world's origin, the others from their links', m.
   double still_size_ = 0, mounted_size_ = 0;
+
+  // Of `count` motions at once, at most kMiddles: whether the middles, and ends, are free.
+  void judge_middles(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+                     Workspace& workspace) const;
+  void judge_ends(const Kinematics& kinematics, const double* q1, std::size_t count, Workspace& workspace) const;
 };
 
 }  // namespace plannercheck

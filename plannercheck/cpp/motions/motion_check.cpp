@@ -14,6 +14,8 @@
 #include "motions/motion_filters.hpp"
 #include "motions/motion_rounding.hpp"
 #include "motions/motion_workspace.hpp"
+#include "motions/part_screen.hpp"
+#include "motions/part_separation.hpp"
 #include "motions/solid_separation.hpp"
 #include "narrow_phase/distance.hpp"
 #include "narrow_phase/solid_pair.hpp"
@@ -36,8 +38,14 @@ int intervals_for(double curvature) {
 // hulls would have to leave that much of their boxes empty, which few do (a sixth of the Panda's pairs).
 constexpr double kDeepestHint = 1;
 
-// Fewer states are judged one by one, which costs more than it saves (measured).
+// Fewer states are judged one by one, which costs more than it saves (measured), except before sets of parts: a motion
+// that collides with one is refused late, as no descent tells.
 constexpr std::size_t kFewestMiddles = 3;
+
+// Of the motions with free middles that come at once, so many have their ends judged to learn how often these collide.
+// If at least one in kEndsWorth does, all ends are judged: one that collides saves so many times what judging one costs
+// (measured). The tally is halved when it is full, so that it follows what is asked.
+constexpr std::size_t kEndsTried = 8, kEndsWorth = 12, kEndsRemembered = 256;
 
 // Rounding may take at most this part of the tolerance; beyond, the numbers are too large.
 constexpr double kRoundingPart = 1.0 / 16;
@@ -58,11 +66,15 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // For a motion that surely collides at a state.
   MotionAnswer refused_or_imprecise(const double* q0, const double* q1) {
+    begin_motion(q0, q1);
+    set_rounding(certifier_.chain_table_->at_most(w_.rates), q0, q1);
+    if (is_precise()) return MotionAnswer::kRefused;
     bound(q0, q1);
     return is_precise() ? MotionAnswer::kRefused : MotionAnswer::kImprecise;
   }
 
   MotionReport run(const double* q0, const double* q1) {
+    begin_motion(q0, q1);
     bound(q0, q1);
     if (!is_precise()) return {MotionAnswer::kImprecise, 0, 0, -1};
     begin();
@@ -89,13 +101,20 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // ----- the first grid
 
-  void bound(const double* q0, const double* q1) {
+  void begin_motion(const double* q0, const double* q1) {
     w_.begin_motion();
     w_.path.set(q0, q1);
     rates_of(model_.chains, w_.path, w_.rates);
+  }
+
+  void bound(const double* q0, const double* q1) {
     certifier_.chain_table_->bound(model_.chains, w_.rates, w_.bounds);
+    set_rounding(w_.bounds.largest(), q0, q1);
+  }
+
+  void set_rounding(const MotionBound& largest, const double* q0, const double* q1) {
     const double extent = certifier_.still_size_ + certifier_.mounted_size_;
-    filters_.set_rounding(motion_rounding(model_, extent, w_.path, w_.bounds, q0, q1, kinematic_error_));
+    filters_.set_rounding(motion_rounding(model_, extent, w_.path, largest, q0, q1, kinematic_error_));
   }
 
   bool is_precise() const { return filters_.slack() <= kRoundingPart * tolerance_; }
@@ -106,7 +125,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
       w_.prepared_for = kinematics_.id();
     }
     posed_ = &w_.all;
-    place(0, 1, intervals_for(w_.bounds.largest_curvature()));
+    place(0, 1, intervals_for(w_.bounds.largest().curvature));
   }
 
   void pose_grid(double from, double to, int intervals) { w_.grid.place(*posed_, w_.path, from, to, intervals); }
@@ -122,7 +141,20 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // ----- what filters leave open
 
-  unsigned near(std::int32_t index) const { return filters_.near(pairs_[at(index)]); }
+  unsigned near(std::int32_t index) {
+    const CertifiedPair& pair = pairs_[at(index)];
+    if (is_of_half_space(pair)) return filters_.near_plane(pair, plane_of(pair));
+    // Most sets of parts reach around the robot.
+    return is_of_parts(pair) ? near_parts(index, filters_.all_intervals()) : filters_.near(pair);
+  }
+
+  // By twice the tolerance, as what bounds of speed leave out.
+  unsigned near_parts(std::int32_t index, unsigned near) {
+    if (proofs_ != nullptr) return near;
+    const PartScreen screen(model_, certifier_.part_groups_, filters_, w_.grid, 2 * tolerance_);
+    if (posed_ == &w_.all) near &= screen.near_group(index, w_.motion, w_.groups);
+    return screen.near(pairs_[at(index)], near);
+  }
 
   bool surely_collides() {
     if (!certifier_.options_.overlaps) return false;
@@ -134,6 +166,10 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // What boxes leave open of a pair: along the plane found last, and along a direction taken from the boxes.
   DirectedPair found_open(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = model_.pairs[at(index)];
+    // In no other direction bodies keep away from a half-space, which stands still.
+    if (is_of_half_space(pair)) return {{index, near, 0, 0}, plane_of(pair).normal};
+    // No plane is one of all parts.
+    if (is_of_parts(pair) && proofs_ == nullptr) return {{index, near, 0, 0}, {}};
     const Plane<Vec3>& plane = w_.planes[at(index)];
     DirectedPair found{{index, near, 0, 0}, {}};
     if (proofs_ == nullptr && plane.motion != 0) {
@@ -183,12 +219,30 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   double apart(std::int32_t index) const { return filters_.apart(pairs_[at(index)]); }
   PosedPair poses(const CertifiedPair& pair, std::size_t state) { return filters_.posed(pair, state); }
 
+  WorldPlane plane_of(const CertifiedPair& pair) const {
+    return world_plane(*filters_.body(pair.b).half_space, model_.bodies[at(pair.b)].placement);
+  }
+  double height_at(const CertifiedPair& pair, const PosedPair& posed) {
+    return height_over({&filters_.body(pair.b), posed.b}, {&filters_.body(pair.a), posed.a}, w_.counters.pair);
+  }
+
   double gap_at(const CertifiedPair& pair, const PosedPair& posed, Vec3 direction) {
+    if (is_of_half_space(pair)) return height_at(pair, posed);
     return gap_along(filters_.body(pair.a), filters_.body(pair.b), posed, direction, w_.counters.pair);
   }
 
   SweptAnswer<Vec3> swept(const CertifiedPair& pair, const PosedPair* posed, int count, double limit, Vec3 hint) {
+    if (is_of_half_space(pair)) return swept_over_plane(pair, posed, count, limit, hint);
     return swept_distance(filters_.body(pair.a), filters_.body(pair.b), posed, count, limit, hint, w_.counters.pair);
+  }
+
+  SweptAnswer<Vec3> swept_over_plane(const CertifiedPair& pair, const PosedPair* posed, int count, double limit,
+                                     Vec3 normal) {
+    SweptAnswer<Vec3> answer;
+    answer.direction = normal, answer.gap = height_at(pair, posed[0]);
+    for (int p = 1; p < count; ++p) answer.gap = smaller(answer.gap, height_at(pair, posed[p]));
+    answer.apart = answer.gap > limit;
+    return answer;
   }
 
   MotionProof proof(const PairState& s, double from, double to, double least) const {
@@ -199,7 +253,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // A pair that is clear at both ends may still be settled.
   bool fail(PairState& s, std::size_t i) {
     const double refused = end_within(s, i);
-    if (refused < 0 && (plane_settles(s, i) || is_short(s))) {
+    if (refused < 0 && (planes_settle(s, i) || is_short(s))) {
       prove(s, i);
       return true;
     }
@@ -214,20 +268,39 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   bool proves_clear(PairState& s, std::size_t state) {
     const double limit = tolerance_ - 2 * filters_.slack();
-    if (is_apart(s, state, limit)) return true;
+    if (!is_of_parts(s.pair) && is_apart(s, state, limit)) return true;
+    if (is_of_half_space(s.pair)) return is_further(s, state, limit);
     return is_of_solids(s.pair) ? solids_clear(s, state, limit) : is_further(s, state, limit);
   }
 
+  // Of a half-space, no more than the hull of the other body counts.
   bool is_of_solids(const CertifiedPair& pair) const {
-    return filters_.body(pair.a).solid || filters_.body(pair.b).solid;
+    if (is_of_half_space(pair)) return false;
+    return filters_.body(pair.a).solid || filters_.body(pair.b).solid || is_of_parts(pair);
+  }
+  bool is_of_half_space(const CertifiedPair& pair) const { return filters_.body(pair.b).half_space != nullptr; }
+  bool is_of_parts(const CertifiedPair& pair) const {
+    return !is_of_half_space(pair) && (filters_.body(pair.a).parts || filters_.body(pair.b).parts);
   }
 
-  // Whether two solids are more than the limit apart at a state: their triangles, and neither is in the other one.
+  // Whether two solids are more than the limit apart at a state: their triangles, and neither is in the other one; or
+  // all parts of a set.
   bool solids_clear(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);
+    if (is_of_parts(s.pair)) {
+      const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
+      return !solids_share(a, b, w_.counters.pair) && parts_distance(a, b, limit, 0, w_.counters.pair).lower > limit;
+    }
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), &pose, 1,
                           limit + filters_.inflation_radii(s.pair)) &&
            !are_nested(posed_a(s, pose), posed_b(s, pose));
+  }
+
+  // Of a set of parts in no proof, planes and descents against all of it would be in vain.
+  bool has_planes(const PairState& s) const { return proofs_ != nullptr || !is_of_parts(s.pair); }
+  bool planes_settle(PairState& s, std::size_t i) { return has_planes(s) && plane_settles(s, i); }
+  bool hulls_settle(PairState& s, std::size_t i) {
+    return has_planes(s) && (plane_settles(s, i) || sweep_settles(s, i));
   }
 
   // The triangles of two solids keep apart on an interval if the same holds for each pair of them as for hulls. Then
@@ -235,6 +308,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool parts_settle(PairState& s, std::size_t i) {
     if (!is_of_solids(s.pair) || proofs_ != nullptr) return false;
     const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
+    if (is_of_parts(s.pair)) {
+      return parts_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart, w_.counters.pair);
+    }
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart) &&
            !are_nested(posed_a(s, ends[0]), posed_b(s, ends[0]));
   }
@@ -251,6 +327,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // Whether the pair shares a point at a state; then no interval there can be settled.
   bool touches(PairState& s, std::size_t state) {
+    if (is_of_parts(s.pair) || is_of_half_space(s.pair)) return share_a_point(s, filters_.posed(s.pair, state));
     const SweptAnswer<Vec3> answer = sweep_at(s, state, filters_.slack() + filters_.inflation_radii(s.pair));
     if (answer.apart) return false;
     // The descent ends in differences of the hulls around the origin, each of which errs by less than the slack.
@@ -263,6 +340,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   bool share_a_point(const PairState& s, const PosedPair& pose) {
     const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
+    if (is_of_half_space(s.pair)) return half_space_contact(a, b, w_.counters.pair).shared;
     return test_pair(a, b, {}, nullptr, w_.counters.pair).shared && solids_share(a, b, w_.counters.pair);
   }
 
@@ -287,46 +365,70 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 std::shared_ptr<MotionCertifier::Workspace> MotionCertifier::new_workspace() const {
   auto workspace = std::make_shared<Workspace>(model_);
   workspace->collisions = collisions_->new_workspace();
+  workspace->groups.resize(part_groups_.groups.size());
   if (states_ != nullptr) workspace->states = states_->new_workspace();
   return workspace;
 }
 
 MotionCounters MotionCertifier::take_counters(Workspace& workspace) { return std::exchange(workspace.counters, {}); }
 
-MotionReport MotionCertifier::check(const Kinematics& kinematics, const double* q0, const double* q1, double tolerance,
-                                    double kinematic_error, Workspace& workspace) const {
-  return MotionRun(*this, kinematics, tolerance, kinematic_error, workspace).run(q0, q1);
-}
-
-// The middle state of a motion comes first, since it is posed and judged together with those of other motions. If it
-// collides, no proof can call the motion free, because a proof covers the middle state as it is posed: the slack of a
-// proof has room for the rounding of that state's numbers and of its pose. So the motion is refused, unless it is so
-// large that its rounding is imprecise, which is looked at as for any other motion. Nothing is concluded from a middle
-// state that is free.
+// The middle state of a motion comes first, since it is posed and judged together with those of other motions; then,
+// where these often collide, the end. If such a state collides, no proof can call the motion free, because a proof
+// covers the state as it is posed: the slack of a proof has room for the rounding of that state's numbers and of its
+// pose. So the motion is refused, unless it is so large that its rounding is imprecise, which is looked at as for any
+// other motion. Nothing is concluded from states that are free.
 void MotionCertifier::check(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t n,
                             double tolerance, double kinematic_error, std::uint8_t* answers, Workspace& w) const {
   const std::size_t width = at(model_.width);
-  const double middle = 0.5;
-  w.middles.resize(kMiddles * width);
   for (std::size_t first = 0; first < n; first += kMiddles) {
     const std::size_t count = std::min(kMiddles, n - first);
-    const bool judged = states_ != nullptr && count >= kFewestMiddles;
-    if (judged) {
-      for (std::size_t i = 0; i < count; ++i) {
-        w.path.set(q0 + (first + i) * width, q1 + (first + i) * width);
-        w.path.at(&middle, 1, 1, &w.middles[i * width]);
-      }
-      states_->check_states(kinematics, w.middles.data(), count, w.middle_is_free.data(), *w.states);
+    const double *starts = q0 + first * width, *ends = q1 + first * width;
+    std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
+    if (states_ != nullptr && (count >= kFewestMiddles || !part_groups_.groups.empty())) {
+      judge_middles(kinematics, starts, ends, count, w);
+      judge_ends(kinematics, ends, count, w);
     }
     for (std::size_t i = 0; i < count; ++i) {
       if (first + i > 0) poll_interruption();
       MotionRun run(*this, kinematics, tolerance, kinematic_error, w);
-      const double *start = q0 + (first + i) * width, *end = q1 + (first + i) * width;
-      const bool collides = judged && w.middle_is_free[i] == 0;
-      answers[first + i] =
-          static_cast<std::uint8_t>(collides ? run.refused_or_imprecise(start, end) : run.run(start, end).answer);
+      const double *start = starts + i * width, *end = ends + i * width;
+      answers[first + i] = static_cast<std::uint8_t>(w.is_free[i] == 0 ? run.refused_or_imprecise(start, end)
+                                                                       : run.run(start, end).answer);
     }
   }
+}
+
+void MotionCertifier::judge_middles(const Kinematics& kinematics, const double* q0, const double* q1, std::size_t count,
+                                    Workspace& w) const {
+  const std::size_t width = at(model_.width);
+  const double middle = 0.5;
+  w.rows.resize(kMiddles * width);
+  for (std::size_t i = 0; i < count; ++i) {
+    w.path.set(q0 + i * width, q1 + i * width);
+    w.path.at(&middle, 1, 1, &w.rows[i * width]);
+  }
+  states_->check_states(kinematics, w.rows.data(), count, w.is_free.data(), *w.states);
+}
+
+// Of motions with free middles: all ends if that pays, or else few, to learn whether it does.
+void MotionCertifier::judge_ends(const Kinematics& kinematics, const double* q1, std::size_t count,
+                                 Workspace& w) const {
+  const std::size_t width = at(model_.width);
+  const bool pays = w.ends.collided * kEndsWorth > w.ends.judged;
+  const std::size_t most = pays ? count : count < kMiddles ? 0 : kEndsTried;
+  std::size_t rows = 0;
+  for (std::size_t i = 0; i < count && rows < most; ++i) {
+    if (w.is_free[i] == 0) continue;
+    std::copy_n(q1 + i * width, width, &w.rows[rows * width]);
+    w.motion_of_row[rows++] = i;
+  }
+  if (rows == 0) return;
+  states_->check_states(kinematics, w.rows.data(), rows, w.found.data(), *w.states);
+  for (std::size_t row = 0; row < rows; ++row) w.is_free[w.motion_of_row[row]] = w.found[row];
+  const auto free =
+      static_cast<std::size_t>(std::count(w.found.begin(), w.found.begin() + static_cast<std::ptrdiff_t>(rows), 1));
+  w.ends.judged += rows, w.ends.collided += rows - free;
+  if (w.ends.judged > kEndsRemembered) w.ends.judged /= 2, w.ends.collided /= 2;
 }
 
 MotionReport MotionCertifier::explain(const Kinematics& kinematics, const double* q0, const double* q1,

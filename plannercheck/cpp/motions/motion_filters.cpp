@@ -8,8 +8,17 @@
 namespace plannercheck {
 namespace {
 
-using Row = std::array<double, kGridRow>;
+using Row = std::array<Lanes, kGridRow / kStep>;
 using LaneVector = std::array<Lanes, 3>;
+
+// The numbers at the beginnings of the intervals from a state on, and at their ends.
+struct IntervalEnds {
+  Lanes from, to;
+};
+IntervalEnds ends_of(const Row& row, std::size_t first) {
+  const Lanes from = row[first / kStep];
+  return {from, next_lanes(from, row[first / kStep + 1])};
+}
 
 // The difference of two centres, given by rows, from a state on.
 LaneVector difference(const double* a, const double* b, std::size_t i) {
@@ -71,6 +80,7 @@ constexpr double kCornerRounding = 0x1p-22;
 Floats MotionFilters::box_around_path(std::int32_t index, std::int32_t chain) const {
   const double grown = sphere_radius(body(index)) + chord_deviation(curvature(chain)) + slack_;
   std::array<Floats, 6> corners;
+#pragma GCC unroll 3
   for (std::size_t k = 0; k < 3; ++k) {
     // Lanes beyond the last state repeat it.
     const double* row = grid_.centre(index) + k * kGridRow;
@@ -103,13 +113,13 @@ unsigned MotionFilters::chord_meets_box(const CertifiedPair& pair, double apart)
   for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
     const Lanes x = load_lanes(c + i) - m[3], y = load_lanes(c + kGridRow + i) - m[7],
                 z = load_lanes(c + 2 * kGridRow + i) - m[11];
-    for (std::size_t k = 0; k < 3; ++k) store_lanes(&seen[k][i], (m[k] * x + m[k + 4] * y) + m[k + 8] * z);
+    for (std::size_t k = 0; k < 3; ++k) seen[k][i / kStep] = (m[k] * x + m[k + 4] * y) + m[k + 8] * z;
   }
   unsigned open = 0;
   for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
     Lanes square{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Lanes from = load_lanes(&seen[k][i]), to = load_lanes(&seen[k][i + 1]);
+      const auto [from, to] = ends_of(seen[k], i);
       const int axis = static_cast<int>(k);
       const Lanes beyond = larger(b.low[axis] - larger(from, to), smaller(from, to) - b.high[axis]);
       const Lanes outside = larger(Lanes{}, beyond);
@@ -139,17 +149,38 @@ unsigned MotionFilters::chord_meets_sphere(const CertifiedPair& pair, double sum
   for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
     LaneVector d = difference(grid_.centre(pair.a), grid_.centre(pair.b), i);
     if (pair.frame >= 0) d = turned_back(grid_.link(pair.frame, i), d);
-    for (std::size_t k = 0; k < 3; ++k) store_lanes(&seen[k][i], d[k]);
+    for (std::size_t k = 0; k < 3; ++k) seen[k][i / kStep] = d[k];
   }
   unsigned open = 0;
   for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
     Lanes square{}, along{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Lanes from = load_lanes(&seen[k][i]), to = load_lanes(&seen[k][i + 1]), middle = 0.5 * (from + to);
+      const auto [from, to] = ends_of(seen[k], i);
+      const Lanes middle = 0.5 * (from + to);
       square = square + middle * middle;
       along = along + middle * (to - from);
     }
     open |= bits(square - absolute(along) <= broadcast(sum * sum)) << i;
+  }
+  return open & all_intervals();
+}
+
+// The height of a chord over a plane is least at one of its ends.
+unsigned MotionFilters::near_plane(const CertifiedPair& pair, const WorldPlane& plane) const {
+  const double* c = grid_.centre(pair.a);
+  Row heights;
+  for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
+    Lanes height = broadcast(-plane.offset);
+    for (std::size_t k = 0; k < 3; ++k) {
+      height = height + load_lanes(c + k * kGridRow + i) * plane.normal[static_cast<int>(k)];
+    }
+    heights[i / kStep] = height;
+  }
+  const Lanes apart = broadcast(sphere_radius(body(pair.a)) + this->apart(pair));
+  unsigned open = 0;
+  for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
+    const auto [from, to] = ends_of(heights, i);
+    open |= bits(smaller(from, to) <= apart) << i;
   }
   return open & all_intervals();
 }
@@ -161,18 +192,20 @@ void MotionFilters::boxes_settle(DirectedPair& found, Vec3 direction, double bey
   Row gaps;
   for (std::size_t i = 0; i <= grid_.intervals(); i += kStep) {
     const LaneVector d = turned(grid_, p.frame, i, direction), opposite{-d[0], -d[1], -d[2]};
-    store_lanes(&gaps[i], least_of_box(body(p.a), grid_.poses(p.a, i), d) +
-                              least_of_box(body(p.b), still ? standing.data() : grid_.poses(p.b, i), opposite));
+    gaps[i / kStep] = least_of_box(body(p.a), grid_.poses(p.a, i), d) +
+                      least_of_box(body(p.b), still ? standing.data() : grid_.poses(p.b, i), opposite);
   }
   const Lanes limit = broadcast(apart(p) + beyond);
   for (std::size_t i = 0; i < grid_.intervals(); i += kStep) {
-    const Lanes least = smaller(load_lanes(&gaps[i]), load_lanes(&gaps[i + 1]));
+    const auto [from, to] = ends_of(gaps, i);
+    const Lanes least = smaller(from, to);
     found.open &= ~((bits(least > limit) & ((1U << kLanes) - 1)) << i);
   }
   found.depth = std::numeric_limits<double>::infinity();
   for (unsigned states = found.open | found.open << 1; states != 0; states &= states - 1) {
     const auto state = static_cast<std::size_t>(__builtin_ctz(states));
-    if (gaps[state] < found.depth) found.depth = gaps[state], found.state = state;
+    const double gap = gaps[state / kStep][state % kStep];
+    if (gap < found.depth) found.depth = gap, found.state = state;
   }
 }
 

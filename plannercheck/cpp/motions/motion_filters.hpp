@@ -8,6 +8,7 @@
 #include <array>
 #include <vector>
 
+#include "bodies/half_space.hpp"
 #include "motions/adaptive_subdivision.hpp"
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_grid.hpp"
@@ -61,6 +62,8 @@ class MotionFilters {
   Floats box_around_path(std::int32_t body, std::int32_t chain) const;
   // What bounding spheres leave open: on chords, against each other or against the box of a static body.
   unsigned near(const CertifiedPair& pair) const;
+  // The same against a half-space, given by its plane.
+  unsigned near_plane(const CertifiedPair& pair, const WorldPlane& plane) const;
   // Settles the intervals whose boxes are apart along a direction of the frame, by `beyond` more than needed; records
   // at which end of those left open the gap along it is least.
   void boxes_settle(DirectedPair& found, Vec3 direction, double beyond = 0);

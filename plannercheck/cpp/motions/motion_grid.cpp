@@ -5,12 +5,21 @@
 #include "robots/kinematics_lanes.hpp"
 
 namespace plannercheck {
+namespace {
+
+Lanes first_states() {
+  Lanes out{};
+  for (int k = 0; k < kLanes; ++k) out[k] = k;
+  return out;
+}
+
+}  // namespace
 
 MotionGrid::MotionGrid(const std::vector<GeometryObject>& bodies, std::size_t width, std::size_t links)
     : bodies_(&bodies),
       link_count_(links),
       mover_of_(bodies.size(), -1),
-      columns_(width * kGridRow),
+      columns_(width * kGridRow / kStep),
       links_(kPosedStates / kStep * links * 12),
       q_(width) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -19,7 +28,7 @@ MotionGrid::MotionGrid(const std::vector<GeometryObject>& bodies, std::size_t wi
     centre_on_link_.push_back(bodies[b].placement.apply(bodies[b].body->centre));
   }
   const std::size_t movers = centre_on_link_.size();
-  centres_.resize(movers * 3 * kGridRow);
+  centres_.resize(movers * 3 * kGridRow / kStep);
   poses_.resize(movers * kPosedStates / kStep * 12);
   posed_.resize(movers);
 }
@@ -38,14 +47,15 @@ void MotionGrid::place(Choice& choice, const ConfigurationPath& path, double fro
   ++grid_;
   intervals_ = static_cast<std::size_t>(intervals);
   const std::size_t filled = (intervals_ + kStep) / kStep * kStep;
-  for (std::size_t i = 0; i < filled; ++i) {
-    const double part = static_cast<double>(i) / intervals;
-    t_[i] = i < intervals_ ? from + part * (to - from) : to;
+  Lanes state = first_states();
+  for (std::size_t i = 0; i < filled; i += kStep, state = state + static_cast<double>(kStep)) {
+    const Lanes t = from + state / static_cast<double>(intervals) * (to - from);
+    store_lanes(&t_[i], state < static_cast<double>(intervals) ? t : broadcast(to));
   }
   step_ = (t_[intervals_] - t_[0]) / static_cast<double>(intervals_) * (1 + 1e-9) + 0x1p-50;
-  path.at(t_.data(), filled, kGridRow, columns_.data());
+  path.at(t_.data(), filled, kGridRow, reinterpret_cast<double*>(columns_.data()));
   for (std::size_t first = 0; first < filled; first += kStep) {
-    for (std::size_t c = 0; c < q_.size(); ++c) q_[c] = load_lanes(&columns_[c * kGridRow + first]);
+    for (std::size_t c = 0; c < q_.size(); ++c) q_[c] = columns_[(c * kGridRow + first) / kStep];
     choice.poser.pose(q_.data(), &links_[first / kStep * link_count_ * 12]);
     for (const std::int32_t body : choice.bodies) pose_centre(body, first);
   }
@@ -54,10 +64,10 @@ void MotionGrid::place(Choice& choice, const ConfigurationPath& path, double fro
 void MotionGrid::pose_centre(std::int32_t body, std::size_t first) {
   const Vec3 c = centre_on_link_[mover(body)];
   const Lanes* m = link((*bodies_)[at(body)].link, first);
-  double* out = &centres_[mover(body) * 3 * kGridRow + first];
+  Lanes* out = &centres_[(mover(body) * 3 * kGridRow + first) / kStep];
   for (std::size_t row = 0; row < 3; ++row) {
     const Lanes* r = m + 4 * row;
-    store_lanes(out + row * kGridRow, (r[0] * c.x + r[1] * c.y) + (r[2] * c.z + r[3]));
+    out[row * kGridRow / kStep] = (r[0] * c.x + r[1] * c.y) + (r[2] * c.z + r[3]);
   }
 }
 

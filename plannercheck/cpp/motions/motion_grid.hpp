@@ -17,12 +17,12 @@ namespace plannercheck {
 
 inline constexpr std::size_t kStep = static_cast<std::size_t>(kLanes);  // states that are posed at once
 
-// The length of a row: room for all states, read in whole lanes from any of them.
+// The length of a row: room for all states and one more, in whole lanes.
 inline constexpr std::size_t kGridRow = 40;
 
 // The number of states that are posed at most: kGridStates of adaptive_subdivision.hpp, in whole lanes.
 inline constexpr std::size_t kPosedStates = 32;
-static_assert(kPosedStates % kStep == 0);
+static_assert(kPosedStates % kStep == 0 && kGridRow % kStep == 0);
 
 class MotionGrid {
  public:
@@ -46,7 +46,7 @@ class MotionGrid {
   double step() const { return step_; }
 
   // Rows x, y, z of a body's centre; static bodies have none.
-  const double* centre(std::int32_t body) const { return &centres_[mover(body) * 3 * kGridRow]; }
+  const double* centre(std::int32_t body) const { return centres() + mover(body) * 3 * kGridRow; }
   Vec3 centre_at(std::int32_t body, std::size_t state) const {
     const double* rows = centre(body) + state;
     return {rows[0], rows[kGridRow], rows[2 * kGridRow]};
@@ -67,14 +67,15 @@ class MotionGrid {
   std::size_t intervals_ = 1;
   double step_ = 1;
   std::array<double, kGridRow> t_{};
-  std::vector<std::int32_t> mover_of_;  // a body's place among those on links, of which alone there is data
-  std::vector<double> columns_, centres_;
-  std::vector<Lanes> links_, poses_;  // poses: by state group, and by mover and state group
+  std::vector<std::int32_t> mover_of_;    // a body's place among those on links, of which alone there is data
+  std::vector<Lanes> columns_, centres_;  // rows of numbers: where lanes begin, cache lines do
+  std::vector<Lanes> links_, poses_;      // poses: by state group, and by mover and state group
   std::vector<Vec3> centre_on_link_;
   std::vector<long> posed_;  // the grid for which a mover's poses were computed
   long grid_ = 0;
   std::vector<Lanes> q_;
 
+  const double* centres() const { return reinterpret_cast<const double*>(centres_.data()); }
   std::size_t mover(std::int32_t body) const { return at(mover_of_[at(body)]); }
   const Lanes* posed(std::int32_t body);
   void pose_centre(std::int32_t body, std::size_t first);

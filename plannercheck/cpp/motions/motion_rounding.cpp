@@ -13,8 +13,8 @@ constexpr double kTurnRounding = 64 * kUnit, kPartRounding = 144 * kUnit;
 }  // namespace
 
 MotionRounding motion_rounding(const MotionModel& model, double extent, const ConfigurationPath& path,
-                               const ChainBounds& bounds, const double* q0, const double* q1, double kinematic_error) {
-  double size = 1 + extent + model.extent + bounds.largest_curvature() / 8 + bounds.longest_arm();
+                               const MotionBound& bound, const double* q0, const double* q1, double kinematic_error) {
+  double size = 1 + extent + model.extent + bound.curvature / 8 + bound.arm;
   for (std::size_t c = 0; c < model.travel.size(); ++c)
     size += model.travel[c] * larger(std::fabs(q0[c]), std::fabs(q1[c]));
   const double part = kRunRounding + kTurnRounding * model.joints + kPartRounding * model.depth + 4 * model.defect +

@@ -24,8 +24,9 @@ struct MotionRounding {
   double size;   // of the coordinates involved, m
 };
 
-// `extent`: how far bodies extend, static ones from the world's origin, the others from their links', m.
+// `extent`: how far bodies extend, static ones from the world's origin, the others from their links', m. `bound`: at
+// least the largest curvature and the longest arm of all chains.
 MotionRounding motion_rounding(const MotionModel& model, double extent, const ConfigurationPath& path,
-                               const ChainBounds& bounds, const double* q0, const double* q1, double kinematic_error);
+                               const MotionBound& bound, const double* q0, const double* q1, double kinematic_error);
 
 }  // namespace plannercheck

@@ -52,6 +52,10 @@ MotionScreen::MotionScreen(const MotionModel& model, const std::vector<std::int3
   for (std::size_t p = 0; p < model.pairs.size(); ++p) {
     const CertifiedPair& pair = model.pairs[p];
     const std::size_t a = place[at(pair.a)], b = place[at(pair.b)];
+    if (model.bodies[at(pair.b)].body->half_space) {
+      unbounded_pairs_.push_back(static_cast<std::int32_t>(p));
+      continue;
+    }
     if (model.bodies[at(pair.b)].link >= 0) {
       const double radii = radius(pair.a) + radius(pair.b);
       moving_pairs_.push_back({a, b, pair.chain_a, pair.chain_b, radii, static_cast<std::int32_t>(p)});
@@ -93,16 +97,20 @@ void MotionScreen::bound_obstacles(const MotionModel& model, const std::vector<s
 }
 
 void MotionScreen::find_by_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
-  found.clear();
+  found = unbounded_pairs_;
   for (const MovingPair& pair : moving_pairs_) found.push_back(pair.pair);
   find_near_paths(filters, found);
 }
 
+// What eight eights leave is looked at in one go: which obstacles are near is hard to predict.
 void MotionScreen::find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const {
   for (const Mover& mover : movers_) {
     const Floats box = filters.box_around_path(mover.body, mover.chain);
-    for (std::size_t k = 0; k < eights_.size(); ++k) {
-      take(mover, k, meeting(eights_[k], box) & mover.paired[k], found);
+    for (std::size_t first = 0; first < eights_.size(); first += kFloats) {
+      const std::size_t past = std::min(first + kFloats, eights_.size());
+      std::uint64_t near = 0;
+      for (std::size_t k = past; k-- > first;) near = near << kFloats | (meeting(eights_[k], box) & mover.paired[k]);
+      take(mover, first, near, found);
     }
   }
 }
@@ -111,6 +119,7 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
                                   double beyond, Workspace& w, std::vector<std::int32_t>& found) const {
   const double room = filters.slack() + beyond;
   find_among_movers(grid, bounds, room, w, found);
+  found.insert(found.end(), unbounded_pairs_.begin(), unbounded_pairs_.end());
   if (eights_.size() * kFloats <= kFewObstaclesOnPaths) return find_near_paths(filters, found);
   for (const Mover& mover : movers_) {
     w.found.clear();
@@ -124,9 +133,9 @@ void MotionScreen::find_by_speeds(const MotionGrid& grid, const MotionFilters& f
   }
 }
 
-void MotionScreen::take(const Mover& mover, std::size_t eight, unsigned near, std::vector<std::int32_t>& found) {
+void MotionScreen::take(const Mover& mover, std::size_t eight, std::uint64_t near, std::vector<std::int32_t>& found) {
   for (; near != 0; near &= near - 1) {
-    found.push_back(mover.pair[eight * kFloats + static_cast<std::size_t>(__builtin_ctz(near))]);
+    found.push_back(mover.pair[eight * kFloats + static_cast<std::size_t>(__builtin_ctzll(near))]);
   }
 }
 
@@ -135,7 +144,7 @@ unsigned MotionScreen::meeting(const Eight& boxes, Floats box) {
   Floats beyond = boxes.side[0] - box[0];
 #pragma GCC unroll 5
   for (std::size_t k = 1; k < 6; ++k) beyond = larger(beyond, boxes.side[k] - box[k]);
-  return ~float_bits(beyond > Floats{});
+  return ~float_bits(beyond > Floats{}) & ((1U << kFloats) - 1);
 }
 
 // Seen from a pair's frame, the two centres approach each other at most at the sum of both speeds.

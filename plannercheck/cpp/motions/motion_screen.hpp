@@ -59,7 +59,8 @@ class MotionScreen {
     std::array<Floats, 6> side;
   };
 
-  std::vector<std::int32_t> moving_;  // bodies in `moving_pairs_`
+  std::vector<std::int32_t> unbounded_pairs_;  // with half-spaces: no box or ball is around them
+  std::vector<std::int32_t> moving_;           // bodies in `moving_pairs_`
   std::vector<MovingPair> moving_pairs_;
   std::vector<Mover> movers_;
   std::vector<Eight> eights_;  // all obstacles
@@ -71,7 +72,7 @@ class MotionScreen {
   void find_near_paths(const MotionFilters& filters, std::vector<std::int32_t>& found) const;
   void find_in_tree(const MotionGrid& grid, const Mover& mover, double way, double room,
                     std::vector<std::int32_t>& found) const;
-  static void take(const Mover& mover, std::size_t eight, unsigned near, std::vector<std::int32_t>& found);
+  static void take(const Mover& mover, std::size_t eight, std::uint64_t near, std::vector<std::int32_t>& found);
   static unsigned meeting(const Eight& boxes, Floats box);
 };
 

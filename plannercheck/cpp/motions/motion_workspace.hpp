@@ -11,11 +11,17 @@
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
 #include "motions/motion_screen.hpp"
+#include "motions/part_screen.hpp"
 
 namespace plannercheck {
 
 // So many motions at once have their middle states judged: whole blocks of states.
 inline constexpr std::size_t kMiddles = 64;
+
+// How many ends of motions with free middles were judged lately, and how many of them collided.
+struct EndTally {
+  std::size_t judged = 0, collided = 0;
+};
 
 // The Space of adaptive_subdivision.hpp.
 struct SpatialMotions {
@@ -31,8 +37,7 @@ struct SpatialMotions {
 struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   explicit Workspace(const MotionModel& model)
       : SubdivisionWorkspace(MotionGrid(model.bodies, at(model.width), at(model.links)), model.pairs.size()),
-        path(at(model.width), model.parts),
-        bounds(model.chains.first_entry.size() - 1) {}
+        path(at(model.width), model.parts) {}
 
   ConfigurationPath path;
   std::vector<Rate> rates;
@@ -42,9 +47,13 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   MotionScreen::Workspace screen;
   MotionCollisions::Workspace collisions;
   std::vector<std::int32_t> candidates, bodies, frames;
+  std::vector<GroupIntervals> groups;  // of bodies with pairs with one set of parts
   std::shared_ptr<CheckerCore::Workspace> states;
-  std::array<std::uint8_t, kMiddles> middle_is_free{};
-  std::vector<double> middles;  // configurations, row by row
+  std::array<std::uint8_t, kMiddles> is_free{};  // of the motions at once: no state of it that was judged collides
+  std::array<std::uint8_t, kMiddles> found{};    // verdicts of `rows`
+  std::array<std::size_t, kMiddles> motion_of_row{};
+  std::vector<double> rows;  // configurations that are judged together
+  EndTally ends;
 };
 
 }  // namespace plannercheck

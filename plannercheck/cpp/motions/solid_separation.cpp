@@ -5,32 +5,47 @@
 #include <limits>
 #include <utility>
 
-#include "math/simd.hpp"
+#include "bodies/lane_boxes.hpp"
 
 namespace plannercheck {
 namespace {
 
 constexpr std::size_t kDirections = 6, kMostPoses = 2;
 
-// Projections in floats err by this times all that is added up to get them.
-constexpr float kProjectionError = 0x1p-20F;
+// Projections in floats err by this times the entries of all directions: middles of boxes are within 1, half extents
+// add up to √3 times the box's own, and roundings are at most nine, one after another.
+constexpr float kProjectionError = 0x1p-19F;
 
 // What denormal floats lose, in m.
 constexpr float kDenormalFloats = 1e-37F;
 
 using TrianglePoints = std::array<Vec3, 3>;
 
-// What a direction makes of a tree's boxes at a pose: its products with a box's centre, and with half extents.
+// What a direction makes of a tree's boxes at a pose: where their middles are along it, and how far they reach.
 struct Projection {
-  std::array<float, 3> along, size;
+  std::array<float, 3> along;
   float offset = 0;
 
-  float centre(const FloatBox& box) const {
+  float centre(const OrientedBox& box) const {
     return (along[0] * box.centre[0] + along[1] * box.centre[1]) + (along[2] * box.centre[2] + offset);
   }
-  float half(const FloatBox& box) const {
-    return (size[0] * box.half[0] + size[1] * box.half[1]) + size[2] * box.half[2];
+  float half(const OrientedBox& box) const {
+    float sum = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const auto& axis = box.axis[j];
+      sum += box.half[j] * std::fabs((along[0] * axis[0] + along[1] * axis[1]) + along[2] * axis[2]);
+    }
+    return sum;
   }
+  Floats centres(const LaneBoxes& boxes) const { return product(boxes.centre) + offset; }
+  Floats halves(const LaneBoxes& boxes) const {
+    Floats sum{};
+    for (std::size_t j = 0; j < 3; ++j) sum += boxes.half[j] * absolute(product(boxes.axis[j]));
+    return sum;
+  }
+
+ private:
+  Floats product(const std::array<Floats, 3>& v) const { return (along[0] * v[0] + along[1] * v[1]) + along[2] * v[2]; }
 };
 
 struct Projected {
@@ -43,23 +58,21 @@ Projection projection(const Solid& solid, const Pose& pose, Vec3 direction, doub
   Projection out;
   for (std::size_t k = 0; k < 3; ++k) {
     out.along[k] = static_cast<float>(along[static_cast<int>(k)]);
-    out.size[k] = std::fabs(out.along[k]);
   }
   out.offset = static_cast<float>(offset);
   return out;
 }
 
 double sum_of(const Projection& p) {
-  return static_cast<double>(p.size[0]) + static_cast<double>(p.size[1]) + static_cast<double>(p.size[2]) +
-         std::fabs(static_cast<double>(p.offset));
+  const auto size = [](float entry) { return std::fabs(static_cast<double>(entry)); };
+  return size(p.along[0]) + size(p.along[1]) + size(p.along[2]) + size(p.offset);
 }
 
 struct SolidNode {
   std::int32_t child;  // see TriangleTree
-  FloatBox box;
+  OrientedBox box;
 
   bool is_triangle() const { return child < 0; }
-  float extent() const { return box.half[0] + box.half[1] + box.half[2]; }
 };
 
 // The part of a way along a segment that starts at 0, where it ends or before.
@@ -125,14 +138,13 @@ class Separation {
         if (!triangles_apart(~a.child, ~b.child)) return false;
         continue;
       }
-      const bool splits_a = b.is_triangle() || (!a.is_triangle() && a.extent() * scale_ >= b.extent());
+      const bool splits_a = b.is_triangle() || (!a.is_triangle() && a.box.extent() * scale_ >= b.box.extent());
       const TriangleNode& node = splits_a ? a_.tree.nodes[at(a.child)] : b_.tree.nodes[at(b.child)];
       unsigned left =
           splits_a ? near(node, b.box, &Projected::a, &Projected::b) : near(node, a.box, &Projected::b, &Projected::a);
       for (; left != 0; left &= left - 1) {
         const auto k = static_cast<std::size_t>(__builtin_ctz(left));
-        if (node.child[k] == TriangleTree::kNothing) continue;
-        const SolidNode child{node.child[k], node.box(k)};
+        const SolidNode child{node.child(k), node.box(k)};
         waiting[count++] = splits_a ? std::pair{child, b} : std::pair{a, child};
       }
     }
@@ -165,25 +177,22 @@ class Separation {
   }
 
   // Children of a node that no direction keeps away from a box of the other tree.
-  unsigned near(const TriangleNode& node, const FloatBox& box, Projection Projected::* own,
+  unsigned near(const TriangleNode& node, const OrientedBox& box, Projection Projected::* own,
                 Projection Projected::* other) const {
+    const LaneBoxes boxes = lane_boxes(node);
     FloatMask apart{};
     for (std::size_t k = 0; k < kDirections; ++k) {
       FloatMask before = ~FloatMask{}, after = before;
       for (std::size_t p = 0; p < count_; ++p) {
         const Projected& at_pose = projected_[k][p];
         const Projection &mine = at_pose.*own, &theirs = at_pose.*other;
-        const auto row = [&](const auto& from, const std::array<float, 3>& by) {
-          return (by[0] * load_floats(from[0].data()) + by[1] * load_floats(from[1].data())) +
-                 by[2] * load_floats(from[2].data());
-        };
-        const Floats way = row(node.centre, mine.along) + (mine.offset - theirs.centre(box));
-        const Floats room = row(node.half, mine.size) + (theirs.half(box) + at_pose.limit);
+        const Floats way = mine.centres(boxes) - theirs.centre(box);
+        const Floats room = mine.halves(boxes) + (theirs.half(box) + at_pose.limit);
         before &= way > room, after &= -way > room;
       }
       apart |= before | after;
     }
-    return ~float_bits(apart) & ((1U << kTreeWidth) - 1);
+    return ~float_bits(apart) & node.all();
   }
 
   TrianglePoints posed(const Solid& solid, std::int32_t triangle, const Pose& pose) const {

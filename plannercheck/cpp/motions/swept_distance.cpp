@@ -130,8 +130,8 @@ SweptAnswer<Vec3> swept_distance(const Polytope& a, const Polytope& b, const Pos
     if (!(length > kTrustedLength) || !std::isfinite(length)) return answer;
     const Vec3 d = (1 / length) * v;
     Difference lowest = difference_at(a, b, poses[0], d, counters);
-    if (count > 1) {
-      const Difference other = difference_at(a, b, poses[1], d, counters);
+    for (int p = 1; p < count; ++p) {
+      const Difference other = difference_at(a, b, poses[p], d, counters);
       if (other.along < lowest.along) lowest = other;
     }
     if (round == 0 || lowest.along > answer.gap) answer.direction = d, answer.gap = lowest.along;

@@ -34,8 +34,8 @@ struct PosedPair {
   FrameTurn frame;
 };
 
-// The descent on the vertices of the bodies (without their inflation radii) at `count` poses, 1 or 2, from an initial
-// direction.
+// The descent on the vertices of the bodies (without their inflation radii) at `count` poses, one at least, from an
+// initial direction.
 SweptAnswer<Vec3> swept_distance(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
                                  Vec3 hint, PairCounters& counters);
 

@@ -24,6 +24,7 @@ struct PairOptions {
   bool double_double = true;   // the third filter; without both, exact arithmetic decides what the solver leaves
   bool warm_start = true;      // whether each stage begins with the vertices where the one before gave up
   bool interleaving = true;    // whether a batch interleaves the tests of several pairs of large bodies
+  bool trees_first = true;     // whether solids whose hulls met last are tested before their hulls
 };
 
 // The plane that separated a pair last time, in the host's frame.

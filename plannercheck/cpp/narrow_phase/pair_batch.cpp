@@ -258,44 +258,74 @@ class Interleaving {
   }
 };
 
-// A batch whose bodies are solids: hulls that share a point are not the last word.
-class SolidBatch final : public PairBatch {
+// The hulls of a pair that is no far one.
+class CloseHulls final : public HullTest {
  public:
-  SolidBatch(PairBatch& batch, PairCounters& counters) : batch_(batch), counters_(counters) {}
+  CloseHulls(const PosedPolytope& guest, const PosedPolytope& host, CentreAxis& axis, const PairOptions& options,
+             CachedPlane* cache, PairCounters& counters)
+      : guest_(guest), host_(host), axis_(axis), options_(options), cache_(cache), counters_(counters) {}
 
-  PosedPolytope guest(std::size_t i) const override { return batch_.guest(i); }
-  PosedPolytope host(std::size_t i) const override { return batch_.host(i); }
-  void take(std::size_t i, const PairVerdict& of_hulls) override {
-    if (!of_hulls.shared) return batch_.take(i, of_hulls);
-    PairVerdict verdict = of_hulls;
-    const SolidContact found = solids_contact(guest(i), host(i), last_, counters_);
-    verdict.shared = static_cast<bool>(found);
-    if (found) last_ = found;
-    batch_.take(i, verdict);
+  bool share() override {
+    verdict_ = test_close_pair(guest_, host_, axis_, options_, cache_, counters_);
+    return verdict_.shared;
   }
-  void take_far(std::size_t i, const CentreAxis& axis) override { batch_.take_far(i, axis); }
+
+  // What it told, if it was asked.
+  const PairVerdict& verdict() const { return verdict_; }
 
  private:
-  PairBatch& batch_;
+  const PosedPolytope &guest_, &host_;
+  CentreAxis& axis_;
+  const PairOptions& options_;
+  CachedPlane* cache_;
   PairCounters& counters_;
-  SolidContact last_;
+  PairVerdict verdict_;
 };
 
-void test_hulls(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
-                PairBatch& batch, PairCounters& counters) {
-  CachedPlane plane;
-  CachedPlane* const cache = options.cached_plane && host.has_polar() ? &plane : nullptr;
-  if (!pays(guest, host, options)) return test_one_by_one(pairs, options, cache, batch, counters);
-  Interleaving(guest, host, pairs, options, batch, cache, counters).run();
+// Bodies of which one is a solid: hulls that share a point are not the last word.
+void test_solids(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
+                 PairCounters& counters) {
+  SolidHistory history{{}, true, false};
+  for (std::size_t i = 0; i < pairs; ++i) {
+    poll_interruption();
+    const PosedPolytope guest = batch.guest(i), host = batch.host(i);
+    CentreAxis axis(guest, host);
+    if (is_far(axis, options)) {
+      batch.take_far(i, axis);
+      continue;
+    }
+    CloseHulls hulls(guest, host, axis, options, cache, counters);
+    const bool shared = solids_share_with(guest, host, hulls, options.trees_first, history, counters);
+    PairVerdict verdict = hulls.verdict();
+    verdict.shared = shared;
+    batch.take(i, verdict);
+  }
+}
+
+// A half-space has no hull; its verdict is that of one vertex, or of all parts of a set.
+void test_half_spaces(std::size_t pairs, PairBatch& batch, PairCounters& counters) {
+  for (std::size_t i = 0; i < pairs; ++i) {
+    poll_interruption();
+    PairVerdict verdict;
+    verdict.shared = half_space_contact(batch.guest(i), batch.host(i), counters).shared;
+    batch.take(i, verdict);
+  }
 }
 
 }  // namespace
 
 void test_pairs(const Polytope& guest, const Polytope& host, std::size_t pairs, const PairOptions& options,
                 PairBatch& batch, PairCounters& counters) {
-  if (!guest.solid && !host.solid) return test_hulls(guest, host, pairs, options, batch, counters);
-  SolidBatch of_solids(batch, counters);
-  test_hulls(guest, host, pairs, options, of_solids, counters);
+  if (guest.half_space || host.half_space) return test_half_spaces(pairs, batch, counters);
+  CachedPlane plane;
+  CachedPlane* const cache = options.cached_plane && host.has_polar() ? &plane : nullptr;
+  if (guest.solid || host.solid || guest.parts || host.parts) {
+    test_solids(pairs, options, cache, batch, counters);
+  } else if (pays(guest, host, options)) {
+    Interleaving(guest, host, pairs, options, batch, cache, counters).run();
+  } else {
+    test_one_by_one(pairs, options, cache, batch, counters);
+  }
 }
 
 }  // namespace plannercheck

@@ -44,11 +44,13 @@ PairFrame::PairFrame(const PosedPolytope& guest, const PosedPolytope& host) : gu
   shift_ = host.pose.rotate_back(w) - centre;
   defect_ = rigidity_defect(host.pose) + kDefectRounding;
   const double reach = guest.body->origin_radius + norm_1(w) + norm_1(centre) + host.body->radius;
-  pose_error_ = reach * (kPairError + 1.01 * defect_);
+  pose_error_ = reach * pose_error_growth();
   error_ = host.body->polar_radius * pose_error_;
   inflation_radius_ = (guest.body->inflation_radius + host.body->inflation_radius) * (1 + 1.01 * defect_);
   mixture_error_ = host.body->polar_radius * reach * kMixtureError;
 }
+
+double PairFrame::pose_error_growth() const { return kPairError + 1.01 * defect_; }
 
 Vec3 PairFrame::guest_direction(Vec3 q) const {
   return {-(m_[0] * q.x + m_[3] * q.y + m_[6] * q.z), -(m_[1] * q.x + m_[4] * q.y + m_[7] * q.z),

@@ -68,6 +68,11 @@ class PairFrame {
   // An upper bound of ‖M_RᵀM_R − 1‖.
   double defect() const { return defect_; }
 
+  // How far a coordinate of the guest may be off in this frame, with room for a few operations on it; and how much more
+  // for each m that the guest reaches further from its frame's origin.
+  double pose_error() const { return pose_error_; }
+  double pose_error_growth() const;
+
   // The point of the guest's box nearest to the host's centre, up to rounding: a likely shared point of bodies that
   // overlap. Rounding never takes it out of the box.
   Vec3 guest_box_point() const;

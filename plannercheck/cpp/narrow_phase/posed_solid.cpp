@@ -5,11 +5,12 @@ namespace {
 
 // Of M⁻¹ (p − t), times the magnitude of p and t together, y: the difference errs by u|y|. Entries of the adjugate err
 // by 4u, its products with y and their sums by 3u of at most √3 |y|: 18u|y|. The determinant is 1 up to 6e-6 and errs
-// by 13u, the quotient by one more: 25u|y|. What p errs by, kCornerError, is turned: at most √3 times that, 9u.
+// by 13u, its reciprocal and the product with that by one more each: 26u|y|. What p errs by, kCornerError, is turned:
+// at most √3 times that, 9u.
 constexpr double kInverseError = 64 * kRoundoff;
 
 // Of a relative pose, times |p|_1 + |t_a − t_b|_1: its columns are M⁻¹ times vectors, each coordinate of which errs by
-// 25u of the vector's length, as above, and its shift by u more for the difference; products and sums add 4u.
+// 26u of the vector's length, as above, and its shift by u more for the difference; products and sums add 4u.
 constexpr double kRelativeError = 48 * kRoundoff;
 
 }  // namespace
@@ -28,8 +29,9 @@ double posing_magnitude(const PosedSolid& posed) {
 InversePose::InversePose(const Pose& pose) : translation_(pose.translation()) {
   const auto column = [&](std::size_t j) { return Vec3{pose.m[j], pose.m[j + 4], pose.m[j + 8]}; };
   const Vec3 x = column(0), y = column(1), z = column(2);
-  rows_ = {cross(y, z), cross(z, x), cross(x, y)};
-  determinant_ = dot(x, rows_[0]);
+  const Vec3 across = cross(y, z);
+  const double inverse = 1 / dot(x, across);
+  rows_ = {inverse * across, inverse * cross(z, x), inverse * cross(x, y)};
 }
 
 double InversePose::error(double magnitude) const {

@@ -37,9 +37,7 @@ class InversePose {
   explicit InversePose(const Pose& pose);
 
   // M⁻¹ v
-  Vec3 rotate(Vec3 v) const {
-    return {dot(rows_[0], v) / determinant_, dot(rows_[1], v) / determinant_, dot(rows_[2], v) / determinant_};
-  }
+  Vec3 rotate(Vec3 v) const { return {dot(rows_[0], v), dot(rows_[1], v), dot(rows_[2], v)}; }
   // M⁻¹ (v − t)
   Vec3 apply(Vec3 v) const { return rotate(v - translation_); }
 
@@ -48,8 +46,7 @@ class InversePose {
   double error(double magnitude) const;
 
  private:
-  std::array<Vec3, 3> rows_;  // of the adjugate
-  double determinant_;
+  std::array<Vec3, 3> rows_;
   Vec3 translation_;
 };
 

@@ -9,12 +9,12 @@
 namespace plannercheck {
 namespace {
 
-// Frames stretch lengths by at most 4e-6, and gaps of boxes are rounded to floats a few times.
-constexpr double kGapRounding = 1 - 0x1p-16;
+// Frames stretch lengths by at most 4e-6, and directions by half of 2^-13.
+constexpr double kGapRounding = 1 - 0x1p-13;
 
 struct BoxedNode {
   std::int32_t child;  // see TriangleTree
-  FloatBox box;
+  OrientedBox box;
 
   bool is_triangle() const { return child < 0; }
 };
@@ -24,16 +24,6 @@ struct WaitingPair {
   double gap;  // a lower bound of the distance of all below, m
 };
 
-// A lower bound of the distance of two boxes along the same axes.
-float box_gap(const FloatBox& a, const FloatBox& b) {
-  float square = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const float beyond = std::fabs(a.centre[i] - b.centre[i]) - (a.half[i] + b.half[i]);
-    if (beyond > 0) square += beyond * beyond;
-  }
-  return std::sqrt(square);
-}
-
 class DistanceSearch {
  public:
   DistanceSearch(const PosedPolytope& a, const PosedPolytope& b, double limit, PairCounters& counters)
@@ -41,7 +31,8 @@ class DistanceSearch {
         body_b_(b),
         a_{&a.body->surface(), a.pose},
         b_{&b.body->surface(), b.pose},
-        frames_(a_, b_, 0),
+        a_to_b_(a_, b_, {a_.pose, b_.pose}, 0),
+        b_to_a_(b_, a_, {b_.pose, a_.pose}, 0),
         radii_(a.body->inflation_radius + b.body->inflation_radius),
         limit_(limit),
         counters_(counters) {
@@ -68,33 +59,30 @@ class DistanceSearch {
  private:
   PosedPolytope body_a_, body_b_;
   PosedSolid a_, b_;
-  TreeFrames frames_;
+  TreeMap a_to_b_, b_to_a_;
   double radii_, limit_;
   PairCounters& counters_;
   PairDistance best_;
   std::vector<WaitingPair> waiting_;
 
-  double gap(const FloatBox& a, const FloatBox& b) const {
-    const double in_b = static_cast<double>(box_gap(frames_.a_to_b().around(a), b)) / b_.solid->tree.units;
-    const double in_a = static_cast<double>(box_gap(a, frames_.b_to_a().around(b))) / a_.solid->tree.units;
-    const double least = larger(in_a, in_b) * kGapRounding;
-    return least > 0 && std::isfinite(least) ? least : 0;
-  }
-
   void divide(const WaitingPair& pair) {
-    const auto extent = [](const FloatBox& box) { return box.half[0] + box.half[1] + box.half[2]; };
-    const bool divides_a = pair.b.is_triangle() ||
-                           (!pair.a.is_triangle() && extent(frames_.a_to_b().around(pair.a.box)) >= extent(pair.b.box));
-    const BoxedNode& whole = divides_a ? pair.a : pair.b;
-    const TriangleNode& node = (divides_a ? a_ : b_).solid->tree.nodes[at(whole.child)];
+    const bool divides_a =
+        pair.b.is_triangle() || (!pair.a.is_triangle() && pair.a.box.extent() * a_to_b_.scale() >= pair.b.box.extent());
+    const BoxedNode &whole = divides_a ? pair.a : pair.b, &other = divides_a ? pair.b : pair.a;
+    const TriangleTree& tree = (divides_a ? a_ : b_).solid->tree;
+    const TriangleNode& node = tree.nodes[at(whole.child)];
+    BoxAbroad abroad;
+    (divides_a ? b_to_a_ : a_to_b_).put_abroad(other.box, abroad);
+    const Floats gaps = children_gaps(node, abroad);
     const auto first = static_cast<std::ptrdiff_t>(waiting_.size());
-    for (std::size_t k = 0; k < kTreeWidth && node.child[k] != TriangleTree::kNothing; ++k) {
-      const BoxedNode child{node.child[k], node.box(k)};
-      const BoxedNode &a = divides_a ? child : pair.a, &b = divides_a ? pair.b : child;
-      waiting_.push_back({a, b, larger(pair.gap, gap(a.box, b.box))});
+    for (std::size_t k = 0; k < node.children; ++k) {
+      const BoxedNode child{node.child(k), node.box(k)};
+      const double gap = static_cast<double>(gaps[k]) / tree.units * kGapRounding;
+      const double least = std::isfinite(gap) ? larger(pair.gap, gap) : pair.gap;
+      waiting_.push_back({divides_a ? child : pair.a, divides_a ? pair.b : child, least});
     }
     std::sort(waiting_.begin() + first, waiting_.end(),
-              [](const WaitingPair& one, const WaitingPair& other) { return one.gap > other.gap; });
+              [](const WaitingPair& one, const WaitingPair& two) { return one.gap > two.gap; });
   }
 
   void measure(std::int32_t triangle_a, std::int32_t triangle_b) {

@@ -1,13 +1,17 @@
 #include "narrow_phase/solid_pair.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "bodies/solid.hpp"
 #include "narrow_phase/intersection.hpp"
+#include "narrow_phase/solid_side.hpp"
 #include "narrow_phase/tree_frames.hpp"
 #include "narrow_phase/triangle_lanes.hpp"
 #include "narrow_phase/triangle_pair.hpp"
@@ -22,50 +26,15 @@ constexpr double kBoxRoundedUp = 1 + 0x1p-20;
 // Places in the tree's units, in doubles: a few u of the place, of the middle and of the box.
 constexpr double kPlaceError = 0x1p-48;
 
-// A node or a triangle of a tree, with its box.
-struct Below {
-  std::int32_t child;
-  FloatBox box;
-
-  bool is_triangle() const { return child < 0; }
-};
-
-typedef std::array<Below, 2> BelowBoth;
-
-float extent(const FloatBox& box) { return box.half[0] + box.half[1] + box.half[2]; }
-
-// One of the two solids, and the way from its frame to the other one's.
-struct SolidSide {
-  PosedSolid posed;
-  RelativePose to_other;
-  TreeMap map;   // between the trees' units
-  double error;  // of corners in the other one's frame
-  float scale;   // of lengths in its tree's units to those in the other one's
-
-  const TriangleTree& tree() const { return posed.solid->tree; }
-  const TriangleNode& node(const Below& below) const { return tree().nodes[at(below.child)]; }
-
-  TriangleCorners in_other(std::int32_t triangle) const {
-    const Solid& solid = *posed.solid;
-    const MeshTriangle& t = solid.triangles[at(triangle)];
-    return {to_other.apply(solid.points[at(t[0])]), to_other.apply(solid.points[at(t[1])]),
-            to_other.apply(solid.points[at(t[2])])};
-  }
-};
-
-SolidSide side_of(const PosedSolid& own, const PosedSolid& other, double reach) {
-  const RelativePose to_other(own.pose, other.pose);
-  return {own, to_other, tree_map(own, other, to_other, reach), to_other.error(norm_1(own.solid->reach)),
-          static_cast<float>(other.solid->tree.units / own.solid->tree.units)};
-}
-
 class ContactSearch {
  public:
-  ContactSearch(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters, SolidCounters& counted)
+  ContactSearch(const PosedPolytope& a, const PosedPolytope& b, const SolidOptions& options, PairCounters& counters,
+                SolidCounters& counted)
       : bodies_{a, b},
         inflation_radius_(a.body->inflation_radius + b.body->inflation_radius),
-        sides_{side_of({&a.body->surface(), a.pose}, {&b.body->surface(), b.pose}, inflation_radius_),
-               side_of({&b.body->surface(), b.pose}, {&a.body->surface(), a.pose}, inflation_radius_)},
+        sides_{SolidSide{{&a.body->surface(), a.pose}, {&b.body->surface(), b.pose}, inflation_radius_},
+               SolidSide{{&b.body->surface(), b.pose}, {&a.body->surface(), a.pose}, inflation_radius_}},
+        options_(options),
         counters_(counters),
         counted_(counted) {}
 
@@ -74,8 +43,17 @@ class ContactSearch {
         at(guess.b) < solid(1).triangles.size() && meet({guess.a, guess.b}))
       return guess;
     if (descend()) return {SolidContact::Kind::kTriangles, found_[0], found_[1]};
-    return nested();
+    return hulls_share_ == false ? SolidContact{} : nested();
   }
+
+  // The same for bodies of whose hulls nothing is known, which are tested if the trees do not soon tell.
+  SolidContact run(const SolidContact& guess, HullTest& hulls, int patience) {
+    hulls_ = &hulls, patience_ = patience;
+    return run(guess);
+  }
+
+  // Whether the hulls share a point, as far as that was asked or follows.
+  std::optional<bool> hulls_share() const { return hulls_share_; }
 
   SolidContact nested() {
     if (const std::int32_t vertex = vertex_inside(1, 0); vertex >= 0) return {SolidContact::Kind::kAInB, vertex, -1};
@@ -92,8 +70,14 @@ class ContactSearch {
   std::array<PosedPolytope, 2> bodies_;
   double inflation_radius_;
   std::array<SolidSide, 2> sides_;
+  SolidOptions options_;
   PairCounters& counters_;
   SolidCounters& counted_;
+  std::array<Below, 2> mapped_{Below{0, -2, 0, 0}, Below{0, -2, 0, 0}};  // whose boxes are abroad
+  std::array<BoxAbroad, 2> abroad_;
+  HullTest* hulls_ = nullptr;
+  int patience_ = 0;
+  std::optional<bool> hulls_share_;
   TrianglePair found_{-1, -1};
   std::array<BelowBoth, kMostWaiting> waiting_;
   std::size_t count_ = 0;
@@ -101,95 +85,122 @@ class ContactSearch {
   const Solid& solid(std::size_t side) const { return *sides_[side].posed.solid; }
 
   bool descend() {
-    waiting_[count_++] = {Below{0, solid(0).tree.root}, Below{0, solid(1).tree.root}};
-    while (count_ > 0) {
-      const BelowBoth both = waiting_[--count_];
-      if (both[0].is_triangle() ? step_triangle(both, 0) : both[1].is_triangle() ? step_triangle(both, 1) : step(both))
-        return true;
+    waiting_[count_++] = {sides_[0].root(), sides_[1].root()};
+    for (int steps = 0; count_ > 0; ++steps) {
+      if (steps == patience_ && hulls_ != nullptr) {
+        hulls_share_ = hulls_->share();
+        if (!*hulls_share_) return false;
+      }
+      if (step(waiting_[--count_])) return true;
     }
     return false;
   }
 
-  // Two nodes: leaves, or the larger one is split.
-  bool step(const BelowBoth& both) {
-    const TriangleNode &a = sides_[0].node(both[0]), &b = sides_[1].node(both[1]);
-    if (a.leaf >= 0 && b.leaf >= 0) return leaves_meet(both, a, b);
-    const std::size_t split = extent(both[0].box) * sides_[0].scale >= extent(both[1].box) ? 0 : 1;
-    push(split == 0 ? a : b, near(both, split), both, split);
+  // Two leaves, or a triangle and a leaf, are tested; of all others the larger one is split.
+  bool step(const BelowBoth both) {
+    const std::array<bool, 2> is_triangle{both[0].is_triangle(), both[1].is_triangle()};
+    const auto is_leaf = [&](std::size_t side) {
+      return !is_triangle[side] && sides_[side].node(both[side]).leaf >= 0;
+    };
+    if (is_triangle[0] && is_triangle[1]) return triangles_meet_alone(both);
+    if (is_triangle[0] && is_leaf(1)) return triangle_meets_leaf(both, 0);
+    if (is_triangle[1] && is_leaf(0)) return triangle_meets_leaf(both, 1);
+    if (!is_triangle[0] && !is_triangle[1] && is_leaf(0) && is_leaf(1)) return leaves_meet(both);
+    const bool splits_first =
+        is_triangle[1] || (!is_triangle[0] && both[0].extent * sides_[0].map.scale() >= both[1].extent);
+    const std::size_t split = splits_first ? 0 : 1;
+    push(near(both, split), both, split);
     return false;
   }
 
   // Children of the node of a side that may meet the other one's box.
   NearChildren near(const BelowBoth& both, std::size_t side) {
     ++counted_.boxes;
-    const SolidSide &own = sides_[side], &other = sides_[1 - side];
-    const FloatBox& box = both[1 - side].box;
-    return children_near(own.node(both[side]), own.map, box, other.map.around(box), own.scale);
+    const TriangleNode& node = sides_[side].node(both[side]);
+    const std::size_t other = 1 - side;
+    if (!options_.boxes) return {node.all(), Floats{}};
+    if (!mapped_[other].has_box_of(both[other])) {
+      mapped_[other] = both[other];
+      sides_[other].map.put_abroad(sides_[other].box(both[other]), abroad_[other]);
+    }
+    return children_near(node, abroad_[other]);
   }
 
   // Pairs of children that wait, the nearest last.
-  void push(const TriangleNode& node, const NearChildren& near, const BelowBoth& both, std::size_t side) {
+  void push(const NearChildren& near, const BelowBoth& both, std::size_t side) {
+    const TriangleNode& node = sides_[side].node(both[side]);
     std::array<float, kTreeWidth> gap;
     std::memcpy(gap.data(), &near.gap, sizeof gap);
-    const std::size_t first = count_;
-    std::array<float, kTreeWidth> gaps;
+    float least = std::numeric_limits<float>::infinity();
+    std::size_t nearest = 0;
     for (unsigned left = near.bits; left != 0; left &= left - 1) {
       const auto k = static_cast<std::size_t>(__builtin_ctz(left));
-      if (node.child[k] == TriangleTree::kNothing) continue;
-      std::size_t place = count_++ - first;
-      for (; place > 0 && gaps[place - 1] < gap[k]; --place) {
-        gaps[place] = gaps[place - 1];
-        waiting_[first + place][side] = waiting_[first + place - 1][side];
-      }
-      gaps[place] = gap[k];
-      waiting_[count_ - 1][1 - side] = both[1 - side];
-      waiting_[first + place][side] = {node.child[k], node.box(k)};
+      if (gap[k] < least) least = gap[k], nearest = count_;
+      if (node.leaf < 0) bring(sides_[side].tree().nodes[at(node.child(k))]);
+      waiting_[count_][1 - side] = both[1 - side];
+      waiting_[count_++][side] = {node.child(k), both[side].child, static_cast<std::uint32_t>(k),
+                                  node.half[0][k] + node.half[1][k] + node.half[2][k]};
     }
-  }
-
-  // A triangle of one side against a node of the other.
-  bool step_triangle(const BelowBoth& both, std::size_t side) {
-    const SolidSide &own = sides_[side], &other = sides_[1 - side];
-    const TriangleNode& node = other.node(both[1 - side]);
-    const TriangleCorners corners = own.in_other(~both[side].child);
-    if (node.leaf >= 0) return triangle_meets(~both[side].child, corners, side, node, both[1 - side].box);
-    ++counted_.boxes;
-    const FloatTriangle triangle(corners, own.error, other.tree(), inflation_radius_);
-    push(node, triangle.children_near(node), both, 1 - side);
-    return false;
+    if (options_.nearest_first && least < std::numeric_limits<float>::infinity())
+      std::swap(waiting_[nearest][side], waiting_[count_ - 1][side]);
   }
 
   // The near triangles of one leaf against the other one.
-  bool leaves_meet(const BelowBoth& both, const TriangleNode& a, const TriangleNode& b) {
+  bool leaves_meet(const BelowBoth& both) {
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}})
+      bring(sides_[side].tree().leaves[at(sides_[side].node(both[side]).leaf)]);
     const NearChildren near_a = near(both, 0);
     if (near_a.bits == 0) return false;
     const NearChildren near_b = near(both, 1);
     const std::size_t side = __builtin_popcount(near_a.bits) <= __builtin_popcount(near_b.bits) ? 0 : 1;
-    const TriangleNode &from = side == 0 ? a : b, &to = side == 0 ? b : a;
+    const TriangleNode& from = sides_[side].node(both[side]);
+    const LeafAround to = leaf_around(both[1 - side], 1 - side);
     for (unsigned left = side == 0 ? near_a.bits : near_b.bits; left != 0; left &= left - 1) {
-      const std::int32_t child = from.child[static_cast<std::size_t>(__builtin_ctz(left))];
-      if (child == TriangleTree::kNothing) continue;
-      if (triangle_meets(~child, sides_[side].in_other(~child), side, to, both[1 - side].box)) return true;
+      const std::int32_t child = from.child(static_cast<std::size_t>(__builtin_ctz(left)));
+      if (triangle_meets(~child, side, to)) return true;
     }
     return false;
   }
 
-  // A triangle of one side, its corners in the other one's frame, against a leaf there.
-  bool triangle_meets(std::int32_t triangle, const TriangleCorners& corners, std::size_t side, const TriangleNode& node,
-                      const FloatBox& box) {
-    ++counted_.triangles;
-    const TriangleTree& tree = sides_[1 - side].tree();
+  bool triangle_meets_leaf(const BelowBoth& both, std::size_t side) {
+    return triangle_meets(~both[side].child, side, leaf_around(both[1 - side], 1 - side));
+  }
+
+  bool triangles_meet_alone(const BelowBoth& both) {
+    found_ = {~both[0].child, ~both[1].child};
+    return meet(found_);
+  }
+
+  // A leaf, and a box around its triangles along its solid's axes, in m.
+  struct LeafAround {
+    const TriangleNode& node;
+    const EightTriangles& triangles;
+    Vec3 middle, half;
+  };
+
+  LeafAround leaf_around(const Below& leaf, std::size_t side) const {
+    const TriangleTree& tree = sides_[side].tree();
+    const TriangleNode& node = sides_[side].node(leaf);
+    const AlignedBox box = around(sides_[side].box(leaf));
     const double length = 1 / tree.units;
-    const Vec3 middle{tree.middle + length * Vec3{static_cast<double>(box.centre[0]),
-                                                  static_cast<double>(box.centre[1]),
-                                                  static_cast<double>(box.centre[2])}};
-    const Vec3 half =
-        length * kBoxRoundedUp *
-        Vec3{static_cast<double>(box.half[0]), static_cast<double>(box.half[1]), static_cast<double>(box.half[2])};
-    const TriangleLanes lanes = triangle_against(corners, sides_[side].error, tree.leaves[at(node.leaf)], middle, half,
-                                                 inflation_radius_ * kFrameStretch);
+    const auto in_doubles = [](const std::array<float, 3>& v) {
+      return Vec3{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+    };
+    return {node, tree.leaves[at(node.leaf)], tree.middle + length * in_doubles(box.centre),
+            length * kBoxRoundedUp * in_doubles(box.half)};
+  }
+
+  // A triangle of one side against a leaf of the other one.
+  bool triangle_meets(std::int32_t triangle, std::size_t side, const LeafAround& leaf) {
+    ++counted_.triangles;
+    const TriangleCorners corners = sides_[side].in_other(triangle);
+    TriangleLanes lanes{0, leaf.node.all()};
+    if (options_.lanes) {
+      lanes = triangle_against(corners, sides_[side].error, leaf.triangles, leaf.node.children, leaf.middle, leaf.half,
+                               inflation_radius_ * kFrameStretch);
+    }
     const auto pair = [&](unsigned bit) {
-      const std::int32_t other = ~node.child[static_cast<std::size_t>(__builtin_ctz(bit))];
+      const std::int32_t other = ~leaf.node.child(static_cast<std::size_t>(__builtin_ctz(bit)));
       return side == 0 ? TrianglePair{triangle, other} : TrianglePair{other, triangle};
     };
     if (lanes.meet != 0) {
@@ -206,10 +217,7 @@ class ContactSearch {
   bool meet(TrianglePair triangles) {
     ++counted_.triangles;
     const TriangleCorners a = sides_[0].in_other(triangles[0]);
-    const MeshTriangle& t = solid(1).triangles[at(triangles[1])];
-    const std::vector<Vec3>& points = solid(1).points;
-    const TriangleAnswer answer =
-        triangles_meet(a, {points[at(t[0])], points[at(t[1])], points[at(t[2])]}, sides_[0].error);
+    const TriangleAnswer answer = triangles_meet(a, sides_[1].tree().corners(triangles[1]), sides_[0].error);
     if (answer == TriangleAnswer::kMeet) return true;
     if (answer == TriangleAnswer::kApart && inflation_radius_ == 0) return false;
     return meet_exactly(triangles);
@@ -223,8 +231,8 @@ class ContactSearch {
   }
 
   static Polytope triangle_body(const Solid& solid, std::int32_t triangle, const PosedPolytope& of) {
-    const MeshTriangle& t = solid.triangles[at(triangle)];
-    Polytope body = prepare_polytope({solid.points[at(t[0])], solid.points[at(t[1])], solid.points[at(t[2])]});
+    const TriangleCorners t = solid.tree.corners(triangle);
+    Polytope body = prepare_polytope({t[0], t[1], t[2]});
     body.inflation_radius = of.body->inflation_radius;
     return body;
   }
@@ -234,7 +242,7 @@ class ContactSearch {
     const PosedSolid &around = sides_[outer_side].posed, &inner = sides_[inner_side].posed;
     if (!around.solid->is_closed) return -1;
     for (std::size_t k = 0; k < inner.solid->components.size(); ++k) {
-      if (reaches_out(inner_side, inner.solid->extremes[k])) continue;
+      if (options_.reaching_out && reaches_out(inner_side, inner.solid->extremes[k])) continue;
       ++counted_.points;
       const std::int32_t vertex = inner.solid->components[k];
       if (winding_number(around, inner.pose, inner.solid->points[at(vertex)]) != 0) return vertex;
@@ -246,13 +254,14 @@ class ContactSearch {
   // around it, nor around any point of the part that it belongs to.
   bool reaches_out(std::size_t side, const std::array<std::int32_t, 6>& vertices) const {
     const SolidSide& own = sides_[side];
-    const TriangleTree& around = sides_[1 - side].tree();
+    const TriangleTree& tree = sides_[1 - side].tree();
+    const AlignedBox box = around(tree.root);
     for (const std::int32_t vertex : vertices) {
-      const Vec3 place = around.units * (own.to_other.apply(solid(side).points[at(vertex)]) - around.middle);
-      const double room = around.units * own.error + (1 + norm_max(place)) * kPlaceError;
+      const Vec3 place = tree.units * (own.to_other.apply(solid(side).points[at(vertex)]) - tree.middle);
+      const double room = tree.units * own.error + (1 + norm_max(place)) * kPlaceError;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double beyond = std::fabs(place[static_cast<int>(axis)] - static_cast<double>(around.root.centre[axis]));
-        if (beyond > static_cast<double>(around.root.half[axis]) + room) return true;
+        const double beyond = std::fabs(place[static_cast<int>(axis)] - static_cast<double>(box.centre[axis]));
+        if (beyond > static_cast<double>(box.half[axis]) + room) return true;
       }
     }
     return false;
@@ -262,15 +271,49 @@ class ContactSearch {
 }  // namespace
 
 SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
-                            PairCounters& counters, SolidCounters* counted) {
+                            PairCounters& counters, const SolidOptions& options, SolidCounters* counted) {
+  if (is_of_half_space(a, b)) {
+    const PlaneContact found = half_space_contact(a, b, counters);
+    if (!found.shared) return {};
+    return {SolidContact::Kind::kHalfSpace, a.body->parts ? found.part : -1, b.body->parts ? found.part : -1};
+  }
+  if (is_of_parts(a, b)) {
+    const bool known = guess.kind == SolidContact::Kind::kParts;
+    const PartContact from = known ? PartContact{true, guess.a, guess.b} : PartContact{};
+    const PartContact found = parts_contact(a, b, from, counters);
+    return found.shared ? SolidContact{SolidContact::Kind::kParts, found.a, found.b} : SolidContact{};
+  }
   SolidCounters own;
-  return ContactSearch(a, b, counters, counted == nullptr ? own : *counted).run(guess);
+  return ContactSearch(a, b, options, counters, counted == nullptr ? own : *counted).run(guess);
+}
+
+bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest& hulls, bool trees_first,
+                       SolidHistory& history, PairCounters& counters) {
+  SolidContact found;
+  if (is_of_parts(a, b)) {  // whose hulls say nothing
+    found = solids_contact(a, b, history.contact, counters);
+  } else if (trees_first && history.hulls_met) {
+    SolidCounters counted;
+    ContactSearch search(a, b, {}, counters, counted);
+    found = search.run(history.contact, hulls, history.patience);
+    const std::optional<bool> told = search.hulls_share();
+    history.hulls_met = told.value_or(found || !history.wants_plane);
+    if (told) {
+      history.patience =
+          *told ? std::min(2 * history.patience, SolidHistory::kMostPatience) : SolidHistory::kLeastPatience;
+    }
+  } else {
+    history.hulls_met = hulls.share();
+    if (history.hulls_met) found = solids_contact(a, b, history.contact, counters);
+  }
+  if (found) history.contact = found;
+  return static_cast<bool>(found);
 }
 
 bool are_nested(const PosedPolytope& a, const PosedPolytope& b) {
   PairCounters counters;
   SolidCounters counted;
-  return static_cast<bool>(ContactSearch(a, b, counters, counted).nested());
+  return static_cast<bool>(ContactSearch(a, b, {}, counters, counted).nested());
 }
 
 }  // namespace plannercheck

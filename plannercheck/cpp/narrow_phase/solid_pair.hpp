@@ -13,16 +13,18 @@
 
 #include <cstdint>
 
+#include "narrow_phase/half_space_pair.hpp"
 #include "narrow_phase/pair_frame.hpp"
+#include "narrow_phase/part_pair.hpp"
 #include "narrow_phase/posed_solid.hpp"
 
 namespace plannercheck {
 
 // What two bodies share.
 struct SolidContact {
-  enum class Kind { kNone, kTriangles, kAInB, kBInA };
+  enum class Kind { kNone, kTriangles, kAInB, kBInA, kParts, kHalfSpace };
   Kind kind = Kind::kNone;
-  std::int32_t a = -1, b = -1;  // two triangles by their places in the trees; or a vertex of the inner body
+  std::int32_t a = -1, b = -1;  // triangles or parts by their places in the trees; or a vertex of the inner body
 
   explicit operator bool() const { return kind != Kind::kNone; }
 };
@@ -31,12 +33,47 @@ struct SolidCounters {
   long boxes = 0, triangles = 0, exact = 0, points = 0;  // node tests, triangle pairs, those left open, winding numbers
 };
 
+// What saves time; verdicts do not depend on it.
+struct SolidOptions {
+  bool boxes = true;          // only children whose box meets the other one are followed
+  bool nearest_first = true;  // of these
+  bool lanes = true;          // triangles are tested eight at a time, before the exact test
+  bool reaching_out = true;   // parts that reach out of the other body's box are not inside of it
+};
+
 // `guess`: where the pair met last; it only saves time.
 SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, const SolidContact& guess,
-                            PairCounters& counters, SolidCounters* counted = nullptr);
+                            PairCounters& counters, const SolidOptions& options = {}, SolidCounters* counted = nullptr);
 
-// Whether a hull does not tell all about a pair.
-inline bool is_of_solids(const PosedPolytope& a, const PosedPolytope& b) { return a.body->solid || b.body->solid; }
+// Tells whether two bodies' hulls share a point.
+class HullTest {
+ public:
+  virtual bool share() = 0;
+
+ protected:
+  ~HullTest() = default;
+};
+
+// What is known of a pair of solids from poses before; it only saves time.
+struct SolidHistory {
+  SolidContact contact;   // where they met last
+  bool hulls_met = true;  // as far as is known: then trees are tried before hulls
+  bool wants_plane;       // whether hulls that are apart leave a plane, which is worth more than what trees tell
+  int patience = kLeastPatience;  // pairs of nodes that are looked at before hulls are tested
+
+  // As long as a test of hulls takes (measured); and up to so many while that test is in vain again and again.
+  static constexpr int kLeastPatience = 24, kMostPatience = 8 * kLeastPatience;
+};
+
+// Whether two bodies share a point. Pairs whose hulls mostly share one are sought in the trees at once; their hulls are
+// tested if that takes long. `trees_first`: whether they may be.
+bool solids_share_with(const PosedPolytope& a, const PosedPolytope& b, HullTest& hulls, bool trees_first,
+                       SolidHistory& history, PairCounters& counters);
+
+// Whether hulls do not tell all about a pair: one body is a solid, a set of parts, or a half-space.
+inline bool is_of_solids(const PosedPolytope& a, const PosedPolytope& b) {
+  return a.body->solid || b.body->solid || is_of_parts(a, b) || is_of_half_space(a, b);
+}
 
 // Whether two bodies, no triangles of which meet, share a point: a part of one of them lies in the other one.
 bool are_nested(const PosedPolytope& a, const PosedPolytope& b);

@@ -114,13 +114,13 @@ std::int32_t extreme_of_few(const Levels& h, Vec3 u, QueryCounters& counters) {
   return h.top[lanes == 0 ? 0 : static_cast<std::size_t>(__builtin_ctzll(lanes))];
 }
 
-}  // namespace
-
-std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
+// The furthest vertex of a cell's groups; of one, its products stay in registers.
+template <std::size_t most>
+std::int32_t furthest_of_groups(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
   const DirectionCells& cells = h.cells;
   const FloatDirection direction(u);
-  const std::size_t count = 1 + cell.count;
-  std::array<ScannedGroup, kMostCellGroups> groups;
+  const std::size_t count = most == 1 ? 1 : 1 + cell.count;
+  std::array<ScannedGroup, most> groups;
   groups[0].scan(cells, cell.first, direction);
   Floats highest = groups[0].highest();
   for (std::size_t g = 1; g < count; ++g) {
@@ -139,6 +139,13 @@ std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, Vec3 u, QueryCou
     take_furthest(groups[g].lanes_above(ties), vertex, further, &found);
   }
   return found < 0 ? cells.blocks[0].vertex[0] : found;
+}
+
+}  // namespace
+
+std::int32_t extreme_in_cell(const Levels& h, const Cell& cell, Vec3 u, QueryCounters& counters) {
+  return cell.count == 0 ? furthest_of_groups<1>(h, cell, u, counters)
+                         : furthest_of_groups<kMostCellGroups>(h, cell, u, counters);
 }
 
 SearchCursor cursor_at_top(const Levels& h, Vec3 u, QueryCounters& counters) {

@@ -1,9 +1,13 @@
 // Boxes of two solids' trees at the solids' poses: which children of a node may meet a box of the other tree, in lanes.
 //
 // In: two posed solids and how far they reach around their triangles. Out: for each direction an affine map between the
-// trees' units, in floats, with a bound of all rounding on the way. A box that is mapped is bounded by the absolute
-// values of the map's entries. Six axes are tried, those of both boxes; against a triangle, the boxes' axes and the
-// triangle's normal. Whatever is not finite counts as meeting.
+// trees' units, with a bound of all rounding on the way, and boxes that are mapped by it. Six directions are tried, the
+// axes of both boxes. Whatever is not finite counts as meeting.
+//
+// Why that is right: a point c + Σ t_j u_j of a child, |t_j| ≤ h_j, that is a point b + Σ s_i v_i + e of the other box,
+// |s_i| ≤ g_i, has d · (b − c) = Σ t_j d · u_j − Σ s_i d · v_i − d · e for each direction d, so that |d · (b − c)| is
+// at most Σ h_j |d · u_j| + Σ g_i |d · v_i| + |d| |e|. For d = u_k the first sum is h_k up to kAxisError times all h_j;
+// for d = v_k the second likewise.
 #pragma once
 
 #include <array>
@@ -11,60 +15,48 @@
 #include "bodies/solid.hpp"
 #include "math/simd.hpp"
 #include "narrow_phase/posed_solid.hpp"
-#include "narrow_phase/triangle_pair.hpp"
 
 namespace plannercheck {
 
-// From one tree's units to the other's. For a point p of the first tree's units, within `error` in each coordinate, its
-// place in the other's is m p + shift.
-struct TreeMap {
-  std::array<std::array<float, 3>, 3> m, size;  // entries, and their absolute values
-  std::array<float, 3> shift, error;
+// A box of one tree in the other one's units. Vectors have a fourth entry, so that they are written at once.
+struct BoxAbroad {
+  typedef std::array<float, 4> Vector;
 
-  // Around the image of the box, errors included.
-  FloatBox around(const FloatBox& box) const;
+  Vector centre;
+  std::array<Vector, 3> axis;
+  std::array<float, 3> half;
+  float room;  // how far points of the box may be from where it is: all errors but those of lanes
 };
 
-// The map between the frames of two solids, to the one on whose tree it ends. `reach`: how far from their triangles
-// points of both solids together may be, in the world.
-TreeMap tree_map(const PosedSolid& from, const PosedSolid& to, const RelativePose& relative, double reach);
-
-// The maps of two solids in both directions.
-class TreeFrames {
+// From one tree's units to the other's.
+class TreeMap {
  public:
-  TreeFrames(const PosedSolid& a, const PosedSolid& b, double reach)
-      : a_to_b_(tree_map(a, b, {a.pose, b.pose}, reach)), b_to_a_(tree_map(b, a, {b.pose, a.pose}, reach)) {}
+  // `reach`: how far from their triangles points of both solids together may be, in the world.
+  TreeMap(const PosedSolid& from, const PosedSolid& to, const RelativePose& relative, double reach);
 
-  const TreeMap& a_to_b() const { return a_to_b_; }
-  const TreeMap& b_to_a() const { return b_to_a_; }
+  void put_abroad(const OrientedBox& box, BoxAbroad& out) const;
+  float scale() const { return scale_; }  // of lengths
 
  private:
-  TreeMap a_to_b_, b_to_a_;
+  typedef float FourFloats __attribute__((vector_size(16)));
+  typedef double FourDoubles __attribute__((vector_size(32)));
+
+  std::array<FourFloats, 3> turn_;    // columns
+  std::array<FourDoubles, 4> place_;  // columns, and the shift
+  float scale_, room_;
 };
 
-// Which children may meet, and by how much: the largest of the axes' gaps, negative for those, in any unit.
+// Which children may meet, and by how much: the largest gap along a direction, negative for those.
 struct NearChildren {
   unsigned bits;
-  Floats gap;
+  Floats gap;  // in units of the node's tree
 };
 
-// Children of the node that may meet a box of the other tree. `to_other`: the map between the node's tree and the other
-// one; `image`: the box in the node's tree, see TreeMap::around; `scale`: of lengths in
-// the node's units to those in the other tree's.
-NearChildren children_near(const TriangleNode& node, const TreeMap& to_other, const FloatBox& box,
-                           const FloatBox& image, float scale);
+// Children of the node that may meet a box in its tree's units.
+NearChildren children_near(const TriangleNode& node, const BoxAbroad& other);
 
-// A triangle in the units of a tree, in floats.
-class FloatTriangle {
- public:
-  // `corners` are in the tree's frame and err by `error`; `reach` as in tree_map.
-  FloatTriangle(const TriangleCorners& corners, double error, const TriangleTree& tree, double reach);
-
-  NearChildren children_near(const TriangleNode& node) const;
-
- private:
-  std::array<float, 3> low_, high_, normal_, size_;
-  float level_, room_;  // along the normal
-};
+// Lower bounds of the children's distances from the box, in units of the node's tree; also along the way between
+// middles, so that they are as near as wanted to the distances of boxes that are small beside them.
+Floats children_gaps(const TriangleNode& node, const BoxAbroad& other);
 
 }  // namespace plannercheck

@@ -104,21 +104,21 @@ TriangleLanes against(const TriangleCorners& t, const LaneCorners& c, double bou
 
 }  // namespace
 
-TriangleLanes triangle_against(const TriangleCorners& t, double error, const EightTriangles& leaf, Vec3 middle,
-                               Vec3 half, double reach) {
+TriangleLanes triangle_against(const TriangleCorners& t, double error, const EightTriangles& leaf, std::size_t count,
+                               Vec3 middle, Vec3 half, double reach) {
   double spread = 0;
   for (int axis = 0; axis < 3; ++axis) {
     double low = middle[axis] - half[axis], high = middle[axis] + half[axis];
     for (const Vec3& corner : t) low = smaller(low, corner[axis]), high = larger(high, corner[axis]);
     spread = larger(spread, high - low);
   }
-  const unsigned all = (1U << leaf.count) - 1;
+  const unsigned all = (1U << count) - 1;
   if (!are_volumes_trusted(spread, error)) return {0, all};
   // A normal errs by 8L (e + uL) in each coordinate, L the spread and e the error: less than the bound over L.
   const double bound = volume_bound(spread, error), normal_error = bound / spread;
   TriangleLanes out;
-  for (std::size_t first = 0; first < leaf.count; first += kLanes) {
-    const auto lanes = [&](std::size_t k, std::size_t axis) { return load_lanes(&leaf.corner[k][axis][first]); };
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const auto lanes = [&](std::size_t k, std::size_t axis) { return load_lanes(&leaf.place[k][axis][first]); };
     const auto corner = [&](std::size_t k) { return LaneVec{lanes(k, 0), lanes(k, 1), lanes(k, 2)}; };
     const TriangleLanes part = against(t, {corner(0), corner(1), corner(2)}, bound, normal_error, reach);
     out.meet |= part.meet << first, out.open |= part.open << first;

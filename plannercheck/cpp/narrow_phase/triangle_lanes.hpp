@@ -1,8 +1,9 @@
 // Whether a triangle shares a point with some of eight others, in lanes of doubles.
 //
-// In: a triangle, rounded, and a leaf of a tree in the same frame. Out: which of the leaf's triangles surely meet it,
-// and for which of them rounding leaves that open; it is surely apart from the others. Idea: as in triangle_pair.hpp.
-// Bodies may be inflated: triangles are apart if a plane of one of them keeps the other one further away.
+// In: a triangle, rounded, and a leaf of a tree in the same frame, with the number of its triangles. Out: which of the
+// leaf's triangles surely meet it, and for which of them rounding leaves that open; it is surely apart from the others.
+// Idea: as in triangle_pair.hpp. Bodies may be inflated: triangles are apart if a plane of one of them keeps the other
+// one further away.
 #pragma once
 
 #include "bodies/triangle_tree.hpp"
@@ -17,7 +18,7 @@ struct TriangleLanes {
 
 // `error`: how far each coordinate of `corners` may be from the exact one. `around`: half extents of a box that holds
 // the leaf's triangles. `reach`: how far from the triangles points of both bodies together may be.
-TriangleLanes triangle_against(const TriangleCorners& corners, double error, const EightTriangles& leaf, Vec3 middle,
-                               Vec3 half, double reach);
+TriangleLanes triangle_against(const TriangleCorners& corners, double error, const EightTriangles& leaf,
+                               std::size_t count, Vec3 middle, Vec3 half, double reach);
 
 }  // namespace plannercheck

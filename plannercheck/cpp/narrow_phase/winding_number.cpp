@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <utility>
 
+#include "bodies/lane_boxes.hpp"
 #include "math/dyadic.hpp"
 #include "math/simd.hpp"
 
@@ -111,22 +111,18 @@ int side_of_line(FramedPoint& point, const std::array<Vec3, 3>& t) {
 
 // Children that the ray upwards from a point, in the tree's units, may meet.
 unsigned children_on_ray(const TriangleNode& node, const std::array<float, 3>& from, float room) {
-  const auto beyond = [&](std::size_t axis) {
-    const Floats way = load_floats(node.centre[axis].data()) - from[axis];
-    return std::pair{way, load_floats(node.half[axis].data()) + room};
-  };
-  const auto [x, u] = beyond(0);
-  const auto [y, v] = beyond(1);
-  const auto [z, w] = beyond(2);
-  const FloatMask misses = (absolute(x) > u) | (absolute(y) > v) | (z < -w);
-  return ~float_bits(misses) & ((1U << kTreeWidth) - 1);
+  const LaneBoxes boxes = lane_boxes(node);
+  const std::array<Floats, 3> half = aligned_half(boxes);
+  const auto way = [&](std::size_t axis) { return boxes.centre[axis] - from[axis]; };
+  const auto reach = [&](std::size_t axis) { return half[axis] + room; };
+  const FloatMask misses = (absolute(way(0)) > reach(0)) | (absolute(way(1)) > reach(1)) | (way(2) < -reach(2));
+  return ~float_bits(misses) & node.all();
 }
 
 }  // namespace
 
 int winding_number(const PosedSolid& around, const Pose& from, Vec3 in_from) {
-  const Solid& solid = *around.solid;
-  const TriangleTree& tree = solid.tree;
+  const TriangleTree& tree = around.solid->tree;
   FramedPoint point(around, from, in_from);
   const Vec3 place = tree.units * (point.rounded() - tree.middle);
   const std::array<float, 3> start{static_cast<float>(place.x), static_cast<float>(place.y),
@@ -141,14 +137,12 @@ int winding_number(const PosedSolid& around, const Pose& from, Vec3 in_from) {
   while (count > 0) {
     const TriangleNode& node = tree.nodes[at(waiting[--count])];
     for (unsigned left = children_on_ray(node, start, room); left != 0; left &= left - 1) {
-      const std::int32_t child = node.child[static_cast<std::size_t>(__builtin_ctz(left))];
+      const std::int32_t child = node.child(static_cast<std::size_t>(__builtin_ctz(left)));
       if (child >= 0) {
         waiting[count++] = child;
         continue;
       }
-      if (child == TriangleTree::kNothing) continue;
-      const MeshTriangle& t = solid.triangles[at(~child)];
-      const std::array<Vec3, 3> corners{solid.points[at(t[0])], solid.points[at(t[1])], solid.points[at(t[2])]};
+      const std::array<Vec3, 3> corners = tree.corners(~child);
       const int side = side_of_line(point, corners);
       const bool is_up = side > 0;
       if (side != 0 && point.is_below(corners[0], corners[is_up ? 1 : 2], corners[is_up ? 2 : 1])) number += side;

@@ -32,6 +32,7 @@ SWITCHES = (
     "turned_axis",
     "facet_plane",
     "nearest_points",
+    "trees_first",
 )
 ALL_ON = "all on"
 WALK = "walk for oracle"

@@ -19,11 +19,13 @@ from numpy.typing import NDArray
 
 from plannercheck.bodies.coal_bodies import coal_hull, coal_mesh
 from plannercheck.bodies.fcl_bodies import FclBodies
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, Cone, Cylinder, GeometryObject, Sphere
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.sensed_peers import coal_map, fcl_map
 from plannercheck.evaluation.bench.solid_checkers import has_solids
 from plannercheck.motions.checker import Checker
 
@@ -70,6 +72,7 @@ def fcl(checker: Checker) -> Judge:
     bodies = FclBodies(
         [None if p is None else (p.vertices, p.faces) for p in checker.polytopes],
         [0.0 if p is None else p.inflation_radius for p in checker.polytopes],
+        {k: fcl_map(body.shape) for k, body in enumerate(checker.bodies) if isinstance(body.shape, PartSet)},
     )
     unknown = [checker.bodies[k].name for k in np.unique(checker.pairs).tolist() if not bodies.known[k]]
     if unknown:
@@ -110,9 +113,11 @@ def coal_geometry_model(checker: Checker) -> Any:
         body, polytope = checker.bodies[k], checker.polytopes[k]
         assert polytope is not None
         if id(polytope) not in shapes:  # equal shapes are one, as in the checker
-            shapes[id(polytope)] = coal_shape(body, polytope)
+            is_map = isinstance(body.shape, PartSet)
+            shapes[id(polytope)] = coal_map(body.shape) if is_map else (coal_shape(body, polytope), np.eye(4))
         joint, placement = _joint_of(checker, body)
-        item = pin.GeometryObject(f"{k} {body.name}", joint, placement, shapes[id(polytope)])
+        shape, own = shapes[id(polytope)]
+        item = pin.GeometryObject(f"{k} {body.name}", joint, placement * pin.SE3(own), shape)
         place[k] = geometry.addGeometryObject(item)
     for a, b in checker.pairs.tolist():
         geometry.addCollisionPair(pin.CollisionPair(place[a], place[b]))

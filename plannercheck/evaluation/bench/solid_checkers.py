@@ -17,17 +17,13 @@ from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.common.core import core
 from plannercheck.motions.checker import Checker
-from plannercheck.robots.link_geometry import GeometryKind
-from plannercheck.robots.robot import Robot
+from plannercheck.robots.description import description_of
+from plannercheck.robots.geometry_choices import of_meshes
 
 
 def checker_of_meshes(robot: str) -> Checker:
     """A robot, by name or file, in no scene: all meshes as they are, open ones as their triangles alone."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of open meshes
-        links = [str(body.link) for body in Robot.load(robot).bodies if isinstance(body.shape, Hull)]
-        geometry: dict[str, GeometryKind] = dict.fromkeys(links, "solid")
-        return Checker(Robot.load(robot, geometry=geometry))
+    return Checker(of_meshes(description_of(robot)))
 
 
 def has_solids(checker: Checker, open_only: bool = False) -> bool:

@@ -17,12 +17,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from plannercheck.bodies.part_sets import PartSet
+from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Sphere
 from plannercheck.common.array_types import Bools, Floats
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.bench.bounding_volumes import box_around
 from plannercheck.motions.checker import Checker
+
+# Points of clouds, of which calls are timed, at most.
+MOST_POINTS = 2000
 
 Path = Any  # VAMP's
 State = NDArray[np.float32]
@@ -47,14 +52,16 @@ class VampModel:
         states_a_radian: Number of states a radian that VAMP samples on motions of this robot.
     """
 
-    def __init__(self, checker: Checker) -> None:
+    def __init__(self, checker: Checker, most_points: int = MOST_POINTS) -> None:
         """Hands the obstacles to VAMP.
 
         Args:
             checker: A checker whose robot is one of VAMP's, by name and joints.
+            most_points: Points of a cloud that are handed over at most: each call copies VAMP's tree of them, which
+                with more points takes a thousand times what a state does.
 
         Raises:
-            PlannercheckError: If VAMP is not installed, or lacks the robot.
+            PlannercheckError: If VAMP is not installed, lacks the robot, or would get more points.
         """
         self._vamp = load_vamp()
         self._name, self._robot = checker.robot.name, _robot(self._vamp, checker)
@@ -62,7 +69,10 @@ class VampModel:
         self.environment = self._vamp.Environment()
         obstacles = zip(checker.bodies, checker.polytopes, strict=True)
         for body, polytope in itertools.islice(obstacles, len(checker.robot.bodies), None):
-            _add(self._vamp, self.environment, body, polytope)
+            if isinstance(body.shape, PartSet):
+                _add_cloud(self._robot, self.environment, body, most_points)
+            else:
+                _add(self._vamp, self.environment, body, polytope)
 
     def rows(self, q: Floats) -> list[State]:
         """Configurations (n, nq) one by one, as VAMP takes them."""
@@ -161,6 +171,17 @@ def _add(vamp: Any, environment: Any, body: GeometryObject, polytope: Polytope |
             box, pose = box_around(polytope)
             turn, place = turn @ pose[:3, :3], body.pose[:3, :3] @ pose[:3, 3] + body.pose[:3, 3]
             environment.add_cuboid(vamp.Cuboid(place.tolist(), _euler(turn), [edge / 2 for edge in box.size]))
+
+
+def _add_cloud(robot: Any, environment: Any, body: GeometryObject, most: int) -> None:
+    """Adds a cloud as VAMP's tree of points that may meet the robot's balls."""
+    shape = body.shape
+    if not isinstance(shape, PointCloud) or np.ptp(shape.radius) > 0:
+        raise PlannercheckError(f"VAMP has nothing like {shape!r}")
+    if shape.count > most:
+        raise PlannercheckError(f"of clouds VAMP gets {most:,} points at most here, not {shape.count:,}")
+    points = shape.points @ body.pose[:3, :3].T + body.pose[:3, 3]
+    environment.add_pointcloud(points.tolist(), *robot.min_max_radii(), float(shape.radius[0]))
 
 
 def _euler(turn: Floats) -> list[float]:

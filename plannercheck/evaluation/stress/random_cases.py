@@ -155,7 +155,12 @@ def _about(middle: Indices, normal: Indices, rng: np.random.Generator) -> Points
 
 
 def _in_contact(relation: str, placement: Placement, sizes: list[float], rng: np.random.Generator) -> Draw:
-    p, r = (_random_specimen(s, rng) for s in rng.permuted(sizes))
+    p, r = (random_specimen(s, rng) for s in rng.permuted(sizes))
+    return in_contact(relation, placement, p, r, rng)
+
+
+def in_contact(relation: str, placement: Placement, p: Specimen, r: Specimen, rng: np.random.Generator) -> Draw:
+    """Two bodies, features of both facing each other."""
     turn_p, turn_r, point_p, point_r, directions = (_aligned if _may_align(placement, rng) else _as_they_lie)(
         p, r, placement, rng
     )
@@ -182,13 +187,13 @@ def same_frame(relation: str, placement: Placement, rng: np.random.Generator) ->
 
 
 def _identical(size: float, rng: np.random.Generator) -> tuple[Specimen, Specimen, Points]:
-    p = _random_specimen(size, rng)
+    p = random_specimen(size, rng)
     return p, p, p.features(1, rng)[1][0]
 
 
 def _nested(size: float, rng: np.random.Generator) -> tuple[Specimen, Specimen, Points]:
     """A body and the same one, half as large, about a vertex or a middle."""
-    p = _random_specimen(size, rng)
+    p = random_specimen(size, rng)
     centre = p.vertices[0] if rng.integers(2) else p.vertices.mean(axis=0)
     inner = prepared(p.family, centre + (p.vertices - centre) / 2, p.inflation_radius / 2)
     return p, inner, p.features(1, rng)[1][0]
@@ -218,7 +223,8 @@ def _random_count(rng: np.random.Generator) -> int:
     return int(rng.choice(COUNTS, p=COUNT_WEIGHTS))
 
 
-def _random_specimen(size: float, rng: np.random.Generator) -> Specimen:
+def random_specimen(size: float, rng: np.random.Generator) -> Specimen:
+    """A body of any family, of a size in m."""
     return specimen(str(rng.choice([*HULLS, *INFLATED])), _random_count(rng), float(size), rng)
 
 

@@ -2,4 +2,5 @@
 
 The data flow: recipes, aims, tangents, trees, contacts, ends -> draws (and planar_draws, ompl_paths, unposed_robots) ->
 subjects (the checkers) -> judges (by reasons and collisions) -> outcomes -> run -> tables; `cases` keeps failures.
+Solids: mesh_states (coal, the oracle) -> solid_draws, planned_draws -> the same judges, and mesh_collisions.
 """

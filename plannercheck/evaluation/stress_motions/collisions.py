@@ -10,6 +10,7 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.evaluation.stress_motions.draws import Draw
 from plannercheck.evaluation.stress_motions.outcomes import COLLISION, FREE, Answers, Judged, said, states_on, valid
+from plannercheck.evaluation.stress_motions.recipes import is_of_solids
 from plannercheck.evaluation.stress_motions.subjects import Subject
 
 # States of an accepted motion: evenly spread with a random start, and at both sides of the contact so far off.
@@ -17,6 +18,7 @@ _SPREAD = 16
 _ASIDE = np.concatenate([-(10.0 ** -np.arange(1.0, 10.0, 2)), [0.0], 10.0 ** -np.arange(1.0, 10.0, 2)])
 # Of so many accepted motions of a draw the least clearance is searched for: states at first, then rounds of so many
 # within the two steps around the least.
+_SEARCHED_OF_SOLIDS = 1
 _SEARCHED, _FIRST_STATES, _ROUNDS, _STATES = 8, 17, 4, 9
 
 
@@ -57,7 +59,7 @@ def _parameters(at: float, rng: np.random.Generator) -> Floats:
 def least_clearances(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.random.Generator) -> None:
     """A search for the state of least clearance, which must not collide."""
     free = np.flatnonzero(answers == FREE)
-    chosen = rng.permutation(free)[:_SEARCHED]
+    chosen = rng.permutation(free)[: _SEARCHED_OF_SOLIDS if is_of_solids(draw.recipe) else _SEARCHED]
     low, high = np.zeros(len(chosen)), np.ones(len(chosen))
     for step in range(_ROUNDS if len(chosen) else 0):
         k = _STATES if step else _FIRST_STATES

@@ -44,6 +44,7 @@ from plannercheck.evaluation.stress_motions.trees import (
     random_tree,
 )
 from plannercheck.motions.checker import Checker
+from plannercheck.robots.link_geometry import GeometryKind
 from plannercheck.robots.robot import Robot
 
 # Motions of a draw: so many that building robot and checkers takes no more time than judging them.
@@ -160,10 +161,10 @@ def shipped_draw(family: str, rng: np.random.Generator) -> Draw:
 
 
 @lru_cache
-def shipped_robot(name: str, whole: bool) -> Robot:
+def shipped_robot(name: str, whole: bool, geometry: GeometryKind = "hull") -> Robot:
     """A shipped robot, built once."""
     recipe = tree_recipe()
-    recipe["shipped"], recipe["whole"] = name, whole
+    recipe["shipped"], recipe["whole"], recipe["geometry"] = name, whole, geometry
     return robot_of(recipe)
 
 

@@ -8,6 +8,7 @@ In: a draw. Out: `Judged`: counts of verdicts, and faults. The rules:
 - A verdict depends on the motion only: it is the same alone, in batches of any order, explained, and by a new checker.
 - A motion is where it should be at the parameter of the contact.
 - A proof is verified without the core.
+- Of solids: coal finds no surfaces that meet on a free motion, and some within the tolerance on a refused one.
 - Too large numbers, and unit vectors too far from length 1, may be declined by a `PlannercheckError`, in every call
   alike.
 """
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress_motions.collisions import ends_and_contacts, least_clearances, sampled
 from plannercheck.evaluation.stress_motions.draws import Draw
+from plannercheck.evaluation.stress_motions.mesh_collisions import by_meshes
 from plannercheck.evaluation.stress_motions.outcomes import (
     DECLINED,
     EXCEPTION,
@@ -34,20 +36,25 @@ from plannercheck.evaluation.stress_motions.outcomes import (
     declined,
     valid,
 )
+from plannercheck.evaluation.stress_motions.planned_draws import PLANNED, refused_by_others
 from plannercheck.evaluation.stress_motions.reasons import reasons, verified, whereabouts
+from plannercheck.evaluation.stress_motions.recipes import is_of_solids
 from plannercheck.evaluation.stress_motions.subjects import Subject
 
 # Motions of a draw that are asked one by one, and that are explained in full.
 _SINGLE, _EXPLAINED = 20, 1
 # Checkers of a draw that are asked about a few motions only; in space they take longer to build.
 _FRESH = {"space": 1, "plane": 12}
-# With more pairs only as few are explained with proofs, which are as many as pairs.
-_MANY_PAIRS = 400
+# With more pairs only as few are explained with proofs, which are as many as pairs. Of solids so many are explained at
+# all, since that takes milliseconds, and none with proofs, which may be a million.
+_MANY_PAIRS, _SOLIDS_EXPLAINED = 400, 4
 # In how many parts motions are split for a batch in another order.
 _PARTS = 3
 
 
-def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, proofs: int = 0) -> Judged:
+def judge(
+    draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, proofs: int = 0, pieces: bool = False
+) -> Judged:
     """Judges all motions of a draw.
 
     Args:
@@ -55,6 +62,7 @@ def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, pr
         build: Makes a new checker of the draw.
         rng: Random numbers: orders, and states to be looked at.
         proofs: Number of accepted motions to prove and verify.
+        pieces: Whether to count what convex pieces refuse of a planner's motions among solids.
 
     Returns:
         The outcome.
@@ -70,6 +78,10 @@ def judge(draw: Draw, build: Callable[[], Subject], rng: np.random.Generator, pr
     least_clearances(draw, used, answers, judged, rng)
     reasons(draw, used, answers, judged, rng)
     whereabouts(draw, used, answers, judged)
+    if is_of_solids(draw.recipe):
+        by_meshes(draw, used, answers, judged, rng)
+    if draw.family in PLANNED:
+        refused_by_others(draw, answers, judged, pieces)
     if proofs:
         verified(draw, used, answers, judged, proofs)
     return judged
@@ -116,9 +128,10 @@ def _alike(draw: Draw, used: Subject, answers: Answers, judged: Judged, rng: np.
         found = together(used, draw, part, judged, int(rng.integers(1, 3)))
         for row, answer in zip(part.tolist(), found.tolist(), strict=True):
             _compare("in another batch", row, answer, answers, judged)
-    proving = _SINGLE if len(used.checker.pairs) <= _MANY_PAIRS else _EXPLAINED
-    for k, row in enumerate(order[-_SINGLE:].tolist()):
-        proofs = k < proving and bool(rng.integers(2))
+    solids = is_of_solids(draw.recipe)
+    proving = _EXPLAINED if len(used.checker.pairs) > _MANY_PAIRS else _SINGLE
+    for k, row in enumerate(order[-_SOLIDS_EXPLAINED if solids else -_SINGLE :].tolist()):
+        proofs = k < proving and bool(rng.integers(2)) and not solids
         answer = _motion_result(used, draw, row, judged, proofs)
         # Proofs are of all pairs, also of those that a verdict leaves out, whose numbers may be larger.
         if not (proofs and answer == DECLINED):

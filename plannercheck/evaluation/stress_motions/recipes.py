@@ -9,6 +9,7 @@ screws, any axis), and list the tested pairs.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypedDict
 
 import numpy as np
@@ -18,8 +19,10 @@ from plannercheck import planar
 from plannercheck.bodies.shapes import Box, Capsule, Cylinder, GeometryObject, Hull, Shape, Sphere
 from plannercheck.common.array_types import Floats
 from plannercheck.common.motion_paths import MotionPath
+from plannercheck.common.package_data import shipped_folder
 from plannercheck.motions.checker import Checker
 from plannercheck.robots.description import find_description, read_description
+from plannercheck.robots.link_geometry import GeometryKind
 from plannercheck.robots.loading import RobotParts
 from plannercheck.robots.robot import Robot
 from plannercheck.robots.urdf import Mimic, link_tree
@@ -81,7 +84,7 @@ class SpaceRecipe(TypedDict):
     """A robot in a scene: a tree of joints, or a shipped one."""
 
     kind: Literal["space"]
-    shipped: str
+    shipped: str  # its name, or a file of the shipped scenes' folder
     whole: bool  # Pinocchio's own numbers; for shipped robots with a floating base
     joints: list[JointRecipe]
     bodies: list[BodyRecipe]
@@ -93,6 +96,7 @@ class SpaceRecipe(TypedDict):
     self_collision: bool
     padding: float  # m
     path: MotionPath
+    geometry: GeometryKind  # what meshes are, of links and of the scene
 
 
 class LinkRecipe(TypedDict):
@@ -145,6 +149,7 @@ def tree_recipe() -> SpaceRecipe:
         "self_collision": True,
         "padding": 0.0,
         "path": "screw",
+        "geometry": "hull",
     }
 
 
@@ -173,9 +178,24 @@ def robot_of(recipe: SpaceRecipe) -> Robot:
 
 def _shipped(recipe: SpaceRecipe) -> Robot:
     if not recipe["whole"]:
-        return Robot.load(recipe["shipped"])
+        return Robot.load(_file_or_name(recipe["shipped"]), geometry=geometry_of(recipe))
     description = read_description(find_description(recipe["shipped"]))
     return Robot.from_urdf(description.urdf, description.srdf, package_dirs=description.package_dirs, floating=True)
+
+
+def is_of_solids(recipe: Recipe) -> bool:
+    """Whether meshes are as they are."""
+    return recipe["kind"] == "space" and geometry_of(recipe) == "solid"
+
+
+def geometry_of(recipe: SpaceRecipe) -> GeometryKind:
+    """What meshes are; cases from before there were solids name nothing."""
+    return recipe.get("geometry", "hull")
+
+
+def _file_or_name(shipped: str) -> str | Path:
+    """A robot or a scene: where it is, if it is a file of the shipped scenes' folder."""
+    return shipped_folder("configs") / shipped if shipped.endswith(".yaml") else shipped
 
 
 def _model(recipe: SpaceRecipe) -> tuple[pin.Model, set[str]]:
@@ -214,9 +234,16 @@ def _body(body: BodyRecipe, name: str, links: set[str]) -> GeometryObject:
     return GeometryObject(name, body["link"], np.array(body["pose"]), shape_of(body["shape"]))
 
 
+def scene_of(recipe: SpaceRecipe) -> Scene:
+    """The scene of a recipe, without the obstacles that are added."""
+    if not recipe["scene"]:
+        return Scene("obstacles")
+    return Scene.load(_file_or_name(recipe["scene"]), meshes="solid" if geometry_of(recipe) == "solid" else "hull")
+
+
 def space_checker(recipe: SpaceRecipe, robot: Robot | None = None) -> Checker:
     """A new checker of a recipe; `robot` if it was built already."""
-    scene = Scene.load(recipe["scene"]) if recipe["scene"] else Scene("obstacles")
+    scene = scene_of(recipe)
     for k, body in enumerate(recipe["obstacles"]):
         scene.add(f"obstacle {k}", shape_of(body["shape"]), np.array(body["pose"]))
     made = robot if robot is not None else robot_of(recipe)

@@ -32,7 +32,9 @@ from plannercheck.evaluation.stress_motions.judges import judge
 from plannercheck.evaluation.stress_motions.ompl_paths import OMPL_FAMILY, judge_ompl_paths
 from plannercheck.evaluation.stress_motions.outcomes import EXCEPTION, Fault, Judged
 from plannercheck.evaluation.stress_motions.planar_draws import CURVES, PLANAR_FAMILIES, planar_draw
-from plannercheck.evaluation.stress_motions.recipes import Recipe, planar_robot_of, robot_of
+from plannercheck.evaluation.stress_motions.planned_draws import PLANNED, PLANNED_MOTIONS, planned_draw
+from plannercheck.evaluation.stress_motions.recipes import Recipe, geometry_of, planar_robot_of, robot_of
+from plannercheck.evaluation.stress_motions.solid_draws import SETTINGS, SOLID_MOTIONS, solid_draw
 from plannercheck.evaluation.stress_motions.subjects import Subject, subject_of
 from plannercheck.evaluation.stress_motions.unposed_robots import UNPOSED, judge_unposed
 from plannercheck.evaluation.worker_processes import workers
@@ -56,12 +58,23 @@ WEIGHTS: dict[str, float] = {
     UNPOSED: 0.01,
 }
 FAMILY_NAMES = tuple(WEIGHTS)
+# Families of solids, which are drawn by themselves.
+SOLID_WEIGHTS: dict[str, float] = {**dict.fromkeys(SETTINGS, 0.9), **dict.fromkeys(PLANNED, 0.1)}
+SOLID_NAMES = tuple(SOLID_WEIGHTS)
+_ALL_WEIGHTS = WEIGHTS | SOLID_WEIGHTS
 _SPECIAL: dict[str, Callable[[np.random.Generator], Judged]] = {
     OMPL_FAMILY: judge_ompl_paths,
     UNPOSED: judge_unposed,
 }
 # About how many motions a draw has; those of other families have MOTIONS.
-_SIZES = {"off unit": OFF_UNIT_MOTIONS, "plane curves": CURVES, OMPL_FAMILY: 80, UNPOSED: 10}
+_SIZES = {
+    "off unit": OFF_UNIT_MOTIONS,
+    "plane curves": CURVES,
+    OMPL_FAMILY: 80,
+    UNPOSED: 10,
+    **dict.fromkeys(SETTINGS, SOLID_MOTIONS),
+    **dict.fromkeys(PLANNED, PLANNED_MOTIONS),
+}
 # Failures that are kept; more of the same say nothing new.
 KEPT = 20
 # Random numbers of a draw: what it is, and how it is judged.
@@ -128,6 +141,7 @@ class Task(NamedTuple):
     number: int
     family: str
     verified: int
+    pieces: bool
 
 
 def run(
@@ -137,6 +151,7 @@ def run(
     processes: int = 1,
     families: tuple[str, ...] = FAMILY_NAMES,
     progress: Callable[[MotionTally], object] | None = None,
+    pieces: bool = False,
 ) -> MotionTally:
     """Runs the suite.
 
@@ -145,33 +160,35 @@ def run(
         seed: Seed of the random numbers.
         verified: Approximate number of accepted motions to prove and verify.
         processes: Number of processes that share the work; what is found does not depend on it.
-        families: Some of FAMILY_NAMES.
+        families: Some of FAMILY_NAMES, or of SOLID_NAMES.
         progress: Called after each draw.
+        pieces: Whether to count what convex pieces refuse of a planner's motions among solids.
 
     Returns:
         The tally.
     """
     tally = MotionTally()
     each = 0 if verified == 0 else -(-verified * MOTIONS // motions)
-    os.environ["PLANNERCHECK_CACHE"] = "0"  # millions of bodies that no one will meet again
+    if not set(families) <= set(SOLID_NAMES):
+        os.environ["PLANNERCHECK_CACHE"] = "0"  # millions of bodies that no one will meet again
     with workers(processes) as some:
-        for outcome in some.results(outcome_of, tasks(motions, seed, each, families)):
+        for outcome in some.results(outcome_of, tasks(motions, seed, each, families, pieces)):
             tally.add(outcome)
             if progress is not None:
                 progress(tally)
     return tally
 
 
-def tasks(motions: int, seed: int, verified: int, families: tuple[str, ...]) -> Iterator[Task]:
+def tasks(motions: int, seed: int, verified: int, families: tuple[str, ...], pieces: bool = False) -> Iterator[Task]:
     """Draws that have about so many motions together."""
-    weights = np.array([WEIGHTS[family] for family in families])
+    weights = np.array([_ALL_WEIGHTS[family] for family in families])
     planned = 0
     for number in itertools.count():
         if planned >= motions:
             break
         family = str(np.random.default_rng([seed, number, _DRAWN]).choice(families, p=weights / weights.sum()))
         planned += _SIZES.get(family, MOTIONS)
-        yield Task(seed, number, family, verified)
+        yield Task(seed, number, family, verified, pieces)
 
 
 def outcome_of(task: Task) -> Outcome:
@@ -185,7 +202,7 @@ def outcome_of(task: Task) -> Outcome:
             judged = _SPECIAL[task.family](rng)
         else:
             drawn = draw(task.family, rng)
-            judged = judge(drawn, _builder(drawn.recipe), rng, task.verified)
+            judged = judge(drawn, _builder(drawn.recipe), rng, task.verified, task.pieces)
     except Exception as error:
         judged = Judged(faults=[Fault(EXCEPTION, -1, repr(error))])
     kinds: dict[str, Fault] = {}
@@ -199,6 +216,10 @@ def outcome_of(task: Task) -> Outcome:
 
 def draw(family: str, rng: np.random.Generator) -> Draw:
     """A random draw of a family."""
+    if family in PLANNED:
+        return planned_draw(family, rng)
+    if family in SETTINGS:
+        return solid_draw(family, rng)
     if family in PLANAR_FAMILIES:
         return planar_draw(family, rng)
     return tree_draw(family, rng) if family in FAMILIES else shipped_draw(family, rng)
@@ -209,6 +230,8 @@ def _builder(recipe: Recipe) -> Callable[[], Subject]:
     robot: object
     if recipe["kind"] == "plane":
         robot = planar_robot_of(recipe)
+    elif recipe["shipped"]:
+        robot = shipped_robot(recipe["shipped"], recipe["whole"], geometry_of(recipe))
     else:
-        robot = shipped_robot(recipe["shipped"], recipe["whole"]) if recipe["shipped"] else robot_of(recipe)
+        robot = robot_of(recipe)
     return lambda: subject_of(recipe, robot)

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from plannercheck.evaluation.stress_motions.outcomes import FAULTS
-from plannercheck.evaluation.stress_motions.run import FAMILY_NAMES, MotionTally
+from plannercheck.evaluation.stress_motions.run import FAMILY_NAMES, SOLID_NAMES, MotionTally
 
 _COUNTED = ("motions", "free", "refused", "declined", "sharp", "named off", "sampled states", "verified", "no proof")
 _HEADS = ("motions", "free", "refused", "imprecise", "sharp", "named off", "sampled", "verified", "no proof")
@@ -25,7 +25,9 @@ _SHORT = {
 
 def lines(tally: MotionTally) -> list[str]:
     """The table, and what its columns mean."""
-    families = [family for family in FAMILY_NAMES if tally.counts[family]["motions"] or tally.faults[family]]
+    families = [
+        family for family in (*FAMILY_NAMES, *SOLID_NAMES) if tally.counts[family]["motions"] or tally.faults[family]
+    ]
     head = f"{'family':14}" + "".join(f"{name:>11}" for name in (*_HEADS, *(_SHORT[kind] for kind in FAULTS)))
     rows = [(family, tally.counts[family], tally.faults[family]) for family in families]
     rows.append(("all", *_sums(tally, families)))
@@ -34,7 +36,27 @@ def lines(tally: MotionTally) -> list[str]:
     rate = tally.motions / max(spent, 1e-9)
     out.append(f"{tally.draws} draws, {spent:.0f} s of processes' time, {rate:.0f} motions a second")
     out.append("slowest, ms a motion: " + ", ".join(_slowest(tally, families)))
+    out += _of_solids(tally, families)
     out += [f"first {kind}: within {count} motions" for kind, count in tally.first.items()]
+    return out
+
+
+def _of_solids(tally: MotionTally, families: Sequence[str]) -> list[str]:
+    """What was asked about meshes, and the motions of planners that other geometry would have refused."""
+    counts, _ = _sums(tally, families)
+    if not counts["mesh states"]:
+        return []
+    out = [
+        f"by coal's meshes: {counts['mesh states']} states of free motions, {counts['refused by meshes']} refused ones"
+    ]
+    for name in families:
+        own = tally.counts[name]
+        refused = [
+            f"{kind} refuse {100 * own[key] / own['planned']:.1f} %"
+            for kind, key in (("hulls", "refused by hull"), ("convex pieces", "refused by pieces"))
+            if key in own
+        ]
+        out += [f"{name}: {own['planned']} motions of RRT-Connect: {', '.join(refused)}"] if own["planned"] else []
     return out
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from plannercheck.common.array_types import Floats
 from plannercheck.common.checked_yaml import BROKEN_FILE
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.stress.shared_runs import is_case_of
 from plannercheck.evaluation.stress_solids.bodies import Body
 from plannercheck.evaluation.stress_solids.surfaces import Surface, surface
 
@@ -65,10 +66,7 @@ class SolidCase:
     @staticmethod
     def is_in(path: Path) -> bool:
         """Whether a file says that it holds a case of solids."""
-        try:
-            return bool(json.loads(path.read_text(encoding="utf-8")).get("kind") == _KIND)
-        except (*BROKEN_FILE, AttributeError):
-            return False
+        return is_case_of(_KIND, path)
 
 
 def shrunk(case: SolidCase, fails: Callable[[SolidCase], bool]) -> SolidCase:

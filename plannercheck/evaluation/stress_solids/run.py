@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 from plannercheck.common.errors import PlannercheckError
 from plannercheck.evaluation.stress.failure_tables import WRONG, Belongs, Key
 from plannercheck.evaluation.stress.other_libraries import Peer
+from plannercheck.evaluation.stress.shared_runs import gathered
 from plannercheck.evaluation.stress.supervised_process import Supervised
 from plannercheck.evaluation.stress_solids.bodies import decided
 from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
@@ -111,15 +112,8 @@ def run(
         The tally.
     """
     os.environ["PLANNERCHECK_CACHE"] = "0"  # bodies that no one will meet again
-    tally = SolidTally()
     with workers(processes) as some:
-        for found in some.results(judge_draws, _tasks(seed, tuple(peers))):
-            tally.merge(found)
-            if progress is not None:
-                progress(tally)
-            if tally.pairs.total() >= pairs:
-                break
-    return tally
+        return gathered(SolidTally(), some.results(judge_draws, _tasks(seed, tuple(peers))), pairs, progress)
 
 
 def _tasks(seed: int, peers: tuple[Peer[Draw], ...]) -> Iterator[Task]:

@@ -11,11 +11,12 @@ JSON and YAML hold a plan as `Plan.save` writes it, a list of configurations (JS
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from plannercheck.common.arrays import OwnsArrays
 from plannercheck.common.checked_yaml import error_context, mapping, parse_yaml, read_bytes, sequence, text
 from plannercheck.common.errors import PlannercheckError, shortened
 from plannercheck.common.file_kinds import kind_of
+from plannercheck.common.motion_paths import MotionPath, check_path
 from plannercheck.robots.robot import Robot
 from plannercheck.validation.formats.chunks import read_chunks, read_states
 from plannercheck.validation.formats.columns import WidthError
@@ -46,11 +48,13 @@ class PathFile(OwnsArrays):
         others: Values by name of the joints outside the group, which stand still on the path.
         bent_by: Which of "velocities" and "accelerations" a trajectory gives that are not zero: a controller then runs
             splines, not the straight motions between the states.
+        motion_path: How planar and floating joints move between the states, if the file says it.
     """
 
     states: Floats
     others: dict[str, float]
     bent_by: tuple[str, ...] = ()
+    motion_path: MotionPath | None = None
 
 
 def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathFile:
@@ -68,6 +72,7 @@ def read_path(path: str | Path, joint_names: Sequence[str], width: int) -> PathF
         PlannercheckError: If the file can't be read, lacks a joint, moves one outside the group, or has no states.
     """
     path = Path(path)
+    _check_exists(path)
     with error_context(f"path file {str(path)!r}"):
         if path.suffix.lower() in _TABLES:
             blocks = [chunk.rows for chunk in read_chunks(path, joint_names, width)]
@@ -97,6 +102,7 @@ def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
     """
     fewer = robot.joint_values.maps if isinstance(robot, Robot) else ()
     if fewer and Path(path).suffix.lower() in _TABLES:
+        _check_exists(Path(path))
         with error_context(f"path file {str(path)!r}"):
             states = _table([chunk.rows for chunk in read_states(path, robot)], robot.nq)
             if not len(states):
@@ -115,6 +121,12 @@ def read_robot_path(path: str | Path, robot: AnyRobot) -> PathFile:
     raise errors[0]
 
 
+def _check_exists(path: Path) -> None:
+    """Raises if there is nothing at a path; pipes pass."""
+    if not os.path.exists(path):  # noqa: PTH110  # Path.exists raises where one may not look
+        raise PlannercheckError(f"path file {str(path)!r} does not exist")
+
+
 def _check_text(path: Path) -> None:
     """Raises for a file that is known to be something else than OMPL's text."""
     kind = kind_of(path)
@@ -123,10 +135,11 @@ def _check_text(path: Path) -> None:
 
 
 def _document(path: Path) -> Any:
+    content = read_bytes(path)
     if path.suffix.lower() != ".json":
-        return parse_yaml(read_bytes(path))
+        return parse_yaml(content)
     try:
-        return json.loads(read_bytes(path))
+        return json.loads(content)
     except ValueError as error:
         raise PlannercheckError(f"is no JSON: {kind_of(path) or error}") from None
     except RecursionError:
@@ -140,17 +153,29 @@ def _from_document(document: Any, joint_names: Sequence[str], width: int) -> Pat
         raise PlannercheckError("must hold a plan, a trajectory or a list of configurations")
     document = mapping(document, "it")
     if "path" in document:
-        names = [text(name, "joint_names") for name in sequence(document.get("joint_names"), "'joint_names'")]
-        rows = sequence(document["path"], "'path'")
-        if not names or (names == list(joint_names) and len(names) < width):  # joints of several numbers
-            return PathFile(_table(rows, width), {})
-        return _ordered(names, _table(rows, len(names)), joint_names)
+        return replace(_of_plan(document, joint_names, width), motion_path=_motion_path(document))
     trajectory = read_trajectory(document)
     if trajectory is None:
         raise PlannercheckError("holds no 'path', no 'joint_trajectory' and no 'points'")
     found = _ordered(trajectory.joint_names, trajectory.positions, joint_names)
     held = {name: value for name, value in trajectory.held.items() if name not in joint_names}
     return PathFile(found.states, {**held, **found.others}, trajectory.bent_by)
+
+
+def _of_plan(plan: dict[str, Any], joint_names: Sequence[str], width: int) -> PathFile:
+    names = [text(name, "joint_names") for name in sequence(plan.get("joint_names"), "'joint_names'")]
+    rows = sequence(plan["path"], "'path'")
+    if not names or (names == list(joint_names) and len(names) < width):  # joints of several numbers
+        return PathFile(_table(rows, width), {})
+    return _ordered(names, _table(rows, len(names)), joint_names)
+
+
+def _motion_path(plan: dict[str, Any]) -> MotionPath | None:
+    if "motion_path" not in plan:
+        return None
+    found = cast("MotionPath", plan["motion_path"])
+    check_path(found)
+    return found
 
 
 def _ordered(names: list[str], rows: Floats, joint_names: Sequence[str]) -> PathFile:

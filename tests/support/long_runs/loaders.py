@@ -159,6 +159,34 @@ def _mesh(path: Path) -> None:
     load_triangles(path)
 
 
+def _octomap(path: Path) -> None:
+    octree = pc.Octree.load(path)
+    octree.query(octree.boxes()[0][:10])
+    if octree.count:
+        _used(octree)
+    again = path.with_name("again.bt")
+    octree.save(again)
+    pc.Octree.load(again)
+    again.unlink()
+
+
+def _cloud(path: Path) -> None:
+    cloud = pc.PointCloud.load(path, 0.05, invalid="drop")
+    if cloud.count:
+        _used(cloud)
+    cloud.without_covered()
+    cloud.thinned(0.1)
+
+
+def _used(shape: pc.PointCloud | pc.Octree | pc.VoxelGrid | pc.HeightField) -> None:
+    """The shape as a body."""
+    if not (np.diff(shape.bounds, axis=0) >= 0).all():
+        raise AssertionError(f"bounds {shape.bounds.tolist()}")
+    body = pc.Polytope(shape)
+    if not pc.intersects(pc.Polytope(shape.core.part(0)[0]), body):
+        raise AssertionError("a part and its own set share no point")
+
+
 _BYTES = (damaged,)
 _BOTH = (mutated_text, damaged)
 
@@ -197,6 +225,10 @@ FILES: dict[str, Loader] = {
     "obj": Loader(_mesh),
     "ply": Loader(_mesh, (), _BOTH),
     "dae": Loader(_mesh),
+    "octomap": Loader(_octomap, (".bt", ".ot"), _BOTH),
+    "cloud": Loader(_cloud, (), _BOTH),
+    "voxels": Loader(lambda path: _used(pc.VoxelGrid.load(path, 0.1)), (), _BOTH),
+    "heights": Loader(lambda path: _used(pc.HeightField.load(path, 0.1, -1.0)), (), _BOTH),
     "stress_case": Loader(Case.load),
     "stress_motion": Loader(MotionCase.load),
 }

@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 import pyarrow.parquet
 import yaml
+from sensed_files import FOLDER as SENSED_FILES
 
 import plannercheck as pc
 from plannercheck.common.package_data import shipped_folder
@@ -212,7 +213,7 @@ TRIANGLES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
 def make(folder: Path) -> None:
     """Writes all files."""
     rng = np.random.default_rng(0)
-    for part in (_robots, _scenes, _paths, _proofs, _bodies, _configurations, _meshes):
+    for part in (_robots, _scenes, _paths, _proofs, _bodies, _configurations, _meshes, _sensed):
         part(_Files(folder), rng)
 
 
@@ -364,6 +365,20 @@ def _meshes(files: _Files, rng: np.random.Generator) -> None:
         head.format("binary_little_endian").encode() + CORNERS.astype("<f4").tobytes() + faces_in_bytes,
     )
     files.of("dae", "a.dae", _dae())
+
+
+def _sensed(files: _Files, rng: np.random.Generator) -> None:
+    for path in sorted(SENSED_FILES.iterdir()):
+        loader = {".bt": "octomap", ".ot": "octomap", ".pcd": "cloud", ".ply": "cloud", ".xyz": "cloud"}.get(
+            path.suffix
+        )
+        if loader and path.stat().st_size < 1000:
+            files.of(loader, path.name, path.read_bytes())
+    points = rng.normal(size=(5, 3))
+    np.save(files.of("cloud", "c.npy"), points.astype(np.float32))
+    np.savez_compressed(files.of("cloud", "c.npz"), points=points)
+    np.save(files.of("voxels", "v.npy"), rng.integers(2, size=(3, 4, 5)).astype(np.uint8))
+    np.save(files.of("heights", "h.npy"), rng.uniform(0, 1, size=(4, 3)))
 
 
 def _stl() -> str:

@@ -1,0 +1,211 @@
+"""Proofs about two bodies of which at least one is a set of parts.
+
+In: two posed bodies. Out: a common point, whose certificate is about one part of each set; or a `PartSeparation`:
+planes that keep ranges of parts away from the other body, so that every part is kept away. Both are verified in exact
+arithmetic, from the parts' corners alone, without the core's test.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from plannercheck.bodies.certificates import PosedBody, Separation, UnprovedVerdictError, separates_exactly
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.bodies.posed_half_spaces import PosedHalfSpace
+from plannercheck.bodies.solid_separations import Range, covers, halves
+from plannercheck.common.array_types import Floats
+from plannercheck.common.core import core
+from plannercheck.common.public_names import set_module
+
+Certify: TypeAlias = Callable[[Polytope, Polytope, Floats, Floats], Any]
+
+# Up to so many parts, a plane is sought between the hull of their corners and the other body; beyond, between the box
+# around them, which is made faster.
+_MOST_IN_HULL = 64
+
+
+@dataclass(frozen=True, eq=False)
+class PosedParts:
+    """A body of a certificate: a set of parts, or a body that is none, which counts as one part.
+
+    Attributes:
+        corners: (n, 3) of all parts, in the body's frame, m.
+        start: (k + 1,) part i has the corners from start[i] up to start[i + 1].
+        radii: (k,) how far each part reaches around the hull of its corners, the body's inflation radius included, m.
+        pose: (4, 4) in the world, m.
+    """
+
+    corners: Floats
+    start: np.ndarray[Any, np.dtype[np.int64]]
+    radii: Floats
+    pose: Floats
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    def body(self, parts: Range) -> PosedBody:
+        """The corners of some parts, with the largest of their radii."""
+        first, last = parts
+        corners = self.corners[self.start[first] : self.start[last]]
+        return PosedBody(corners, self.pose, float(self.radii[first:last].max()))
+
+
+@dataclass(frozen=True, eq=False)
+class OnePart:
+    """A half-space as a body of a certificate: it counts as one part.
+
+    Attributes:
+        half_space: The body.
+    """
+
+    half_space: PosedHalfSpace
+
+    def __len__(self) -> int:
+        return 1
+
+    def body(self, parts: Range) -> PosedHalfSpace:
+        """The body, whatever the parts."""
+        return self.half_space
+
+
+@dataclass(frozen=True, eq=False)
+class RangeSeparation:
+    """A plane between some parts of both bodies.
+
+    Attributes:
+        first: Parts of the first body.
+        second: Parts of the second body.
+        plane: Between them.
+    """
+
+    first: Range
+    second: Range
+    plane: Separation
+
+
+@set_module("plannercheck")
+@dataclass(frozen=True, eq=False)
+class PartSeparation:
+    """What proves that two bodies, of which one is a set of parts at least, share no point.
+
+    Attributes:
+        gap: A lower bound of the distance between the bodies in m, radii included; infinite if a set has no parts.
+        ranges: Planes between ranges of parts, which together cover every part of one body with each of the other.
+        bodies: The parts of both bodies, in the order that ranges count.
+    """
+
+    gap: float
+    ranges: tuple[RangeSeparation, ...] = field(repr=False)
+    bodies: tuple[PosedParts | OnePart, PosedParts | OnePart] = field(repr=False)
+
+    def verify(self) -> bool:
+        """Whether the bodies are apart, proved in exact arithmetic.
+
+        Returns:
+            True if a plane keeps each part of one body away from each of the other by at least the gap.
+        """
+        first, second = self.bodies
+        return covers([(r.first, r.second) for r in self.ranges], len(first), len(second)) and all(
+            self._holds(each) for each in self.ranges
+        )
+
+    def _holds(self, each: RangeSeparation) -> bool:
+        first, second = self.bodies
+        plane = each.plane.exact()
+        return 0 <= self.gap <= plane.gap and separates_exactly(
+            plane, (first.body(each.first), second.body(each.second))
+        )
+
+
+def is_of_parts(p: Polytope, r: Polytope) -> bool:
+    """Whether at least one of two bodies is a set of parts."""
+    return p.parts is not None or r.parts is not None
+
+
+def parts_met(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats) -> tuple[int, int] | None:
+    """The places of two parts that share a point, −1 for a body that is no set; None if nothing is shared."""
+    kind, on_p, on_r, _ = core.solids_contact(p.core, pose_p, r.core, pose_r)
+    return None if kind == "apart" else (int(on_p), int(on_r))
+
+
+def part_of(body: Polytope, place: int) -> Polytope:
+    """A part as a body of its own, with the inflation radius of the set; the body itself if it is no set."""
+    if body.parts is None:
+        return body
+    corners, radius, _ = body.parts.part(place)
+    return Polytope(corners, inflation_radius=radius + body.inflation_radius)
+
+
+def certify_parts(p: Polytope, r: Polytope, pose_p: Floats, pose_r: Floats, certify: Certify) -> Any:
+    """The proof that two bodies share a point, or that they do not.
+
+    Args:
+        p: A body.
+        r: Another body; at least one of both is a set of parts.
+        pose_p: Pose (4, 4) of the first body in the world, m.
+        pose_r: That of the second body.
+        certify: Gives the certificate of two bodies that are no sets.
+
+    Returns:
+        What `certify` gives of two parts that share a point; else a `Separation` if one plane is enough, or a
+        `PartSeparation`.
+
+    Raises:
+        UnprovedVerdictError: If two parts share a point after all, or are apart from a solid that encloses them.
+    """
+    met = parts_met(p, r, pose_p, pose_r)
+    if met is not None:
+        return certify(part_of(p, met[0]), part_of(r, met[1]), pose_p, pose_r)
+    bodies = _posed_parts(p, pose_p), _posed_parts(r, pose_r)
+    if min(map(len, bodies)) == 0:  # a set without parts is away from everything
+        return PartSeparation(math.inf, (), bodies)
+    whole = (0, len(bodies[0])), (0, len(bodies[1]))
+    waiting, found = [whole], list[RangeSeparation]()
+    while waiting:
+        ranges = waiting.pop()
+        first, second = (_hull_of(body, each, own) for body, each, own in zip(bodies, ranges, (p, r), strict=True))
+        certificate = certify(first, second, pose_p, pose_r)
+        if isinstance(certificate, Separation):
+            if ranges == whole:
+                return certificate
+            found.append(RangeSeparation(*ranges, certificate))
+            continue
+        sizes = [last - start for start, last in ranges]
+        if max(sizes) <= 1:
+            raise UnprovedVerdictError("no plane separates a part from the other body, which the core finds apart")
+        if sizes[0] >= sizes[1]:
+            waiting += [(half, ranges[1]) for half in halves(*ranges[0])]
+        else:
+            waiting += [(ranges[0], half) for half in halves(*ranges[1])]
+    return PartSeparation(min(each.plane.gap for each in found), tuple(found), bodies)
+
+
+def _posed_parts(body: Polytope, pose: Floats) -> PosedParts | OnePart:
+    if body.half_space is not None:
+        normal, offset = body.half_space
+        return OnePart(PosedHalfSpace(np.array(normal), offset, pose, body.inflation_radius))
+    if body.parts is None:
+        one = np.array([0, len(body.vertices)], dtype=np.int64)
+        return PosedParts(body.vertices, one, np.array([body.inflation_radius]), pose)
+    parts = [body.parts.part(place)[:2] for place in range(body.parts.places)]
+    corners = [each for each, _ in parts if len(each)]
+    radii = [radius + body.inflation_radius for each, radius in parts if len(each)]
+    start = np.concatenate([[0], np.cumsum([len(each) for each in corners])]).astype(np.int64)
+    return PosedParts(np.concatenate([np.zeros((0, 3)), *corners]), start, np.array(radii), pose)
+
+
+def _hull_of(body: PosedParts | OnePart, parts: Range, own: Polytope) -> Polytope:
+    """A body around some parts; the body itself if it is no set."""
+    if own.parts is None or isinstance(body, OnePart):
+        return own
+    posed = body.body(parts)
+    corners = posed.vertices
+    if parts[1] - parts[0] > _MOST_IN_HULL:
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    return Polytope(np.unique(corners, axis=0), inflation_radius=posed.inflation_radius)

@@ -1,0 +1,59 @@
+"""How many random configurations are valid by a robot's hulls, convex pieces and meshes: `inspect --fidelity`.
+
+In: what the command is asked for. Out: a table. A state that is valid by the meshes and not by other bodies is refused
+because these fill hollows. One that is valid by pieces may collide by the meshes, if a body is within another mesh but
+between its pieces, which hold only its triangles. Verdicts by meshes are exact; open meshes are their triangles alone.
+Of pieces, those are taken that come with plannercheck or are cached: CoACD is not run for this.
+"""
+
+from __future__ import annotations
+
+import argparse
+import warnings
+
+from plannercheck.bodies.solids import Solid
+from plannercheck.cli.common import padding_of, percentage, scene_of, table
+from plannercheck.cli.robot_options import described
+from plannercheck.motions.checker import Checker
+from plannercheck.robots.geometry_choices import of_hulls, of_known_pieces, of_meshes
+from plannercheck.robots.robot import Robot
+
+
+def show_geometries(options: argparse.Namespace) -> None:
+    """Prints the table; `options` are those of `inspect`."""
+    description = described(options)
+    pieces, unknown = of_known_pieces(description)
+    robots = {"hulls": of_hulls(description), "pieces": pieces, "meshes": of_meshes(description)}
+    if not pieces.pieces:
+        del robots["pieces"]
+    checkers = {name: _checker(robot, options) for name, robot in robots.items()}
+    q = robots["hulls"].random_configurations(options.states, options.seed)
+    valid = {name: checker.check_states(q) for name, checker in checkers.items()}
+    rows = []
+    for name, by in valid.items():
+        counts = (by, valid["meshes"] & ~by, by & ~valid["meshes"])
+        rows.append((name, len(checkers[name].pairs), *(percentage(int(each.sum()), len(q)) for each in counts)))
+    print(f"\nof {len(q)} random configurations:")
+    print(table(("links are", "pairs", "valid", "refused by filling alone", "valid, but meshes collide"), rows))
+    if unknown:
+        names = ", ".join(unknown)
+        print(
+            f"as pieces, {names} keep their hulls: their pieces are not shipped, --geometry pieces makes them by CoACD"
+        )
+    surfaces = [body.name for body in robots["meshes"].bodies if _is_open(body.shape)]
+    if surfaces:
+        print(f"as meshes, these are open, so their triangles alone: {', '.join(surfaces)}")
+    if (valid["meshes"] & ~valid["hulls"]).any():
+        print("--geometry solid takes meshes as they are, --geometry pieces is closer than hulls")
+
+
+def _is_open(shape: object) -> bool:
+    return isinstance(shape, Solid) and not shape.is_closed
+
+
+def _checker(robot: Robot, options: argparse.Namespace) -> Checker:
+    """The checker that is asked for, of this robot."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # the checker that is shown has said them
+        scene = scene_of(options)
+        return Checker(robot, scene, not options.no_self_collision, padding_of(options, scene))

@@ -1,0 +1,28 @@
+// The order in which parts stand in the tree of a set, so that neighbours in it are near each other.
+//
+// In: places of parts, or how many tiles there are. Out: indices in the order. Halves of a node's children are parted
+// along the longest side of the box around their places; tiles stand along Morton's curve (Morton 1966).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace plannercheck {
+
+inline constexpr std::size_t kPartsInLeaf = 8, kChildren = 8;
+
+// A part's place on its way into the order: 16 bytes.
+struct PlacedPart {
+  std::array<float, 3> at;
+  std::int32_t index;
+};
+
+// Indices of the parts in the order of a tree in which each child of a node, but the last, has as many parts below it.
+std::vector<std::int32_t> tree_order(std::vector<PlacedPart> parts);
+
+// Indices i · tiles_y + j of tiles.
+std::vector<std::int32_t> tile_order(std::size_t tiles_x, std::size_t tiles_y);
+
+}  // namespace plannercheck

@@ -1,0 +1,35 @@
+// Many points in the world against a few posed bodies.
+//
+// In: posed bodies, solids among them, and points with radii, in m. Out: which points are within their radii of some
+// body, exactly; or how far each point is from each body. Idea: points that follow each other in a cloud are near each
+// other, so eight at a time are left out by the ball around them; points_near_hull.hpp judges the others.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "narrow_phase/points_near_hull.hpp"
+
+namespace plannercheck {
+
+// `xyz`: n rows. `radii`: n numbers, or the same one for all if `radius_step` is 0.
+struct GivenPoints {
+  const double* xyz;
+  const double* radii;
+  std::size_t radius_step, count;
+};
+
+// Writes for each point whether some body is within its radius; touching counts.
+void points_near_bodies(const std::vector<PosedPolytope>& bodies, const GivenPoints& points, std::uint8_t* near);
+
+// The distances of points from groups of bodies, between proved bounds; all of one group follow each other.
+struct PointDistances {
+  std::vector<double> upper, lower;  // (points, groups) m; 0 if a point is in a body of the group, infinite if beyond
+};
+
+// `group`: of each body, ascending. Radii are how far distances are looked for; beyond them they are infinite.
+PointDistances distances_of_points(const std::vector<PosedPolytope>& bodies, const std::vector<std::int32_t>& group,
+                                   std::size_t groups, const GivenPoints& points);
+
+}  // namespace plannercheck

@@ -1,0 +1,192 @@
+#include "narrow_phase/half_space_pair.hpp"
+
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "bodies/part_body.hpp"
+#include "math/dyadic.hpp"
+#include "narrow_phase/support.hpp"
+
+namespace plannercheck {
+namespace {
+
+// u = 2^-53, n = normal, reach = |p| + |s|_1 + |t|_1 of a vertex p posed by A p + s and the half-space's t. Entries of
+// adj(M) err by 3u, g by 6u |n| an entry more, 16u |n| as a vector; turning −g into the body's frame by 5.2u |g|, which
+// moves the lowest vertex by 10.4u |g| |p|, a scan by 14u |g| |p|; posing a vertex and taking t off by 7.2u of the
+// reach, the product by 5.2u |g|: 53u |n| reach. det M errs by 12u, times the offset, product and difference by 2u.
+constexpr double kHeightError = 128 * 0x1p-53;
+// Lengths, radii, their products and sums: fewer than ten operations.
+constexpr double kPlaneReachRounding = 16 * 0x1p-53;
+// Balls around bodies off rigid by at most 3.6e-6, which stretch by half of that.
+constexpr double kBallStretch = 1 + 4e-6;
+
+// How far the vertices of a body's hull are over a posed half-space's plane, times |g|.
+class Heights {
+ public:
+  Heights(const PosedPolytope& half_space, const PosedPolytope& body)
+      : half_space_(half_space),
+        body_(body),
+        plane_(posed_plane<double, Vec3>(*half_space.body->half_space, half_space.pose)) {
+    const Vec3 t = half_space.pose.translation();
+    const HalfSpace& h = *half_space.body->half_space;
+    const double reach = body.body->origin_radius + norm_1(body.pose.translation()) + norm_1(t);
+    error_ = kHeightError * (norm_1(h.normal) * reach + std::fabs(h.offset)) + kDenormalError;
+    length_ = norm(plane_.normal);
+    radius_ = body.body->inflation_radius + half_space.body->inflation_radius;
+  }
+
+  Vec3 normal() const { return plane_.normal; }
+  double length() const { return length_; }
+  double error() const { return error_; }
+  double radius() const { return radius_; }
+  // What a height has to exceed: surely no less, and surely no more.
+  double most() const { return radius_ * length_ * (1 + kPlaneReachRounding) + error_; }
+  double least() const { return radius_ * length_ * (1 - kPlaneReachRounding) - error_; }
+
+  // Whether the ball around the body keeps it over the plane.
+  bool ball_is_over() const {
+    const double radius = (body_.body->radius * kBallStretch + radius_) * length_ * (1 + kPlaneReachRounding);
+    return of(body_.body->centre) > radius + 2 * error_;
+  }
+
+  double of(Vec3 point) const {
+    return dot(plane_.normal, body_.pose.apply(point) - half_space_.pose.translation()) - plane_.offset;
+  }
+
+  // The vertex nearest to the plane, up to the error.
+  Vec3 lowest(PairCounters& counters) const {
+    ++counters.guest_queries;
+    const Vec3 against = -body_.pose.rotate_back(plane_.normal);
+    return body_.body->inner.points[at(extreme(body_.body->inner, against, counters.queries))];
+  }
+
+  // Whether some vertex is no further over the plane than the radii, exactly. Only those within the error of the
+  // lowest one, or of the radii, can tell.
+  bool shares_exactly() const {
+    const double bound = most();
+    const auto plane = posed_plane<Dyadic, DyadicVec3>(*half_space_.body->half_space, half_space_.pose);
+    const Dyadic radius = Dyadic(body_.body->inflation_radius) + Dyadic(half_space_.body->inflation_radius);
+    const Dyadic most_square = radius * radius * dot(plane.normal, plane.normal);
+    const DyadicVec3 origin(half_space_.pose.translation());
+    for (const Vec3& p : body_.body->inner.points) {
+      if (of(p) > bound + error_) continue;
+      const Dyadic height = dot(plane.normal, apply_exactly(body_.pose, p) - origin) - plane.offset;
+      if (height.sign() <= 0 || (most_square - height * height).sign() >= 0) return true;
+    }
+    return false;
+  }
+
+ private:
+  const PosedPolytope &half_space_, &body_;
+  PlaneInWorld<double, Vec3> plane_;
+  double error_, length_, radius_;
+};
+
+bool hull_meets_half_space(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
+  const Heights heights(half_space, body);
+  if (heights.ball_is_over()) return false;
+  const double height = heights.of(heights.lowest(counters));
+  if (height > heights.most()) return false;
+  return height < heights.least() || heights.shares_exactly();
+}
+
+// A proved lower bound of how far all vertices of a hull are over a plane, m.
+double hull_height(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
+  const Heights heights(half_space, body);
+  const double inverse = 1 / heights.length(), height = heights.of(heights.lowest(counters));
+  return (height - heights.error()) * inverse - kPlaneReachRounding * (std::fabs(height) * inverse);
+}
+
+// By how much a part's radius exceeds that of its body, of which it is a part.
+double more_radius(const PosedPolytope& part, const PosedPolytope& body) {
+  const double more = part.body->inflation_radius - body.body->inflation_radius;
+  return more * (1 + kPlaneReachRounding) + kPlaneReachRounding * part.body->inflation_radius;
+}
+
+// Hands all parts to a function, with their places, until it returns true.
+template <class Visit>
+void each_part(const PosedPolytope& body, Visit visit) {
+  const PartSet& parts = *body.body->parts;
+  PartBody filled;
+  for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
+    const PartShape shape = parts.shape(place);
+    if (shape.corners == 0) continue;
+    filled.fill(shape, body.body->inflation_radius);
+    if (visit(PosedPolytope{&filled.body(), body.pose}, static_cast<std::int32_t>(place))) return;
+  }
+}
+
+PlaneContact body_meets_half_space(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
+  if (!body.body->parts) return {hull_meets_half_space(half_space, body, counters), -1};
+  PlaneContact found;
+  if (Heights(half_space, body).ball_is_over()) return found;
+  each_part(body, [&](const PosedPolytope& part, std::int32_t place) {
+    if (hull_meets_half_space(half_space, part, counters)) found = {true, place};
+    return found.shared;
+  });
+  return found;
+}
+
+// From the half-space to the body.
+PairDistance hull_distance_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
+  const Heights heights(half_space, body);
+  const double inverse = 1 / heights.length();
+  const Vec3 normal = inverse * heights.normal(), vertex = heights.lowest(counters);
+  const double height = heights.of(vertex), rounding = kPlaneReachRounding * (std::fabs(height) * inverse);
+  PairDistance out;
+  out.overlap = hull_meets_half_space(half_space, body, counters);
+  out.lower = (height - heights.error()) * inverse - rounding - heights.radius();
+  out.upper = (height + heights.error()) * inverse + rounding - heights.radius();
+  if (out.overlap) {
+    out.lower = out.upper = smaller(out.lower, 0);
+  } else {
+    out.upper = larger(out.upper, std::numeric_limits<double>::denorm_min());
+    out.lower = larger(out.lower, 0);
+  }
+  const Vec3 lowest = body.pose.apply(vertex);
+  out.on_guest = lowest - body.body->inflation_radius * normal;
+  out.on_host = lowest - (height * inverse - half_space.body->inflation_radius) * normal;
+  out.direction = normal;
+  return out;
+}
+
+PairDistance distance_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
+  if (!body.body->parts) return hull_distance_over(half_space, body, counters);
+  PairDistance least{false, kNoLimit, kNoLimit, {}, {}, {}};
+  each_part(body, [&](const PosedPolytope& part, std::int32_t) {
+    const PairDistance found = hull_distance_over(half_space, part, counters);
+    const double lower = smaller(least.lower, found.lower);
+    if (found.upper < least.upper) least = found;
+    least.lower = lower;
+    return false;
+  });
+  return least;
+}
+
+}  // namespace
+
+PlaneContact half_space_contact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters) {
+  if (a.body->half_space && b.body->half_space) return {true, -1};
+  return a.body->half_space ? body_meets_half_space(a, b, counters) : body_meets_half_space(b, a, counters);
+}
+
+PairDistance half_space_distance(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters) {
+  if (host.body->half_space) return distance_over(host, guest, counters);
+  PairDistance out = distance_over(guest, host, counters);
+  std::swap(out.on_guest, out.on_host);
+  out.direction = -out.direction;
+  return out;
+}
+
+double height_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
+  if (!body.body->parts) return hull_height(half_space, body, counters);
+  double least = kNoLimit;
+  each_part(body, [&](const PosedPolytope& part, std::int32_t) {
+    least = smaller(least, hull_height(half_space, part, counters) - more_radius(part, body));
+    return false;
+  });
+  return least;
+}
+
+}  // namespace plannercheck

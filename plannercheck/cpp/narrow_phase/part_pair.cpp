@@ -1,0 +1,312 @@
+#include "narrow_phase/part_pair.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <queue>
+#include <vector>
+
+#include "bodies/part_body.hpp"
+#include "narrow_phase/intersection.hpp"
+#include "narrow_phase/part_walk.hpp"
+#include "narrow_phase/points_near_hull.hpp"
+#include "narrow_phase/solid_pair.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Gaps are lengths in a frame, which is off rigid by 3.6e-6 at most, and are rounded to floats.
+constexpr double kPartGapRounding = 1 - 1e-5;
+
+// The sides of a node's box in its set's frame err by less than these parts of the set's middle, and of a unit.
+constexpr double kNodeMiddleError = 0x1p-50, kNodeUnitError = 0x1p-48;
+
+// Filled again for each part: a part is tested a million times a second.
+struct PartBodies {
+  PartBody a, b;
+};
+
+PartBodies& part_bodies() {
+  thread_local PartBodies bodies;
+  return bodies;
+}
+
+bool convex_contact(const PosedPolytope& part, const PosedPolytope& body, PairCounters& counters) {
+  const bool hosts = choose_host(*part.body, *body.body) == 1;
+  return hosts ? test_pair(part, body, {}, nullptr, counters).shared
+               : test_pair(body, part, {}, nullptr, counters).shared;
+}
+
+// Whether one part, posed as its set, shares a point with a body that is no set.
+bool part_meets(const PartShape& shape, const PosedPolytope& set, const PosedPolytope& body, PartBody& filled,
+                PairCounters& counters) {
+  if (shape.corners == 0) return false;
+  filled.fill(shape, set.body->inflation_radius);
+  if (!convex_contact({&filled.body(), set.pose}, body, counters)) return false;
+  if (!body.body->solid) return true;
+  const Polytope part = polytope_of(shape, set.body->inflation_radius);
+  return static_cast<bool>(solids_contact({&part, set.pose}, body, {}, counters));
+}
+
+// The balls of leaves against one hull, eight at once.
+class BallsOfLeaves {
+ public:
+  BallsOfLeaves(const PosedPolytope& set, const PosedPolytope& body) : set_(set), hull_(body, set.pose) {}
+
+  // Those of a leaf's balls, a bit each, that share a point with the hull.
+  unsigned met(std::size_t leaf, PairCounters& counters) {
+    static_assert(kPartsInLeaf == kMostPoints);
+    const PartSet& parts = *set_.body->parts;
+    const EightPoints& points = parts.points(leaf);
+    const std::size_t first = leaf * kPartsInLeaf, count = std::min(kPartsInLeaf, parts.part_count() - first);
+    std::array<double, kPartsInLeaf> radii;
+    for (std::size_t k = 0; k < kPartsInLeaf; ++k) radii[k] = parts.radius(first + k) + set_.body->inflation_radius;
+    return hull_.near(points.x.data(), points.y.data(), points.z.data(), radii.data(), static_cast<int>(count),
+                      counters);
+  }
+
+ private:
+  const PosedPolytope& set_;
+  PointsNearHull hull_;
+};
+
+// The place of a part that shares a point with a body that is no set, or −1. `inner`: see PartWalk.
+std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, const InnerBall* inner, std::int32_t guess,
+                       PairCounters& counters) {
+  const PartSet& parts = *set.body->parts;
+  PartBody& filled = part_bodies().a;
+  const PartWalk walk(body, set, set.body->inflation_radius + body.body->inflation_radius, inner);
+  const bool is_solid = body.body->solid != nullptr, are_balls = parts.kind() == PartSet::Kind::kBalls && !is_solid;
+  std::optional<BallsOfLeaves> balls;  // made when it is first needed
+  std::int32_t met = -1;
+  const auto found = [&](std::size_t place) { return met = static_cast<std::int32_t>(place), true; };
+  const auto meets = [&](std::size_t leaf, unsigned near) {
+    const std::size_t first = leaf * kPartsInLeaf;
+    if (are_balls && near != 0) {
+      unsigned shared = walk.surely_shared(leaf) & near;
+      if (shared == 0) {
+        if (!balls) balls.emplace(set, body);
+        shared = balls->met(leaf, counters);
+      }
+      return shared != 0 && found(first + static_cast<std::size_t>(__builtin_ctz(shared)));
+    }
+    for (; near != 0; near &= near - 1) {
+      const std::size_t place = first + static_cast<std::size_t>(__builtin_ctz(near));
+      const PartShape shape = parts.shape(place);
+      if (shape.corners == 0) continue;
+      if ((!is_solid && walk.surely_shares(shape)) || part_meets(shape, set, body, filled, counters))
+        return found(place);
+    }
+    return false;
+  };
+  if (guess >= 0 && at(guess) < parts.leaf_count() * kPartsInLeaf) {
+    const std::size_t leaf = at(guess) / kPartsInLeaf;
+    if (meets(leaf, walk.near_in_leaf(leaf) & 1U << at(guess) % kPartsInLeaf)) return met;
+  }
+  walk.any_leaf(meets);
+  return met;
+}
+
+// A node's child as a box in its set's frame, with room for rounding.
+PartShape box_of(const PartSet& set, const PartNode& node, std::size_t child) {
+  PartShape box;
+  std::array<std::array<double, 2>, 3> side;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto centre = static_cast<double>(node.centre[i][child]), half = static_cast<double>(node.half[i][child]);
+    if (!(half >= 0)) return box;
+    const double middle = set.middle()[static_cast<int>(i)], units = set.units();
+    const double room = std::fabs(middle) * kNodeMiddleError + kNodeUnitError / units;
+    side[i] = {middle + (centre - half) / units - room, middle + (centre + half) / units + room};
+  }
+  box.corners = 8;
+  for (std::size_t c = 0; c < 8; ++c) box.corner[c] = {side[0][c & 1], side[1][c >> 1 & 1], side[2][c >> 2]};
+  return box;
+}
+
+// Two sets: boxes of the smaller one's tree are followed down the other's, then its parts.
+class SetsContact {
+ public:
+  SetsContact(const PosedPolytope& a, const PosedPolytope& b, PairCounters& counters)
+      : a_(a), b_(b), parts_(*a.body->parts), counters_(counters) {}
+
+  PartContact run() {
+    descend(parts_.levels().size(), 0);
+    return found_;
+  }
+
+ private:
+  const PosedPolytope &a_, &b_;
+  const PartSet& parts_;
+  PairCounters& counters_;
+  PartContact found_;
+
+  double margin() const { return a_.body->inflation_radius + b_.body->inflation_radius; }
+
+  bool is_near(const PartShape& box) {
+    PartBody& filled = part_bodies().b;
+    filled.fill(box, 0);
+    return PartWalk(PosedPolytope{&filled.body(), a_.pose}, b_, margin()).any_leaf([](std::size_t, unsigned) {
+      return true;
+    });
+  }
+
+  void descend(std::size_t level, std::size_t index) {
+    if (level == 0) return try_leaf(index);
+    const PartNode& node = parts_.levels()[level - 1][index];
+    for (std::size_t k = 0; k < kChildren && !found_.shared; ++k) {
+      const PartShape box = box_of(parts_, node, k);
+      if (box.corners != 0 && is_near(box)) descend(level - 1, index * kChildren + k);
+    }
+  }
+
+  void try_leaf(std::size_t leaf) {
+    for (std::size_t k = 0; k < kPartsInLeaf && !found_.shared; ++k) {
+      const std::size_t place = leaf * kPartsInLeaf + k;
+      const PartShape shape = parts_.shape(place);
+      if (shape.corners == 0) continue;
+      PartBody& filled = part_bodies().b;
+      filled.fill(shape, a_.body->inflation_radius);
+      const InnerBall inner = filled.inner_ball();
+      const std::int32_t met = place_met(b_, {&filled.body(), a_.pose}, &inner, -1, counters_);
+      if (met >= 0) found_ = {true, static_cast<std::int32_t>(place), met};
+    }
+  }
+};
+
+// Before any part has been measured.
+PairDistance nothing_near() { return {false, kNoLimit, kNoLimit, {}, {}, {}}; }
+
+void take(const PairDistance& found, PairDistance& least) {
+  const double lower = smaller(least.lower, found.lower);
+  if (found.upper < least.upper) least = found;
+  least.lower = lower;
+}
+
+// The least distance of a set's parts from a body that is no set: nodes nearest first.
+class PartsDistance {
+ public:
+  PartsDistance(const PosedPolytope& set, const PosedPolytope& body, double limit, PairCounters& counters)
+      : set_(set), body_(body), parts_(*set.body->parts), walk_(body, set, 0), limit_(limit), counters_(counters) {}
+
+  // `guest` is the set or the body: the way in which directions and points are given.
+  PairDistance run(bool set_is_guest) {
+    set_is_guest_ = set_is_guest;
+    waiting_.push({0, parts_.levels().size(), 0});
+    // Where the search ends, all that is left is at least as far away as the next node.
+    while (!waiting_.empty() && !(waiting_.top().gap > limit_) && !(waiting_.top().gap >= best_.upper)) {
+      const Waiting next = waiting_.top();
+      waiting_.pop();
+      if (next.level == 0) {
+        measure(next.index);
+      } else {
+        open(next);
+      }
+    }
+    if (!waiting_.empty()) best_.lower = smaller(best_.lower, waiting_.top().gap);
+    return best_;
+  }
+
+ private:
+  struct Waiting {
+    double gap;  // a lower bound, m
+    std::size_t level, index;
+
+    bool operator<(const Waiting& other) const { return gap > other.gap; }
+  };
+
+  const PosedPolytope &set_, &body_;
+  const PartSet& parts_;
+  PartWalk walk_;
+  double limit_;
+  PairCounters& counters_;
+  bool set_is_guest_ = false;
+  std::priority_queue<Waiting> waiting_;
+  PairDistance best_ = nothing_near();
+
+  void open(const Waiting& node) {
+    const PartNode& boxes = parts_.levels()[node.level - 1][node.index];
+    const NearParts found = walk_.near(boxes);
+    const double radii = set_.body->inflation_radius + body_.body->inflation_radius;
+    for (std::size_t k = 0; k < kChildren; ++k) {
+      if (!(boxes.half[0][k] >= 0)) continue;
+      const double apart = static_cast<double>(found.gap[k]) / parts_.units() * kPartGapRounding - radii;
+      waiting_.push({larger(node.gap, apart), node.level - 1, node.index * kChildren + k});
+    }
+  }
+
+  void measure(std::size_t leaf) {
+    PartBody& filled = part_bodies().a;
+    for (std::size_t k = 0; k < kPartsInLeaf; ++k) {
+      const PartShape shape = parts_.shape(leaf * kPartsInLeaf + k);
+      if (shape.corners == 0) continue;
+      take(of_part(shape, filled, smaller(limit_, best_.upper)), best_);
+    }
+  }
+
+  PairDistance of_part(const PartShape& shape, PartBody& filled, double limit) {
+    if (body_.body->solid) {
+      const Polytope part = polytope_of(shape, set_.body->inflation_radius);
+      const PosedPolytope posed{&part, set_.pose};
+      return set_is_guest_ ? pair_distance(posed, body_, limit, counters_)
+                           : pair_distance(body_, posed, limit, counters_);
+    }
+    filled.fill(shape, set_.body->inflation_radius);
+    const PosedPolytope posed{&filled.body(), set_.pose};
+    return set_is_guest_ ? convex_distance(posed, body_, limit, counters_)
+                         : convex_distance(body_, posed, limit, counters_);
+  }
+};
+
+// Of two sets: the least over the parts of the first one, one after another.
+PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
+                           PairCounters& counters) {
+  const PartSet& parts = *guest.body->parts;
+  PairDistance best = nothing_near();
+  for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
+    const PartShape shape = parts.shape(place);
+    if (shape.corners == 0) continue;
+    PartBody filled;
+    filled.fill(shape, guest.body->inflation_radius);
+    const PosedPolytope posed{&filled.body(), guest.pose};
+    take(PartsDistance(host, posed, smaller(limit, best.upper), counters).run(false), best);
+  }
+  return best;
+}
+
+}  // namespace
+
+PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const PartContact& guess,
+                          PairCounters& counters) {
+  if (a.body->parts && b.body->parts) {
+    if (a.body->parts->part_count() <= b.body->parts->part_count()) return SetsContact(a, b, counters).run();
+    const PartContact found = SetsContact(b, a, counters).run();
+    return {found.shared, found.b, found.a};
+  }
+  if (a.body->parts) {
+    const std::int32_t met = place_met(a, b, nullptr, guess.a, counters);
+    return {met >= 0, met, -1};
+  }
+  const std::int32_t met = place_met(b, a, nullptr, guess.b, counters);
+  return {met >= 0, -1, met};
+}
+
+bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) {
+  const PartWalk walk(box, set, limit + set.body->inflation_radius);
+  return !walk.any_leaf([](std::size_t, unsigned) { return true; });
+}
+
+PairDistance parts_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+                            PairCounters& counters) {
+  PairDistance found;
+  if (guest.body->parts && host.body->parts) {
+    found = sets_distance(guest, host, limit, counters);
+  } else if (guest.body->parts) {
+    found = PartsDistance(guest, host, limit, counters).run(true);
+  } else {
+    found = PartsDistance(host, guest, limit, counters).run(false);
+  }
+  found.lower = larger(found.lower, least);
+  return found;
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,35 @@
+// Whether two bodies share a point of which at least one is a set of parts, exactly; and how far apart they are.
+//
+// In: two posed bodies. Out: a part that shares a point with the other body, or a lower bound of the distance. The
+// parts whose boxes come near the other body's are tested as bodies of few vertices by the test of pairs, which is
+// exact. Balls and boxes that meet a ball inside the other body need no test.
+#pragma once
+
+#include <cstdint>
+
+#include "narrow_phase/distance.hpp"
+#include "narrow_phase/pair_frame.hpp"
+#include "narrow_phase/posed_box.hpp"
+
+namespace plannercheck {
+
+inline bool is_of_parts(const PosedPolytope& a, const PosedPolytope& b) { return a.body->parts || b.body->parts; }
+
+// Places of parts in their sets that share a point; −1 for a body that is no set, and where nothing is shared.
+struct PartContact {
+  bool shared = false;
+  std::int32_t a = -1, b = -1;
+};
+
+// `guess`: where the pair met last; it only saves time.
+PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const PartContact& guess,
+                          PairCounters& counters);
+
+// Whether boxes keep all parts of a set further than `limit` from a posed box, besides the set's inflation radius.
+bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit);
+
+// Of two bodies that share no point. `limit`: as for pair_distance. `least`: a lower bound that is known.
+PairDistance parts_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
+                            PairCounters& counters);
+
+}  // namespace plannercheck

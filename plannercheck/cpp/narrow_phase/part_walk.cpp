@@ -1,0 +1,150 @@
+#include "narrow_phase/part_walk.hpp"
+
+namespace plannercheck {
+namespace {
+
+// Coordinates in floats err by this times all that is added up to get them, as in tree_frames. Since 1 and more is
+// added up, that is also far above what denormals lose.
+constexpr float kPartFloats = 0x1p-20F;
+
+// Numbers are rounded to floats by at most this part of themselves, and their bounds are computed in as many steps.
+constexpr double kPartRoundedUp = 1 + 0x1p-20;
+
+// Poses are off rigid by at most δ = 3.6e-6 (plannercheck/robots/unit_lengths.py), ‖MᵀM − 1‖: M⁻¹ differs from Mᵀ by at
+// most δ (1 + δ), as do products of two such matrices from what they stand for by 2 δ. Rounding is far below that.
+constexpr double kTurnError = 1e-5;
+
+// Radii and margins, as parts of which lengths in a frame and in the world differ by less than 2e-6. It also takes back
+// what the margin was stretched by (kRadiusStretch).
+constexpr double kWithinFrames = 1 - 1e-5;
+
+Vec3 box_reach(const PosedBox& box) {
+  return {larger(std::fabs(box.low.x), std::fabs(box.high.x)), larger(std::fabs(box.low.y), std::fabs(box.high.y)),
+          larger(std::fabs(box.low.z), std::fabs(box.high.z))};
+}
+
+}  // namespace
+
+RigidTurn::RigidTurn(const Pose& body, const Pose& set) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      m_[3 * i + j] = (set.m[i] * body.m[j] + set.m[i + 4] * body.m[j + 4]) + set.m[i + 8] * body.m[j + 8];
+    }
+  }
+  const Vec3 way = body.translation() - set.translation();
+  in_set_ = set.rotate_back(way), in_body_ = -body.rotate_back(way);
+  distance_ = norm_1(way);
+}
+
+double RigidTurn::error(double reach) const { return kTurnError * (reach + distance_) + kDenormalError; }
+
+PartWalk::PartWalk(const PosedBox& box, const PosedPolytope& set, double margin)
+    : set_(*set.body->parts), turn_(box.pose, set.pose), margin_(margin * kRadiusStretch) {
+  const Vec3 reach = box_reach(box), parts = set_.reach();
+  box_centre_ = 0.5 * (box.low + box.high), box_half_ = 0.5 * (box.high - box.low);
+  const double both = norm_1(reach) + norm_1(parts) + margin_;
+  room_ = turn_.error(both);
+  frame_tree(margin_ + room_);
+}
+
+void PartWalk::frame_tree(double margin) {
+  const double units = set_.units();
+  const Vec3 there = units * (turn_.to_set(box_centre_) - set_.middle());
+  const Vec3 way = units * (turn_.to_body(set_.middle()) - box_centre_);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int axis = static_cast<int>(i);
+    double half = margin, turned = 1;
+    for (std::size_t j = 0; j < 3; ++j) {
+      half += std::fabs(turn_.entry(i, j)) * box_half_[static_cast<int>(j)];
+      const double entry = turn_.entry(j, i);
+      back_[i][j] = static_cast<float>(entry);
+      size_[i][j] = std::fabs(back_[i][j]);
+      turned += 2 * std::fabs(entry);
+    }
+    centre_[i] = static_cast<float>(there[axis]);
+    half_[i] = static_cast<float>(units * half * kPartRoundedUp) * (1 + kPartFloats) +
+               static_cast<float>(std::fabs(there[axis]) + 2) * kPartFloats;
+    shift_[i] = static_cast<float>(way[axis]);
+    extent_[i] = static_cast<float>(units * (box_half_[axis] + margin) * kPartRoundedUp) * (1 + kPartFloats) +
+                 static_cast<float>(turned + std::fabs(way[axis])) * kPartFloats;
+  }
+}
+
+NearParts PartWalk::near(const PartNode& node) const {
+  const auto centre = [&](std::size_t i) { return load_floats(node.centre[i].data()); };
+  const auto half = [&](std::size_t i) { return load_floats(node.half[i].data()); };
+  const Floats x = centre(0), y = centre(1), z = centre(2), u = half(0), v = half(1), w = half(2);
+  Floats own = absolute(x - centre_[0]) - (u + half_[0]);
+  own = larger(own, absolute(y - centre_[1]) - (v + half_[1]));
+  own = larger(own, absolute(z - centre_[2]) - (w + half_[2]));
+  Floats all = own;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Floats there = (back_[i][0] * x + back_[i][1] * y) + (back_[i][2] * z + shift_[i]);
+    const Floats around = (size_[i][0] * u + size_[i][1] * v) + (size_[i][2] * w + extent_[i]);
+    all = larger(all, absolute(there) - around);
+  }
+  const FloatMask missing = u < 0.0F;
+  return {~(float_bits(own > 0.0F) | float_bits((all > 0.0F) | missing)) & ((1U << kChildren) - 1), all};
+}
+
+unsigned PartWalk::near_in_leaf(std::size_t leaf) const {
+  if (set_.kind() != PartSet::Kind::kBalls) return near(set_.leaf_boxes(leaf)).bits;
+  const EightPoints& points = set_.points(leaf);
+  const std::size_t first = leaf * kPartsInLeaf, left = set_.part_count() - first;
+  unsigned near = 0;
+  for (std::size_t k = 0; k < kPartsInLeaf; k += kLanes) {
+    const Lanes x = load_lanes(&points.x[k]), y = load_lanes(&points.y[k]), z = load_lanes(&points.z[k]);
+    Lanes beyond = broadcast(-1e300);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int axis = static_cast<int>(i);
+      const double shift = turn_.in_body()[axis] - box_centre_[axis];
+      const Lanes there = ((turn_.entry(0, i) * x + turn_.entry(1, i) * y) + turn_.entry(2, i) * z) + shift;
+      beyond = larger(beyond, absolute(there) - box_half_[axis]);
+    }
+    const double room = set_.largest_radius() * kRadiusStretch + margin_ + room_;
+    near |= (~bits(beyond > broadcast(room)) & ((1U << kLanes) - 1)) << k;
+  }
+  return left < kPartsInLeaf ? near & ((1U << left) - 1) : near;
+}
+
+std::span<const InnerBall> PartWalk::inner_balls() const {
+  return inner_ != nullptr ? std::span(inner_, 1) : std::span(body_->inner_shapes().balls);
+}
+
+// Here and below, squares of shorter lengths would lose bits to underflow.
+unsigned PartWalk::surely_shared(std::size_t leaf) const {
+  const EightPoints& points = set_.points(leaf);
+  unsigned shared = 0;
+  const std::size_t first = leaf * kPartsInLeaf;
+  for (const InnerBall& ball : inner_balls()) {
+    for (std::size_t k = 0; k < kPartsInLeaf; k += kLanes) {
+      const Lanes x = load_lanes(&points.x[k]), y = load_lanes(&points.y[k]), z = load_lanes(&points.z[k]);
+      Lanes square{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double shift = turn_.in_body()[static_cast<int>(i)] - ball.centre[static_cast<int>(i)];
+        const Lanes d = ((turn_.entry(0, i) * x + turn_.entry(1, i) * y) + turn_.entry(2, i) * z) + shift;
+        square = square + d * d;
+      }
+      Lanes radius;
+      for (std::size_t lane = 0; lane < kLanes; ++lane) radius[lane] = set_.radius(first + k + lane);
+      const Lanes near = (radius + (ball.radius + margin_)) * kWithinFrames - room_;
+      shared |= (bits(square < near * near) & bits(near > broadcast(kTrustedLength))) << k;
+    }
+  }
+  return shared;
+}
+
+bool PartWalk::surely_shares(const PartShape& part) const {
+  if (part.corners != 8) return false;
+  const Vec3 low = part.corner[0], high = part.corner[7];
+  for (const InnerBall& ball : inner_balls()) {
+    const Vec3 c = turn_.to_set(ball.centre);
+    const Vec3 d{larger(0, larger(low.x - c.x, c.x - high.x)), larger(0, larger(low.y - c.y, c.y - high.y)),
+                 larger(0, larger(low.z - c.z, c.z - high.z))};
+    const double near = (ball.radius + margin_) * kWithinFrames - room_;
+    if (near > kTrustedLength && dot(d, d) < near * near) return true;
+  }
+  return false;
+}
+
+}  // namespace plannercheck

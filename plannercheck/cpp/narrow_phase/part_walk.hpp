@@ -1,0 +1,130 @@
+// Which parts of a set may be near a posed body: down the set's tree, by the boxes of both.
+//
+// In: a body and a set at their poses, and a margin in m of the world. Out: the leaves, and in them the parts, whose
+// boxes may be within the margin of the body's box. Six axes are tried, the set's and the body's, for eight boxes at
+// once, in floats with room for all rounding. What is not finite counts as near.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "bodies/part_set.hpp"
+#include "math/simd.hpp"
+#include "narrow_phase/pair_frame.hpp"
+#include "narrow_phase/posed_box.hpp"
+
+namespace plannercheck {
+
+// Children of a node that may be near, and by how much boxes are apart along the axes, in the tree's units; negative
+// for those that are near.
+struct NearParts {
+  unsigned bits;
+  Floats gap;
+
+  // One of the least gap.
+  unsigned deepest() const {
+    return static_cast<unsigned>(__builtin_ctz(float_bits(gap == Floats{} - largest(-gap)) | 1U << kChildren)) %
+           kChildren;
+  }
+};
+
+// Between the frames of a body and of a set, whose poses are rigid up to 3.6e-6, whence the room: the transposed
+// rotation is taken for the inverse one.
+class RigidTurn {
+ public:
+  RigidTurn(const Pose& body, const Pose& set);
+
+  Vec3 to_set(Vec3 p) const {
+    return {((m_[0] * p.x + m_[1] * p.y) + m_[2] * p.z) + in_set_.x,
+            ((m_[3] * p.x + m_[4] * p.y) + m_[5] * p.z) + in_set_.y,
+            ((m_[6] * p.x + m_[7] * p.y) + m_[8] * p.z) + in_set_.z};
+  }
+  Vec3 to_body(Vec3 p) const {
+    return {((m_[0] * p.x + m_[3] * p.y) + m_[6] * p.z) + in_body_.x,
+            ((m_[1] * p.x + m_[4] * p.y) + m_[7] * p.z) + in_body_.y,
+            ((m_[2] * p.x + m_[5] * p.y) + m_[8] * p.z) + in_body_.z};
+  }
+  double entry(std::size_t in_set, std::size_t in_body) const { return m_[3 * in_set + in_body]; }
+  Vec3 in_body() const { return in_body_; }  // the set's origin
+  // How far a place may be off, |.|_1 of which is at most `reach` before.
+  double error(double reach) const;
+
+ private:
+  std::array<double, 9> m_;  // from the body to the set
+  Vec3 in_set_, in_body_;    // each frame's origin in the other one
+  double distance_;
+};
+
+class PartWalk {
+ public:
+  // `inner`: a ball inside the body, if its own inner shapes are not to be asked for.
+  PartWalk(const PosedPolytope& body, const PosedPolytope& set, double margin, const InnerBall* inner = nullptr)
+      : PartWalk({body.pose, body.body->low, body.body->high}, set, margin) {
+    body_ = body.body, inner_ = inner;
+  }
+  // Of a box alone, without what is inside of the body.
+  PartWalk(const PosedBox& box, const PosedPolytope& set, double margin);
+
+  // Calls visit(leaf, bits of parts that may be near), the deepest leaves first, until it returns true; whether it did.
+  template <class Visit>
+  bool any_leaf(Visit visit) const {
+    std::array<Waiting, kMostWaiting> waiting;  // not initialised
+    std::size_t count = 0;
+    Waiting next{static_cast<std::int32_t>(set_.levels().size()), 0};
+    for (;;) {
+      if (next.level == 0) {
+        const unsigned bits = near_in_leaf(next.index);
+        if (bits != 0 && visit(next.index, bits)) return true;
+      } else {
+        const NearParts found = near(set_.levels()[at(next.level - 1)][next.index]);
+        const std::int32_t below = next.level - 1;
+        const std::size_t first = next.index * kChildren;
+        if (found.bits != 0) {
+          unsigned left = found.bits;
+          const unsigned deepest = found.deepest();
+          left &= ~(1U << deepest);
+          for (; left != 0; left &= left - 1) {
+            waiting[count++] = {below, first + static_cast<std::size_t>(__builtin_ctz(left))};
+          }
+          next = {below, first + deepest};
+          continue;
+        }
+      }
+      if (count == 0) return false;
+      next = waiting[--count];
+    }
+  }
+
+  NearParts near(const PartNode& node) const;
+  // The parts of a leaf, one bit each.
+  unsigned near_in_leaf(std::size_t leaf) const;
+  // Balls of a leaf that surely share a point with a ball inside the body.
+  unsigned surely_shared(std::size_t leaf) const;
+  // Whether a box, given by its corners' sides in the set's frame, surely shares a point with a ball inside the body.
+  bool surely_shares(const PartShape& part) const;
+
+ private:
+  static constexpr std::size_t kMostWaiting = 12 * kChildren;
+
+  // A child of a node; level 0: a leaf.
+  struct Waiting {
+    std::int32_t level;
+    std::size_t index;
+  };
+
+  const PartSet& set_;
+  const Polytope* body_ = nullptr;
+  const InnerBall* inner_ = nullptr;
+  RigidTurn turn_;
+  double margin_, room_;                // in m of the body's frame: of what is near, and of what errs in doubles
+  std::array<float, 3> centre_, half_;  // of the body's box in the tree's units
+  std::array<std::array<float, 3>, 3> back_, size_;  // to the body's axes, and absolute values
+  std::array<float, 3> shift_, extent_;              // from the box's centre; half the box, with errors
+  Vec3 box_centre_, box_half_;
+
+  void frame_tree(double margin);
+  std::span<const InnerBall> inner_balls() const;
+};
+
+}  // namespace plannercheck

@@ -1,0 +1,279 @@
+"""The bodies of the stress of sets of parts as numbers: what the core is given, and where the parts are.
+
+In: arrays. Out: a `Given`: the pieces whose union the body is, computed here by the documented arithmetic, and the body
+as the core prepares it; smaller ones of the same kind; a document for files.
+
+A further kind of body is a class here and in KINDS, a function in `set_families.SETS` or `draws.OTHERS`, and, if it is
+no union of hulls with radii, a branch in `truth.decide`.
+"""
+
+from __future__ import annotations
+
+import itertools
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plannercheck.bodies.ellipsoids import Ellipsoid
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.polytope import Polytope
+from plannercheck.common.array_types import Floats
+from plannercheck.common.core import core
+from plannercheck.evaluation.stress_parts.pieces import Piece
+from plannercheck.evaluation.stress_solids.bodies import Body as SolidBody
+from plannercheck.evaluation.stress_solids.surfaces import surface
+
+CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
+# Up to so many rows, smaller sets are those without one of them; beyond, halves.
+_MOST_ONE_BY_ONE = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Given(ABC):
+    """A body as numbers.
+
+    Attributes:
+        padding: All points within this distance of the body belong to it, m.
+    """
+
+    kind: ClassVar[str]
+    padding: float
+
+    @abstractmethod
+    def pieces(self) -> tuple[Piece, ...]:
+        """Hulls with radii whose union it is; of a mesh and of a half-space none."""
+
+    @abstractmethod
+    def prepare(self) -> Polytope:
+        """The core's body."""
+
+    def smaller(self) -> Iterator[Given]:
+        """Bodies of the same kind that are parts of it."""
+        return iter(())
+
+    def document(self) -> dict[str, Any]:
+        """What JSON can hold, without the loss of a bit."""
+        numbers = {each.name: _numbers(getattr(self, each.name)) for each in fields(self)}
+        return {"kind": self.kind, **numbers}
+
+
+@dataclass(frozen=True, eq=False)
+class Balls(Given):
+    """Balls about points (n, 3), m, of radii (n,) or (1,), m."""
+
+    kind: ClassVar[str] = "balls"
+    points: Floats
+    radii: Floats
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """A point with a radius each."""
+        radii = np.resize(self.radii, len(self.points))
+        each = zip(self.points, radii, strict=True)
+        return tuple(Piece(point[None], float(radius) + self.padding) for point, radius in each)
+
+    def prepare(self) -> Polytope:
+        """The core's body."""
+        return _prepared(core.PartSet.balls(self.points, self.radii), self.padding)
+
+    def smaller(self) -> Iterator[Given]:
+        """Fewer balls."""
+        for rows in _fewer(len(self.points)):
+            radii = self.radii if len(self.radii) == 1 else self.radii[rows]
+            yield replace(self, points=self.points[rows], radii=radii)
+
+
+@dataclass(frozen=True, eq=False)
+class Cells(Given):
+    """Cells from keys (n, 3) on, of sizes (n,), in steps of a lattice, m, from an origin (3,) on, m."""
+
+    kind: ClassVar[str] = "cells"
+    keys: NDArray[Any]
+    sizes: NDArray[Any]
+    step: float
+    origin: Floats
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """A coordinate is origin + key · step, rounded after each operation."""
+        ends = self.keys.astype(np.float64), (self.keys + self.sizes[:, None]).astype(np.float64)
+        sides = np.stack([self.origin + (end * self.step) for end in ends])
+        corners = (np.ascontiguousarray(sides[CORNERS, k, np.arange(3)]) for k in range(len(self.keys)))
+        return tuple(Piece(each, self.padding) for each in corners)
+
+    def prepare(self) -> Polytope:
+        """The core's body."""
+        keys, sizes = (np.ascontiguousarray(each, dtype=np.int32) for each in (self.keys, self.sizes))
+        return _prepared(core.PartSet.cells(keys, sizes, self.step, self.origin), self.padding)
+
+    def smaller(self) -> Iterator[Given]:
+        """Fewer cells."""
+        for rows in _fewer(len(self.keys)):
+            yield replace(self, keys=self.keys[rows], sizes=self.sizes[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Columns(Given):
+    """Prisms below heights (i, j), m, of a lattice of steps (2,), m, from an origin (2,) on, m, down to a base, m."""
+
+    kind: ClassVar[str] = "columns"
+    heights: Floats
+    steps: Floats
+    origin: Floats
+    base: float
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Two for each cell, parted along the edge from (i, j) to (i + 1, j + 1); none where a height is NaN."""
+        rows, columns = self.heights.shape
+        x, y = (
+            self.origin[k] + (np.arange(n, dtype=np.float64) * self.steps[k]) for k, n in enumerate((rows, columns))
+        )
+        found = []
+        for i, j in itertools.product(range(rows - 1), range(columns - 1)):
+            for third in ((i + 1, j), (i, j + 1)):
+                top = [(x[a], y[b], self.heights[a, b]) for a, b in ((i, j), third, (i + 1, j + 1))]
+                if not any(np.isnan(z) for *_, z in top):
+                    found.append(Piece(np.array(top + [(u, v, self.base) for u, v, _ in top]), self.padding))
+        return tuple(found)
+
+    def prepare(self) -> Polytope:
+        """The core's body."""
+        return _prepared(core.PartSet.columns(self.heights, self.steps, self.origin, self.base), self.padding)
+
+    def smaller(self) -> Iterator[Given]:
+        """With holes: a lattice that is cut would begin elsewhere, and be rounded otherwise."""
+        there = np.argwhere(~np.isnan(self.heights))
+        for rows in _fewer(len(there)):
+            fewer = np.full_like(self.heights, np.nan)
+            fewer[tuple(there[rows].T)] = self.heights[tuple(there[rows].T)]
+            yield replace(self, heights=fewer)
+
+
+@dataclass(frozen=True, eq=False)
+class Hull(Given):
+    """The hull of points (n, 3), m."""
+
+    kind: ClassVar[str] = "hull"
+    points: Floats
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Itself."""
+        return (Piece(self.points, self.padding),)
+
+    def prepare(self) -> Polytope:
+        """The core's body."""
+        return Polytope(self.points, inflation_radius=self.padding)
+
+    def smaller(self) -> Iterator[Given]:
+        """Fewer corners."""
+        for rows in _fewer(len(self.points)):
+            yield replace(self, points=self.points[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh(Given):
+    """A solid: points (n, 3), m, and triangles (m, 3)."""
+
+    kind: ClassVar[str] = "mesh"
+    points: Floats
+    triangles: NDArray[Any]
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """None: it is no union of hulls."""
+        return ()
+
+    def solid(self) -> SolidBody:
+        """As the oracle of meshes has it."""
+        return SolidBody("solid", surface(self.points, self.triangles.astype(np.int32)), self.padding)
+
+    def prepare(self) -> Polytope:
+        """The core's body."""
+        return self.solid().polytope
+
+
+@dataclass(frozen=True, eq=False)
+class Under(Given):
+    """A half-space: all x with normal · x <= offset, the normal (3,) of any length."""
+
+    kind: ClassVar[str] = "half-space"
+    normal: Floats
+    offset: float
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """None: it is unbounded."""
+        return ()
+
+    @property
+    def shape(self) -> HalfSpace:
+        """As users give it."""
+        x, y, z = self.normal.tolist()
+        return HalfSpace((x, y, z), self.offset)
+
+    def prepare(self) -> Polytope:
+        """The core's body."""
+        return Polytope.of_half_space(self.shape, self.padding)
+
+
+@dataclass(frozen=True, eq=False)
+class Oval(Given):
+    """An ellipsoid of radii (3,), m, which is the polytope around it that sticks out by an excess."""
+
+    kind: ClassVar[str] = "ellipsoid"
+    radii: Floats
+    excess: float
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """The polytope around it."""
+        return (Piece(self.shape.vertices_and_faces()[0], self.padding),)
+
+    @property
+    def shape(self) -> Ellipsoid:
+        """As users give it."""
+        x, y, z = self.radii.tolist()
+        return Ellipsoid((x, y, z), self.excess)
+
+    @property
+    def inner(self) -> Hull:
+        """The polytope in it."""
+        return Hull(self.padding, self.shape.inner()[0])
+
+    def prepare(self) -> Polytope:
+        """The core's body."""
+        return Polytope(*self.shape.vertices_and_faces(), inflation_radius=self.padding)
+
+
+KINDS: dict[str, type[Given]] = {made.kind: made for made in (Balls, Cells, Columns, Hull, Mesh, Under, Oval)}
+
+
+def given_of(document: dict[str, Any]) -> Given:
+    """The body of a document; KeyError, TypeError or ValueError if it is none."""
+    made = KINDS[document["kind"]]
+    return made(**{each.name: _read(document[each.name]) for each in fields(made)})
+
+
+def _prepared(parts: Any, padding: float) -> Polytope:
+    return Polytope._from_core(parts.body(padding))
+
+
+def _fewer(count: int) -> Iterator[NDArray[Any]]:
+    """Indices of halves of some rows, or of all but one of them."""
+    rows = np.arange(count)
+    if count > 1:
+        yield from (rows[: count // 2], rows[count // 2 :])
+    if 2 < count <= _MOST_ONE_BY_ONE:
+        yield from (np.delete(rows, k) for k in range(count))
+
+
+def _numbers(value: float | NDArray[Any]) -> Any:
+    """Hexadecimal digits of a number, or those of an array with its shape."""
+    if isinstance(value, np.ndarray):
+        return {"shape": list(value.shape), "numbers": [float(x).hex() for x in value.ravel().tolist()]}
+    return float(value).hex()
+
+
+def _read(value: Any) -> Any:
+    if isinstance(value, dict):
+        return np.array([float.fromhex(x) for x in value["numbers"]]).reshape(value["shape"])
+    return float.fromhex(value)

@@ -1,0 +1,136 @@
+"""What the core says of a draw, in every way that users can ask it.
+
+In: a draw and the oracle's verdicts. Out: outcomes (k,) of each contestant: a verdict, or how it failed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from plannercheck.bodies.certificates import Separation, SharedPoint
+from plannercheck.bodies.distance import distance
+from plannercheck.bodies.intersection import METHODS, certify, intersects, pair_options
+from plannercheck.bodies.part_certificates import PartSeparation
+from plannercheck.common.array_types import Floats
+from plannercheck.common.core import core
+from plannercheck.evaluation.stress_parts.bodies import Body
+from plannercheck.evaluation.stress_parts.draws import Draw
+from plannercheck.evaluation.stress_parts.ellipsoid_truth import decide_ellipsoids
+from plannercheck.evaluation.stress_parts.truth import decide
+from plannercheck.evaluation.stress_solids.judges import UNFIT, Outcome, limited
+
+BATCH, SWAPPED, SHUFFLED, SINGLE = "batch", "swapped", "shuffled", "single"
+CERTIFICATE, DISTANCE, BETWEEN = "certificate", "distance", "between"
+OURS = (BATCH, SWAPPED, SHUFFLED, SINGLE, CERTIFICATE, DISTANCE, BETWEEN)
+# Of a draw: pairs that are asked one by one, proved, and measured; and in how many draws they are.
+_SINGLES, _PROVED, _MEASURED = 3, 3, 2
+PROVED_DRAWS, MEASURED_DRAWS = 8, 8
+# Numbers of draws of which each contestant and each method is asked.
+ASK_ALL = (0, MEASURED_DRAWS // 2, PROVED_DRAWS)
+# More parts, corners or pairs of parts would take exact arithmetic too long.
+_MOST_PROVED, _MOST_CORNERS, _MOST_MEASURED = 70, 300, 1000
+# What `plannercheck.distance` promises, over the distance; and what places are rounded by, over both bodies' sizes.
+_DISTANCE_ERROR, _LEAST_OF_SIZE = 1e-9, 1e-12
+
+
+def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outcome]]:
+    """What each way of asking says of a draw's pairs; UNFIT where a pair was not asked.
+
+    Args:
+        drawn: The draw.
+        truth: The oracle's verdicts.
+        number: The draw's number, which chooses the method, and the pairs that are asked one by one.
+
+    Returns:
+        Outcomes (k,) by contestant; of CERTIFICATE, DISTANCE and BETWEEN the truth if what they say is right, else not.
+    """
+    count = len(drawn.poses_p)
+    method = METHODS[number % len(METHODS)]
+    some = [(number + i * (count // _SINGLES)) % count for i in range(_SINGLES)]
+    return {
+        BATCH: limited(lambda: _batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
+        SWAPPED: limited(lambda: _batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method), count),
+        SHUFFLED: limited(lambda: _shuffled(drawn, method, number), count),
+        SINGLE: limited(lambda: _one_by_one(drawn, some), count),
+        CERTIFICATE: limited(lambda: _certificates(drawn, truth, some, number), count),
+        DISTANCE: limited(lambda: _distances(drawn, truth, some, number), count),
+        BETWEEN: limited(lambda: _between(drawn, truth, method), count),
+    }
+
+
+def _batch(p: Body, poses_p: Floats, r: Body, poses_r: Floats, method: Any) -> list[Outcome]:
+    shared, _, _ = core.intersect_batch(p.polytope.core, poses_p, r.polytope.core, poses_r, pair_options(method))
+    return list(shared.astype(bool).tolist())
+
+
+def _shuffled(drawn: Draw, method: Any, number: int) -> list[Outcome]:
+    """In another order, in which the parts that are tried first are those of other poses."""
+    order = np.random.default_rng(number).permutation(len(drawn.poses_p))
+    told = _batch(drawn.p, drawn.poses_p[order], drawn.r, drawn.poses_r[order], method)
+    return [told[k] for k in np.argsort(order).tolist()]
+
+
+def _one_by_one(drawn: Draw, some: list[int]) -> list[Outcome]:
+    outcomes: list[Outcome] = [UNFIT] * len(drawn.poses_p)
+    for k in some:
+        outcomes[k] = bool(intersects(drawn.p.polytope, drawn.r.polytope, drawn.poses_p[k], drawn.poses_r[k]))
+    return outcomes
+
+
+def _certificates(drawn: Draw, truth: list[bool], some: list[int], number: int) -> list[Outcome]:
+    outcomes: list[Outcome] = [UNFIT] * len(drawn.poses_p)
+    is_large = max(len(body.pieces) for body in (drawn.p, drawn.r)) > _MOST_PROVED
+    is_large |= len(drawn.r.pieces) == 1 and len(drawn.r.corners) > _MOST_CORNERS
+    if number % PROVED_DRAWS or is_large or drawn.r.solid is not None:
+        return outcomes
+    for k in some[:_PROVED]:
+        found = certify(drawn.p.polytope, drawn.r.polytope, drawn.poses_p[k], drawn.poses_r[k])
+        kinds = (SharedPoint,) if truth[k] else (Separation, PartSeparation)
+        outcomes[k] = truth[k] == (isinstance(found, kinds) and bool(found.verify()))
+    return outcomes
+
+
+def _distances(drawn: Draw, truth: list[bool], some: list[int], number: int) -> list[Outcome]:
+    outcomes: list[Outcome] = [UNFIT] * len(drawn.poses_p)
+    is_large = len(drawn.p.pieces) * len(drawn.r.pieces) > _MOST_MEASURED
+    if number % MEASURED_DRAWS != MEASURED_DRAWS // 2 or is_large or drawn.r.solid is not None:
+        return outcomes
+    for k in some[:_MEASURED]:
+        outcomes[k] = truth[k] == _is_distance(drawn, k, truth[k])
+    return outcomes
+
+
+def _between(drawn: Draw, truth: list[bool], method: Any) -> list[Outcome]:
+    """Whether an ellipsoid is in its outer polytope, and its inner one in the ellipsoid, as far as verdicts tell."""
+    themselves = decide_ellipsoids(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r)
+    if themselves is None:
+        return [UNFIT] * len(drawn.poses_p)
+    outer = _batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method)
+    p, r = (body.inner or body for body in (drawn.p, drawn.r))
+    inner = _batch(p, drawn.poses_p, r, drawn.poses_r, method)
+    verdicts_of_each = zip(truth, inner, themselves.tolist(), outer, strict=True)
+    return [told == (within <= itself <= around) for told, within, itself, around in verdicts_of_each]
+
+
+def _is_distance(drawn: Draw, k: int, shared: bool) -> bool:
+    """Whether the distance is 0 if a point is shared, and else the true one, with its lower bound below.
+
+    Bodies share a point once one of them is inflated by their distance, which exact arithmetic decides.
+    """
+    pose_p, pose_r = drawn.poses_p[k], drawn.poses_r[k]
+    found = distance(drawn.p.polytope, drawn.r.polytope, pose_p, pose_r)
+    if shared:
+        return found.distance == 0
+    lengths = (each for body in (drawn.p, drawn.r) for each in (body.corners, body.radii))
+    sizes = max(float(np.abs(given).max()) for given in (*lengths, pose_p, pose_r))
+    room = _DISTANCE_ERROR * found.distance + _LEAST_OF_SIZE * sizes
+    below, above = max(found.lower_bound, found.distance) - room, found.distance + room
+    inflated = [_inflated(drawn.p, max(by, 0.0)) for by in (below, above)]
+    return [bool(decide(p, pose_p[None], drawn.r, pose_r[None])[0]) for p in inflated] == [False, True]
+
+
+def _inflated(body: Body, by: float) -> Body:
+    return Body(body.family, replace(body.given, padding=body.given.padding + by))

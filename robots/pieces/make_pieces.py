@@ -1,0 +1,86 @@
+"""Makes the convex pieces that come with plannercheck, and the table of them in README.md, by CoACD.
+
+Run: python robots/pieces/make_pieces.py [--again] [ROBOT ...]: an hour or so for all of them. A mesh that CoACD does
+not split within the time limit is kept as its hull.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import warnings
+from pathlib import Path
+
+import plannercheck as pc
+from plannercheck.bodies.convex_decomposition import made_pieces
+from plannercheck.bodies.piece_repair import hull_alone
+from plannercheck.bodies.pieces import Pieces, mesh_hash, packed, unpacked
+from plannercheck.bodies.shipped_pieces import file_name
+from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
+from plannercheck.robots.decomposed_links import is_concave
+from plannercheck.robots.description import description_of
+from plannercheck.robots.urdf import read_geometry
+
+FOLDER = Path(__file__).resolve().parent
+# TIAGo's URDF is under a licence without derived works, so its pieces are not shipped.
+ROBOTS = ("ur3", "ur5", "ur10", "pr2", "kinova", "baxter")
+TABLE = re.compile(r"(<!-- table -->\n).*(<!-- end of table -->\n)", re.DOTALL)
+HEADER = "| robot | link | mesh | triangles | pieces | out of the mesh, at most | kB |\n| --- " + "| --- " * 6 + "|\n"
+
+
+def main() -> None:
+    """Makes the files that are missing, and the table of all."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("robots", nargs="*", default=ROBOTS)
+    parser.add_argument("--again", action="store_true", help="also make files that there are already")
+    parser.add_argument("--time-limit", type=float, default=600.0, metavar="S", help="for one mesh; default: 600 s")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore", RuntimeWarning)  # meshes that CoACD does not split are in the table
+    for robot in options.robots:
+        for body, (_, _, mesh) in concave_meshes(robot).items():
+            file = FOLDER / file_name(robot, body, mesh_hash(mesh))
+            if options.again or not file.exists():
+                asked = pc.Decomposition(time_limit=options.time_limit)
+                made = made_pieces(mesh, asked, body)
+                pieces = hull_alone(mesh) if made is None or len(made.points) == 1 else made
+                file.write_bytes(packed(pieces, mesh_hash(mesh)))
+                print(file.name, *row(pieces), flush=True)
+    write_table()
+
+
+def concave_meshes(robot: str) -> dict[str, tuple[str, str, TriangleMesh]]:
+    """A robot's concave and open meshes by name of the body, equal ones once: link, file, mesh."""
+    loaded, description = pc.Robot.load(robot, geometry="hull"), description_of(robot)
+    geometry = read_geometry(loaded.model, description.file, description.package_dirs)
+    found: dict[bytes, tuple[str, tuple[str, str, TriangleMesh]]] = {}
+    for body, each in zip(loaded.bodies, geometry.geometryObjects, strict=True):
+        mesh = triangles_of_coal(each.geometry)
+        if mesh is not None and is_concave(mesh):
+            found.setdefault(mesh_hash(mesh), (body.name, (str(body.link), Path(each.meshPath).name, mesh)))
+    return dict(found.values())
+
+
+def write_table() -> None:
+    """Writes what the files hold into README.md."""
+    lines = []
+    for robot in ROBOTS:
+        for body, (link, name, mesh) in concave_meshes(robot).items():
+            file = FOLDER / file_name(robot, body, mesh_hash(mesh))
+            pieces = unpacked(file.read_bytes(), mesh_hash(mesh)) if file.exists() else None
+            if pieces is not None:
+                cells = (robot, link, name, len(mesh.triangles), *row(pieces), f"{file.stat().st_size / 1000:.1f}")
+                lines.append("| " + " | ".join(map(str, cells)) + " |\n")
+    readme = FOLDER / "README.md"
+    text = readme.read_text(encoding="utf-8")
+    table = HEADER + "".join(lines)
+    readme.write_text(TABLE.sub(lambda match: match[1] + table + match[2], text), encoding="utf-8")
+
+
+def row(pieces: Pieces) -> tuple[str, str]:
+    """How many pieces, and how far they stick out."""
+    count = len(pieces.points)
+    return str(count) if count > 1 else "1, the hull", f"{1e3 * pieces.protrusion:.1f} mm"
+
+
+if __name__ == "__main__":
+    main()
