@@ -26,7 +26,7 @@ class Distance:
 
     Attributes:
         distance: In m, within 1e-9 of max(distance, 1e-3 of the larger body's radius), or within 1e-319 m, where
-            doubles are too coarse; 0 if and only if the bodies share a point, by the exact verdict.
+            doubles are too coarse, wherever the bodies are; 0 if and only if they share a point, by the exact verdict.
         point_p: (3,) in the world, m: the first body's point nearest to the second body. If they overlap: the first
             body's point that is deepest in the second body along `direction`.
         point_r: (3,) in the world, m: the second body's point nearest to the first body. If they overlap: where

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -143,3 +144,29 @@ def test_depths_of_inflated_bodies_have_both_inflation_radii():
         moved = pose.copy()
         moved[:3, 3] += factor * depth * found.direction
         assert pc.intersects(first, second, moved) == shared
+
+
+def brought_near(rng, far):
+    """A point that far from its frame's origin, a pose that takes it near the world's, and where it is there, rounded."""
+    corner, pose = rng.normal(size=3) * far, pose_at(rng, 0.0)
+    pose[:3, 3] = -pose[:3, :3] @ corner
+    there = [sum(Fraction(m) * Fraction(x) for m, x in zip(row, (*corner, 1.0), strict=True)) for row in pose[:3]]
+    return corner, pose, np.array([float(x) for x in there])
+
+
+@pytest.mark.parametrize("far", [1.0, 2.0**37, 5e19, 1e48])
+@pytest.mark.parametrize("part", [1.0, 1e-6, 1e-12])
+def test_coordinates_that_cancel(far, part):
+    """A point that is far away in its own frame, next to bodies of any size near the world's origin."""
+    rng = np.random.default_rng(10)
+    for n, inflation_radius in itertools.product((1, 2, 3, 8, 60), (0.0, 0.5)):
+        corner, pose, there = brought_near(rng, far)
+        size = part * np.linalg.norm(there)
+        vertices = family("cloud", n, n) if n > 3 else rng.normal(size=(n, 3))
+        near = pc.Polytope(there + size * (vertices + [3, 1, 0]), inflation_radius=size * inflation_radius)
+        point = pc.Polytope(corner[None])
+        radii = (0.0, near.inflation_radius)
+        truth = exact.distance(point.vertices, near.vertices, pose, None, *radii)
+        for found in (pc.distance(point, near, pose), pc.distance(near, point, None, pose)):
+            assert abs(found.distance - truth) <= 1e-9 * max(truth, 1e-3 * (near.core.radius + near.inflation_radius))
+            assert found.lower_bound <= truth * (1 + 1e-15)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from decimal import Decimal, localcontext
 from fractions import Fraction
 
 import coal
@@ -167,6 +168,29 @@ def test_distances_are_those_of_the_lowest_vertex():
         moved[:3, 3] -= found.direction * found.lower_bound * (1 + 1e-12)
         assert abs(pc.distance(body, plane, moved, pose).lower_bound) < 1e-11
     assert min(seen) > 20
+
+
+@pytest.mark.parametrize("far", [1e3, 1e9, 1e16, 1e48])
+def test_distances_far_from_the_origin_are_as_promised(far):
+    """Far planes, bodies that are far in their frames, and both; of points that doubles cannot tell from the plane."""
+    rng = np.random.default_rng(5)
+    for number in range(60):
+        points, radius = rng.normal(size=(1 + number % 4, 3)) * rng.choice([1.0, 1e-3]), rng.choice([0.0, 1e-3])
+        half_space, pose, other = random_half_space(rng, 1.0), pose_at(rng, 1.0), pose_at(rng, 1.0)
+        if number % 2:
+            points, other[:3, 3] = points + (corner := rng.normal(size=3) * far), -other[:3, :3] @ corner
+        if number % 3:
+            pose[:3, 3] = far * rng.normal(size=3)
+            other[:3, 3] += pose[:3, 3]
+        other = lowered(half_space, pose, points, other, radius, rng)
+        body, plane = pc.Polytope(points, inflation_radius=radius), pc.Polytope(half_space)
+        found, square = pc.distance(body, plane, other, pose), min(exact_heights(half_space, pose, points, other))
+        with localcontext(prec=120):
+            root = (Decimal(abs(square.numerator)) / Decimal(square.denominator)).sqrt()
+            height = float((root if square > 0 else -root) - Decimal(radius))
+        size = float(np.ptp(points, axis=0).max()) / 2 + radius
+        assert abs(max(found.distance, found.lower_bound) - max(height, 0)) <= 1e-9 * max(abs(height), 1e-3 * size)
+        assert found.lower_bound <= height
 
 
 def test_a_solid_counts_by_its_vertices():

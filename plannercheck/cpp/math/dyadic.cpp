@@ -166,6 +166,11 @@ DyadicVec3 cross(const DyadicVec3& a, const DyadicVec3& b) {
 }
 bool is_zero(const DyadicVec3& v) { return v.x.sign() == 0 && v.y.sign() == 0 && v.z.sign() == 0; }
 
+DoubleDouble to_double_double(const Dyadic& x) {
+  const double high = x.to_double();
+  return {high, std::isfinite(high) ? (x - Dyadic(high)).to_double() : 0};
+}
+
 DyadicVec3 apply_exactly(const Pose& pose, Vec3 v) {
   const auto& m = pose.m;
   const DyadicVec3 p(v);

@@ -71,6 +71,8 @@ DyadicVec3 operator*(const Dyadic& s, const DyadicVec3& a);
 Dyadic dot(const DyadicVec3& a, const DyadicVec3& b);
 DyadicVec3 cross(const DyadicVec3& a, const DyadicVec3& b);
 bool is_zero(const DyadicVec3& v);
+// Up to a relative error of 2^-106, or 2^-1074; infinite beyond the range of doubles.
+DoubleDouble to_double_double(const Dyadic& x);
 // M v + t, exactly.
 DyadicVec3 apply_exactly(const Pose& pose, Vec3 v);
 // The same direction up to a relative error of 2^-105 an entry, its largest entry scaled to between 1/2 and 1; 0 for 0.

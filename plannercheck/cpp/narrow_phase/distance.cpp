@@ -7,9 +7,6 @@
 namespace plannercheck {
 namespace {
 
-// Distances are promised up to 1e-9 of max(distance, 1e-3 of the size).
-constexpr double kRelative = 2.5e-10, kLeastPart = 1e-3;
-
 // Bodies are off rigid by at most 3.6e-6, so they stretch by half of that. kBallRounding: the rounding of a ball's
 // centre and of distances, relative to their operands. A norm whose squares underflow errs by less than kTrustedLength.
 constexpr double kDistanceStretch = 1 + 4e-6, kBallRounding = 64 * 0x1p-53;
@@ -90,7 +87,7 @@ PairDistance between_hulls(const PosedPolytope& guest, const PosedPolytope& host
 DistanceGoal goal_for(const PosedPolytope& guest, const PosedPolytope& host, double limit) {
   const double inflation_radius = total_inflation_radius(guest, host);
   const double size = larger(extent(*guest.body), extent(*host.body));
-  return {kRelative, inflation_radius, kLeastPart * size, limit + inflation_radius};
+  return {kDistanceError, inflation_radius, kLeastOfSize * size, limit + inflation_radius};
 }
 
 }  // namespace

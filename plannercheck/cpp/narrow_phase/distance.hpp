@@ -14,6 +14,10 @@ namespace plannercheck {
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
+// Distances are promised up to 1e-9 of max(distance, 1e-3 of the larger body's size): how far apart their bounds may
+// be.
+inline constexpr double kDistanceError = 2.5e-10, kLeastOfSize = 1e-3;
+
 struct PairDistance {
   bool overlap = false;         // the exact verdict; touching counts
   double lower = 0, upper = 0;  // m; if they overlap both are −(the depth found)

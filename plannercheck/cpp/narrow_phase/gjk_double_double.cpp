@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "math/dyadic.hpp"
 #include "narrow_phase/simplex_double_double.hpp"
 #include "narrow_phase/support_exact_direction.hpp"
 
@@ -15,13 +16,15 @@ constexpr int kDoubleDoubleRounds = 32;  // the start is close to the answer; th
 // e = kDoubleDoubleError; lengths are in the unit of the pair, see below. Checked by
 // tests/error_bounds/gjk_double_double.
 //
-// (a) A difference. Per entry, M_P p and M_R r are three exact products and two sums (2e |p|, 2e |r|: rows are at most
-//     1 + 2e-6 long): 3.5e as a vector. t_P − t_R is exact; two more sums: below 5.5e times the size.
+// (a) A difference. Per entry, M_P p and M_R r are three products and two sums (3e |p|, 3e |r|: rows are at most 1 +
+// 2e-6
+//     long), where p and r are exact differences of two doubles: 5.2e as a vector. The origins' difference is exact or
+//     rounded once; two more sums: below 8.2e times the size.
 // (b) Support. Turning d into a body's frame errs by 3e an entry, 5.2e |d|, which moves the least product by at most
 //     10.4e |d| r. The vertex is extreme exactly along the direction computed. Evaluating d·w errs by 3e |d| |w|, and w
-//     errs by (a). In all: below 19e |d| times the size.
+//     errs by (a). In all: below 22e |d| times the size.
 // (c) Mixing four corners with weights of sum W errs by e in the products and 3e in the sums, besides (a), and W by 3e:
-//     below 13e W times the size.
+//     below 16e W times the size.
 // (d) Determinants of three corners: (a) three times, as in gjk.cpp, and five operations on products of 1-norms. Each
 //     constant leaves room for rounding the bound itself.
 constexpr double kDifference = 16 * kDoubleDoubleError, kSupport = 64 * kDoubleDoubleError,
@@ -53,20 +56,48 @@ bool scale_to_one(DoubleDoubleVec3& v) {
   return true;
 }
 
+// A point of each body's frame from which its vertices are taken.
+struct Origins {
+  Vec3 guest, host;
+  double radii;            // of balls around both points that hold the bodies' vertices, added up, m
+  DoubleDoubleVec3 apart;  // guest's − host's in the world, m
+};
+
+Origins origins_of_frames(const PosedPolytope& guest, const PosedPolytope& host) {
+  const double radii = guest.body->origin_radius + host.body->origin_radius;
+  return {{}, {}, radii, difference(guest.pose.translation(), host.pose.translation())};
+}
+
+// Vertices, so that lengths are those of the bodies and of the gap between them, wherever their frames are: large
+// coordinates cancel before anything is rounded.
+Origins origins_at_vertices(const PosedPolytope& guest, const PosedPolytope& host) {
+  const Vec3 a = guest.body->inner.points.front(), b = host.body->inner.points.front();
+  const DyadicVec3 apart = apply_exactly(guest.pose, a) - apply_exactly(host.pose, b);
+  const double radii = 2 * (guest.body->radius + host.body->radius);
+  return {a, b, radii, {to_double_double(apart.x), to_double_double(apart.y), to_double_double(apart.z)}};
+}
+
 class FineNearestPoints {
  public:
-  FineNearestPoints(const PosedPolytope& guest, const PosedPolytope& host, PairCounters& counters)
-      : guest_(guest), host_(host), counters_(counters) {
-    const Vec3 a = guest.pose.translation(), b = host.pose.translation();
-    const double inflation_radius = guest.body->inflation_radius + host.body->inflation_radius;
-    const double size = (guest.body->origin_radius + host.body->origin_radius) + (norm_1(a - b) + inflation_radius);
-    in_range_ = size > 0 && size < kLargestFineSize;
+  FineNearestPoints(const PosedPolytope& guest, const PosedPolytope& host, const Origins& origins,
+                    PairCounters& counters)
+      : guest_(guest),
+        host_(host),
+        counters_(counters),
+        guest_origin_(origins.guest),
+        host_origin_(origins.host),
+        length_(origins.radii +
+                (norm_1(rounded(origins.apart)) + (guest.body->inflation_radius + host.body->inflation_radius))) {
+    in_range_ = length_ > 0 && length_ < kLargestFineSize;
     if (!in_range_) return;
-    to_units_ = std::ldexp(1.0, std::min(-std::ilogb(size), kMostScaled));
-    size_ = size * to_units_;
-    shift_ = difference(to_units_ * a, to_units_ * b);
+    to_units_ = std::ldexp(1.0, std::min(-std::ilogb(length_), kMostScaled));
+    size_ = length_ * to_units_;
+    shift_ = scaled(origins.apart, to_units_);
     inflation_radius_ = two_sum(guest.body->inflation_radius * to_units_, host.body->inflation_radius * to_units_);
   }
+
+  // All bounds are in proportion to it, m.
+  double length() const { return length_; }
 
   Proximity run(const Proximity& start) {
     Proximity out = start;
@@ -102,6 +133,8 @@ class FineNearestPoints {
  private:
   const PosedPolytope &guest_, &host_;
   PairCounters& counters_;
+  Vec3 guest_origin_, host_origin_;
+  double length_;
   DoubleDoubleVec3 shift_;
   DoubleDouble inflation_radius_{};
   double to_units_ = 1, size_ = 1;
@@ -184,15 +217,16 @@ class FineNearestPoints {
   }
 
   FineCorner corner_at(std::int32_t p, std::int32_t r) const {
-    return {p, r, (turn(guest_, p) - turn(host_, r)) + shift_};
+    return {p, r, (turn(guest_, p, guest_origin_) - turn(host_, r, host_origin_)) + shift_};
   }
 
-  // M v of a body's vertex, in units.
-  DoubleDoubleVec3 turn(const PosedPolytope& posed, std::int32_t vertex) const {
-    const Vec3 v = to_units_ * posed.body->inner.points[static_cast<std::size_t>(vertex)];
+  // M v of a body's vertex, from an origin, in units.
+  DoubleDoubleVec3 turn(const PosedPolytope& posed, std::int32_t vertex, Vec3 origin) const {
+    const DoubleDoubleVec3 v =
+        scaled(difference(posed.body->inner.points[static_cast<std::size_t>(vertex)], origin), to_units_);
     const auto& m = posed.pose.m;
     const auto row = [&](std::size_t i) {
-      return (two_product(m[i], v.x) + two_product(m[i + 1], v.y)) + two_product(m[i + 2], v.z);
+      return (DoubleDouble{m[i], 0} * v.x + DoubleDouble{m[i + 1], 0} * v.y) + DoubleDouble{m[i + 2], 0} * v.z;
     };
     return {row(0), row(4), row(8)};
   }
@@ -298,12 +332,16 @@ class FineNearestPoints {
 
 Proximity nearest_points_double_double(const PosedPolytope& guest, const PosedPolytope& host, const Proximity& start,
                                        PairCounters& counters) {
-  return FineNearestPoints(guest, host, counters).run(start);
+  return FineNearestPoints(guest, host, origins_of_frames(guest, host), counters).run(start);
 }
 
 HullDistance hull_distance_double_double(const PosedPolytope& guest, const PosedPolytope& host,
                                          const HullDistance& found, const DistanceGoal& goal, PairCounters& counters) {
-  return FineNearestPoints(guest, host, counters).distance(found, goal);
+  FineNearestPoints about_frames(guest, host, origins_of_frames(guest, host), counters);
+  const HullDistance out = about_frames.distance(found, goal);
+  if (goal.met(out) || !(about_frames.length() < kLargestFineSize)) return out;
+  FineNearestPoints about_vertices(guest, host, origins_at_vertices(guest, host), counters);
+  return about_vertices.length() < about_frames.length() ? about_vertices.distance(out, goal) : out;
 }
 
 }  // namespace plannercheck

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "bodies/part_body.hpp"
@@ -20,6 +21,12 @@ constexpr double kHeightError = 128 * 0x1p-53;
 constexpr double kPlaneReachRounding = 16 * 0x1p-53;
 // Balls around bodies off rigid by at most 3.6e-6, which stretch by half of that.
 constexpr double kBallStretch = 1 + 4e-6;
+
+// Between these the least height of all vertices of a hull over a plane is, m; and a vertex as low as far as is known.
+struct LeastHeight {
+  double lower, upper;
+  Vec3 vertex;
+};
 
 // How far the vertices of a body's hull are over a posed half-space's plane, times |g|.
 class Heights {
@@ -65,22 +72,61 @@ class Heights {
   // lowest one, or of the radii, can tell.
   bool shares_exactly() const {
     const double bound = most();
-    const auto plane = posed_plane<Dyadic, DyadicVec3>(*half_space_.body->half_space, half_space_.pose);
+    const ExactPlane plane = exact_plane();
     const Dyadic radius = Dyadic(body_.body->inflation_radius) + Dyadic(half_space_.body->inflation_radius);
     const Dyadic most_square = radius * radius * dot(plane.normal, plane.normal);
-    const DyadicVec3 origin(half_space_.pose.translation());
     for (const Vec3& p : body_.body->inner.points) {
       if (of(p) > bound + error_) continue;
-      const Dyadic height = dot(plane.normal, apply_exactly(body_.pose, p) - origin) - plane.offset;
+      const Dyadic height = exactly(p, plane);
       if (height.sign() <= 0 || (most_square - height * height).sign() >= 0) return true;
     }
     return false;
   }
 
+  LeastHeight least_height(PairCounters& counters) const {
+    const Vec3 vertex = lowest(counters);
+    const double inverse = 1 / length_, height = of(vertex);
+    const double rounding = kPlaneReachRounding * (std::fabs(height) * inverse);
+    const LeastHeight found{(height - error_) * inverse - rounding, (height + error_) * inverse + rounding, vertex};
+    const double size = body_.body->radius + radius_;
+    const bool is_enough =
+        found.upper - found.lower <= kDistanceError * larger(found.lower - radius_, kLeastOfSize * size);
+    return is_enough ? found : least_height_exactly(height);
+  }
+
  private:
+  using ExactPlane = PlaneInWorld<Dyadic, DyadicVec3>;
+
   const PosedPolytope &half_space_, &body_;
   PlaneInWorld<double, Vec3> plane_;
   double error_, length_, radius_;
+
+  ExactPlane exact_plane() const {
+    return posed_plane<Dyadic, DyadicVec3>(*half_space_.body->half_space, half_space_.pose);
+  }
+
+  Dyadic exactly(Vec3 point, const ExactPlane& plane) const {
+    const DyadicVec3 from = apply_exactly(body_.pose, point) - DyadicVec3(half_space_.pose.translation());
+    return dot(plane.normal, from) - plane.offset;
+  }
+
+  // Far from the origin, where heights in doubles cancel. `height`: in doubles, of the lowest vertex as far as they
+  // tell. It is off by the error, and so is that of any other vertex.
+  LeastHeight least_height_exactly(double height) const {
+    const ExactPlane plane = exact_plane();
+    std::optional<Dyadic> least;
+    LeastHeight found;
+    for (const Vec3& p : body_.body->inner.points) {
+      if (of(p) > height + 2 * error_) continue;
+      const Dyadic of_p = exactly(p, plane);
+      if (!least || (of_p - *least).sign() < 0) least = of_p, found.vertex = p;
+    }
+    const Vec3 normal{plane.normal.x.to_double(), plane.normal.y.to_double(), plane.normal.z.to_double()};
+    const double rounded = least->to_double() / norm(normal);
+    const double rounding = kPlaneReachRounding * (std::fabs(rounded) + radius_) + kDenormalError;
+    found.lower = rounded - rounding, found.upper = rounded + rounding;
+    return found;
+  }
 };
 
 bool hull_meets_half_space(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
@@ -131,22 +177,22 @@ PlaneContact body_meets_half_space(const PosedPolytope& half_space, const PosedP
 // From the half-space to the body.
 PairDistance hull_distance_over(const PosedPolytope& half_space, const PosedPolytope& body, PairCounters& counters) {
   const Heights heights(half_space, body);
-  const double inverse = 1 / heights.length();
-  const Vec3 normal = inverse * heights.normal(), vertex = heights.lowest(counters);
-  const double height = heights.of(vertex), rounding = kPlaneReachRounding * (std::fabs(height) * inverse);
+  const Vec3 normal = (1 / heights.length()) * heights.normal();
+  const LeastHeight least = heights.least_height(counters);
   PairDistance out;
   out.overlap = hull_meets_half_space(half_space, body, counters);
-  out.lower = (height - heights.error()) * inverse - rounding - heights.radius();
-  out.upper = (height + heights.error()) * inverse + rounding - heights.radius();
+  out.lower = least.lower - heights.radius();
+  out.upper = least.upper - heights.radius();
   if (out.overlap) {
     out.lower = out.upper = smaller(out.lower, 0);
   } else {
     out.upper = larger(out.upper, std::numeric_limits<double>::denorm_min());
     out.lower = larger(out.lower, 0);
   }
-  const Vec3 lowest = body.pose.apply(vertex);
+  const Vec3 lowest = body.pose.apply(least.vertex);
+  const double height = (least.lower + least.upper) / 2;
   out.on_guest = lowest - body.body->inflation_radius * normal;
-  out.on_host = lowest - (height * inverse - half_space.body->inflation_radius) * normal;
+  out.on_host = lowest - (height - half_space.body->inflation_radius) * normal;
   out.direction = normal;
   return out;
 }

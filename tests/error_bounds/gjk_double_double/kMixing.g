@@ -5,7 +5,7 @@
 # By hand: "terms"; any positive weights are weights ("mixture").
 u = 1b-53;
 e = @double_double/kDoubleDoubleError@;
-corner = sqrt(3)*2*e*c*l + e*a*l + e*b*l;
+corner = sqrt(3)*3*e*c*l + e*a*l + 2*e*b*l;
 mixed = 4*e*m*l + 3*e*w*l;
 bound = @kMixing@*(1 + 12*u*s);
 { |c| <= 1.00000000000001 /\ |a| <= 1 /\ |b| <= 1 /\ |m| <= 1.00000000000001 /\ |w| <= 1.00000000000001 /\

@@ -6,7 +6,7 @@
 u = 1b-53;
 e = @double_double/kDoubleDoubleError@;
 turn = 2*sqrt(3)*3*e*c*l;
-corner = sqrt(3)*2*e*c2*l + e*a*l + e*b*l;
+corner = sqrt(3)*3*e*c2*l + e*a*l + 2*e*b*l;
 product = 3*e*p*l;
 bound = @kSupport@*(1 + 12*u*s);
 { |c| <= 1.00000000000001 /\ |c2| <= 1.00000000000001 /\ |a| <= 1 /\ |b| <= 1 /\ |p| <= 1.00000000000001 /\
