@@ -32,7 +32,7 @@ TABLES: dict[str, Callable[[], str]] = {
         *(planning.changing_scenes, inside.motions_cost, inside.hierarchies, inside.preparation),
         *(inside.complexity, inside.stages, inside.planar, inside.clearance, inside.switches, inside.scale),
         *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
-        *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games, inside.levels),
+        *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games, inside.levels, inside.disabled_pairs),
         *(sensed.sensed_states, sensed.sensed_motions, sensed.sensed_costs, sensed.sensed_maps),
         *(sensed.sensed_camera, sensed.sensed_pages),
         *(solids.solid_states, solids.solid_link_pairs, solids.solid_triangles, solids.solid_fidelity),

@@ -305,3 +305,13 @@ def games() -> str:
     lines = [(row["game"], number(row["nanoseconds"]), number(row["one_more"])) for row in found["rows"]]
     header = ("game", "solved from nothing, ns", "one more row or column, ns")
     return table(header, lines) + "\n" + provenance(found)
+
+
+def disabled_pairs() -> str:
+    """Pairs that robots disable although they collide, a row a robot."""
+    found = record("disabled_pairs")
+    fields = ("robot", "declared_by", "link_pairs", "disabled", "colliding", "never", "most")
+    header = ("robot", "declared by", "pairs of links", "disabled", "collide in some states, not adjacent")
+    rows = [[row[field] for field in (*fields, "colliding_meshes", "most_meshes")] for row in found["rows"]]
+    columns = (*header, 'of these "Never"', "most frequent", "as meshes", "most frequent")
+    return table(columns, rows) + "\n" + provenance(found)

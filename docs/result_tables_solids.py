@@ -128,7 +128,7 @@ def solid_fidelity() -> str:
     lines = [
         (
             row["robot"],
-            row["geometry"] if row["open_meshes"] else "all meshes",
+            row["geometry"],
             *(f"{100 * row[field]:.1f} %" for field in ("valid_hulls", "valid", "filling")),
             *(f"{row[field]:,}" for field in ("refused_by_both", "inside", "near", "refused_apart", "missed")),
         )

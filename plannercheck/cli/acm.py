@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from plannercheck.checking.collision_matrix import (
@@ -20,11 +21,12 @@ from plannercheck.checking.collision_matrix import (
     with_all_joints,
 )
 from plannercheck.checking.collision_matrix_files import srdf_text, yaml_text
-from plannercheck.cli.common import check_folder, table
+from plannercheck.cli.common import check_folder, table, table_of
 from plannercheck.cli.robot_options import ROBOT_HELP, add_urdf_arguments, described, given_options
 from plannercheck.cli.unheeded_options import check_heeded
 from plannercheck.common.atomic_files import write_atomically
 from plannercheck.common.errors import PlannercheckError
+from plannercheck.evaluation.bench.records import write_record
 from plannercheck.planar.robot_files import is_planar
 from plannercheck.robots.description import RobotDescription, description_of, shipped_robots
 from plannercheck.robots.description_files import description_text
@@ -48,7 +50,34 @@ Examples:
 """
 
 # Suffixes of what is written.
-_YAML, _SRDF = (".yaml", ".yml"), (".srdf", ".xml")
+_YAML, _SRDF, _JSON = (".yaml", ".yml"), (".srdf", ".xml"), (".json",)
+
+
+@dataclass(frozen=True)
+class AuditRow:
+    """What the audit of a robot found.
+
+    Attributes:
+        robot: Its name.
+        declared_by: "SRDF" or "YAML".
+        link_pairs: Pairs of links with bodies.
+        disabled: Pairs that are disabled.
+        colliding: Of them, those that collide in some states; adjacent ones and those that always do are left out.
+        never: Of these, those whose reason is that they never do.
+        most: The one that collides most often, and how often.
+        colliding_meshes: Of `colliding`, those whose meshes collide; None if they were not asked for.
+        most_meshes: As `most`, by meshes.
+    """
+
+    robot: str
+    declared_by: str
+    link_pairs: int
+    disabled: int
+    colliding: int
+    never: int
+    most: str
+    colliding_meshes: int | None = None
+    most_meshes: str = ""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +86,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", help=f"{ROBOT_HELP}; with --audit, default: all shipped")
     add_urdf_arguments(parser)
     parser.add_argument("--audit", action="store_true", help="say which pairs are disabled, yet collide")
-    parser.add_argument("--output", type=Path, help="write the proposal: .srdf, or a robot's .yaml")
+    parser.add_argument(
+        "--output", type=Path, help="write the proposal, .srdf or a robot's .yaml; of all shipped, .json"
+    )
     parser.add_argument("--states", type=int, default=10_000, help="number of random configurations; default: 10000")
     parser.add_argument("--seed", type=int, default=0, help="seed of the random configurations; default: 0")
     parser.add_argument(
@@ -78,13 +109,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Runs the command."""
     check_folder(options.output)
-    if options.output is not None and options.output.suffix not in (*_YAML, *_SRDF):
-        raise PlannercheckError(f"--output must end in .srdf or .yaml, not {options.output.name!r}")
+    of_all = options.audit and options.robot is None
+    if options.output is not None and options.output.suffix not in (_JSON if of_all else (*_YAML, *_SRDF)):
+        kinds = ".json" if of_all else ".srdf or .yaml"
+        raise PlannercheckError(f"--output must end in {kinds}, not {options.output.name!r}")
     if options.states < 1 or options.seed < 0 or options.meshes < 0:
         raise PlannercheckError("--states must be at least 1, --seed and --meshes at least 0")
-    if options.audit:
+    if options.audit and not of_all:
         check_heeded(options, ("--output",), "without --audit, which proposes nothing")
-    else:
+    elif not options.audit:
         check_heeded(options, ("--meshes",), "with --audit")
     if options.robot is None and not options.audit:
         raise PlannercheckError("acm needs --robot; without one, --audit audits all shipped robots")
@@ -191,42 +224,52 @@ def _mesh_share(matrix: CollisionMatrix, description: RobotDescription, most: in
 
 def _audit_shipped(options: argparse.Namespace) -> int:
     """Prints a row a robot that disables pairs."""
-    given = [*given_options(options), *(["--output"] if options.output is not None else [])]
+    given = given_options(options)
     if given:
         raise PlannercheckError(f"{' and '.join(given)} need --robot")
     rows = [_row(name, options) for name in shipped_robots() if _declared(description_of(name))]
-    header = [
-        "robot",
-        "from",
-        "pairs of links",
-        "disabled",
-        "collide, not adjacent",
-        "of them 'never'",
-        "most frequent",
-        "",
-    ]
-    print(table(header if not options.meshes else [*header, "as meshes", "most frequent"], rows))
+    columns: dict[str, Callable[[AuditRow], object]] = {
+        "robot": lambda row: row.robot,
+        "from": lambda row: row.declared_by,
+        "pairs of links": lambda row: row.link_pairs,
+        "disabled": lambda row: row.disabled,
+        "collide, not adjacent": lambda row: row.colliding,
+        "of them 'never'": lambda row: row.never,
+        "most frequent": lambda row: row.most,
+    }
+    if options.meshes:
+        columns["as meshes"] = lambda row: row.colliding_meshes
+        columns["most frequent of them"] = lambda row: row.most_meshes
+    print(table_of(rows, columns))
+    if options.output is not None:
+        write_record(options.output, rows)
     return 0
 
 
-def _row(name: str, options: argparse.Namespace) -> tuple[object, ...]:
+def _row(name: str, options: argparse.Namespace) -> AuditRow:
     description = description_of(name)
     matrix = _matrix(description, options)
     found = audit(matrix, _declared(description))
     never = [pair for pair in found.suspects if pair.declared.reason.lower().startswith("never")]
-    source = "SRDF" if description.srdf else "YAML"
-    cells = name, source, len(matrix.pairs), len(found.disabled), len(found.suspects), len(never)
     worst = [pair.found for pair in found.suspects if pair.found is not None]
-    hulls = _worst([(pair, pair.share) for pair in worst])
+    row = AuditRow(
+        name,
+        "SRDF" if description.srdf else "YAML",
+        len(matrix.pairs),
+        len(found.disabled),
+        len(found.suspects),
+        len(never),
+        _worst([(pair, pair.share) for pair in worst]),
+    )
     if not options.meshes:
-        return *cells, *hulls
+        return row
     share = _mesh_share(matrix, description, options.meshes)
     real = [(pair, part) for pair in worst if (part := share(pair)) > 0]
-    return *cells, *hulls, len(real), " ".join(_worst(sorted(real, key=lambda item: -item[1])))
+    return replace(row, colliding_meshes=len(real), most_meshes=_worst(sorted(real, key=lambda item: -item[1])))
 
 
-def _worst(pairs: list[tuple[LinkPair, float]]) -> tuple[str, str]:
+def _worst(pairs: list[tuple[LinkPair, float]]) -> str:
     if not pairs:
-        return "-", ""
+        return "-"
     pair, share = pairs[0]
-    return f"{100 * share:.2f} %", f"{pair.link_a}, {pair.link_b}"
+    return f"{100 * share:.2f} % {pair.link_a}, {pair.link_b}"

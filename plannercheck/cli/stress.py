@@ -23,7 +23,8 @@ pairs alone. Exit code 1 if a verdict is wrong, an
 exception is thrown, a body is refused or a query takes more than a second.
 
 With --solids instead: pairs of concave solids, nested, interlocked, crossing themselves, open or without volume, also
-against polytopes, balls, segments and points, about where they begin to share a point. Exit code as above.
+against polytopes, balls, segments and points, about where they begin to share a point; or with --links pairs of links
+of the shipped robots, turned as in random states. Exit code as above.
 
 With --parts instead: clouds of points, lattices of cells and heights over a base, against hulls, each other and solids,
 every part of one against every part of the other; half-spaces and ellipsoids. Exit code as above.
@@ -37,7 +38,7 @@ of RRT-Connect hulls, or with --pieces convex pieces (which CoACD makes first, i
 # Options of pairs, of solids, of sets of parts, of motions, and of all kinds of runs.
 _OF_PAIRS, _OF_SOLIDS, _OF_PARTS, _OF_MOTIONS = (
     ("--pairs",),
-    ("--solids",),
+    ("--solids", "--links"),
     ("--parts",),
     ("--motions", "--verified", "--families", "--geometry", "--pieces"),
 )
@@ -54,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = _EPILOG
     parser.add_argument("--pairs", type=int, default=10_000, help="judge at least this many (default: %(default)s)")
     parser.add_argument("--solids", type=int, metavar="N", help="judge at least N pairs of solids instead")
+    parser.add_argument("--links", action="store_true", help="with --solids: links of the shipped robots")
     parser.add_argument("--parts", type=int, metavar="N", help="judge at least N pairs with sets of parts instead")
     parser.add_argument("--motions", type=int, metavar="N", help="judge at least N motions instead of pairs")
     parser.add_argument("--verified", type=int, default=0, metavar="M", help="prove and verify about M of the motions")
@@ -116,8 +118,10 @@ def _check_heeded(options: argparse.Namespace) -> None:
         check_heeded(options, _OF_MOTIONS, "with --motions")
     elif options.parts is not None:
         check_heeded(options, (*_OF_PAIRS, *_OF_BODIES), "without --parts")
+        check_heeded(options, _OF_SOLIDS, "with --solids")
         check_heeded(options, _OF_MOTIONS, "with --motions")
     else:
+        check_heeded(options, _OF_SOLIDS, "with --solids")
         check_heeded(options, _OF_MOTIONS, "with --motions")
 
 

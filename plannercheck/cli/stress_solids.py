@@ -24,7 +24,8 @@ def run_solids(options: argparse.Namespace) -> int:
     if options.solids < 1:
         raise PlannercheckError(f"--solids must be at least 1, not {options.solids}")
     peers: list[Peer[Draw]] = [FclMeshes(), CoalMeshes()] if options.peers else []
-    tally = run_suite(options.solids, options.seed, peers, PairsProgress(options.solids), options.processes)
+    progress = PairsProgress(options.solids)
+    tally = run_suite(options.solids, options.seed, peers, progress, options.processes, options.links)
     print("\n".join(lines(tally, [peer.name for peer in peers])))
     for number, case in enumerate(tally.cases):
         print(f"failed: {case.name}")

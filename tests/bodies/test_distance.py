@@ -147,7 +147,7 @@ def test_depths_of_inflated_bodies_have_both_inflation_radii():
 
 
 def brought_near(rng, far):
-    """A point that far from its frame's origin, a pose that takes it near the world's, and where it is there, rounded."""
+    """A point that far from its frame's origin, a pose that takes it near the world's, and about where it is there."""
     corner, pose = rng.normal(size=3) * far, pose_at(rng, 0.0)
     pose[:3, 3] = -pose[:3, :3] @ corner
     there = [sum(Fraction(m) * Fraction(x) for m, x in zip(row, (*corner, 1.0), strict=True)) for row in pose[:3]]
@@ -163,7 +163,7 @@ def test_coordinates_that_cancel(far, part):
         corner, pose, there = brought_near(rng, far)
         size = part * np.linalg.norm(there)
         vertices = family("cloud", n, n) if n > 3 else rng.normal(size=(n, 3))
-        near = pc.Polytope(there + size * (vertices + [3, 1, 0]), inflation_radius=size * inflation_radius)
+        near = pc.Polytope(there + size * (vertices + np.array([3, 1, 0])), inflation_radius=size * inflation_radius)
         point = pc.Polytope(corner[None])
         radii = (0.0, near.inflation_radius)
         truth = exact.distance(point.vertices, near.vertices, pose, None, *radii)

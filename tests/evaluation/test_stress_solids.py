@@ -12,12 +12,13 @@ import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.evaluation.stress.failure_tables import EXCEPTION, TIMEOUT, WRONG
 from plannercheck.evaluation.stress.supervised_process import Supervised
-from plannercheck.evaluation.stress_solids import judges
+from plannercheck.evaluation.stress_solids import judges, robot_links
 from plannercheck.evaluation.stress_solids import run as stress
 from plannercheck.evaluation.stress_solids.bodies import Body, decided
 from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
 from plannercheck.evaluation.stress_solids.draws import Draw, numbered_draw
 from plannercheck.evaluation.stress_solids.other_libraries import CoalMeshes, FclMeshes
+from plannercheck.evaluation.stress_solids.robot_links import link_draw
 from plannercheck.evaluation.stress_solids.solid_families import SOLID_FAMILIES
 from plannercheck.evaluation.stress_solids.surfaces import ball
 from plannercheck.evaluation.stress_solids.tables import lines
@@ -173,6 +174,7 @@ def test_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None
     assert "pairs of" in capsys.readouterr().out
     assert not list(tmp_path.iterdir())
     assert main(["stress", "--solids", "0"]) == 2
+    assert main(["stress", "--links"]) == main(["stress", "--parts", "5", "--links"]) == 2
     case = SolidCase("touching", *(Body("ball", ball(20)),) * 2, box_case(0.0).pose_p, np.eye(4))
     case.save(tmp_path / "case.json")
     assert main(["stress", "--case", str(tmp_path / "case.json")]) == 0
@@ -194,6 +196,20 @@ def test_a_wrong_verdict_fails_the_command(
 
 def test_numbered_draws_are_the_same_alone() -> None:
     assert numbered_draw(3, 5).label == numbered_draw(3, 5).label
+
+
+def test_links_of_robots_are_drawn_about_contacts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a robot all of whose links are meshes, and of one of boxes and cylinders with two meshes."""
+    monkeypatch.setattr(robot_links, "shipped_robots", lambda: ["ur5", "baxter"])
+    for number in range(4):
+        drawn = link_draw(7, number)
+        assert drawn.family == ("ur5", "baxter")[number % 2]
+        shared = decided(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r) != 0
+        assert shared[[k for k, name in enumerate(drawn.offsets) if name == "-1e-3"]].all()
+        assert not shared[[k for k, name in enumerate(drawn.offsets) if name == "next"]].any()
+    tally = stress.run(100, seed=7, of_links=True)
+    assert tally.passed, "\n".join(lines(tally, []))
+    assert {family for family, _, _ in tally.pairs} == {"ur5", "baxter"}
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)

@@ -24,6 +24,7 @@ from plannercheck.evaluation.stress_solids.bodies import decided
 from plannercheck.evaluation.stress_solids.cases import SolidCase, shrunk
 from plannercheck.evaluation.stress_solids.draws import ANY_OFFSET, Draw, numbered_draw
 from plannercheck.evaluation.stress_solids.judges import OURS, UNFIT, Outcome, verdicts
+from plannercheck.evaluation.stress_solids.robot_links import link_draw
 from plannercheck.evaluation.worker_processes import workers
 
 # Every so many draws of few pairs of triangles, some of the oracle's verdicts are held against whole numbers alone, all
@@ -90,6 +91,7 @@ class Task(NamedTuple):
     first: int
     past: int
     peers: tuple[Peer[Draw], ...]
+    of_links: bool = False
 
 
 def run(
@@ -98,6 +100,7 @@ def run(
     peers: Sequence[Peer[Draw]] = (),
     progress: Callable[[SolidTally], object] | None = None,
     processes: int = 1,
+    of_links: bool = False,
 ) -> SolidTally:
     """Runs the suite.
 
@@ -107,17 +110,18 @@ def run(
         peers: Other libraries to be counted, too.
         progress: Called after some of the draws.
         processes: Number of processes to use.
+        of_links: Whether bodies are links of the shipped robots, not of families.
 
     Returns:
         The tally.
     """
     os.environ["PLANNERCHECK_CACHE"] = "0"  # bodies that no one will meet again
     with workers(processes) as some:
-        return gathered(SolidTally(), some.results(judge_draws, _tasks(seed, tuple(peers))), pairs, progress)
+        return gathered(SolidTally(), some.results(judge_draws, _tasks(seed, tuple(peers), of_links)), pairs, progress)
 
 
-def _tasks(seed: int, peers: tuple[Peer[Draw], ...]) -> Iterator[Task]:
-    return (Task(seed, first, first + _CHUNK, peers) for first in itertools.count(0, _CHUNK))
+def _tasks(seed: int, peers: tuple[Peer[Draw], ...], of_links: bool) -> Iterator[Task]:
+    return (Task(seed, first, first + _CHUNK, peers, of_links) for first in itertools.count(0, _CHUNK))
 
 
 def judge_draws(task: Task) -> SolidTally:
@@ -126,7 +130,7 @@ def judge_draws(task: Task) -> SolidTally:
     for number in range(task.first, task.past):
         began = time.process_time()
         try:
-            drawn = numbered_draw(task.seed, number)
+            drawn = (link_draw if task.of_links else numbered_draw)(task.seed, number)
             tally.seconds["draws"] += time.process_time() - began
             judge(drawn, tally, task.peers, number)
         except (PlannercheckError, ValueError, AssertionError) as error:

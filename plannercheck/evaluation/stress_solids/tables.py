@@ -12,6 +12,7 @@ from plannercheck.evaluation.stress_solids.draws import ANY_OFFSET, FAMILY_NAMES
 from plannercheck.evaluation.stress_solids.judges import OURS
 from plannercheck.evaluation.stress_solids.placing import OFFSETS
 from plannercheck.evaluation.stress_solids.run import SolidTally
+from plannercheck.robots.description import shipped_robots
 
 
 def lines(tally: SolidTally, peers: Sequence[str]) -> list[str]:
@@ -24,7 +25,7 @@ def lines(tally: SolidTally, peers: Sequence[str]) -> list[str]:
     Returns:
         Lines of text.
     """
-    families = [name for name in FAMILY_NAMES if any(key[0] == name for key in tally.pairs)]
+    families = [name for name in (*FAMILY_NAMES, *shipped_robots()) if any(key[0] == name for key in tally.pairs)]
     offsets = [name for name in (*OFFSETS, ANY_OFFSET) if any(key[1] == name for key in tally.pairs)]
     sharing = total(tally.pairs, lambda key: key[2])
     head = f"{tally.pairs.total()} pairs of {tally.draws} draws, {sharing} of them share a point; "
