@@ -87,7 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_urdf_arguments(parser)
     parser.add_argument("--audit", action="store_true", help="say which pairs are disabled, yet collide")
     parser.add_argument(
-        "--output", type=Path, help="write the proposal, .srdf or a robot's .yaml; of all shipped, .json"
+        "--output", type=Path, help="write the proposal (.srdf, or a robot's .yaml), or the table (.json)"
     )
     parser.add_argument("--states", type=int, default=10_000, help="number of random configurations; default: 10000")
     parser.add_argument("--seed", type=int, default=0, help="seed of the random configurations; default: 0")

@@ -88,3 +88,10 @@ def test_each_loader_takes_its_sound_files(name: str, tmp_path: Path) -> None:
     assert sound
     for path in sound:
         loader.read(path)
+
+
+def test_the_page_has_the_number_of_loaders() -> None:
+    from long_runs.loaders import FILES
+
+    page = Path(__file__).parents[2] / "docs" / "explanation" / "reliability.md"
+    assert f"each of {len(FILES)} loaders" in page.read_text(encoding="utf-8")
