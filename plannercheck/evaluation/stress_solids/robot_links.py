@@ -14,13 +14,13 @@ from functools import cache
 import numpy as np
 
 from plannercheck.bodies.solids import Solid
-from plannercheck.evaluation.bench.solid_checkers import checker_of_meshes
 from plannercheck.evaluation.stress_solids.bodies import Body
 from plannercheck.evaluation.stress_solids.draws import Draw
 from plannercheck.evaluation.stress_solids.placing import OFFSETS, Place, around_contact
 from plannercheck.evaluation.stress_solids.surfaces import surface
 from plannercheck.motions.checker import Checker
-from plannercheck.robots.description import shipped_robots
+from plannercheck.robots.description import description_of, shipped_robots
+from plannercheck.robots.geometry_choices import of_meshes
 
 # Moments of contact of the same two links.
 _CONTACTS = 2
@@ -46,7 +46,7 @@ def link_draw(seed: int, number: int) -> Draw:
 
 @cache
 def _checker(robot: str) -> Checker:
-    return checker_of_meshes(robot)
+    return Checker(of_meshes(description_of(robot)))
 
 
 @cache
