@@ -1,8 +1,9 @@
 """Runs CoACD in a process of its own: `python -m plannercheck.bodies.coacd_worker`.
 
 In, on standard input: an npz with `points` (n, 3), `triangles` (m, 3), `threshold`, `most_pieces`, `seed`,
-`preprocess`. Out, on standard output: an npz with the points of each piece. It has to be another process: the library
-brings a C++ runtime with which urdfdom can't read numbers any more, and it stops the process if it fails.
+`preprocess`, `preprocess_resolution`. Out, on standard output: an npz with the points of each piece. It has to be
+another process: the library brings a C++ runtime with which urdfdom can't read numbers any more, and it stops the
+process if it fails.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ def main() -> None:
         max_convex_hull=int(given["most_pieces"]),
         seed=int(given["seed"]),
         preprocess_mode=str(given["preprocess"]),
+        preprocess_resolution=int(given["preprocess_resolution"]),
         mcts_iterations=_ITERATIONS,
         mcts_nodes=_NODES,
         resolution=_RESOLUTION,

@@ -32,6 +32,8 @@ from plannercheck.common.public_names import set_module
 
 # The version of cached results; raised when the repair changes.
 _VERSION = 2
+# CoACD's own resolution of the meshes that it makes.
+_USUAL_RESOLUTION = 50
 
 
 @set_module("plannercheck")
@@ -91,12 +93,12 @@ def pieces_of(mesh: TriangleMesh, options: Decomposition, name: str = "mesh") ->
     return pieces
 
 
-def made_pieces(mesh: TriangleMesh, options: Decomposition, name: str) -> Pieces | None:
-    """As `pieces_of`, by CoACD in any case."""
-    solid = mesh if mesh.is_watertight else TriangleMesh.of(*filled(mesh).used)
+def made_pieces(mesh: TriangleMesh, options: Decomposition, name: str, remesh: int | None = None) -> Pieces | None:
+    """As `pieces_of`, by CoACD in any case; with `remesh` of a coarser mesh that it makes at this resolution."""
+    solid = mesh if remesh or mesh.is_watertight else TriangleMesh.of(*filled(mesh).used)
     try:
         # CoACD makes another mesh of what is not watertight, which is coarser and takes long.
-        found = _coacd((solid if solid.is_watertight else mesh).outward, options, name)
+        found = _coacd((solid if solid.is_watertight else mesh).outward, options, name, remesh)
     except subprocess.TimeoutExpired:
         warnings.warn(
             f"{name} keeps its hull: CoACD did not split its {len(mesh.triangles)} triangles within "
@@ -122,7 +124,7 @@ def _makes_usual_pieces(options: Decomposition) -> bool:
     return options == Decomposition(links=options.links, time_limit=options.time_limit)
 
 
-def _coacd(mesh: TriangleMesh, options: Decomposition, name: str) -> list[Floats]:
+def _coacd(mesh: TriangleMesh, options: Decomposition, name: str, remesh: int | None) -> list[Floats]:
     """CoACD's pieces, from a process of its own, see coacd_worker.py."""
     if importlib.util.find_spec("coacd") is None:
         raise PlannercheckError("convex decomposition needs CoACD: pip install 'plannercheck[coacd]'")
@@ -134,7 +136,8 @@ def _coacd(mesh: TriangleMesh, options: Decomposition, name: str) -> list[Floats
         threshold=options.threshold,
         most_pieces=options.most_pieces or -1,
         seed=options.seed,
-        preprocess="off" if mesh.is_watertight else "auto",
+        preprocess="on" if remesh else "off" if mesh.is_watertight else "auto",
+        preprocess_resolution=remesh or _USUAL_RESOLUTION,
     )
     ran = run_isolated("plannercheck.bodies.coacd_worker", content=given.getvalue(), time_limit=options.time_limit)
     if ran.returncode:
