@@ -146,7 +146,7 @@ OBJECT = """<robot name="gripper">
 def gripper(tmp_path, monkeypatch):
     """The folder of a robot whose finger moves in the notch of its base, which the base's hull fills."""
     monkeypatch.setenv("PLANNERCHECK_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(decomposition, "_coacd", lambda mesh, options, name: [box(*ends)[0] for ends in HALVES])
+    monkeypatch.setattr(decomposition, "_coacd", lambda mesh, options, name, remesh: [box(*ends)[0] for ends in HALVES])
     mesh = angle()
     lines = [f"v {x} {y} {z}" for x, y, z in mesh.points.tolist()]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.triangles.tolist()]

@@ -39,7 +39,7 @@ def corners(low, high):
     return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]) * 1.0
 
 
-def split(mesh, options, name):
+def split(mesh, options, name, remesh):
     """In place of CoACD: the halves of the base; the lid as one."""
     return [corners(*ends) for ends in HALVES] if mesh.points.max() > 1 else [mesh.points]
 
