@@ -52,6 +52,16 @@ struct NearChildren {
   Floats gap;  // in units of the node's tree
 };
 
+// The child with the least gap, of those that may meet; there is one at least.
+inline unsigned nearest_of(const NearChildren& near) {
+  typedef std::uint32_t Bits __attribute__((vector_size(4 * kFloats)));
+  constexpr Bits kLane{1, 2, 4, 8, 16, 32, 64, 128};
+  const FloatMask is_near = (kLane & near.bits) != 0;
+  const Floats away = is_near ? -near.gap : Floats{} - __builtin_inff();
+  const unsigned nearest = float_bits(away == largest(away)) & near.bits;
+  return static_cast<unsigned>(__builtin_ctz(nearest != 0 ? nearest : near.bits));  // gaps may be no numbers
+}
+
 // Children of the node that may meet a box in its tree's units.
 NearChildren children_near(const TriangleNode& node, const BoxAbroad& other);
 
