@@ -8,6 +8,7 @@
 #include "math/interruption.hpp"
 #include "narrow_phase/centre_axis.hpp"
 #include "narrow_phase/double_oracle.hpp"
+#include "narrow_phase/inner_overlap.hpp"
 #include "narrow_phase/solid_pair.hpp"
 
 namespace plannercheck {
@@ -292,6 +293,12 @@ void test_solids(std::size_t pairs, const PairOptions& options, CachedPlane* cac
     CentreAxis axis(guest, host);
     if (is_far(axis, options)) {
       batch.take_far(i, axis);
+      continue;
+    }
+    if (options.trees_first && inner_shapes_overlap(guest, host)) {
+      PairVerdict verdict;
+      verdict.shared = true;
+      batch.take(i, verdict);
       continue;
     }
     CloseHulls hulls(guest, host, axis, options, cache, counters);

@@ -109,13 +109,14 @@ class ContactSearch {
     const ChildrenBelow children(sides_[side].node(both[side]), both[side].child);
     const auto nearest = options_.nearest_first ? nearest_of(found) : static_cast<unsigned>(__builtin_ctz(found.bits));
     const TriangleNode* const nodes = children.are_nodes() ? sides_[side].tree().nodes.data() : nullptr;
+    both[side] = children[nearest];
+    if (nodes != nullptr) bring(nodes[both[side].child]);
     for (unsigned left = found.bits & ~(1U << nearest); left != 0; left &= left - 1) {
       BelowBoth& waiting = waiting_[count_++];
       waiting[1 - side] = both[1 - side];
       waiting[side] = children[static_cast<unsigned>(__builtin_ctz(left))];
       if (nodes != nullptr) bring(nodes[waiting[side].child]);
     }
-    both[side] = children[nearest];
     return true;
   }
 

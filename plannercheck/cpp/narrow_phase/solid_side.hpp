@@ -59,7 +59,8 @@ class ChildrenBelow {
   std::array<std::int32_t, kTreeWidth> extent_;  // bits of floats
 };
 
-// A middle is rounded by a few u of itself, which the leaf's reach has room for; other differences by less than this.
+// Differences are rounded; where a middle is rounded by more than this part of the spread, `error` is so large that no
+// volume is trusted (are_volumes_trusted).
 inline constexpr double kSpreadRoundedUp = 1 + 0x1p-20;
 
 // One of the two solids, and the way from its frame to the other one's.
