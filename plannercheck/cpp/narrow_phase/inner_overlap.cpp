@@ -85,8 +85,8 @@ bool inner_shapes_overlap(const PosedPolytope& a, const PosedPolytope& b) {
   const InnerShapes* const in_b = b.body->lazy_inner_shapes.known();
   if (in_a == nullptr || in_b == nullptr || !(in_a->box || in_b->box)) return false;
   const double inflation = a.body->inflation_radius + b.body->inflation_radius;
-  const double reach = (a.body->origin_radius + b.body->origin_radius) + inflation +
-                       norm_1(a.pose.translation() - b.pose.translation());
+  const double reach =
+      (a.body->origin_radius + b.body->origin_radius) + inflation + norm_1(a.pose.translation() - b.pose.translation());
   const double room = kRoomInFrame * reach;
   return samples_meet(*in_a, *in_b, between(a.pose, b.pose), inflation, room) ||
          samples_meet(*in_b, *in_a, between(b.pose, a.pose), inflation, room);

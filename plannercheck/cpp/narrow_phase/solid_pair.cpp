@@ -101,8 +101,8 @@ class ContactSearch {
   // Takes the larger one's children in its place that are near the other one: the nearest now, others later. False if
   // none is near. A triangle is never split.
   bool split(BelowBoth& both) {
-    const bool splits_first = both[1].is_triangle() || (!both[0].is_triangle() &&
-                                                        both[0].extent * sides_[0].map.scale() >= both[1].extent);
+    const bool splits_first =
+        both[1].is_triangle() || (!both[0].is_triangle() && both[0].extent * sides_[0].map.scale() >= both[1].extent);
     const std::size_t side = splits_first ? 0 : 1;
     const NearChildren found = near(both, side);
     if (found.bits == 0) return false;

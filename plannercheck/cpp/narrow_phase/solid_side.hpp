@@ -37,8 +37,8 @@ class ChildrenBelow {
     const bool is_leaf = node.leaf >= 0;
     first_ = Entries{is_leaf ? ~node.first : node.first, index, 0, 0};
     step_ = Entries{is_leaf ? -1 : 1, 0, 1, 0};
-    const Floats extent = (load_floats(node.half[0].data()) + load_floats(node.half[1].data())) +
-                          load_floats(node.half[2].data());
+    const Floats extent =
+        (load_floats(node.half[0].data()) + load_floats(node.half[1].data())) + load_floats(node.half[2].data());
     std::memcpy(extent_.data(), &extent, sizeof extent);
   }
 
@@ -67,8 +67,8 @@ inline constexpr double kSpreadRoundedUp = 1 + 0x1p-20;
 struct SolidSide {
   PosedSolid posed;
   RelativePose to_other;
-  TreeMap map;   // between the trees' units
-  double error;  // of corners in the other one's frame
+  TreeMap map;    // between the trees' units
+  double error;   // of corners in the other one's frame
   double metres;  // of the tree's unit
 
   SolidSide(const PosedSolid& own, const PosedSolid& other, double reach)
@@ -93,7 +93,8 @@ struct SolidSide {
   double spread(const TriangleNode& leaf, const TriangleCorners& others) const {
     double most = static_cast<double>(leaf.reach) * metres;
     for (int axis = 0; axis < 3; ++axis) {
-      const double middle = tree().middle[axis] + metres * static_cast<double>(leaf.middle[static_cast<std::size_t>(axis)]);
+      const double middle =
+          tree().middle[axis] + metres * static_cast<double>(leaf.middle[static_cast<std::size_t>(axis)]);
       for (const Vec3& corner : others) most = larger(most, std::fabs(corner[axis] - middle));
     }
     return 2 * kSpreadRoundedUp * most;
