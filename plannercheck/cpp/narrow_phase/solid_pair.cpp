@@ -150,7 +150,8 @@ class ContactSearch {
       bring(sides_[side].tree().leaves[at(sides_[side].node(both[side]).leaf)]);
     const NearChildren near_a = near(both, 0);
     if (near_a.bits == 0) return false;
-    const NearChildren near_b = near(both, 1);
+    const bool is_one = (near_a.bits & (near_a.bits - 1)) == 0;
+    const NearChildren near_b = is_one ? near_a : near(both, 1);
     const std::size_t side = __builtin_popcount(near_a.bits) <= __builtin_popcount(near_b.bits) ? 0 : 1;
     const TriangleNode &from = sides_[side].node(both[side]), &to = sides_[1 - side].node(both[1 - side]);
     for (unsigned left = side == 0 ? near_a.bits : near_b.bits; left != 0; left &= left - 1) {
