@@ -47,7 +47,7 @@ def test_samples_change_no_verdict_of_batches(radius):
 def test_samples_near_the_face_of_a_box_whose_pose_is_hardly_rigid(gap, sign):
     """A corner above the middle of a face, by less than what the pose is off rigid."""
     scale = 1 + sign * OFF_RIGID / 2
-    points, triangles = box()
+    points, _ = box()
     tip = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 1.0], [-0.3, 0.2, 1.0], [-0.3, -0.2, 1.0]])
     sides = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     hull, solid = core.Polytope.from_points(np.ascontiguousarray(points), 0.0), prepared((tip, sides))

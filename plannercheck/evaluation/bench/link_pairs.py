@@ -2,8 +2,9 @@
 
 In: a checker of meshes, configurations. Out: a row for each pair of bodies and verdict. All queries are pairs as random
 states have them, each cold: no plane, no triangles and no guess are left from another one. Hulls that are apart decide
-before any mesh is looked at, so only pairs that survive them are asked, where one of both bodies at least is concave. Queries
-take it what a call takes, less what a call without any takes: most pairs have few, and both calls come from Python.
+before any mesh is looked at, so only pairs that survive them are asked, where one of both bodies at least is concave.
+Queries take it what a call takes, less what a call without any takes: most pairs have few, and both libraries' calls
+come from Python.
 """
 
 from __future__ import annotations
@@ -91,8 +92,11 @@ def measure(
     found = [
         each for k in range(len(checker.pairs)) for each in _queries(checker, k, colliding[:, k], poses, most, skipped)
     ]
-    works: dict[str, Work] = {"call": found[0].ours_without.work} if found else {}
-    works |= {"call of coal": each.coal_without.work for each in found[:1] if each.coal_without is not None}
+    works: dict[str, Work] = {}
+    for each in found[:1]:
+        works["call"] = each.ours_without.work
+        if each.coal_without is not None:
+            works["call of coal"] = each.coal_without.work
     for number, each in enumerate(found):
         works[f"{number}"] = each.ours.work
         if each.coal is not None:
