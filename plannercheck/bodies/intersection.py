@@ -52,7 +52,8 @@ class Switches:
         warm_start: Let double-double and exact arithmetic begin with the vertices where the stage before gave up.
         interleaving: For large bodies, process several pairs of a batch at once, so that their waits for memory
             overlap. A cached plane is then tried only if poses are close to the previous ones, so stages may differ.
-        trees_first: Test solids whose hulls met last time by their trees of triangles, before their hulls.
+        trees_first: Test solids whose hulls met last time by their trees of triangles, before their hulls; in batches,
+            where a checker knows what is inside of both bodies, by samples of that before all.
     """
 
     method: Method = "oracle"

@@ -1,5 +1,8 @@
 #include "bodies/inner_shapes.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include "bodies/inner_shape_search.hpp"
 #include "bodies/polytope.hpp"
 #include "bodies/solid_interior.hpp"
@@ -10,6 +13,8 @@ namespace {
 // A facet's distance from a point is (1 − q·y) / |q|, with y the point less the centre, |y| at most 4 radii. q errs by
 // 4u of its length, the product by 6u |q| |y|; the difference, 1 / |q| <= radius, the quotient and y by a few u each.
 constexpr double kFacetError = 128 * 0x1p-53;
+// With 16 vertices 43 of 100 colliding pairs of pr2's links are told by samples, with 64 of them 48 (measured).
+constexpr std::size_t kSampleBlocks = 6;
 // Lengths of polar points for which squares neither overflow nor lose bits to underflow.
 constexpr double kShortest = 1e-150, kLongest = 1e150;
 
@@ -88,12 +93,8 @@ bool is_its_box(const Polytope& body) {
   return body.is_box != 0 || flat >= 2;
 }
 
-}  // namespace
-
-InnerShapes find_inner_shapes(const Polytope& body) {
+InnerShapes shapes_in_hull(const Polytope& body) {
   InnerShapes shapes;
-  if (body.parts || body.half_space) return shapes;
-  if (body.solid) return inner_shapes_of(*body.solid);
   if (is_its_box(body)) shapes.box = InnerBox{body.low, body.high, 0};
   if (!body.has_polar()) {
     if (body.dimension <= 1) shapes.balls = balls_on_segment(body);
@@ -105,6 +106,46 @@ InnerShapes find_inner_shapes(const Polytope& body) {
   if (balls.empty()) return shapes;
   shapes.balls = covering(balls);
   if (!shapes.box) shapes.box = largest_box(facets, body.high - body.low, balls);
+  return shapes;
+}
+
+// Points that are far from each other: each is the furthest from those before it, the first from the middle.
+std::vector<Vec3> spread_over(const std::vector<Vec3>& points, Vec3 middle, std::size_t count) {
+  std::vector<double> squares(points.size(), std::numeric_limits<double>::infinity());
+  std::vector<Vec3> chosen;
+  Vec3 last = middle;
+  while (chosen.size() < std::min(count, points.size())) {
+    std::size_t furthest = 0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Vec3 way = points[k] - last;
+      squares[k] = chosen.size() == 1 ? dot(way, way) : smaller(squares[k], dot(way, way));
+      if (squares[k] > squares[furthest]) furthest = k;
+    }
+    chosen.push_back(last = points[furthest]);
+  }
+  return chosen;
+}
+
+std::vector<SampleBlock> samples_of(const Polytope& body, const std::vector<InnerBall>& inner_balls) {
+  std::vector<InnerBall> balls = inner_balls;
+  const std::vector<Vec3>& points = body.solid ? body.solid->points : body.inner.points;
+  for (const Vec3& p : spread_over(points, 0.5 * (body.low + body.high), kSampleBlocks * kSamples - balls.size()))
+    balls.push_back({p, 0});
+  std::vector<SampleBlock> blocks((balls.size() + kSamples - 1) / kSamples);
+  for (std::size_t k = 0; k < kSamples * blocks.size(); ++k) {
+    const auto& [c, radius] = balls[std::min(k, balls.size() - 1)];
+    const std::array<double, 4> entries{c.x, c.y, c.z, radius};
+    for (std::size_t i = 0; i < 4; ++i) blocks[k / kSamples].entry[i][k % kSamples] = entries[i];
+  }
+  return blocks;
+}
+
+}  // namespace
+
+InnerShapes find_inner_shapes(const Polytope& body) {
+  if (body.parts || body.half_space) return {};
+  InnerShapes shapes = body.solid ? inner_shapes_of(*body.solid) : shapes_in_hull(body);
+  shapes.samples = samples_of(body, shapes.balls);
   return shapes;
 }
 

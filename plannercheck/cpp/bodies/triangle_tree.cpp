@@ -9,6 +9,10 @@
 namespace plannercheck {
 namespace {
 
+// A leaf's reach is rounded to a float; and from the tree's units to m and back, places err by a few u of their size,
+// which is at most 1.
+constexpr double kReachRoundedUp = 1 + 0x1p-20, kReachRoom = 0x1p-40;
+
 // Triangles from the first up to the last, the last one excluded, in the tree's order.
 struct TriangleRange {
   std::size_t first, last;
@@ -86,6 +90,7 @@ class NodeBuilder {
     if (capacity == 1) {
       node.leaf = add_leaf(range);
       node.first = static_cast<std::int32_t>(range.first);
+      put_reach(node, corners(range));
     } else {
       node.first = static_cast<std::int32_t>(tree_.nodes.size());
       tree_.nodes.resize(tree_.nodes.size() + node.children);
@@ -120,6 +125,18 @@ class NodeBuilder {
       node.centre[i][k] = fitted.box.centre[i], node.half[i][k] = fitted.box.half[i];
       for (std::size_t j = 0; j < 2; ++j) node.axis[j][i][k] = fitted.axes[j][i];
     }
+  }
+
+  static void put_reach(TriangleNode& node, const PointColumns& points) {
+    double reach = 0;
+    const std::array<const double*, 3> columns{points.x, points.y, points.z};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [low, high] = std::minmax_element(columns[i], columns[i] + points.count);
+      node.middle[i] = static_cast<float>(0.5 * *low + 0.5 * *high);
+      const auto middle = static_cast<double>(node.middle[i]);
+      reach = larger(reach, larger(*high - middle, middle - *low));
+    }
+    node.reach = static_cast<float>(reach * kReachRoundedUp + kReachRoom);
   }
 
   std::int32_t add_leaf(TriangleRange range) {

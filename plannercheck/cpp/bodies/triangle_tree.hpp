@@ -29,6 +29,9 @@ struct alignas(64) TriangleNode {
   std::int32_t first = 0;  // child: a node or a triangle; the others follow it
   std::int32_t leaf = -1;  // its triangles' place among the tree's leaves; −1: nodes
   std::uint32_t children = 0;
+  // Of a leaf: all corners are within `reach` of this in each coordinate, in the tree's units.
+  std::array<float, 3> middle{};
+  float reach = 0;
 
   // Of child k: a node, or the complement of a triangle's place.
   std::int32_t child(std::size_t k) const {

@@ -8,6 +8,7 @@
 #include "math/interruption.hpp"
 #include "narrow_phase/centre_axis.hpp"
 #include "narrow_phase/double_oracle.hpp"
+#include "narrow_phase/inner_overlap.hpp"
 #include "narrow_phase/solid_pair.hpp"
 
 namespace plannercheck {
@@ -285,13 +286,21 @@ class CloseHulls final : public HullTest {
 // Bodies of which one is a solid: hulls that share a point are not the last word.
 void test_solids(std::size_t pairs, const PairOptions& options, CachedPlane* cache, PairBatch& batch,
                  PairCounters& counters) {
-  SolidHistory history{{}, true, false};
+  // Where hulls are apart, though near, trees tell that as soon (measured); so they are first given all the time there
+  // is.
+  SolidHistory history{{}, true, false, SolidHistory::kMostPatience};
   for (std::size_t i = 0; i < pairs; ++i) {
     poll_interruption();
     const PosedPolytope guest = batch.guest(i), host = batch.host(i);
     CentreAxis axis(guest, host);
     if (is_far(axis, options)) {
       batch.take_far(i, axis);
+      continue;
+    }
+    if (options.trees_first && inner_shapes_overlap(guest, host)) {
+      PairVerdict verdict;
+      verdict.shared = true;
+      batch.take(i, verdict);
       continue;
     }
     CloseHulls hulls(guest, host, axis, options, cache, counters);

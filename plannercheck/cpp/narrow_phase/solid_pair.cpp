@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -19,9 +17,6 @@
 
 namespace plannercheck {
 namespace {
-
-// Half extents of boxes from a tree's units to m, with room for the rounding of their middle.
-constexpr double kBoxRoundedUp = 1 + 0x1p-20;
 
 // Places in the tree's units, in doubles: a few u of the place, of the middle and of the box.
 constexpr double kPlaceError = 0x1p-48;
@@ -84,33 +79,45 @@ class ContactSearch {
 
   const Solid& solid(std::size_t side) const { return *sides_[side].posed.solid; }
 
+  // Down from the roots, always to the nearest pair of children first.
   bool descend() {
-    waiting_[count_++] = {sides_[0].root(), sides_[1].root()};
-    for (int steps = 0; count_ > 0; ++steps) {
+    BelowBoth both{sides_[0].root(), sides_[1].root()};
+    for (int steps = 0;; ++steps) {
       if (steps == patience_ && hulls_ != nullptr) {
         hulls_share_ = hulls_->share();
         if (!*hulls_share_) return false;
       }
-      if (step(waiting_[--count_])) return true;
+      const std::array<bool, 2> is_end{sides_[0].is_end(both[0]), sides_[1].is_end(both[1])};
+      if (is_end[0] && is_end[1]) {
+        if (ends_meet(both)) return true;
+      } else if (split(both)) {
+        continue;
+      }
+      if (count_ == 0) return false;
+      both = waiting_[--count_];
     }
-    return false;
   }
 
-  // Two leaves, or a triangle and a leaf, are tested; of all others the larger one is split.
-  bool step(const BelowBoth both) {
-    const std::array<bool, 2> is_triangle{both[0].is_triangle(), both[1].is_triangle()};
-    const auto is_leaf = [&](std::size_t side) {
-      return !is_triangle[side] && sides_[side].node(both[side]).leaf >= 0;
-    };
-    if (is_triangle[0] && is_triangle[1]) return triangles_meet_alone(both);
-    if (is_triangle[0] && is_leaf(1)) return triangle_meets_leaf(both, 0);
-    if (is_triangle[1] && is_leaf(0)) return triangle_meets_leaf(both, 1);
-    if (!is_triangle[0] && !is_triangle[1] && is_leaf(0) && is_leaf(1)) return leaves_meet(both);
+  // Takes the larger one's children in its place that are near the other one: the nearest now, others later. False if
+  // none is near. A triangle is never split.
+  bool split(BelowBoth& both) {
     const bool splits_first =
-        is_triangle[1] || (!is_triangle[0] && both[0].extent * sides_[0].map.scale() >= both[1].extent);
-    const std::size_t split = splits_first ? 0 : 1;
-    push(near(both, split), both, split);
-    return false;
+        both[1].is_triangle() || (!both[0].is_triangle() && both[0].extent * sides_[0].map.scale() >= both[1].extent);
+    const std::size_t side = splits_first ? 0 : 1;
+    const NearChildren found = near(both, side);
+    if (found.bits == 0) return false;
+    const ChildrenBelow children(sides_[side].node(both[side]), both[side].child);
+    const auto nearest = options_.nearest_first ? nearest_of(found) : static_cast<unsigned>(__builtin_ctz(found.bits));
+    const TriangleNode* const nodes = children.are_nodes() ? sides_[side].tree().nodes.data() : nullptr;
+    both[side] = children[nearest];
+    if (nodes != nullptr) bring(nodes[both[side].child]);
+    for (unsigned left = found.bits & ~(1U << nearest); left != 0; left &= left - 1) {
+      BelowBoth& waiting = waiting_[count_++];
+      waiting[1 - side] = both[1 - side];
+      waiting[side] = children[static_cast<unsigned>(__builtin_ctz(left))];
+      if (nodes != nullptr) bring(nodes[waiting[side].child]);
+    }
+    return true;
   }
 
   // Children of the node of a side that may meet the other one's box.
@@ -126,23 +133,15 @@ class ContactSearch {
     return children_near(node, abroad_[other]);
   }
 
-  // Pairs of children that wait, the nearest last.
-  void push(const NearChildren& near, const BelowBoth& both, std::size_t side) {
-    const TriangleNode& node = sides_[side].node(both[side]);
-    std::array<float, kTreeWidth> gap;
-    std::memcpy(gap.data(), &near.gap, sizeof gap);
-    float least = std::numeric_limits<float>::infinity();
-    std::size_t nearest = 0;
-    for (unsigned left = near.bits; left != 0; left &= left - 1) {
-      const auto k = static_cast<std::size_t>(__builtin_ctz(left));
-      if (gap[k] < least) least = gap[k], nearest = count_;
-      if (node.leaf < 0) bring(sides_[side].tree().nodes[at(node.child(k))]);
-      waiting_[count_][1 - side] = both[1 - side];
-      waiting_[count_++][side] = {node.child(k), both[side].child, static_cast<std::uint32_t>(k),
-                                  node.half[0][k] + node.half[1][k] + node.half[2][k]};
+  // Two leaves, two triangles, or one of each.
+  bool ends_meet(const BelowBoth& both) {
+    if (both[0].is_triangle() && both[1].is_triangle()) {
+      found_ = {~both[0].child, ~both[1].child};
+      return meet(found_);
     }
-    if (options_.nearest_first && least < std::numeric_limits<float>::infinity())
-      std::swap(waiting_[nearest][side], waiting_[count_ - 1][side]);
+    if (both[0].is_triangle()) return triangle_meets(~both[0].child, 0, sides_[1].node(both[1]));
+    if (both[1].is_triangle()) return triangle_meets(~both[1].child, 1, sides_[0].node(both[0]));
+    return leaves_meet(both);
   }
 
   // The near triangles of one leaf against the other one.
@@ -151,10 +150,10 @@ class ContactSearch {
       bring(sides_[side].tree().leaves[at(sides_[side].node(both[side]).leaf)]);
     const NearChildren near_a = near(both, 0);
     if (near_a.bits == 0) return false;
-    const NearChildren near_b = near(both, 1);
+    const bool is_one = (near_a.bits & (near_a.bits - 1)) == 0;
+    const NearChildren near_b = is_one ? near_a : near(both, 1);
     const std::size_t side = __builtin_popcount(near_a.bits) <= __builtin_popcount(near_b.bits) ? 0 : 1;
-    const TriangleNode& from = sides_[side].node(both[side]);
-    const LeafAround to = leaf_around(both[1 - side], 1 - side);
+    const TriangleNode &from = sides_[side].node(both[side]), &to = sides_[1 - side].node(both[1 - side]);
     for (unsigned left = side == 0 ? near_a.bits : near_b.bits; left != 0; left &= left - 1) {
       const std::int32_t child = from.child(static_cast<std::size_t>(__builtin_ctz(left)));
       if (triangle_meets(~child, side, to)) return true;
@@ -162,46 +161,19 @@ class ContactSearch {
     return false;
   }
 
-  bool triangle_meets_leaf(const BelowBoth& both, std::size_t side) {
-    return triangle_meets(~both[side].child, side, leaf_around(both[1 - side], 1 - side));
-  }
-
-  bool triangles_meet_alone(const BelowBoth& both) {
-    found_ = {~both[0].child, ~both[1].child};
-    return meet(found_);
-  }
-
-  // A leaf, and a box around its triangles along its solid's axes, in m.
-  struct LeafAround {
-    const TriangleNode& node;
-    const EightTriangles& triangles;
-    Vec3 middle, half;
-  };
-
-  LeafAround leaf_around(const Below& leaf, std::size_t side) const {
-    const TriangleTree& tree = sides_[side].tree();
-    const TriangleNode& node = sides_[side].node(leaf);
-    const AlignedBox box = around(sides_[side].box(leaf));
-    const double length = 1 / tree.units;
-    const auto in_doubles = [](const std::array<float, 3>& v) {
-      return Vec3{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
-    };
-    return {node, tree.leaves[at(node.leaf)], tree.middle + length * in_doubles(box.centre),
-            length * kBoxRoundedUp * in_doubles(box.half)};
-  }
-
   // A triangle of one side against a leaf of the other one.
-  bool triangle_meets(std::int32_t triangle, std::size_t side, const LeafAround& leaf) {
+  bool triangle_meets(std::int32_t triangle, std::size_t side, const TriangleNode& leaf) {
     ++counted_.triangles;
+    const SolidSide& other = sides_[1 - side];
     const TriangleCorners corners = sides_[side].in_other(triangle);
-    TriangleLanes lanes{0, leaf.node.all()};
+    TriangleLanes lanes{0, leaf.all()};
     if (options_.lanes) {
-      lanes = triangle_against(corners, sides_[side].error, leaf.triangles, leaf.node.children, leaf.middle, leaf.half,
-                               inflation_radius_ * kFrameStretch);
+      lanes = triangle_against(corners, sides_[side].error, other.tree().leaves[at(leaf.leaf)], leaf.children,
+                               other.spread(leaf, corners), inflation_radius_ * kFrameStretch);
     }
     const auto pair = [&](unsigned bit) {
-      const std::int32_t other = ~leaf.node.child(static_cast<std::size_t>(__builtin_ctz(bit)));
-      return side == 0 ? TrianglePair{triangle, other} : TrianglePair{other, triangle};
+      const std::int32_t met = ~leaf.child(static_cast<std::size_t>(__builtin_ctz(bit)));
+      return side == 0 ? TrianglePair{triangle, met} : TrianglePair{met, triangle};
     };
     if (lanes.meet != 0) {
       found_ = pair(lanes.meet);

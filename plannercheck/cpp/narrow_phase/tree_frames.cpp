@@ -2,19 +2,11 @@
 
 #include <cmath>
 
-#include "bodies/lane_boxes.hpp"
-
 namespace plannercheck {
 namespace {
 
-// Of a number that is rounded to a float, and of sums of a few products of such numbers.
+// Of a number that is rounded to a float.
 constexpr double kRoundedToFloat = 0x1p-24;
-constexpr float kFloatSums = 0x1p-20F;
-
-// Of all half extents and the way between middles: what axes are not orthonormal by, in the tree that they come from
-// (kAxisError) and by poses that are not rigid (2^-17), and kFloatSums for products and sums.
-constexpr float kLaneError = 0x1p-12F;
-static_assert(kLaneError >= kAxisError + 0x1p-17F + 4 * kFloatSums);
 
 // Directions are longer than 1 by less than this, an error in each coordinate is √3 at most, and bounds are rounded.
 constexpr double kErrorLength = 1.7321 * (1 + 0x1p-12);
@@ -24,50 +16,6 @@ constexpr float kFloatDenormals = 1e-37F;
 
 // A way as short as that has no direction.
 constexpr float kLeastFloatWay = 1e-12F;
-
-typedef std::array<Floats, 3> FloatVector;
-
-[[gnu::always_inline]] inline Floats dot(const FloatVector& a, const FloatVector& b) {
-  return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-}
-[[gnu::always_inline]] inline Floats dot(const FloatVector& a, const BoxAbroad::Vector& b) {
-  return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-}
-
-// What is common to all directions.
-struct Meeting {
-  LaneBoxes boxes;
-  FloatVector way;  // from the children's middles to the box's
-  Floats room;      // added to half extents
-};
-
-[[gnu::always_inline]] inline Meeting meeting(const TriangleNode& node, const BoxAbroad& other) {
-  Meeting out{lane_boxes(node), {}, {}};
-  Floats size{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    out.way[i] = other.centre[i] - out.boxes.centre[i];
-    size += absolute(out.way[i]) + out.boxes.half[i];
-  }
-  out.room = size * kLaneError + other.room;
-  return out;
-}
-
-// The largest gap along the axes of both boxes, but for the room.
-[[gnu::always_inline]] inline Floats gap_along_axes(const Meeting& m, const BoxAbroad& other) {
-  const FloatVector& half = m.boxes.half;
-  FloatVector reach = half;  // of both boxes along the children's axes
-  Floats gap = Floats{} - __builtin_inff();
-  for (std::size_t i = 0; i < 3; ++i) {
-    Floats theirs = Floats{} + other.half[i];
-    for (std::size_t j = 0; j < 3; ++j) {
-      const Floats cosine = absolute(dot(m.boxes.axis[j], other.axis[i]));
-      theirs += half[j] * cosine, reach[j] += other.half[i] * cosine;
-    }
-    gap = larger(gap, absolute(dot(m.way, other.axis[i])) - theirs);
-  }
-  for (std::size_t j = 0; j < 3; ++j) gap = larger(gap, absolute(dot(m.way, m.boxes.axis[j])) - reach[j]);
-  return gap;
-}
 
 Floats gap_along_way(const Meeting& m, const BoxAbroad& other) {
   const Floats square = dot(m.way, m.way);
@@ -123,12 +71,6 @@ void TreeMap::put_abroad(const OrientedBox& box, BoxAbroad& out) const {
     sum += out.half[j];
   }
   out.room = room_ + sum * kLaneError;
-}
-
-NearChildren children_near(const TriangleNode& node, const BoxAbroad& other) {
-  const Meeting m = meeting(node, other);
-  const Floats gap = gap_along_axes(m, other) - m.room;
-  return {~float_bits(gap > 0.0F) & node.all(), gap};
 }
 
 Floats children_gaps(const TriangleNode& node, const BoxAbroad& other) {

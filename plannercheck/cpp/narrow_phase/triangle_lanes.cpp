@@ -105,13 +105,7 @@ TriangleLanes against(const TriangleCorners& t, const LaneCorners& c, double bou
 }  // namespace
 
 TriangleLanes triangle_against(const TriangleCorners& t, double error, const EightTriangles& leaf, std::size_t count,
-                               Vec3 middle, Vec3 half, double reach) {
-  double spread = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    double low = middle[axis] - half[axis], high = middle[axis] + half[axis];
-    for (const Vec3& corner : t) low = smaller(low, corner[axis]), high = larger(high, corner[axis]);
-    spread = larger(spread, high - low);
-  }
+                               double spread, double reach) {
   const unsigned all = (1U << count) - 1;
   if (!are_volumes_trusted(spread, error)) return {0, all};
   // A normal errs by 8L (e + uL) in each coordinate, L the spread and e the error: less than the bound over L.

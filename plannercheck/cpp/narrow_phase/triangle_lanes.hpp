@@ -16,9 +16,9 @@ struct TriangleLanes {
   unsigned meet = 0, open = 0;
 };
 
-// `error`: how far each coordinate of `corners` may be from the exact one. `around`: half extents of a box that holds
-// the leaf's triangles. `reach`: how far from the triangles points of both bodies together may be.
+// `error`: how far each coordinate of `corners` may be from the exact one. `spread`: by how much coordinates of corners
+// of all these triangles differ at most. `reach`: how far from the triangles points of both bodies together may be.
 TriangleLanes triangle_against(const TriangleCorners& corners, double error, const EightTriangles& leaf,
-                               std::size_t count, Vec3 middle, Vec3 half, double reach);
+                               std::size_t count, double spread, double reach);
 
 }  // namespace plannercheck

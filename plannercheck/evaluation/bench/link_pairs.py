@@ -3,6 +3,8 @@
 In: a checker of meshes, configurations. Out: a row for each pair of bodies and verdict. All queries are pairs as random
 states have them, each cold: no plane, no triangles and no guess are left from another one. Hulls that are apart decide
 before any mesh is looked at, so only pairs that survive them are asked, where one of both bodies at least is concave.
+Queries take it what a call takes, less what a call without any takes: most pairs have few, and both libraries' calls
+come from Python.
 """
 
 from __future__ import annotations
@@ -66,6 +68,8 @@ class _Queries:
     inside: int
     ours: Judge
     coal: Judge | None
+    ours_without: Judge
+    coal_without: Judge | None
     count: int
 
 
@@ -89,12 +93,21 @@ def measure(
         each for k in range(len(checker.pairs)) for each in _queries(checker, k, colliding[:, k], poses, most, skipped)
     ]
     works: dict[str, Work] = {}
+    for each in found[:1]:
+        works["call"] = each.ours_without.work
+        if each.coal_without is not None:
+            works["call of coal"] = each.coal_without.work
     for number, each in enumerate(found):
         works[f"{number}"] = each.ours.work
         if each.coal is not None:
             works[f"{number} by coal"] = each.coal.work
     seconds = least_seconds(works, rounds)
-    return [_row(checker, each, seconds[f"{k}"], seconds.get(f"{k} by coal")) for k, each in enumerate(found)]
+
+    def of_coal(k: int) -> float | None:
+        spent = seconds.get(f"{k} by coal")
+        return None if spent is None else spent - seconds.get("call of coal", 0.0)
+
+    return [_row(checker, each, seconds[f"{k}"] - seconds["call"], of_coal(k)) for k, each in enumerate(found)]
 
 
 def _queries(
@@ -114,13 +127,16 @@ def _queries(
         make = None
     posed = np.ascontiguousarray(poses[states, a]), np.ascontiguousarray(poses[states, b])
     truth = in_batch(both, posed, OURS[0])()
+    no_poses = np.zeros((0, 4, 4)), np.zeros((0, 4, 4))
+    ours_without, coal_without = in_batch(both, no_poses, OURS[0]), None if make is None else make(no_poses)
     out = []
     for meet in (True, False):
         chosen = posed[0][truth == meet], posed[1][truth == meet]
         if len(chosen[0]):
             inside = sum(is_nested(*both, *each) for each in zip(*chosen, strict=True)) if meet else 0
             coal = None if make is None else make(chosen)
-            out.append(_Queries(pair, meet, inside, in_batch(both, chosen, OURS[0]), coal, len(chosen[0])))
+            ours = in_batch(both, chosen, OURS[0])
+            out.append(_Queries(pair, meet, inside, ours, coal, ours_without, coal_without, len(chosen[0])))
     return out
 
 

@@ -54,7 +54,7 @@ def verdicts(drawn: Draw, truth: list[bool], number: int) -> dict[str, list[Outc
     single = [(number + i * (count // _SINGLES)) % count for i in range(_SINGLES)]
     return {
         BATCH: limited(lambda: _batch(drawn.p, drawn.poses_p, drawn.r, drawn.poses_r, method), count),
-        SWAPPED: limited(lambda: _batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method), count),
+        SWAPPED: limited(lambda: _with_inner_shapes(drawn, method), count),
         PUBLIC: limited(lambda: _public(drawn), count),
         SINGLE: limited(lambda: _one_by_one(drawn, single), count),
         DISTANCE: limited(lambda: _distances(drawn, truth, single), count),
@@ -81,6 +81,13 @@ def limited(ask: Callable[[], list[Outcome]], count: int, limit: float = LIMIT) 
 def _batch(p: Body, poses_p: Floats, r: Body, poses_r: Floats, method: Any) -> list[Outcome]:
     shared, _, _ = core.intersect_batch(p.polytope.core, poses_p, r.polytope.core, poses_r, pair_options(method))
     return list(shared.astype(bool).tolist())
+
+
+def _with_inner_shapes(drawn: Draw, method: Any) -> list[Outcome]:
+    """The other way round, and with what is inside of bodies known, as it is to checkers: that may tell first."""
+    for body in (drawn.p, drawn.r):
+        body.polytope.core.inner_shapes()
+    return _batch(drawn.r, drawn.poses_r, drawn.p, drawn.poses_p, method)
 
 
 def _public(drawn: Draw) -> list[Outcome]:
