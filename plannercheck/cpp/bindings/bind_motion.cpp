@@ -106,13 +106,18 @@ int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0
   return answer;
 }
 
+template <class Row>
+int answer_unlocked_if_long(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
+                            const ErrorRange& range, double tolerance) {
+  const GilReleasedWhenLong gil;
+  return answer_of(bound, kinematics, q0, q1, range, tolerance);
+}
+
 int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
                  const std::vector<double>& q1, InputArray<double, -1> low, InputArray<double, -1> high,
                  double tolerance, double kinematic_error) {
   const ErrorRange range = error_range(low, high, kinematic_error);
-  int answer = kOutside;
-  without_gil([&] { answer = answer_of(bound, kinematics, q0, q1, range, tolerance); });
-  return answer;
+  return answer_unlocked_if_long(bound, kinematics, q0, q1, range, tolerance);
 }
 
 // A function of two states (ompl_states.hpp): whether the motion between them is free; it counts its answers. It passes
@@ -172,8 +177,7 @@ nb::object motion_row_validity(nb::object certifier, nb::object kinematics, Inpu
     for (const std::size_t k : angles) {
       if (!(std::abs(q1.data()[k] - q0.data()[k]) <= kNearlyHalfTurn)) return nb::none();
     }
-    int answer = kOutside;
-    without_gil([&] { answer = answer_of(*bound, *kernel, q0, q1, range, tolerance); });
+    const int answer = answer_unlocked_if_long(*bound, *kernel, q0, q1, range, tolerance);
     if (answer > static_cast<int>(MotionAnswer::kRefused)) return nb::none();
     return nb::bool_(answer == static_cast<int>(MotionAnswer::kFree));
   };
