@@ -12,6 +12,7 @@
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
 #include "bindings/motion_arrays.hpp"
+#include "bindings/motion_memo.hpp"
 #include "bindings/numpy_row.hpp"
 #include "bindings/ompl_states.hpp"
 #include "bindings/plain_floats.hpp"
@@ -138,13 +139,16 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
     if (found <= static_cast<int>(MotionAnswer::kRefused)) return found == static_cast<int>(MotionAnswer::kFree);
     return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
   };
-  const auto counted = [certifier, kinematics, answer, counts, states = PlannerStates(low.shape(0), serialize)](
-                           nb::handle s0, nb::handle s1) {
+  const auto counted = [certifier, kinematics, answer, counts, states = PlannerStates(low.shape(0), serialize),
+                        memo = std::make_shared<MotionMemo>(low.shape(0)), failure](nb::handle s0, nb::handle s1) {
     heed_signals();
     StateNumbers q0(states.width()), q1(states.width());
     states.read(s0, q0);
     states.read(s1, q1);
-    const bool free = answer(q0, q1);
+    if (failure) memo->begin_search(failure->searches());
+    const MotionMemo::Answer known = memo->find(q0.data(), q1.data());
+    const bool free = known == MotionMemo::kUnknown ? answer(q0, q1) : known == MotionMemo::kFree;
+    if (known == MotionMemo::kUnknown) memo->keep(q0.data(), q1.data(), free);
     counts->add(free);
     return free;
   };

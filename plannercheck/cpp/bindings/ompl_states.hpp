@@ -147,7 +147,11 @@ class PlannerFailure {
   void arm(nanobind::object stop) {
     stop_ = std::move(stop);
     error_.reset();
+    ++searches_;
   }
+
+  // How many searches have begun.
+  std::int64_t searches() const { return searches_; }
 
   // When it has ended: the exception, or None.
   nanobind::object disarm() {
@@ -167,6 +171,7 @@ class PlannerFailure {
 
  private:
   nanobind::object stop_, error_;
+  std::int64_t searches_ = 0;
 };
 
 // judge(), or false if it fails and the failure is kept. Without `failure`, or if no planner runs, the exception
