@@ -20,8 +20,8 @@ class MotionMemo {
 
   enum Answer : std::uint8_t { kRefused, kFree, kUnknown };
 
-  // Forgets what was asked before the search with this number: another search rarely asks for it, unless its seed is
-  // the same, which would make measurements of searches worthless.
+  // Forgets what was asked before the search with this number. Another search rarely asks for it, unless it has the
+  // same seed, as where searches are measured.
   void begin_search(std::int64_t number) {
     if (number == search_) return;
     search_ = number;

@@ -133,10 +133,10 @@ class ListedNumbers {
 
 // How many motions have been found free, and how many not.
 struct MotionCounts {
-  std::int64_t free = 0, refused = 0;
+  std::int64_t free = 0, refused = 0, resets = 0;
 
   void add(bool is_free) { ++(is_free ? free : refused); }
-  void reset() { *this = {}; }
+  void reset() { free = refused = 0, ++resets; }
 };
 
 // Python's exceptions while a planner asks. Most planners let them pass, but some have threads of their own by then, or
