@@ -57,9 +57,9 @@ def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
     """Judges a configuration (nq,)."""
     robot = checker.robot
     numbers = q.tolist()  # few: lists take half as long
-    if all(map(le, robot.lower.tolist(), numbers)) and all(map(le, numbers, robot.upper.tolist())):
-        if checker.is_valid(q):
-            return _ACCEPTED
+    is_within = all(map(le, robot.lower.tolist(), numbers)) and all(map(le, numbers, robot.upper.tolist()))
+    if is_within and checker.is_valid(q):
+        return _ACCEPTED
     beyond = [
         f"{_column_name(robot, k)} is {q[k]:.6g}, not in [{robot.lower[k]:.6g}, {robot.upper[k]:.6g}]"
         for k in np.flatnonzero((q < robot.lower) | (q > robot.upper)).tolist()

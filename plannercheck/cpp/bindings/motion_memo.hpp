@@ -44,7 +44,8 @@ class MotionMemo {
   }
 
  private:
-  static constexpr std::size_t kPlaces = 256;
+  static constexpr int kPlaceBits = 8;
+  static constexpr std::size_t kPlaces = std::size_t{1} << kPlaceBits;
 
   std::size_t width_;
   std::int64_t search_ = 0;
@@ -58,7 +59,7 @@ class MotionMemo {
     for (std::size_t c = 0; c < width_; ++c) {
       sum = std::rotl(sum, 9) ^ (std::bit_cast<std::uint64_t>(q0[c]) + 3 * std::bit_cast<std::uint64_t>(q1[c]));
     }
-    return sum * kGolden >> 56;
+    return static_cast<std::size_t>(sum * kGolden >> (64 - kPlaceBits));
   }
 };
 
