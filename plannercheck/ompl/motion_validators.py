@@ -104,7 +104,7 @@ class _CountingValidator(base.MotionValidator):  # type: ignore[misc]  # OMPL's 
         return self.getValidMotionCount() / max(self.getCheckedMotionCount(), 1)
 
     def resetMotionCounter(self) -> None:  # noqa: N802
-        """Sets the counters to 0, and forgets the motions that are remembered with their answers."""
+        """Sets the counters to 0."""
         self._counts.reset()
 
 
@@ -116,7 +116,7 @@ class ProvedMotions(_CountingValidator):
         super().__init__(information, space)
         self._joints, self._tolerance = space, tolerance
         self._certifier = checker.motion_certifier
-        # OMPL calls it instead of the method, without a frame of Python. It remembers the motions of one search.
+        # OMPL calls it instead of the method, without a frame of Python.
         self.__dict__["checkMotion"] = self._certifier.motion_validity(
             tolerance,
             self._counts,

@@ -241,9 +241,10 @@ def shortened(setup: Any) -> Any:
     found = setup.getSolutionPath()
     shorter = geometric.PathGeometric(found)
     limit = base.timedPlannerTerminationCondition(SIMPLIFICATION_TIME)
-    # With the flag, every step of the simplification would run at least once, however long that takes.
-    kept = setup.getPathSimplifier().simplify(shorter, limit, atLeastOnce=False)
-    return shorter if kept and shorter.check() else found
+    with setup.remembered_motions():
+        # With the flag, every step of the simplification would run at least once, however long that takes.
+        kept = setup.getPathSimplifier().simplify(shorter, limit, atLeastOnce=False)
+        return shorter if kept and shorter.check() else found
 
 
 def _unsolved(robot: AnyRobot, planner: str, spent: float, reason: str) -> Plan:

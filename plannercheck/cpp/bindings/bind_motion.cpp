@@ -145,10 +145,9 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
     StateNumbers q0(states.width()), q1(states.width());
     states.read(s0, q0);
     states.read(s1, q1);
-    memo->begin_search((failure ? failure->searches() : 0) + counts->resets);
-    const MotionMemo::Answer known = memo->find(q0.data(), q1.data());
-    const bool free = known == MotionMemo::kUnknown ? answer(q0, q1) : known == MotionMemo::kFree;
-    if (known == MotionMemo::kUnknown) memo->keep(q0.data(), q1.data(), free);
+    const bool free = failure && failure->remembering.is_on() ? memo->answer(failure->remembering.begun(), q0.data(),
+                                                                             q1.data(), [&] { return answer(q0, q1); })
+                                                              : answer(q0, q1);
     counts->add(free);
     return free;
   };

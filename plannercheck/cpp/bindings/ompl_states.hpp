@@ -133,25 +133,38 @@ class ListedNumbers {
 
 // How many motions have been found free, and how many not.
 struct MotionCounts {
-  std::int64_t free = 0, refused = 0, resets = 0;
+  std::int64_t free = 0, refused = 0;
 
   void add(bool is_free) { ++(is_free ? free : refused); }
-  void reset() { free = refused = 0, ++resets; }
+  void reset() { *this = {}; }
+};
+
+// Whether validators remember what is asked (motion_memo.hpp), as while a path is shortened.
+class Remembering {
+ public:
+  // From now on, and nothing of what was asked before.
+  void begin() { is_on_ = true, ++begun_; }
+  void end() { is_on_ = false; }
+
+  bool is_on() const { return is_on_; }
+  std::int64_t begun() const { return begun_; }
+
+ private:
+  bool is_on_ = false;
+  std::int64_t begun_ = 0;
 };
 
 // Python's exceptions while a planner asks. Most planners let them pass, but some have threads of their own by then, or
 // memory that nobody else frees. So the first one is kept here, and the planner is told to stop.
 class PlannerFailure {
  public:
+  Remembering remembering;
+
   // Before a planner runs: `stop` ends its search.
   void arm(nanobind::object stop) {
     stop_ = std::move(stop);
     error_.reset();
-    ++searches_;
   }
-
-  // How many searches have begun.
-  std::int64_t searches() const { return searches_; }
 
   // When it has ended: the exception, or None.
   nanobind::object disarm() {
@@ -171,7 +184,6 @@ class PlannerFailure {
 
  private:
   nanobind::object stop_, error_;
-  std::int64_t searches_ = 0;
 };
 
 // judge(), or false if it fails and the failure is kept. Without `failure`, or if no planner runs, the exception

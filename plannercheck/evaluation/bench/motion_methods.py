@@ -78,7 +78,6 @@ def _one_by_one(cases: Sequence[MotionCase]) -> Ready:
 def _by_ompl(cases: Sequence[MotionCase]) -> Ready:
     def judged(information: Any, states: list[tuple[Any, Any]]) -> Bools:
         check = information.checkMotion
-        information.getMotionValidator().resetMotionCounter()  # no answer of the round before is remembered
         return np.array([check(a, b) for a, b in states], dtype=bool)
 
     works = []
