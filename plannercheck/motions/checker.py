@@ -76,7 +76,8 @@ class Checker(StateChecker):
         Returns:
             True if the motion is free.
         """
-        check_path(path)
+        if path != "screw":
+            check_path(path)
         if resolution is None and self._kernel is not None:
             known = self.motion_certifier.judge_rows(q0, q1, tolerance)
             if known is not None:

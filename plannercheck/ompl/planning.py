@@ -13,6 +13,7 @@ from __future__ import annotations
 import time
 from functools import cache
 from itertools import pairwise
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from ompl import base, geometric, util
 
 from plannercheck.checking.protocols import AnyChecker, AnyRobot
 from plannercheck.common.array_types import Floats
-from plannercheck.common.arrays import Configuration
+from plannercheck.common.arrays import Configuration, read_only
 from plannercheck.common.errors import PlannercheckError, unknown_name
 from plannercheck.common.silence import Silence
 from plannercheck.motions.certifier import DEFAULT_TOLERANCE
@@ -162,11 +163,11 @@ def plan(
     """
     if planner not in planner_names():
         raise unknown_name("planner", planner, planner_names())
-    if not (np.isfinite(time_limit) and time_limit > 0):
+    if not (isfinite(time_limit) and time_limit > 0):
         raise PlannercheckError(f"time_limit must be a positive time in s, not {time_limit!r}")
     if longest_motion is None:
         longest_motion = 0 if isinstance(checker, PlanarChecker) else LONGEST_MOTION
-    if not (np.isfinite(longest_motion) and longest_motion >= 0):
+    if not (isfinite(longest_motion) and longest_motion >= 0):
         raise PlannercheckError(f"longest_motion must be a length in rad or 0, not {longest_motion!r}")
     ends = {name: checked_end(checker, q, name) for name, q in (("start", start), ("goal", goal))}
     reasons = [check_end_state(checker, q).reason(name) for name, q in ends.items()]
@@ -179,9 +180,10 @@ def plan(
         setup = SimpleSetup(prepared.information, not space.is_straight, space.numbers.failure)
         setup.setStartAndGoalStates(*prepared.end_states(tuple(ends.values())))
         setup.setPlanner(made_planner(planner, prepared.information, longest_motion))
-        prepared.draw_seeds()
+        if seed is not None:
+            prepared.draw_seeds()
         found = _search(setup, space, checker, planner, time_limit, simplify, resolution)
-        given_back(checker, prepared)
+        given_back(prepared)
         return found
 
 
@@ -213,7 +215,7 @@ def _search(
         return _unsolved(robot, planner, found - began, reason)
     solution = shortened(setup) if simplify else setup.getSolutionPath()  # it owns its states
     spent = time.perf_counter() - found
-    path = _configurations(space, list(solution.getStates()), checker, resolution)
+    path = read_only(_configurations(space, list(solution.getStates()), checker, resolution))
     return Plan(
         solved=True,
         path=path,
@@ -239,9 +241,10 @@ def shortened(setup: Any) -> Any:
     found = setup.getSolutionPath()
     shorter = geometric.PathGeometric(found)
     limit = base.timedPlannerTerminationCondition(SIMPLIFICATION_TIME)
-    # With the flag, every step of the simplification would run at least once, however long that takes.
-    kept = setup.getPathSimplifier().simplify(shorter, limit, atLeastOnce=False)
-    return shorter if kept and shorter.check() else found
+    with setup.remembered_motions():
+        # With the flag, every step of the simplification would run at least once, however long that takes.
+        kept = setup.getPathSimplifier().simplify(shorter, limit, atLeastOnce=False)
+        return shorter if kept and shorter.check() else found
 
 
 def _unsolved(robot: AnyRobot, planner: str, spent: float, reason: str) -> Plan:

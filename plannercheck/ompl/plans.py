@@ -91,7 +91,7 @@ def joint_length(path: Floats, differences: Callable[[Floats, Floats], Floats]) 
     if len(path) < 2:
         return 0.0
     steps = differences(path[:-1], path[1:])
-    return float(np.sqrt(np.add.reduce(steps * steps, axis=1)).sum())  # as np.linalg.norm, with less around it
+    return float(np.add.reduce(np.sqrt(np.add.reduce(steps * steps, axis=1))))  # as np.linalg.norm, with less around it
 
 
 def _write_json(plan: Plan, path: Path) -> None:

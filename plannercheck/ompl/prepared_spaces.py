@@ -53,9 +53,9 @@ class PreparedSpace:
         information: OMPL's SpaceInformation, with validators.
     """
 
-    def __init__(self, space: Space, information: Any, key: _Key | None) -> None:
-        """Takes a space and its information; `key` says for which plans it is kept, None for this one only."""
-        self.space, self.information, self.key = space, information, key
+    def __init__(self, space: Space, information: Any, kept: list[PreparedSpace] | None) -> None:
+        """Takes a space and its information; `kept` is where it is put for other plans, None for this one only."""
+        self.space, self.information, self.kept = space, information, kept
         self._ends: tuple[Any, ...] = ()
 
     def end_states(self, ends: Sequence[Floats]) -> tuple[Any, ...]:
@@ -73,7 +73,7 @@ class PreparedSpace:
         space of more than two bounded joints: for its matrix, and for the samples that give its extent.
         """
         space = self.information.getStateSpace()
-        if self.key is not None and isinstance(space, base.RealVectorStateSpace) and space.getDimension() > 2:
+        if self.kept is not None and isinstance(space, base.RealVectorStateSpace) and space.getDimension() > 2:
             util.RNG()
             util.RNG()
 
@@ -97,7 +97,7 @@ def lent(
     is_kept = planner not in _PROJECTING
     if is_kept:
         try:
-            return _KEPT[checker][key].pop()
+            return _taken(_KEPT[checker][key])
         except (KeyError, IndexError):
             pass
     space = space_of(checker, curve, turning_radius, ends, bounds)
@@ -105,13 +105,20 @@ def lent(
         return PreparedSpace(space, space_information(checker, space, resolution), None)
     information = space_information(weakref.proxy(checker), space, resolution)
     information.setup()
-    return PreparedSpace(space, information, key)
+    return PreparedSpace(space, information, _KEPT.setdefault(checker, {}).setdefault(key, []))
 
 
-def given_back(checker: AnyChecker, prepared: PreparedSpace) -> None:
+def _taken(kept: list[PreparedSpace]) -> PreparedSpace:
+    prepared = kept.pop()
+    prepared.kept = kept
+    return prepared
+
+
+def given_back(prepared: PreparedSpace) -> None:
     """Keeps a space for the next plan of its kind, unless it was made for one plan only."""
-    if prepared.key is not None:
-        _KEPT.setdefault(checker, {}).setdefault(prepared.key, []).append(prepared)
+    kept, prepared.kept = prepared.kept, None  # no circle, which would outlive the checker
+    if kept is not None:
+        kept.append(prepared)
 
 
 def space_of(

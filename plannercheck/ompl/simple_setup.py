@@ -10,7 +10,8 @@ freed. So at the end of the program, set-ups drop all objects that may be of the
 from __future__ import annotations
 
 import atexit
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 from weakref import WeakSet
 
@@ -87,6 +88,18 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
             raise error
         return status
 
+    @contextmanager
+    def remembered_motions(self) -> Iterator[None]:
+        """A context within which the answers on motions are remembered: what shortens a path asks for many again."""
+        if self._failure is None:
+            yield
+            return
+        self._failure.remember()
+        try:
+            yield
+        finally:
+            self._failure.forget()
+
     def simplifySolution(self, *arguments: Any, **named: Any) -> None:  # noqa: N802  # OMPL's name
         """Simplifies the found path; keeps it unchanged if a motion of the simpler one collides."""
         if not self.haveSolutionPath():
@@ -94,9 +107,10 @@ class SimpleSetup(geometric.SimpleSetup):  # type: ignore[misc]  # OMPL's bindin
             return
         path = self.getSolutionPath()
         found = geometric.PathGeometric(path)
-        super().simplifySolution(*arguments, **named)
-        if not path.check():  # OMPL only warns
-            path.assign(found)
+        with self.remembered_motions():
+            super().simplifySolution(*arguments, **named)
+            if not path.check():  # OMPL only warns
+                path.assign(found)
 
 
 _MADE: WeakSet[SimpleSetup] = WeakSet()

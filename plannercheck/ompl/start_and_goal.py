@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import le
 
 import numpy as np
 
@@ -41,6 +42,8 @@ class EndState:
 
     def reason(self, name: str) -> str:
         """Why it is not accepted, in a sentence that uses the given name; empty if it is accepted."""
+        if self.accepted:
+            return ""
         parts = [f"{name} is beyond the limits: {', '.join(self.beyond)}"] if self.beyond else []
         parts += [self.hint] if self.hint else []
         collisions = ", ".join(f"{first} with {second}" for first, second in self.met)
@@ -53,7 +56,9 @@ _ACCEPTED = EndState((), ())
 def check_end_state(checker: AnyChecker, q: Floats) -> EndState:
     """Judges a configuration (nq,)."""
     robot = checker.robot
-    if ((q >= robot.lower) & (q <= robot.upper)).all() and checker.is_valid(q):
+    numbers = q.tolist()  # few: lists take half as long
+    is_within = all(map(le, robot.lower.tolist(), numbers)) and all(map(le, numbers, robot.upper.tolist()))
+    if is_within and checker.is_valid(q):
         return _ACCEPTED
     beyond = [
         f"{_column_name(robot, k)} is {q[k]:.6g}, not in [{robot.lower[k]:.6g}, {robot.upper[k]:.6g}]"

@@ -117,7 +117,8 @@ class ConfigurationMap(OwnsArrays):
                 f"configurations must have shape ({self.width},) or (n, {self.width}), not {np.shape(q)}; "
                 f"{self.described_columns()}"
             )
-        rows = np.atleast_2d(array)  # not reshaped: a robot without joints has configurations of no numbers
+        # Not reshaped: a robot without joints has configurations of no numbers.
+        rows = array if array.ndim == 2 else array[None]
         _check_finite(rows)
         if self.lengths.columns:
             self.lengths.check(rows)
@@ -295,6 +296,8 @@ def _group_columns(model: pin.Model, joints: Sequence[str]) -> tuple[dict[str, i
 
 
 def _check_finite(rows: Floats) -> None:
+    if len(rows) == 1 and all(map(LARGEST_VALUE.__ge__, map(abs, rows[0].tolist()))):  # takes half as long
+        return
     usable = np.abs(rows) <= LARGEST_VALUE  # false for NaN
     if not usable.all():
         row = int(np.flatnonzero(~usable.all(axis=1))[0])

@@ -194,6 +194,31 @@ def test_middles_of_far_motions_do_not_hide_that_rounding_is_too_large(way):
                 checker.check_motions(q - way, q + way)
 
 
+def test_middles_that_often_collide_are_judged_first():
+    """Sets of motions between free ends: many whose middles collide, none, and again many; then paths of ten."""
+    robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")
+    checker, plain = pc.Checker(robot, scene), pc.Checker(robot, scene, middle_states=False)
+    starts, ends = (robot.random_configurations(12000, seed) for seed in (1, 2))
+    ends = starts + 0.3 * (ends - starts)
+    middles = plain.check_states((starts + ends) / 2)
+    free = np.flatnonzero(plain.check_motions(starts, ends))
+    colliding = np.flatnonzero(~middles)
+    assert min(len(colliding), len(free)) > 1000
+    grids = []
+    for kind, size in ((colliding, 1000), (free, 1000), (colliding, 1000), (free, 10), (colliding, 10)):
+        a, b = starts[kind[:1000]], ends[kind[:1000]]
+        for _ in range(2):
+            before = checker.motion_certifier.statistics()["grids"]
+            sets = [slice(k, k + size) for k in range(0, 1000, size)]
+            found = np.concatenate([checker.check_motions(a[part], b[part]) for part in sets])
+            assert (found == (kind is free)).all()
+            grids.append((checker.motion_certifier.statistics()["grids"] - before) / len(a))
+    assert max(grids[0], grids[1], grids[5], grids[9]) < 0.05
+    assert min(grids[4], grids[8]) > 0  # at first they are taken for motions like those before
+    assert max(grids[4], grids[8]) < 0.3
+    assert min(grids[2], grids[3], grids[6], grids[7]) >= 1
+
+
 def test_ends_that_often_collide_are_judged_first():
     """Sets of motions with free middles: many whose ends collide, none, and again many; at last, with others."""
     robot, scene = pc.Robot.load("panda"), pc.Scene.load("bookshelf")

@@ -99,7 +99,7 @@ def test_a_space_is_lent_to_one_plan_at_a_time_and_used_again():
     lent = [prepared_spaces.lent(checker, "RRTConnect", None, "straight", None, ()) for _ in range(3)]
     assert len({id(each.information.getStateSpace()) for each in lent}) == 3
     for each in lent:
-        prepared_spaces.given_back(checker, each)
+        prepared_spaces.given_back(each)
     assert prepared_spaces.lent(checker, "RRT", None, "straight", None, ()) in lent
     assert len(kept_of(checker)) == 2
 

@@ -12,6 +12,7 @@
 #include "bindings/array_types.hpp"
 #include "bindings/module.hpp"
 #include "bindings/motion_arrays.hpp"
+#include "bindings/motion_memo.hpp"
 #include "bindings/numpy_row.hpp"
 #include "bindings/ompl_states.hpp"
 #include "bindings/plain_floats.hpp"
@@ -106,13 +107,18 @@ int answer_of(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0
   return answer;
 }
 
+template <class Row>
+int answer_unlocked_if_long(BoundCertifier& bound, const Kinematics& kinematics, const Row& q0, const Row& q1,
+                            const ErrorRange& range, double tolerance) {
+  const GilReleasedWhenLong gil;
+  return answer_of(bound, kinematics, q0, q1, range, tolerance);
+}
+
 int check_motion(BoundCertifier& bound, const Kinematics& kinematics, const std::vector<double>& q0,
                  const std::vector<double>& q1, InputArray<double, -1> low, InputArray<double, -1> high,
                  double tolerance, double kinematic_error) {
   const ErrorRange range = error_range(low, high, kinematic_error);
-  int answer = kOutside;
-  without_gil([&] { answer = answer_of(bound, kinematics, q0, q1, range, tolerance); });
-  return answer;
+  return answer_unlocked_if_long(bound, kinematics, q0, q1, range, tolerance);
 }
 
 // A function of two states (ompl_states.hpp): whether the motion between them is free; it counts its answers. It passes
@@ -133,13 +139,15 @@ nb::object motion_validity(nb::object certifier, nb::object kinematics, InputArr
     if (found <= static_cast<int>(MotionAnswer::kRefused)) return found == static_cast<int>(MotionAnswer::kFree);
     return nb::cast<bool>(elsewhere(listed(q0), listed(q1)));
   };
-  const auto counted = [certifier, kinematics, answer, counts, states = PlannerStates(low.shape(0), serialize)](
-                           nb::handle s0, nb::handle s1) {
+  const auto counted = [certifier, kinematics, answer, counts, states = PlannerStates(low.shape(0), serialize),
+                        memo = std::make_shared<MotionMemo>(low.shape(0)), failure](nb::handle s0, nb::handle s1) {
     heed_signals();
     StateNumbers q0(states.width()), q1(states.width());
     states.read(s0, q0);
     states.read(s1, q1);
-    const bool free = answer(q0, q1);
+    const bool free = failure && failure->remembering.is_on() ? memo->answer(failure->remembering.begun(), q0.data(),
+                                                                             q1.data(), [&] { return answer(q0, q1); })
+                                                              : answer(q0, q1);
     counts->add(free);
     return free;
   };
@@ -172,8 +180,7 @@ nb::object motion_row_validity(nb::object certifier, nb::object kinematics, Inpu
     for (const std::size_t k : angles) {
       if (!(std::abs(q1.data()[k] - q0.data()[k]) <= kNearlyHalfTurn)) return nb::none();
     }
-    int answer = kOutside;
-    without_gil([&] { answer = answer_of(*bound, *kernel, q0, q1, range, tolerance); });
+    const int answer = answer_unlocked_if_long(*bound, *kernel, q0, q1, range, tolerance);
     if (answer > static_cast<int>(MotionAnswer::kRefused)) return nb::none();
     return nb::bool_(answer == static_cast<int>(MotionAnswer::kFree));
   };

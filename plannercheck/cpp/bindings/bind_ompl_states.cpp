@@ -53,7 +53,10 @@ void bind_ompl_states(nb::module_& m) {
       .def(nb::init<>(), plain_floats)
       .def("arm", &PlannerFailure::arm, plain_floats)
       .def("disarm", &PlannerFailure::disarm, plain_floats)
-      .def("keep", &PlannerFailure::keep, plain_floats);
+      .def("keep", &PlannerFailure::keep, plain_floats)
+      .def(
+          "remember", [](PlannerFailure& self) { self.remembering.begin(); }, plain_floats)
+      .def("forget", [](PlannerFailure& self) { self.remembering.end(); }, plain_floats);
   m.def("kept_failures", &kept_failures, plain_floats);
   nb::class_<MotionCounts>(m, "MotionCounts")
       .def(nb::init<>(), plain_floats)

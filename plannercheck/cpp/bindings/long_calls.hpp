@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -94,6 +95,26 @@ void without_gil(std::size_t count, Part part) {
   const GilReleased released;
   CallThreads().run(count, part);
 }
+
+// As long as it lives, this thread keeps the GIL until its loops have polled for the first time that they look at the
+// clock: giving it back and taking it again would take a tenth of a usual motion's time (measured).
+class GilReleasedWhenLong {
+ public:
+  GilReleasedWhenLong() : before_(innermost_), scope_(given_up_, &release_or_ask, {}) { innermost_ = this; }
+  ~GilReleasedWhenLong() { innermost_ = before_; }
+  GilReleasedWhenLong(const GilReleasedWhenLong&) = delete;
+  GilReleasedWhenLong& operator=(const GilReleasedWhenLong&) = delete;
+
+ private:
+  static inline thread_local GilReleasedWhenLong* innermost_ = nullptr;
+
+  GilReleasedWhenLong* before_;
+  std::optional<GilReleased> released_;
+  std::atomic<bool> given_up_{false};
+  Interruptible scope_;  // ends before the GIL is taken again
+
+  static void release_or_ask() { innermost_->released_ ? ask_python() : void(innermost_->released_.emplace()); }
+};
 
 // work() in this thread, without the GIL.
 template <class Work>

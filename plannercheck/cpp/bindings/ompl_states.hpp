@@ -139,10 +139,27 @@ struct MotionCounts {
   void reset() { *this = {}; }
 };
 
+// Whether validators remember what is asked (motion_memo.hpp), as while a path is shortened.
+class Remembering {
+ public:
+  // From now on, and nothing of what was asked before.
+  void begin() { is_on_ = true, ++begun_; }
+  void end() { is_on_ = false; }
+
+  bool is_on() const { return is_on_; }
+  std::int64_t begun() const { return begun_; }
+
+ private:
+  bool is_on_ = false;
+  std::int64_t begun_ = 0;
+};
+
 // Python's exceptions while a planner asks. Most planners let them pass, but some have threads of their own by then, or
 // memory that nobody else frees. So the first one is kept here, and the planner is told to stop.
 class PlannerFailure {
  public:
+  Remembering remembering;
+
   // Before a planner runs: `stop` ends its search.
   void arm(nanobind::object stop) {
     stop_ = std::move(stop);

@@ -21,9 +21,11 @@ struct Interrupted {};
 class Interruptible {
  public:
   using Ask = void (*)();  // throws if the call is to end
+  using Clock = std::chrono::steady_clock;
 
-  // given_up: common to the threads of a call. ask: null in threads that do not ask.
-  Interruptible(std::atomic<bool>& given_up, Ask ask);
+  // given_up: common to the threads of a call. ask: null in threads that do not ask. asked: the last time; with none,
+  // the first look at the clock asks.
+  Interruptible(std::atomic<bool>& given_up, Ask ask, Clock::time_point asked = Clock::now());
   ~Interruptible();
   Interruptible(const Interruptible&) = delete;
   Interruptible& operator=(const Interruptible&) = delete;
@@ -40,7 +42,7 @@ class Interruptible {
   Ask ask_;
   Interruptible* before_;
   int countdown_ = kPolls;
-  std::chrono::steady_clock::time_point asked_;
+  Clock::time_point asked_;
 
   void ask_if_due();
 };

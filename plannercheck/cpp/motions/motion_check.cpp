@@ -42,10 +42,26 @@ constexpr double kDeepestHint = 1;
 // that collides with one is refused late, as no descent tells.
 constexpr std::size_t kFewestMiddles = 3;
 
-// Of the motions with free middles that come at once, so many have their ends judged to learn how often these collide.
-// If at least one in kEndsWorth does, all ends are judged: one that collides saves so many times what judging one costs
-// (measured). The tally is halved when it is full, so that it follows what is asked.
-constexpr std::size_t kEndsTried = 8, kEndsWorth = 12, kEndsRemembered = 256;
+// Of so many motions, kTried have their middles judged to learn how often these collide, and as many of those with free
+// middles their ends. If at least one in kMiddlesWorth or kEndsWorth does, all are judged: one that collides saves so
+// many times what judging one costs (measured). Middles are judged at first. A tally is halved when it is full, so that
+// it follows what is asked.
+constexpr std::size_t kTried = 8, kMiddlesWorth = 16, kEndsWorth = 12, kRemembered = 256;
+
+void add(StateTally& tally, const std::uint8_t* is_free, std::size_t n) {
+  const auto free = static_cast<std::size_t>(std::count(is_free, is_free + n, std::uint8_t{1}));
+  tally.judged += n, tally.collided += n - free;
+  if (tally.judged > kRemembered) tally.judged /= 2, tally.collided /= 2;
+}
+
+// How many of the motions that come at once have their middles judged.
+std::size_t worthy_middles(std::size_t count, StateTally& tally) {
+  if (tally.collided * kMiddlesWorth >= tally.judged) return count;
+  tally.passed_over += count;
+  if (tally.passed_over < kMiddles) return 0;
+  tally.passed_over = 0;
+  return std::min(count, kTried);
+}
 
 // Rounding may take at most this part of the tolerance; beyond, the numbers are too large.
 constexpr double kRoundingPart = 1.0 / 16;
@@ -385,7 +401,8 @@ void MotionCertifier::check(const Kinematics& kinematics, const double* q0, cons
     const double *starts = q0 + first * width, *ends = q1 + first * width;
     std::fill_n(w.is_free.begin(), count, std::uint8_t{1});
     if (states_ != nullptr && (count >= kFewestMiddles || !part_groups_.groups.empty())) {
-      judge_middles(kinematics, starts, ends, count, w);
+      const std::size_t middles = part_groups_.groups.empty() ? worthy_middles(count, w.middles) : count;
+      judge_middles(kinematics, starts, ends, middles, w);
       judge_ends(kinematics, ends, count, w);
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -403,11 +420,13 @@ void MotionCertifier::judge_middles(const Kinematics& kinematics, const double* 
   const std::size_t width = at(model_.width);
   const double middle = 0.5;
   w.rows.resize(kMiddles * width);
+  if (count == 0) return;
   for (std::size_t i = 0; i < count; ++i) {
     w.path.set(q0 + i * width, q1 + i * width);
     w.path.at(&middle, 1, 1, &w.rows[i * width]);
   }
   states_->check_states(kinematics, w.rows.data(), count, w.is_free.data(), *w.states);
+  add(w.middles, w.is_free.data(), count);
 }
 
 // Of motions with free middles: all ends if that pays, or else few, to learn whether it does.
@@ -415,7 +434,7 @@ void MotionCertifier::judge_ends(const Kinematics& kinematics, const double* q1,
                                  Workspace& w) const {
   const std::size_t width = at(model_.width);
   const bool pays = w.ends.collided * kEndsWorth > w.ends.judged;
-  const std::size_t most = pays ? count : count < kMiddles ? 0 : kEndsTried;
+  const std::size_t most = pays ? count : count < kMiddles ? 0 : kTried;
   std::size_t rows = 0;
   for (std::size_t i = 0; i < count && rows < most; ++i) {
     if (w.is_free[i] == 0) continue;
@@ -425,10 +444,7 @@ void MotionCertifier::judge_ends(const Kinematics& kinematics, const double* q1,
   if (rows == 0) return;
   states_->check_states(kinematics, w.rows.data(), rows, w.found.data(), *w.states);
   for (std::size_t row = 0; row < rows; ++row) w.is_free[w.motion_of_row[row]] = w.found[row];
-  const auto free =
-      static_cast<std::size_t>(std::count(w.found.begin(), w.found.begin() + static_cast<std::ptrdiff_t>(rows), 1));
-  w.ends.judged += rows, w.ends.collided += rows - free;
-  if (w.ends.judged > kEndsRemembered) w.ends.judged /= 2, w.ends.collided /= 2;
+  add(w.ends, w.found.data(), rows);
 }
 
 MotionReport MotionCertifier::explain(const Kinematics& kinematics, const double* q0, const double* q1,

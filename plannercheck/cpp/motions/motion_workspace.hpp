@@ -18,9 +18,9 @@ namespace plannercheck {
 // So many motions at once have their middle states judged: whole blocks of states.
 inline constexpr std::size_t kMiddles = 64;
 
-// How many ends of motions with free middles were judged lately, and how many of them collided.
-struct EndTally {
-  std::size_t judged = 0, collided = 0;
+// How many states of one kind were judged lately, and how many of them collided; and the motions since the last one.
+struct StateTally {
+  std::size_t judged = 0, collided = 0, passed_over = 0;
 };
 
 // The Space of adaptive_subdivision.hpp.
@@ -53,7 +53,7 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   std::array<std::uint8_t, kMiddles> found{};    // verdicts of `rows`
   std::array<std::size_t, kMiddles> motion_of_row{};
   std::vector<double> rows;  // configurations that are judged together
-  EndTally ends;
+  StateTally middles, ends;  // the ends of motions with free middles
 };
 
 }  // namespace plannercheck
