@@ -112,7 +112,7 @@ BroadPhase::FloatBox BroadPhase::spread(const WorldBox& box) {
 BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
   w.links = RoundedLinks(links_);
-  w.state_links.resize(links_ * 12);
+  w.state_links.resize(links_);
   w.balls.resize(movers_.size());
   w.single_state_filter = single_state_filter_.new_workspace();
   w.boxes = boxes_.new_workspace();
@@ -146,7 +146,7 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
   filter(count, filters, w);
 }
 
-void BroadPhase::find(const double* links, Filters filters, Workspace& w) const {
+void BroadPhase::find(const PoseColumns* links, Filters filters, Workspace& w) const {
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_permanent(1, w);
   w.links.begin(links);
@@ -208,16 +208,18 @@ void BroadPhase::find_for_block(int count, Workspace& w) const {
   }
 }
 
-const double* BroadPhase::links_in_state(const Lanes* links, std::size_t state, Workspace& w) const {
+const PoseColumns* BroadPhase::links_in_state(const Lanes* links, std::size_t state, Workspace& w) const {
   const Lanes* const group = links + pose_index(links_, state / kLanes, 0);
   for (const BoundingBall& mover : movers_) {
-    const std::size_t first = at(mover.link) * 12;
-    for (std::size_t i = first; i < first + 12; ++i) w.state_links[i] = group[i][state % kLanes];
+    const Lanes* const from = group + at(mover.link) * 12;
+    double rows[12];
+    for (std::size_t i = 0; i < 12; ++i) rows[i] = from[i][state % kLanes];
+    w.state_links[at(mover.link)] = columns_of(rows);
   }
   return w.state_links.data();
 }
 
-void BroadPhase::find_for_state(const double* links, std::size_t state, Workspace& w) const {
+void BroadPhase::find_for_state(const PoseColumns* links, std::size_t state, Workspace& w) const {
   const unsigned bit = 1U << state;
   const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
   single_state_filter_.pose(links, w.single_state_filter);

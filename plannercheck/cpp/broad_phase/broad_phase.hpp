@@ -46,7 +46,7 @@ class BroadPhase {
 
   struct Workspace {
     RoundedLinks links;
-    std::vector<double> state_links;  // of one state of a block that has few
+    std::vector<PoseColumns> state_links;  // of one state of a block that has few
     std::vector<Balls> balls;
     SingleStateFilter::Workspace single_state_filter;
     BlockBoxes::Workspace boxes;
@@ -71,8 +71,8 @@ class BroadPhase {
 
   // Fills `near` for the first `count` states.
   void find(const Lanes* links, int count, Filters filters, Workspace& workspace) const;
-  // The same for one state. `links`: their poses, row-major 3x4, 12 numbers each.
-  void find(const double* links, Filters filters, Workspace& workspace) const;
+  // The same for one state.
+  void find(const PoseColumns* links, Filters filters, Workspace& workspace) const;
   // The same without bounds: all pairs.
   void take_all(int count, Workspace& workspace) const;
 
@@ -113,8 +113,8 @@ class BroadPhase {
   static void begin(Workspace& workspace);
   void take_permanent(int count, Workspace& workspace) const;
   void find_for_block(int count, Workspace& workspace) const;
-  void find_for_state(const double* links, std::size_t state, Workspace& workspace) const;
-  const double* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
+  void find_for_state(const PoseColumns* links, std::size_t state, Workspace& workspace) const;
+  const PoseColumns* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
   void filter(int count, Filters filters, Workspace& workspace) const;
   void pose_balls(Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;
