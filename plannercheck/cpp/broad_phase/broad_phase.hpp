@@ -1,6 +1,6 @@
-// Which pairs of bodies may touch, for eight states at once. Bounding balls are tested among moving bodies, and against
-// obstacles' boxes, in a tree where these are many. Of the pairs left, balls and boxes inside bodies prove collisions,
-// and boxes around bodies prove others apart.
+// Which pairs of bodies may touch, for a block of states at once. Bounding balls are tested among moving bodies, and
+// against obstacles' boxes, in a tree where these are many. Of the pairs left, balls and boxes inside bodies prove
+// collisions, and boxes around bodies prove others apart.
 //
 // In: posed links of a block of states, in lanes. Out: the states that surely collide, if only that counts, and for
 // every other state the pairs that no bound decides. Every bound is proved with its rounding, so no filter changes a
@@ -35,7 +35,7 @@ class BroadPhase {
 
   // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
   struct Balls {
-    Floats x, y, z, radius;
+    StateFloats x, y, z, radius;
   };
 
   // A pair and the states in which it may touch, one bit each.
@@ -84,7 +84,7 @@ class BroadPhase {
 
   // A box in each state: around an obstacle (the same in all states), or around some movers.
   struct FloatBox {
-    std::array<Floats, 3> low, high;
+    std::array<StateFloats, 3> low, high;
   };
 
   std::size_t links_;

@@ -28,7 +28,8 @@ class RoundedLinks {
     return rounded_.of(link, false, [&](FloatPose& out) {
       if (block_ != nullptr) return round_to_floats(block_, links_, link, out);
       const PoseColumns& pose = state_[link];
-      for (std::size_t i = 0; i < out.m.size(); ++i) out.m[i] = Floats{} + static_cast<float>(pose.at(i / 4, i % 4));
+      for (std::size_t i = 0; i < out.m.size(); ++i)
+        out.m[i] = StateFloats{} + static_cast<float>(pose.at(i / 4, i % 4));
     });
   }
 
