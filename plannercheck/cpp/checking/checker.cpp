@@ -74,7 +74,7 @@ struct GroupLook {
 
 struct CheckerCore::Workspace {
   CheckerCounters counters;
-  std::vector<Lanes> columns, links;    // of a block's groups: configurations and link poses
+  std::vector<Lanes> columns, links;         // of a block's groups: configurations and link poses
   const PoseColumns* state_links = nullptr;  // the poses of a single state, if they are not among those
   LinkPoser poser;
   StatePoser state_poser;
