@@ -189,6 +189,16 @@ def test_single_configurations_of_robots_are_posed_with_the_bits_of_a_batch(name
         assert same_bits_alone(robot.kinematics, q, needed)
 
 
+def test_negative_zeros_of_a_first_joint_are_posed_alone_as_in_a_batch():
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array([-0.0, 0.3, -0.0])), "turn")
+    model.addJointFrame(joint, -1)
+    model.addBodyFrame("link", joint, pin.SE3.Identity(), -1)
+    configurations = whole_robot(model)
+    kinematics = compiled_kinematics(model, configurations, link_tree(model).frames)
+    assert same_bits_alone(kinematics, np.array([[0.0], [0.4], [-2.0]]))
+
+
 def test_quaternions_are_used_as_they_are():
     model = pin.Model()
     joint = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base")

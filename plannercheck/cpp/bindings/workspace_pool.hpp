@@ -93,7 +93,7 @@ class Pooled {
 
   // Few enough that threads end at nearly the same time; whole blocks of states, where there are enough.
   static std::size_t rows_at_once(std::size_t n, std::size_t threads) {
-    constexpr std::size_t kSharesOfThread = 32, kBlock = 8;
+    constexpr std::size_t kSharesOfThread = 32, kBlock = 16;
     const std::size_t rows = (n + threads * kSharesOfThread - 1) / (threads * kSharesOfThread);
     return rows < kBlock ? std::max<std::size_t>(rows, 1) : (rows + kBlock - 1) / kBlock * kBlock;
   }

@@ -16,10 +16,12 @@ struct BoundingBall {
   float room;  // rounding of posing, besides that of the posed centre
 
   // Radius of the posed ball: it holds the body in spite of all rounding, including that of this sum.
-  Floats radius_at(Floats x, Floats y, Floats z) const {
-    return radius_at(x, y, z, Floats{} + radius, Floats{} + room);
+  template <FloatVector Numbers>
+  Numbers radius_at(Numbers x, Numbers y, Numbers z) const {
+    return radius_at(x, y, z, Numbers{} + radius, Numbers{} + room);
   }
-  static Floats radius_at(Floats x, Floats y, Floats z, Floats radius, Floats room);
+  template <FloatVector Numbers>
+  static Numbers radius_at(Numbers x, Numbers y, Numbers z, Numbers radius, Numbers room);
 
   // Floats err by u = 2^-24. Posing a ball's centre c from rounded numbers takes three products and sums and errs by at
   // most 6u of the posed centre and 17u of |c|, in |.|_1. This also covers posing vertices in doubles and computing the
@@ -27,9 +29,10 @@ struct BoundingBall {
   static constexpr double kCentreError = 0x1p-19;
 };
 
-inline Floats BoundingBall::radius_at(Floats x, Floats y, Floats z, Floats radius, Floats room) {
+template <FloatVector Numbers>
+Numbers BoundingBall::radius_at(Numbers x, Numbers y, Numbers z, Numbers radius, Numbers room) {
   constexpr auto kError = static_cast<float>(kCentreError);
-  const Floats size = (absolute(x) + absolute(y)) + absolute(z);
+  const Numbers size = (absolute(x) + absolute(y)) + absolute(z);
   return ((size * kError + room) + radius) * (1 + kError) + 1e-37F;
 }
 

@@ -48,14 +48,14 @@ BodyBox body_box(const GeometryObject& object) {
 
 void BlockBoxes::spread(const BodyBox& box, Posed& posed) {
   for (std::size_t j = 0; j < 3; ++j) {
-    posed.centre[j] = Floats{} + box.centre[j];
-    for (std::size_t i = 0; i < 3; ++i) posed.axes[3 * j + i] = Floats{} + box.axes[j][i];
+    posed.centre[j] = StateFloats{} + box.centre[j];
+    for (std::size_t i = 0; i < 3; ++i) posed.axes[3 * j + i] = StateFloats{} + box.axes[j][i];
   }
-  posed.room = Floats{} + box.room;
+  posed.room = StateFloats{} + box.room;
 }
 
 void BlockBoxes::pose(const FloatPose& link, const BodyBox& box, Posed& posed) {
-  Floats size = {};
+  StateFloats size = {};
   for (std::size_t i = 0; i < 3; ++i) {
     posed.centre[i] = link.turned(i, box.centre[0], box.centre[1], box.centre[2]) + link.m[4 * i + 3];
     size += absolute(posed.centre[i]);
@@ -77,18 +77,18 @@ const BlockBoxes::Posed& BlockBoxes::posed(RoundedLinks& links, std::size_t body
 unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Workspace& w) const {
   const Posed &p = posed(links, a, w), &q = posed(links, b, w);
   const std::array<float, 3>&half_a = boxes_[a].half, &half_b = boxes_[b].half;
-  const Floats room = p.room + q.room;
-  const Floats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
-  std::array<Floats, 3> shadow;  // projections of b's half edges on its own axes and of a's on b's
+  const StateFloats room = p.room + q.room;
+  const StateFloats x = p.centre[0] - q.centre[0], y = p.centre[1] - q.centre[1], z = p.centre[2] - q.centre[2];
+  std::array<StateFloats, 3> shadow;  // projections of b's half edges on its own axes and of a's on b's
   for (std::size_t j = 0; j < 3; ++j) shadow[j] = room + half_b[j];
-  FloatMask out = {};
+  StateMask out = {};
 #pragma GCC unroll 3
   for (std::size_t i = 0; i < 3; ++i) {
-    const Floats ax = p.axes[3 * i], ay = p.axes[3 * i + 1], az = p.axes[3 * i + 2];
-    Floats own = room + half_a[i];
+    const StateFloats ax = p.axes[3 * i], ay = p.axes[3 * i + 1], az = p.axes[3 * i + 2];
+    StateFloats own = room + half_a[i];
 #pragma GCC unroll 3
     for (std::size_t j = 0; j < 3; ++j) {
-      const Floats product = absolute((ax * q.axes[3 * j] + ay * q.axes[3 * j + 1]) + az * q.axes[3 * j + 2]);
+      const StateFloats product = absolute((ax * q.axes[3 * j] + ay * q.axes[3 * j + 1]) + az * q.axes[3 * j + 2]);
       own += product * half_b[j];
       shadow[j] += product * half_a[i];
     }
@@ -96,10 +96,10 @@ unsigned BlockBoxes::apart(RoundedLinks& links, std::size_t a, std::size_t b, Wo
   }
 #pragma GCC unroll 3
   for (std::size_t j = 0; j < 3; ++j) {
-    const Floats along = (q.axes[3 * j] * x + q.axes[3 * j + 1] * y) + q.axes[3 * j + 2] * z;
+    const StateFloats along = (q.axes[3 * j] * x + q.axes[3 * j + 1] * y) + q.axes[3 * j + 2] * z;
     out |= absolute(along) > shadow[j];
   }
-  return float_bits(out & (room < kLargestRoom));
+  return state_bits(out & (room < kLargestRoom));
 }
 
 }  // namespace plannercheck

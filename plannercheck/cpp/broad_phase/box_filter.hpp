@@ -34,9 +34,9 @@ class BlockBoxes {
   explicit BlockBoxes(std::vector<BodyBox> boxes) : boxes_(std::move(boxes)) {}
 
   struct Posed {
-    std::array<Floats, 9> axes;  // of edge j: entries 3 j to 3 j + 2
-    std::array<Floats, 3> centre;
-    Floats room;
+    std::array<StateFloats, 9> axes;  // of edge j: entries 3 j to 3 j + 2
+    std::array<StateFloats, 3> centre;
+    StateFloats room;
   };
 
   typedef BlockCache<Posed> Workspace;

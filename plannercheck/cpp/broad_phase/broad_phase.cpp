@@ -104,7 +104,7 @@ BroadPhase::FloatBox BroadPhase::spread(const WorldBox& box) {
   FloatBox out;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<int>(i);
-    out.low[i] = Floats{} + rounded_down(box.low[axis]), out.high[i] = Floats{} + rounded_up(box.high[axis]);
+    out.low[i] = StateFloats{} + rounded_down(box.low[axis]), out.high[i] = StateFloats{} + rounded_up(box.high[axis]);
   }
   return out;
 }
@@ -112,7 +112,7 @@ BroadPhase::FloatBox BroadPhase::spread(const WorldBox& box) {
 BroadPhase::Workspace BroadPhase::new_workspace() const {
   Workspace w;
   w.links = RoundedLinks(links_);
-  w.state_links.resize(links_ * 12);
+  w.state_links.resize(links_);
   w.balls.resize(movers_.size());
   w.single_state_filter = single_state_filter_.new_workspace();
   w.boxes = boxes_.new_workspace();
@@ -146,7 +146,7 @@ void BroadPhase::find(const Lanes* links, int count, Filters filters, Workspace&
   filter(count, filters, w);
 }
 
-void BroadPhase::find(const double* links, Filters filters, Workspace& w) const {
+void BroadPhase::find(const PoseColumns* links, Filters filters, Workspace& w) const {
   begin(w);
   if (filters.overlaps && !permanent_pairs_.empty()) return take_permanent(1, w);
   w.links.begin(links);
@@ -208,23 +208,25 @@ void BroadPhase::find_for_block(int count, Workspace& w) const {
   }
 }
 
-const double* BroadPhase::links_in_state(const Lanes* links, std::size_t state, Workspace& w) const {
+const PoseColumns* BroadPhase::links_in_state(const Lanes* links, std::size_t state, Workspace& w) const {
   const Lanes* const group = links + pose_index(links_, state / kLanes, 0);
   for (const BoundingBall& mover : movers_) {
-    const std::size_t first = at(mover.link) * 12;
-    for (std::size_t i = first; i < first + 12; ++i) w.state_links[i] = group[i][state % kLanes];
+    const Lanes* const from = group + at(mover.link) * 12;
+    double rows[12];
+    for (std::size_t i = 0; i < 12; ++i) rows[i] = from[i][state % kLanes];
+    w.state_links[at(mover.link)] = columns_of(rows);
   }
   return w.state_links.data();
 }
 
-void BroadPhase::find_for_state(const double* links, std::size_t state, Workspace& w) const {
+void BroadPhase::find_for_state(const PoseColumns* links, std::size_t state, Workspace& w) const {
   const unsigned bit = 1U << state;
   const auto take = [&](std::int32_t pair) { w.candidates.push_back({pair, bit}); };
   single_state_filter_.pose(links, w.single_state_filter);
   single_state_filter_.find(w.single_state_filter, take);
   const auto posed = [&](std::size_t mover) {
     const SingleStateFilter::Ball ball = SingleStateFilter::ball(mover, w.single_state_filter);
-    return Balls{Floats{} + ball.x, Floats{} + ball.y, Floats{} + ball.z, Floats{} + ball.radius};
+    return Balls{StateFloats{} + ball.x, StateFloats{} + ball.y, StateFloats{} + ball.z, StateFloats{} + ball.radius};
   };
   plane_filter_.find(posed, 1, [&](auto pair, auto) { w.over_planes.push_back({pair, bit}); });
   for (std::size_t k = 0; obstacles_ > kFewObstacles && k < movers_with_obstacles_.size(); ++k) {
@@ -256,19 +258,19 @@ void BroadPhase::find_among_movers(int count, Workspace& w) const {
   const unsigned states = (1U << count) - 1;
   for (const MovingPair& pair : moving_pairs_) {
     const Balls &a = w.balls[at(pair.a)], &b = w.balls[at(pair.b)];
-    const Floats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-    const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(a.radius + b.radius)) & states;
+    const StateFloats x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    const unsigned near = ~state_bits((x * x + y * y) + z * z > far_beyond(a.radius + b.radius)) & states;
     if (near != 0) w.candidates.push_back({pair.pair, near});
   }
 }
 
 // The box around the group's movers in each state. The balls' radii have room for the rounding of one more sum.
 BroadPhase::FloatBox BroadPhase::around(const MoverGroup& group, const std::vector<Balls>& balls) const {
-  const Floats infinity = Floats{} + __builtin_inff();
+  const StateFloats infinity = StateFloats{} + __builtin_inff();
   FloatBox out{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  Floats total{};
+  StateFloats total{};
   for (std::size_t m = group.first; m < group.last; ++m) {
-    const std::array<Floats, 3> centre{balls[m].x, balls[m].y, balls[m].z};
+    const std::array<StateFloats, 3> centre{balls[m].x, balls[m].y, balls[m].z};
     for (std::size_t i = 0; i < 3; ++i) {
       out.low[i] = smaller(out.low[i], centre[i] - balls[m].radius);
       out.high[i] = larger(out.high[i], centre[i] + balls[m].radius);
@@ -276,7 +278,7 @@ BroadPhase::FloatBox BroadPhase::around(const MoverGroup& group, const std::vect
     total += balls[m].radius;
   }
   // A ball whose centre is infinite or NaN has such a radius, too, and may be anywhere.
-  const FloatMask known = total < infinity;
+  const StateMask known = total < infinity;
   for (std::size_t i = 0; i < 3; ++i) {
     out.low[i] = known ? out.low[i] : -infinity;
     out.high[i] = known ? out.high[i] : infinity;
@@ -290,14 +292,14 @@ void BroadPhase::find_listed(const MoverGroup& group, int count, Workspace& w) c
   for (const std::int32_t obstacle : group.obstacles) {
     const FloatBox& box = spread_[at(obstacle)];
     const auto apart = [&](std::size_t i) { return (own.low[i] > box.high[i]) | (own.high[i] < box.low[i]); };
-    if ((~float_bits(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
+    if ((~state_bits(apart(0) | apart(1) | apart(2)) & states) == 0) continue;
     for (std::size_t m = group.first; m < group.last; ++m) {
       const std::int32_t pair = pair_with(m, obstacle);
       if (pair < 0) continue;
       const Balls& ball = w.balls[m];
-      const Floats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
-      const Floats z = beyond(ball.z, box.low[2], box.high[2]);
-      const unsigned near = ~float_bits((x * x + y * y) + z * z > far_beyond(ball.radius)) & states;
+      const StateFloats x = beyond(ball.x, box.low[0], box.high[0]), y = beyond(ball.y, box.low[1], box.high[1]);
+      const StateFloats z = beyond(ball.z, box.low[2], box.high[2]);
+      const unsigned near = ~state_bits((x * x + y * y) + z * z > far_beyond(ball.radius)) & states;
       if (near != 0) w.candidates.push_back({pair, near});
     }
   }

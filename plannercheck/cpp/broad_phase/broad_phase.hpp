@@ -1,6 +1,6 @@
-// Which pairs of bodies may touch, for eight states at once. Bounding balls are tested among moving bodies, and against
-// obstacles' boxes, in a tree where these are many. Of the pairs left, balls and boxes inside bodies prove collisions,
-// and boxes around bodies prove others apart.
+// Which pairs of bodies may touch, for a block of states at once. Bounding balls are tested among moving bodies, and
+// against obstacles' boxes, in a tree where these are many. Of the pairs left, balls and boxes inside bodies prove
+// collisions, and boxes around bodies prove others apart.
 //
 // In: posed links of a block of states, in lanes. Out: the states that surely collide, if only that counts, and for
 // every other state the pairs that no bound decides. Every bound is proved with its rounding, so no filter changes a
@@ -35,7 +35,7 @@ class BroadPhase {
 
   // A ball around a moving body in each state of a block; its radius covers the rounding of its posing.
   struct Balls {
-    Floats x, y, z, radius;
+    StateFloats x, y, z, radius;
   };
 
   // A pair and the states in which it may touch, one bit each.
@@ -46,7 +46,7 @@ class BroadPhase {
 
   struct Workspace {
     RoundedLinks links;
-    std::vector<double> state_links;  // of one state of a block that has few
+    std::vector<PoseColumns> state_links;  // of one state of a block that has few
     std::vector<Balls> balls;
     SingleStateFilter::Workspace single_state_filter;
     BlockBoxes::Workspace boxes;
@@ -71,8 +71,8 @@ class BroadPhase {
 
   // Fills `near` for the first `count` states.
   void find(const Lanes* links, int count, Filters filters, Workspace& workspace) const;
-  // The same for one state. `links`: their poses, row-major 3x4, 12 numbers each.
-  void find(const double* links, Filters filters, Workspace& workspace) const;
+  // The same for one state.
+  void find(const PoseColumns* links, Filters filters, Workspace& workspace) const;
   // The same without bounds: all pairs.
   void take_all(int count, Workspace& workspace) const;
 
@@ -84,7 +84,7 @@ class BroadPhase {
 
   // A box in each state: around an obstacle (the same in all states), or around some movers.
   struct FloatBox {
-    std::array<Floats, 3> low, high;
+    std::array<StateFloats, 3> low, high;
   };
 
   std::size_t links_;
@@ -113,8 +113,8 @@ class BroadPhase {
   static void begin(Workspace& workspace);
   void take_permanent(int count, Workspace& workspace) const;
   void find_for_block(int count, Workspace& workspace) const;
-  void find_for_state(const double* links, std::size_t state, Workspace& workspace) const;
-  const double* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
+  void find_for_state(const PoseColumns* links, std::size_t state, Workspace& workspace) const;
+  const PoseColumns* links_in_state(const Lanes* links, std::size_t state, Workspace& workspace) const;
   void filter(int count, Filters filters, Workspace& workspace) const;
   void pose_balls(Workspace& workspace) const;
   void find_among_movers(int count, Workspace& workspace) const;

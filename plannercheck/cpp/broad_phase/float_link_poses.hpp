@@ -3,6 +3,7 @@
 
 #include "broad_phase/block_cache.hpp"
 #include "broad_phase/state_block.hpp"
+#include "robots/pose_columns.hpp"
 
 namespace plannercheck {
 
@@ -15,8 +16,8 @@ class RoundedLinks {
     block_ = poses, state_ = nullptr;
     rounded_.begin();
   }
-  // `poses`: of one state's links, 12 numbers each, which every lane gets; they have to outlive it.
-  void begin(const double* poses) {
+  // `poses`: of one state's links, which every lane gets; they have to outlive it.
+  void begin(const PoseColumns* poses) {
     block_ = nullptr, state_ = poses;
     rounded_.begin();
   }
@@ -26,14 +27,16 @@ class RoundedLinks {
   const FloatPose& of(std::size_t link) {
     return rounded_.of(link, false, [&](FloatPose& out) {
       if (block_ != nullptr) return round_to_floats(block_, links_, link, out);
-      for (std::size_t i = 0; i < out.m.size(); ++i) out.m[i] = Floats{} + static_cast<float>(state_[12 * link + i]);
+      const PoseColumns& pose = state_[link];
+      for (std::size_t i = 0; i < out.m.size(); ++i)
+        out.m[i] = StateFloats{} + static_cast<float>(pose.at(i / 4, i % 4));
     });
   }
 
  private:
   std::size_t links_;
   const Lanes* block_ = nullptr;
-  const double* state_ = nullptr;
+  const PoseColumns* state_ = nullptr;
   BlockCache<FloatPose> rounded_;
 };
 

@@ -2,7 +2,7 @@
 // miss.
 //
 // In: balls around bodies on links, obstacles' boxes, pairs, links' poses in sampled states. Out: the groups that
-// need the fewest tests in these states, eight at a time. Any choice gives the same verdicts; only its cost differs.
+// need the fewest tests in these states, a block at a time. Any choice gives the same verdicts; only its cost differs.
 #pragma once
 
 #include <cstdint>

@@ -41,10 +41,10 @@ Number far_beyond(Number radius) {
 }
 
 // How far coordinates lie outside of intervals, up to the sign; 0 inside; NaN stays NaN.
-template <class Low, class High>
-Floats beyond(Floats c, Low low, High high) {
-  const Floats lowest = low - Floats{}, highest = high - Floats{};
-  const Floats at_least = c > lowest ? c : lowest;
+template <FloatVector Coordinates, class Low, class High>
+Coordinates beyond(Coordinates c, Low low, High high) {
+  const Coordinates lowest = low - Coordinates{}, highest = high - Coordinates{};
+  const Coordinates at_least = c > lowest ? c : lowest;
   return c - (at_least < highest ? at_least : highest);
 }
 

@@ -52,8 +52,8 @@ BlockOverlaps::Balls BlockOverlaps::balls_of(const GeometryObject& object) {
     out.ball[out.count++] = {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)},
                              below((ball.radius + body.inflation_radius) * kShrunk)};
   }
-  static_assert(kInnerBalls <= kFloats);
-  out.side_by_side = PosedBall{Floats{}, Floats{}, Floats{}, Floats{} - __builtin_inff()};
+  static_assert(kInnerBalls <= kBlockStates);
+  out.side_by_side = PosedBall{StateFloats{}, StateFloats{}, StateFloats{}, StateFloats{} - __builtin_inff()};
   for (std::size_t k = 0; k < out.count; ++k) {
     const auto [x, y, z] = out.ball[k].centre;
     out.side_by_side.x[k] = x, out.side_by_side.y[k] = y, out.side_by_side.z[k] = z;
@@ -87,7 +87,7 @@ BlockOverlaps::PosedBall BlockOverlaps::posed(const FloatPose& link, Number x, N
   p.x = link.turned(0, x, y, z) + link.m[3];
   p.y = link.turned(1, x, y, z) + link.m[7];
   p.z = link.turned(2, x, y, z) + link.m[11];
-  const Floats size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
+  const StateFloats size = (absolute(p.x) + absolute(p.y)) + absolute(p.z);
   p.radius = radius - (size * static_cast<float>(kPosingError) + room);
   return p;
 }
@@ -99,16 +99,16 @@ void BlockOverlaps::pose(const FloatPose& link, const Balls& balls, PosedBalls& 
   }
 }
 
-FloatMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame) {
-  const Floats x = ball.x - frame.centre[0], y = ball.y - frame.centre[1], z = ball.z - frame.centre[2];
-  Floats square = {};
+StateMask BlockOverlaps::meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame) {
+  const StateFloats x = ball.x - frame.centre[0], y = ball.y - frame.centre[1], z = ball.z - frame.centre[2];
+  StateFloats square = {};
 #pragma GCC unroll 3
   for (std::size_t j = 0; j < 3; ++j) {
-    const Floats along = (frame.axes[3 * j] * x + frame.axes[3 * j + 1] * y) + frame.axes[3 * j + 2] * z;
-    const Floats outside = beyond(along, box.low[j], box.high[j]);
+    const StateFloats along = (frame.axes[3 * j] * x + frame.axes[3 * j + 1] * y) + frame.axes[3 * j + 2] * z;
+    const StateFloats outside = beyond(along, box.low[j], box.high[j]);
     square += outside * outside;
   }
-  const Floats limit = (ball.radius + box.radius) - 2 * frame.room;
+  const StateFloats limit = (ball.radius + box.radius) - 2 * frame.room;
   return (square < limit * limit) & (limit > kShortest);
 }
 
@@ -122,7 +122,7 @@ bool BlockOverlaps::overlap_in_state(RoundedLinks& links, std::size_t pair, cons
     out[0] = posed(links.of(at(own.link)), x, y, z, radius, own.room);
   });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
-  return float_bits(meet(balls[0], boxes_[at(roles.box)], frame)) != 0;
+  return state_bits(meet(balls[0], boxes_[at(roles.box)], frame)) != 0;
 }
 
 unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const BlockBoxes& boxes,
@@ -134,9 +134,9 @@ unsigned BlockOverlaps::overlap(RoundedLinks& links, std::size_t pair, const Blo
       w.of(at(roles.balls), false, [&](PosedBalls& out) { pose(links.of(at(own.link)), own, out); });
   const BlockBoxes::Posed& frame = boxes.posed(links, at(roles.box), posed_boxes);
   const Box& box = boxes_[at(roles.box)];
-  FloatMask out = {};
+  StateMask out = {};
   for (std::size_t k = 0; k < own.count; ++k) out |= meet(balls[k], box, frame);
-  return float_bits(out);
+  return state_bits(out);
 }
 
 }  // namespace plannercheck

@@ -23,7 +23,7 @@ class BlockOverlaps {
 
   // It is surely inside the body if the radius is positive.
   struct PosedBall {
-    Floats x, y, z, radius;
+    StateFloats x, y, z, radius;
   };
   typedef std::array<PosedBall, kInnerBalls> PosedBalls;
 
@@ -71,7 +71,7 @@ class BlockOverlaps {
 
   static Balls balls_of(const GeometryObject& object);
   static Box box_of(const Polytope& body);
-  static FloatMask meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
+  static StateMask meet(const PosedBall& ball, const Box& box, const BlockBoxes::Posed& frame);
   static void pose(const FloatPose& link, const Balls& balls, PosedBalls& out);
   template <class Number>
   static PosedBall posed(const FloatPose& link, Number x, Number y, Number z, Number radius, float room);

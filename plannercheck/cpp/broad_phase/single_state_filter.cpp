@@ -5,6 +5,28 @@
 #include <utility>
 
 namespace plannercheck {
+namespace {
+
+typedef float Centre __attribute__((vector_size(kDouble4Lanes * 4)));  // x, y, z, and a lane to spare
+
+Centre posed_centre(const BoundingBall& ball, const PoseColumns* links) {
+  const Double4* const c = links[at(ball.link)].column;
+  const double x = ball.centre[0], y = ball.centre[1], z = ball.centre[2];
+  return __builtin_convertvector(((c[0] * x + c[1] * y) + c[2] * z) + c[3], Centre);
+}
+
+// Put together in registers: a wide load after narrow stores would wait for them.
+void set_side_by_side(const Centre (&centres)[kFloats], SingleStateFilter::Posed& out) {
+  const auto both = [&](std::size_t k) { return shuffled<0, 1, 2, 3, 4, 5, 6, 7>(centres[k], centres[k + 4]); };
+  const Floats a = both(0), b = both(1), c = both(2), d = both(3);
+  const Floats ab = shuffled<0, 8, 1, 9, 4, 12, 5, 13>(a, b), cd = shuffled<0, 8, 1, 9, 4, 12, 5, 13>(c, d);
+  out.x = shuffled<0, 1, 8, 9, 4, 5, 12, 13>(ab, cd);
+  out.y = shuffled<2, 3, 10, 11, 6, 7, 14, 15>(ab, cd);
+  const Floats z_ab = shuffled<2, 10, 3, 11, 6, 14, 7, 15>(a, b), z_cd = shuffled<2, 10, 3, 11, 6, 14, 7, 15>(c, d);
+  out.z = shuffled<0, 1, 8, 9, 4, 5, 12, 13>(z_ab, z_cd);
+}
+
+}  // namespace
 
 SingleStateFilter::SingleStateFilter(std::vector<BoundingBall> balls, const std::vector<WorldBox>& boxes,
                                      const std::vector<Partner>& balls_with_balls,
@@ -45,20 +67,13 @@ std::vector<SingleStateFilter::Test> SingleStateFilter::tests(const std::vector<
 }
 
 // Poses in doubles, as the links are; the balls' room covers it.
-void SingleStateFilter::pose(const double* links, Workspace& w) const {
-  for (std::size_t b = 0; b < balls_.size(); ++b) {
-    const double* const m = links + at(balls_[b].link) * 12;
-    const double x = balls_[b].centre[0], y = balls_[b].centre[1], z = balls_[b].centre[2];
-    const auto row = [&](std::size_t i) {
-      return static_cast<float>(((m[i] * x + m[i + 1] * y) + m[i + 2] * z) + m[i + 3]);
-    };
-    Posed& eight = w.posed[b / kFloats];
-    eight.x[b % kFloats] = row(0);
-    eight.y[b % kFloats] = row(4);
-    eight.z[b % kFloats] = row(8);
-  }
+void SingleStateFilter::pose(const PoseColumns* links, Workspace& w) const {
   for (std::size_t k = 0; k < w.posed.size(); ++k) {
+    Centre centres[kFloats]{};
+    const std::size_t first = k * kFloats, count = std::min<std::size_t>(kFloats, balls_.size() - first);
+    for (std::size_t b = 0; b < count; ++b) centres[b] = posed_centre(balls_[first + b], links);
     Posed& p = w.posed[k];
+    set_side_by_side(centres, p);
     p.radius = BoundingBall::radius_at(p.x, p.y, p.z, sizes_[k].radius, sizes_[k].room);
     p.limit = far_beyond(p.radius);
   }

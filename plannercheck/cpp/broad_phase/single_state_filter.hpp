@@ -15,6 +15,7 @@
 #include "broad_phase/obstacle_tree.hpp"
 #include "broad_phase/state_block.hpp"
 #include "math/simd.hpp"
+#include "robots/pose_columns.hpp"
 
 namespace plannercheck {
 
@@ -42,8 +43,7 @@ class SingleStateFilter {
     return {std::vector<Posed>(sizes_.size()), std::vector<std::uint8_t>(tests_room())};
   }
 
-  // `links`: their poses, row-major 3x4, 12 numbers each.
-  void pose(const double* links, Workspace& workspace) const;
+  void pose(const PoseColumns* links, Workspace& workspace) const;
 
   struct Ball {
     float x, y, z, radius, limit;

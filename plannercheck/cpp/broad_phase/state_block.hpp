@@ -8,9 +8,27 @@
 
 namespace plannercheck {
 
-inline constexpr int kBlockStates = kFloats;
+// As many as floats fill a register, and eight at least: twice as many lanes take less than twice the time, since of
+// two blocks mostly both ask for the same pairs.
+inline constexpr int kBlockStates = 2 * kLanes < kFloats ? kFloats : 2 * kLanes;
 inline constexpr int kBlockGroups = kBlockStates / kLanes;  // groups of Lanes that hold one number of each state
 static_assert(kBlockGroups * kLanes == kBlockStates);
+
+typedef float StateFloats __attribute__((vector_size(kBlockStates * 4)));
+typedef int StateMask __attribute__((vector_size(kBlockStates * 4)));
+
+// Bit k of the result: state k of a comparison.
+inline unsigned state_bits(StateMask mask) {
+#if defined(__AVX512DQ__)
+  return _mm512_movepi32_mask(reinterpret_cast<__m512i>(mask));
+#elif defined(__AVX__) && !defined(PLANNERCHECK_EIGHT_LANES)
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
+#else
+  unsigned out = 0;
+  for (int i = 0; i < kBlockStates; ++i) out |= mask[i] != 0 ? 1U << i : 0U;
+  return out;
+#endif
+}
 
 // Index into the link poses of a block: number i of the row-major 3x4 matrix of a link, for the states of a group.
 inline std::size_t pose_index(std::size_t links, std::size_t group, std::size_t link) {
@@ -19,18 +37,18 @@ inline std::size_t pose_index(std::size_t links, std::size_t group, std::size_t 
 
 // A row-major 3x4 matrix in every state of a block, rounded to floats: for filters.
 struct FloatPose {
-  std::array<Floats, 12> m;
+  std::array<StateFloats, 12> m;
 
   // Row i times a vector.
   template <class Number>
-  Floats turned(std::size_t i, Number x, Number y, Number z) const {
+  StateFloats turned(std::size_t i, Number x, Number y, Number z) const {
     return (m[4 * i] * x + m[4 * i + 1] * y) + m[4 * i + 2] * z;
   }
 };
 
 inline void round_to_floats(const Lanes* poses, std::size_t links, std::size_t link, FloatPose& out) {
   const Lanes* const from = poses + pose_index(links, 0, link);
-  for (std::size_t i = 0; i < out.m.size(); ++i) out.m[i] = joined_floats(from + i, links * 12);
+  for (std::size_t i = 0; i < out.m.size(); ++i) out.m[i] = joined_floats<kBlockStates>(from + i, links * 12);
 }
 
 }  // namespace plannercheck

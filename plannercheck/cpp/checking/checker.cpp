@@ -74,8 +74,8 @@ struct GroupLook {
 
 struct CheckerCore::Workspace {
   CheckerCounters counters;
-  std::vector<Lanes> columns, links;    // of a block's groups: configurations and link poses
-  const double* state_links = nullptr;  // the poses of a single state, if they are not among those
+  std::vector<Lanes> columns, links;         // of a block's groups: configurations and link poses
+  const PoseColumns* state_links = nullptr;  // the poses of a single state, if they are not among those
   LinkPoser poser;
   StatePoser state_poser;
   std::uint64_t posed_by = 0;  // the kinematics for which the posers are prepared
@@ -128,11 +128,7 @@ Pose CheckerCore::body_pose(std::size_t body, const double* links) const {
 Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w) const {
   const GeometryObject& object = bodies_[body];
   if (object.link < 0) return object.placement;
-  if (w.state_links != nullptr) {
-    std::array<double, 12> link;
-    std::copy_n(w.state_links + at(object.link) * StatePoser::kStride, 12, link.begin());
-    return placed_on(link, object.placement);
-  }
+  if (w.state_links != nullptr) return placed_on(w.state_links[at(object.link)], object.placement);
   const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, at(object.link))];
   std::array<double, 12> link;
   for (std::size_t i = 0; i < 12; ++i) link[i] = lanes[i][state % kLanes];

@@ -2,7 +2,9 @@
 // x86-64 and aarch64.
 #pragma once
 
+#include <cstddef>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 #if defined(__AVX__)
@@ -44,27 +46,30 @@ inline Lanes load_lanes(const double* from) {
 
 inline void store_lanes(double* to, Lanes lanes) { std::memcpy(to, &lanes, sizeof lanes); }
 
-// Numbers in Lanes as eight floats, each rounded to the nearest; group g of the lanes is at from[g * stride]. The
+// Numbers in Lanes as `count` floats, each rounded to the nearest; group g of the lanes is at from[g * stride]. The
 // register is written at once: a wide load after narrower stores would wait for them.
-inline Floats joined_floats(const Lanes* from, std::size_t stride) {
-  typedef float Narrow __attribute__((vector_size(kLanes * 4)));
-  const auto part = [&](std::size_t g) { return __builtin_convertvector(from[g * stride], Narrow); };
-  const auto join = [&]<class Part>(Part first) {
-    if constexpr (sizeof first == sizeof(Floats)) {
-      return first;
-    } else if constexpr (2 * sizeof first == sizeof(Floats)) {
-      return shuffled<0, 1, 2, 3, 4, 5, 6, 7>(first, part(1));
-    } else {
-      const auto low = shuffled<0, 1, 2, 3>(first, part(1));
-      const auto high = shuffled<0, 1, 2, 3>(part(2), part(3));
-      return shuffled<0, 1, 2, 3, 4, 5, 6, 7>(low, high);
-    }
-  };
-  return join(part(0));
+template <int count = kFloats>
+inline auto joined_floats(const Lanes* from, std::size_t stride) {
+  if constexpr (count == kLanes) {
+    typedef float Narrow __attribute__((vector_size(kLanes * 4)));
+    return __builtin_convertvector(*from, Narrow);
+  } else {
+    const auto low = joined_floats<count / 2>(from, stride);
+    const auto high = joined_floats<count / 2>(from + count / 2 / kLanes * stride, stride);
+    return [&]<int... k>(std::integer_sequence<int, k...>) {
+      return shuffled<k...>(low, high);
+    }(std::make_integer_sequence<int, count>{});
+  }
 }
 
-inline Floats absolute(Floats a) {
-  return reinterpret_cast<Floats>(reinterpret_cast<FloatMask>(a) & (FloatMask{} + 0x7fffffff));
+// Vectors of any number of floats.
+template <class Vector>
+concept FloatVector = std::is_same_v<std::remove_cvref_t<decltype(std::declval<Vector&>()[0])>, float>;
+
+template <FloatVector Vector>
+inline Vector absolute(Vector a) {
+  typedef int Mask __attribute__((vector_size(sizeof(Vector))));
+  return reinterpret_cast<Vector>(reinterpret_cast<Mask>(a) & (Mask{} + 0x7fffffff));
 }
 
 // The lanes after the first one, then the first one of those that follow.
@@ -82,8 +87,14 @@ inline Lanes absolute(Lanes a) {
 
 inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
-inline Floats larger(Floats a, Floats b) { return a > b ? a : b; }
-inline Floats smaller(Floats a, Floats b) { return a < b ? a : b; }
+template <FloatVector Vector>
+inline Vector larger(Vector a, Vector b) {
+  return a > b ? a : b;
+}
+template <FloatVector Vector>
+inline Vector smaller(Vector a, Vector b) {
+  return a < b ? a : b;
+}
 
 // Bit k of the result: lane k of a comparison.
 inline unsigned bits(LaneMask mask) {

@@ -1,4 +1,4 @@
-// Collisions of a motion's states that balls and boxes inside the bodies prove, eight states at once.
+// Collisions of a motion's states that balls and boxes inside the bodies prove, a block of states at once.
 //
 // In: a grid of states, pairs that may collide at some of them. Out: a pair that surely shares a point at a state,
 // whatever the rounding, if one is found. Such a motion can't be proved free: a proof would cover that very state.

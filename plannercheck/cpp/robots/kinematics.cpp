@@ -304,10 +304,11 @@ void LinkPoser::pose(const Lanes* q, Lanes* out) {
 void Kinematics::link_poses_of_state(const double* q, const unsigned char* needed, double* out) const {
   StatePoser poser;
   poser.begin(*this, needed);
-  const double* const poses = poser.pose(q);
+  const PoseColumns* const poses = poser.pose(q);
   for (size_t i = 0; i < links_.size(); ++i) {
     if (!needed[i]) continue;
-    std::copy_n(poses + i * kPose, kPose, out + i * 16);
+    const Pose pose = poses[i].by_rows();
+    std::copy(pose.m.begin(), pose.m.end(), out + i * 16);
     end_matrix(out + i * 16);
   }
 }

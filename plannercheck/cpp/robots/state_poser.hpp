@@ -1,17 +1,15 @@
 // Forward kinematics of one configuration, for calls that bring a single one.
 //
-// In: the table of kinematics.hpp, one configuration. Out: poses of the needed links, row-major 3x4. Idea: lanes over
+// In: the table of kinematics.hpp, one configuration. Out: poses of the needed links, by columns. Idea: lanes over
 // states would be empty but for one. So lanes run over joints where sines and cosines are taken, and over a matrix's
-// columns where poses are multiplied. The operations on each number are those of kinematics_lanes.hpp, in their order:
-// the poses have the same bits.
+// rows where poses are multiplied: placements and turns then mix whole columns, no lanes. The operations on each number
+// are those of kinematics_lanes.hpp, in their order: the poses have the same bits.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
-#include "math/double4.hpp"
-#include "math/simd.hpp"
 #include "robots/kinematics.hpp"
+#include "robots/pose_columns.hpp"
 #include "robots/posing_order.hpp"
 
 namespace plannercheck {
@@ -19,36 +17,30 @@ namespace plannercheck {
 // Poses only the links that its caller needs. A workspace: it keeps its memory.
 class StatePoser {
  public:
-  static constexpr std::size_t kStride = 12;  // numbers of a pose
-
   // needed[link] != 0: for all links. The kinematics has to outlive the calls of `pose`.
   void begin(const Kinematics& kinematics, const unsigned char* needed);
 
   // q: width() numbers. Returns link_count() poses, of which only needed ones are written; valid until the next call.
-  const double* pose(const double* q);
+  const PoseColumns* pose(const double* q);
 
  private:
-  struct Rows {
-    Double4 row[3];
-  };
-
   // What is posed on `parent`, a place among the poses, or in the world if that is below 0.
   struct Step {
     int parent, to;
     PlacementForm form;
-    Rows placement;
+    Rigid placement;
     const Kinematics::Joint* joint;  // that moves it, or null for a link on a joint
     int turn;                        // the place of its angle, or −1
   };
 
   std::vector<Step> steps_;
   std::vector<JointValue> angles_;
-  std::vector<double> cos_, sin_, poses_;  // poses of links, then of joints that are no link's
+  std::vector<double> cos_, sin_;
+  std::vector<PoseColumns> poses_;  // of links, then of joints that are no link's
 
   void add(int parent, int to, const Rigid& placement, PlacementForm form, const Kinematics::Joint* joint);
   void take_turns(const double* q);
-  [[gnu::always_inline]] static Rows placed(const Rows& parent, const Rows& placement, PlacementForm form);
-  [[gnu::always_inline]] void move(const Step& step, const double* q, Rows& pose) const;
+  [[gnu::always_inline]] void move(const Step& step, const double* q, PoseColumns& pose) const;
 };
 
 }  // namespace plannercheck
