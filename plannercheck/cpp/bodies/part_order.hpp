@@ -13,9 +13,12 @@ namespace plannercheck {
 
 inline constexpr std::size_t kPartsInLeaf = 8, kChildren = 8;
 
-// A part's place on its way into the order: 16 bytes.
+// Bits of a place along an axis.
+inline constexpr int kPlaceBits = 24;
+
+// A part's place on its way into the order, each coordinate of at least 0: 16 bytes.
 struct PlacedPart {
-  std::array<float, 3> at;
+  std::array<std::int32_t, 3> at;
   std::int32_t index;
 };
 

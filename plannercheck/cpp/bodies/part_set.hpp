@@ -108,6 +108,15 @@ class PartSet {
     void take(const Extent& other);
   };
 
+  // Eight of them by axis; `low` is above `high` where there is nothing.
+  struct EightExtents {
+    std::array<std::array<double, kChildren>, 3> low, high;
+
+    EightExtents();
+    void put(std::size_t k, const Extent& extent);
+    Extent around() const;
+  };
+
   // Eight cells of a leaf; `size` 0 where there is none.
   struct EightCells {
     std::array<std::array<std::int32_t, kPartsInLeaf>, 3> key;
@@ -136,9 +145,12 @@ class PartSet {
   PartShape prism(std::size_t place) const;
   Vec3 height_point(std::size_t i, std::size_t j) const;
   std::array<std::size_t, 2> tile_of(std::size_t leaf) const;
-  Extent extent(std::size_t place) const;
-  Extent leaf_extent(std::size_t leaf) const;
-  void put_box(const Extent& extent, std::size_t child, PartNode& node) const;
+  EightExtents part_extents(std::size_t leaf) const;
+  EightExtents ball_extents(std::size_t leaf) const;
+  EightExtents cell_extents(std::size_t leaf) const;
+  EightExtents prism_extents(std::size_t leaf) const;
+  PartNode boxes(const EightExtents& extents) const;
+  void frame_units(const Extent& all);
   void build_levels();
 };
 
