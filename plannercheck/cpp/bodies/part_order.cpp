@@ -37,20 +37,20 @@ struct Side {
 
 class TreeOrder {
  public:
-  explicit TreeOrder(std::vector<PlacedPart> parts) : parts_(std::move(parts)), spare_(parts_.size()) {
+  explicit TreeOrder(PlacedParts parts) : parts_(std::move(parts)), spare_(parts_.size()) {
     std::size_t child = kPartsInLeaf;
     while (child * kChildren < parts_.size()) child *= kChildren;
     divide_node(0, parts_.size(), child);
   }
 
-  std::vector<std::int32_t> indices() const {
-    std::vector<std::int32_t> out(parts_.size());
+  PartIndices indices() const {
+    PartIndices out(parts_.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = parts_[i].index;
     return out;
   }
 
  private:
-  std::vector<PlacedPart> parts_, spare_;
+  PlacedParts parts_, spare_;
   std::array<std::array<std::uint32_t, kBins>, kTables> counted_;
 
   // `child`: how many parts are below a child.
@@ -163,12 +163,12 @@ class TreeOrder {
 
 }  // namespace
 
-std::vector<std::int32_t> tree_order(std::vector<PlacedPart> parts) { return TreeOrder(std::move(parts)).indices(); }
+PartIndices tree_order(PlacedParts parts) { return TreeOrder(std::move(parts)).indices(); }
 
-std::vector<std::int32_t> tile_order(std::size_t tiles_x, std::size_t tiles_y) {
+PartIndices tile_order(std::size_t tiles_x, std::size_t tiles_y) {
   std::size_t side = 1;
   while (side < tiles_x || side < tiles_y) side *= 2;
-  std::vector<std::int32_t> order;
+  PartIndices order;
   order.reserve(tiles_x * tiles_y);
   const auto visit = [&](const auto& self, std::size_t i, std::size_t j, std::size_t size) -> void {
     if (i >= tiles_x || j >= tiles_y) return;

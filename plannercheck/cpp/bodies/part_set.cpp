@@ -1,10 +1,11 @@
 #include "bodies/part_set.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "math/simd.hpp"
 
 namespace plannercheck {
 namespace {
@@ -18,18 +19,20 @@ constexpr double kPartUnitsError = 0x1p-50;
 // where this is.
 constexpr double kSideError = 0x1p-51;
 
+// More than 1 by twice what a float may be off by.
+constexpr double kFloatsUp = 1 + 0x1p-23;
+
+constexpr std::size_t kNodeGroups = kChildren / kLanes;
+
 // Below this side, m, the order of the parts does not matter, and steps would not be finite.
 constexpr double kLeastSide = 0x1p-900;
 
-// Of a value above 0 and within the floats.
-float float_not_below(double value) {
-  const auto rounded = static_cast<float>(value);
-  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(rounded) + (static_cast<double>(rounded) < value ? 1U : 0U));
-}
+// What is not below values once it is rounded to floats, none of which is denormal.
+Lanes float_not_below(Lanes values) { return values * kFloatsUp; }
 
 // Where the parts stand along each axis, in steps of the longest side of the box around them. `point`: of a part, m.
 template <class Point>
-std::vector<PlacedPart> placed_parts(std::size_t n, Point point) {
+PlacedParts placed_parts(std::size_t n, Point point) {
   Vec3 low{kInfinite, kInfinite, kInfinite}, high = -low;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 p = point(i);
@@ -38,7 +41,7 @@ std::vector<PlacedPart> placed_parts(std::size_t n, Point point) {
   }
   const double longest = norm_max(high - low);
   const double steps = longest > kLeastSide ? ((1 << kPlaceBits) - 1) / longest : 0;
-  std::vector<PlacedPart> places(n);
+  PlacedParts places(n);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 p = steps * (point(i) - low);
     places[i] = {{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)},
@@ -183,9 +186,11 @@ std::array<std::size_t, 2> PartSet::tile_of(std::size_t leaf) const {
   return {2 * (tile / tiles_y), 2 * (tile % tiles_y)};
 }
 
+double PartSet::height_x(std::size_t i) const { return origin_.x + static_cast<double>(i) * step_[0]; }
+double PartSet::height_y(std::size_t j) const { return origin_.y + static_cast<double>(j) * step_[1]; }
+
 Vec3 PartSet::height_point(std::size_t i, std::size_t j) const {
-  return {origin_.x + static_cast<double>(i) * step_[0], origin_.y + static_cast<double>(j) * step_[1],
-          heights_[i * columns_ + j]};
+  return {height_x(i), height_y(j), heights_[i * columns_ + j]};
 }
 
 PartShape PartSet::prism(std::size_t place) const {
@@ -250,13 +255,25 @@ PartSet::EightExtents PartSet::cell_extents(std::size_t leaf) const {
   return out;
 }
 
+// The prisms of a cell are as wide as the cell.
 PartSet::EightExtents PartSet::prism_extents(std::size_t leaf) const {
+  const auto [first_i, first_j] = tile_of(leaf);
+  std::array<std::array<double, 3>, 3> height;
+  std::array<double, 3> x, y;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const bool there = first_i + i < rows_ && first_j + j < columns_;
+      height[i][j] = there ? heights_[(first_i + i) * columns_ + first_j + j] : std::numeric_limits<double>::quiet_NaN();
+    }
+    x[i] = height_x(first_i + i), y[i] = height_y(first_j + i);
+  }
   EightExtents out;
   for (std::size_t k = 0; k < kPartsInLeaf; ++k) {
-    const PartShape part = prism(kPartsInLeaf * leaf + k);
-    Extent extent = Extent::nothing();
-    for (std::size_t c = 0; c < part.corners; ++c) extent.take({part.corner[c], part.corner[c]});
-    out.put(k, extent);
+    const std::size_t i = k >> 2, j = k >> 1 & 1;
+    const double a = height[i][j], b = (k & 1) == 0 ? height[i + 1][j] : height[i][j + 1], c = height[i + 1][j + 1];
+    if (std::isnan(a + b + c)) continue;
+    out.put(k, {{smaller(x[i], x[i + 1]), smaller(y[j], y[j + 1]), smaller(smaller(base_, a), smaller(b, c))},
+                {larger(x[i], x[i + 1]), larger(y[j], y[j + 1]), larger(larger(base_, a), larger(b, c))}});
   }
   return out;
 }
@@ -285,16 +302,19 @@ PartNode PartSet::boxes(const EightExtents& extents) const {
   PartNode node;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double middle = middle_[static_cast<int>(axis)];
-    for (std::size_t k = 0; k < kChildren; ++k) {
-      const bool there = extents.low[axis][k] <= extents.high[axis][k];
-      const double low = ((there ? extents.low[axis][k] : middle) - middle) * units_ - kPartUnitsError;
-      const double high = ((there ? extents.high[axis][k] : middle) - middle) * units_ + kPartUnitsError;
-      const auto rounded = static_cast<float>(0.5 * (low + high));
-      const auto centre = static_cast<double>(rounded);
-      const float half = float_not_below(larger(high - centre, centre - low) + kPartUnitsError);
-      node.centre[axis][k] = rounded;
-      node.half[axis][k] = there ? half : -std::numeric_limits<float>::infinity();
+    std::array<Lanes, kNodeGroups> lows, highs, centres, halves;
+    for (std::size_t g = 0; g < kNodeGroups; ++g) {
+      lows[g] = (load_lanes(&extents.low[axis][g * kLanes]) - middle) * units_ - kPartUnitsError;
+      highs[g] = (load_lanes(&extents.high[axis][g * kLanes]) - middle) * units_ + kPartUnitsError;
+      centres[g] = lows[g] <= highs[g] ? 0.5 * (lows[g] + highs[g]) : Lanes{};
     }
+    store_floats(node.centre[axis].data(), joined_floats(centres.data(), 1));
+    for (std::size_t g = 0; g < kNodeGroups; ++g) {
+      const Lanes low = lows[g], high = highs[g], centre = load_widened(&node.centre[axis][g * kLanes]);
+      const Lanes half = float_not_below(larger(high - centre, centre - low) + kPartUnitsError);
+      halves[g] = low <= high ? half : broadcast(-kInfinite);
+    }
+    store_floats(node.half[axis].data(), joined_floats(halves.data(), 1));
   }
   return node;
 }
@@ -312,7 +332,7 @@ void PartSet::frame_units(const Extent& all) {
 
 void PartSet::build_levels() {
   const auto parents = [](std::size_t n) { return std::max<std::size_t>(1, (n + kChildren - 1) / kChildren); };
-  std::vector<EightExtents> extents(parents(leaves_));
+  Array<EightExtents> extents(parents(leaves_));
   Extent all = Extent::nothing();
   for (std::size_t leaf = 0; leaf < leaves_; ++leaf) {
     const Extent around = part_extents(leaf).around();
@@ -321,11 +341,11 @@ void PartSet::build_levels() {
   }
   frame_units(parts_ == 0 ? Extent{} : all);
   for (;;) {
-    std::vector<PartNode> nodes(extents.size());
+    Array<PartNode> nodes(extents.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = boxes(extents[i]);
     levels_.push_back(std::move(nodes));
     if (extents.size() == 1) return;
-    std::vector<EightExtents> above(parents(extents.size()));
+    Array<EightExtents> above(parents(extents.size()));
     for (std::size_t i = 0; i < extents.size(); ++i) above[i / kChildren].put(i % kChildren, extents[i].around());
     extents = std::move(above);
   }
@@ -341,11 +361,11 @@ PartSet::Given PartSet::given() const {
   out.resolution = resolution_, out.origin = origin_, out.step = step_, out.base = base_;
   out.rows = rows_, out.columns = columns_;
   if (kind_ == Kind::kColumns) {
-    out.numbers = heights_;
+    out.numbers.assign(heights_.begin(), heights_.end());
     return out;
   }
   const bool are_balls = kind_ == Kind::kBalls, one_radius = radii_.size() == 1;
-  out.radii = one_radius ? radii_ : std::vector<double>(parts_);
+  out.radii.assign(one_radius ? 1 : parts_, radii_[0]);
   (are_balls ? out.numbers : out.radii).resize(are_balls ? 3 * parts_ : 1);
   if (!are_balls) out.keys.resize(3 * parts_), out.sizes.resize(parts_);
   for (std::size_t place = 0; place < parts_; ++place) {

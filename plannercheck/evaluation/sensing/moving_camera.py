@@ -3,8 +3,8 @@
 In: a robot, a scene with a start and a goal, numbers. Out: a `Frame` after each frame, and `StepRow`s of them all. The
 camera goes around the scene while a ball moves through it. The robot knows only what the last frame shows: its points
 replace those of the frame before, less the robot's own ones. It goes along its plan at a steady speed, and back when it
-has arrived. The camera is a process of its own, so that rendering, with NumPy's threads, which wait for more work on the
-processor, is not part of any figure; all else runs on one core.
+has arrived. The camera is a process of its own, so that rendering, with NumPy's threads, which go on waiting for work,
+is not part of any figure; all else runs on one core.
 """
 
 from __future__ import annotations
