@@ -30,7 +30,7 @@ struct Span {
   std::int32_t low, high;
 };
 
-struct Side {
+struct LongSide {
   std::size_t axis;
   Span span;
 };
@@ -142,7 +142,7 @@ class TreeOrder {
     std::copy(spare_.data(), after, std::copy(inside, end, before));
   }
 
-  Side longest_side(std::size_t from, std::size_t to) const {
+  LongSide longest_side(std::size_t from, std::size_t to) const {
     const auto place = [&](std::size_t i) {
       Four four;  // with the index, which is not looked at
       std::memcpy(&four, &parts_[i], sizeof four);

@@ -263,7 +263,8 @@ PartSet::EightExtents PartSet::prism_extents(std::size_t leaf) const {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       const bool there = first_i + i < rows_ && first_j + j < columns_;
-      height[i][j] = there ? heights_[(first_i + i) * columns_ + first_j + j] : std::numeric_limits<double>::quiet_NaN();
+      height[i][j] =
+          there ? heights_[(first_i + i) * columns_ + first_j + j] : std::numeric_limits<double>::quiet_NaN();
     }
     x[i] = height_x(first_i + i), y[i] = height_y(first_j + i);
   }
@@ -365,7 +366,7 @@ PartSet::Given PartSet::given() const {
     return out;
   }
   const bool are_balls = kind_ == Kind::kBalls, one_radius = radii_.size() == 1;
-  out.radii.assign(one_radius ? 1 : parts_, radii_[0]);
+  out.radii.assign(one_radius ? 1 : parts_, largest_radius_);
   (are_balls ? out.numbers : out.radii).resize(are_balls ? 3 * parts_ : 1);
   if (!are_balls) out.keys.resize(3 * parts_), out.sizes.resize(parts_);
   for (std::size_t place = 0; place < parts_; ++place) {

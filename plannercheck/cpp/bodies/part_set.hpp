@@ -136,7 +136,7 @@ class PartSet {
   std::vector<Array<PartNode>> levels_;
   Array<std::int32_t> source_;  // by place, of balls and cells; by leaf, of tiles of heights
   Array<EightPoints> points_;
-  Array<double> radii_;        // one, or one by place
+  Array<double> radii_;  // one, or one by place
   Array<EightCells> cells_;
   double resolution_ = 1;
   Vec3 origin_;
