@@ -59,7 +59,7 @@ class PointCloud(PartSet):
             if not kept.all():
                 object.__setattr__(self, "source", read_only(np.flatnonzero(kept)))
                 object.__setattr__(self, "dropped", int(len(points) - np.count_nonzero(kept)))
-                points, radius = points[kept], radius if len(radius) == 1 else radius[kept]
+                points, radius = points.compress(kept, axis=0), radius if len(radius) == 1 else radius[kept]
         check_coordinates(points, "points of a cloud", _DROP_HINT)
         object.__setattr__(self, "points", read_only(points))
         object.__setattr__(self, "radius", read_only(radius))
@@ -138,8 +138,12 @@ class PointCloud(PartSet):
 
     def _bounds(self) -> Sequence[ArrayLike]:
         columns = self.points.T  # one by one, since NumPy takes 80 times as long for all three at once
-        low = np.array([(column - self.radius).min() for column in columns])
-        high = np.array([(column + self.radius).max() for column in columns])
+        if len(self.radius) == 1:  # rounding keeps the order: the least difference is that of the least
+            low = np.array([column.min() for column in columns]) - self.radius
+            high = np.array([column.max() for column in columns]) + self.radius
+        else:
+            low = np.array([(column - self.radius).min() for column in columns])
+            high = np.array([(column + self.radius).max() for column in columns])
         return np.nextafter(low, -np.inf), np.nextafter(high, np.inf)
 
     def _core(self) -> Any:

@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck import planar
+from plannercheck.bodies.height_fields import HeightField
 from plannercheck.bodies.mesh_files import load_triangles
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.pieces import polytope_volume
+from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import GeometryObject, Hull
+from plannercheck.bodies.shapes import GeometryObject, Hull, Shape
 from plannercheck.bodies.solids import Solid
 from plannercheck.bodies.triangle_meshes import TriangleMesh, triangles_of_coal
 from plannercheck.checking.hull_fidelity import largest_filling
@@ -42,6 +45,9 @@ _EPILOG = """\
 Example:
   plannercheck inspect --robot ur5 --scene kitchen --without
 """
+
+# What sets are of, if not of cells.
+_PARTS: dict[type[PartSet], str] = {PointCloud: "points", HeightField: "triangles"}
 
 # Ways of skipping work that a checker can be built without, and what they are.
 SKIPS = {
@@ -142,7 +148,7 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
         sizes: tuple[object, ...] = (0, 0, 0)
         if polytope is not None:
             numbers = polytope.statistics()
-            sizes = numbers["vertices"], numbers["facets"], numbers["bytes"] // 1024
+            sizes = *_counts(body.shape, numbers), numbers["bytes"] // 1024
         volumes = _volumes(late, meshes.get(body.name))
         rows.append((body.name, body.link or "(scene)", _geometry(checker, body), *sizes, count, *volumes))
     header = ("body", "link", "geometry", "vertices", "facets", "kB", "pairs", "radius m", "hull cm³", "mesh cm³")
@@ -159,6 +165,13 @@ def _show_bodies(checker: Checker, meshes: dict[str, TriangleMesh]) -> None:
     )
     print(f"\n{_left_out(checker)}\n")
     print(f"prepared bodies take {total / 2**20:.1f} MB, equal shapes counted once")
+
+
+def _counts(shape: Shape, numbers: Mapping[str, int]) -> tuple[object, object]:
+    """Vertices and facets; of a set how many parts it is of, since it has neither."""
+    if isinstance(shape, PartSet):
+        return f"{shape.count:,} {_PARTS.get(type(shape), 'cells')}", "-"
+    return numbers["vertices"], numbers["facets"]
 
 
 def _geometry(checker: Checker, body: GeometryObject) -> str:
@@ -213,7 +226,8 @@ def _volumes(polytope: Polytope | None, mesh: TriangleMesh | None) -> tuple[str,
     middle = 0.5 * (polytope.vertices.min(axis=0) + polytope.vertices.max(axis=0))
     radius = float(np.linalg.norm(polytope.vertices - middle, axis=1).max()) + polytope.inflation_radius
     hull = polytope_volume(polytope) if polytope.dimension == 3 else 0.0
-    of_hull = f"{1e6 * hull:.1f}" if polytope.inflation_radius == 0.0 else "-"
+    is_hull = polytope.inflation_radius == 0.0 and polytope.parts is None  # a set's is the box around it
+    of_hull = f"{1e6 * hull:.1f}" if is_hull else "-"
     if mesh is None or not mesh.volume:
         return f"{radius:.3f}", of_hull, "-", "-"
     return f"{radius:.3f}", of_hull, f"{1e6 * mesh.volume:.1f}", f"{hull / mesh.volume:.2f}"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import lzma
 import math
+import re
 import struct
 import tarfile
 import tokenize
@@ -47,6 +48,10 @@ BROKEN_FILE = (
 )
 
 
+# What PyYAML calls a text that it was handed; whoever read it from a file names the file.
+_NAMELESS = re.compile('in "<(?:byte|unicode) string>", ')
+
+
 class error_context:  # noqa: N801  # used as a function; a generator would take four times as long
     """Puts a place, e.g. "object 'can'", before the message of a PlannercheckError, which keeps its type."""
 
@@ -84,7 +89,8 @@ def parse_yaml(text: bytes | str) -> Node:
     try:
         document = load_yaml(text)
     except (yaml.YAMLError, UnicodeDecodeError, ValueError) as error:  # the last of numbers and dates that are none
-        raise PlannercheckError(f"no valid YAML: {' '.join(str(error).split())}") from None
+        words = _NAMELESS.sub("at ", " ".join(str(error).split()))
+        raise PlannercheckError(f"no valid YAML: {words}") from None
     return mapping(document, "the document")
 
 

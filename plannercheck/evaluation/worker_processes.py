@@ -36,7 +36,7 @@ class Workers:
             return
         under_way: deque[Future[Result]] = deque()
         for task in tasks:
-            with _ctrl_c_held_back():  # a process may begin here, and inherits that
+            with ctrl_c_held_back():  # a process may begin here, and inherits that
                 under_way.append(self._executor.submit(function, task))
             if len(under_way) >= self._most:
                 yield under_way.popleft().result()
@@ -61,7 +61,7 @@ def workers(processes: int) -> Iterator[Workers]:
 
 
 @contextlib.contextmanager
-def _ctrl_c_held_back() -> Iterator[None]:
+def ctrl_c_held_back() -> Iterator[None]:
     """A Ctrl-C that comes now comes afterwards; to processes that begin now it never comes."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

@@ -268,7 +268,7 @@ class Robot(PosedRobot):
         poses = self.link_poses(q).reshape(-1, len(self.link_names), 4, 4)
         if len(poses) != 1:
             raise PlannercheckError(f"points are seen at one configuration ({self.nq},), not at {len(poses)}")
-        return rows[~self.link_points().near(poses[0], rows, margin)]
+        return rows.compress(~self.link_points().near(poses[0], rows, margin), axis=0)
 
     def link_points(self, excess: float = DEFAULT_EXCESS) -> LinkPoints:
         """The bodies of all links, prepared for tests with points; `excess` as for `Checker`."""

@@ -300,6 +300,33 @@ def test_clouds_of_any_size_have_all_their_points(points: int) -> None:
         assert pc.intersects(pc.Polytope(p[None]), whole)
 
 
+@pytest.mark.parametrize("crowd", ["lattice", "one place", "an outlier", "a line"])
+def test_crowded_clouds_have_all_their_points(crowd: str) -> None:
+    """Where most places along an axis are the same, or fall into one bin, of those that order a tree."""
+    rng = np.random.default_rng(1)
+    at = rng.integers(0, 4, size=(700, 3)) / 4.0 if crowd == "lattice" else rng.uniform(-1, 1, size=(700, 3))
+    if crowd == "one place":
+        at[:650] = at[0]
+    if crowd == "an outlier":
+        at[300] = [1e9, -1e7, 1e5]
+    if crowd == "a line":
+        at[:, 1:] = 0.25
+    shape = pc.PointCloud(at, 1e-3)
+    assert {shape.core.part(place)[2] for place in range(shape.core.places)} >= set(range(700))
+    whole = pc.Polytope(shape)
+    assert all(pc.intersects(pc.Polytope(p[None]), whole) for p in np.unique(at, axis=0))
+
+
+def test_cells_of_any_size_are_found() -> None:
+    rng = np.random.default_rng(2)
+    sizes = 2 ** rng.integers(0, 4, size=60)
+    keys = np.unique(rng.integers(0, 8, size=(60, 3)), axis=0) * 8
+    sizes = sizes[: len(keys)]
+    whole = pc.Polytope(pc.Octree.from_cells(keys, 0.25, sizes))
+    for corner in (keys + np.eye(3, dtype=int)[rng.integers(0, 3, len(keys))] * sizes[:, None], keys + sizes[:, None]):
+        assert all(pc.intersects(pc.Polytope(0.25 * p[None]), whole) for p in corner)
+
+
 def test_points_at_the_sides_of_the_boxes_of_a_tree_are_found() -> None:
     """Of radii that no rounding of boxes inwards would leave room for."""
     at = np.random.default_rng(8).uniform(-1, 1, size=(150, 3))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -67,8 +68,11 @@ def test_motions_are_planned_proved_and_shown(folder: Path, capsys: pytest.Captu
     assert (folder / "plan.proof.json").is_file()
     assert run(folder, "view", "sensed.yaml", "--html", str(page)) == 0
     assert page.stat().st_size > 10_000
+    capsys.readouterr()
     assert run(folder, "inspect", "sensed.yaml", "--states", "20") == 0
-    assert "certified" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert re.search(r"camera +\(scene\) +pointcloud +[0-9,]+ points +- ", shown), shown
+    assert re.search(r"map +\(scene\) +octree +[0-9,]+ cells +- ", shown), shown
 
 
 def test_a_proof_that_is_none_is_not_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -262,7 +262,7 @@ def test_quaternions_and_rotations_agree_with_pinocchio():
         ("objects: []\nstates: {panda: {begin: [1]}}", "states of 'panda': unknown key 'begin'"),
         ("objects: []\nstates: {panda: {start: [1, 2], goal: [1]}}", "start has 2 values, goal has 1"),
         ("- just a list", "must be a mapping"),
-        ("a: [1", "no valid YAML"),
+        ("a: [1", "no valid YAML: .* at line 1"),
     ],
 )
 def test_bad_files_name_file_object_and_key(tmp_path, text, message):

@@ -9,20 +9,28 @@
 #include <cstdint>
 #include <vector>
 
+#include "bodies/huge_page_allocator.hpp"
+
 namespace plannercheck {
 
 inline constexpr std::size_t kPartsInLeaf = 8, kChildren = 8;
 
-// A part's place on its way into the order: 16 bytes.
+// Bits of a place along an axis.
+inline constexpr int kPlaceBits = 24;
+
+// A part's place on its way into the order, each coordinate of at least 0: 16 bytes.
 struct PlacedPart {
-  std::array<float, 3> at;
+  std::array<std::int32_t, 3> at;
   std::int32_t index;
 };
 
+using PlacedParts = std::vector<PlacedPart, HugePageAllocator<PlacedPart>>;
+using PartIndices = std::vector<std::int32_t, HugePageAllocator<std::int32_t>>;
+
 // Indices of the parts in the order of a tree in which each child of a node, but the last, has as many parts below it.
-std::vector<std::int32_t> tree_order(std::vector<PlacedPart> parts);
+PartIndices tree_order(PlacedParts parts);
 
 // Indices i · tiles_y + j of tiles.
-std::vector<std::int32_t> tile_order(std::size_t tiles_x, std::size_t tiles_y);
+PartIndices tile_order(std::size_t tiles_x, std::size_t tiles_y);
 
 }  // namespace plannercheck

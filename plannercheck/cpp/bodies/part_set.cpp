@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "math/simd.hpp"
+
 namespace plannercheck {
 namespace {
 
@@ -17,10 +19,35 @@ constexpr double kPartUnitsError = 0x1p-50;
 // where this is.
 constexpr double kSideError = 0x1p-51;
 
-float float_not_below(double value) {
-  const auto rounded = static_cast<float>(value);
-  return static_cast<double>(rounded) < value ? std::nextafterf(rounded, std::numeric_limits<float>::infinity())
-                                              : rounded;
+// More than 1 by twice what a float may be off by.
+constexpr double kFloatsUp = 1 + 0x1p-23;
+
+constexpr std::size_t kNodeGroups = kChildren / kLanes;
+
+// Below this side, m, the order of the parts does not matter, and steps would not be finite.
+constexpr double kLeastSide = 0x1p-900;
+
+// What is not below values once it is rounded to floats, none of which is denormal.
+Lanes float_not_below(Lanes values) { return values * kFloatsUp; }
+
+// Where the parts stand along each axis, in steps of the longest side of the box around them. `point`: of a part, m.
+template <class Point>
+PlacedParts placed_parts(std::size_t n, Point point) {
+  Vec3 low{kInfinite, kInfinite, kInfinite}, high = -low;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 p = point(i);
+    low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
+    high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
+  }
+  const double longest = norm_max(high - low);
+  const double steps = longest > kLeastSide ? ((1 << kPlaceBits) - 1) / longest : 0;
+  PlacedParts places(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 p = steps * (point(i) - low);
+    places[i] = {{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)},
+                 static_cast<std::int32_t>(i)};
+  }
+  return places;
 }
 
 std::size_t leaves_for(std::size_t parts) { return (parts + kPartsInLeaf - 1) / kPartsInLeaf; }
@@ -46,19 +73,8 @@ PartSet PartSet::balls(const double* points, std::size_t n, const double* radii,
   PartSet set;
   set.kind_ = Kind::kBalls;
   set.parts_ = n, set.leaves_ = leaves_for(n);
-  Extent all = Extent::nothing();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 p{points[3 * i], points[3 * i + 1], points[3 * i + 2]};
-    all.take({p, p});
-  }
-  const Vec3 middle = 0.5 * (all.low + all.high);
-  const double longest = norm_max(all.high - middle), scale = longest > 0 ? 1 / longest : 0;
-  std::vector<PlacedPart> places(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto place = [&](std::size_t k, double of) { return static_cast<float>((points[3 * i + k] - of) * scale); };
-    places[i] = {{place(0, middle.x), place(1, middle.y), place(2, middle.z)}, static_cast<std::int32_t>(i)};
-  }
-  set.source_ = tree_order(std::move(places));
+  set.source_ = tree_order(
+      placed_parts(n, [&](std::size_t i) { return Vec3{points[3 * i], points[3 * i + 1], points[3 * i + 2]}; }));
   set.points_.resize(set.leaves_);
   for (std::size_t place = 0; place < set.leaves_ * kPartsInLeaf; ++place) {
     const std::size_t from = 3 * at(set.source_[std::min(place, n - 1)]);
@@ -87,13 +103,11 @@ PartSet PartSet::cells(const std::int32_t* keys, const std::int32_t* sizes, std:
   set.parts_ = n, set.leaves_ = leaves_for(n);
   set.resolution_ = resolution, set.origin_ = origin;
   set.radii_.assign(1, 0.0);
-  std::vector<PlacedPart> places(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto half = static_cast<float>(sizes[i]) / 2;
-    const auto place = [&](std::size_t k) { return static_cast<float>(keys[3 * i + k]) + half; };
-    places[i] = {{place(0), place(1), place(2)}, static_cast<std::int32_t>(i)};
-  }
-  set.source_ = tree_order(std::move(places));
+  set.source_ = tree_order(placed_parts(n, [&](std::size_t i) {
+    const double half = 0.5 * static_cast<double>(sizes[i]);
+    const auto middle = [&](std::size_t axis) { return static_cast<double>(keys[3 * i + axis]) + half; };
+    return Vec3{middle(0), middle(1), middle(2)};
+  }));
   set.cells_.resize(set.leaves_);
   for (std::size_t place = 0; place < n; ++place) {
     const std::size_t from = at(set.source_[place]), k = place % kPartsInLeaf;
@@ -119,8 +133,9 @@ PartSet PartSet::columns(const double* heights, std::size_t rows, std::size_t co
   check_count(tiles_x * tiles_y);
   set.source_ = tile_order(tiles_x, tiles_y);
   set.leaves_ = set.source_.size();
-  for (std::size_t place = 0; place < set.leaves_ * kPartsInLeaf; ++place) {
-    set.parts_ += set.prism(place).corners > 0 ? 1 : 0;
+  for (std::size_t leaf = 0; leaf < set.leaves_; ++leaf) {
+    const EightExtents prisms = set.prism_extents(leaf);
+    for (std::size_t k = 0; k < kPartsInLeaf; ++k) set.parts_ += prisms.low[0][k] <= prisms.high[0][k] ? 1 : 0;
   }
   set.build_levels();
   return set;
@@ -171,9 +186,11 @@ std::array<std::size_t, 2> PartSet::tile_of(std::size_t leaf) const {
   return {2 * (tile / tiles_y), 2 * (tile % tiles_y)};
 }
 
+double PartSet::height_x(std::size_t i) const { return origin_.x + static_cast<double>(i) * step_[0]; }
+double PartSet::height_y(std::size_t j) const { return origin_.y + static_cast<double>(j) * step_[1]; }
+
 Vec3 PartSet::height_point(std::size_t i, std::size_t j) const {
-  return {origin_.x + static_cast<double>(i) * step_[0], origin_.y + static_cast<double>(j) * step_[1],
-          heights_[i * columns_ + j]};
+  return {height_x(i), height_y(j), heights_[i * columns_ + j]};
 }
 
 PartShape PartSet::prism(std::size_t place) const {
@@ -199,67 +216,140 @@ std::int64_t PartSet::source(std::size_t place) const {
   return static_cast<std::int64_t>(2 * (i * (columns_ - 1) + j) + (k & 1));
 }
 
-PartSet::Extent PartSet::extent(std::size_t place) const {
-  const PartShape part = shape(place);
-  Extent extent = Extent::nothing();
-  for (std::size_t c = 0; c < part.corners; ++c) extent.take({part.corner[c], part.corner[c]});
-  const Vec3 r{part.radius, part.radius, part.radius};
-  return {extent.low - r, extent.high + r};
+PartSet::EightExtents PartSet::part_extents(std::size_t leaf) const {
+  switch (kind_) {
+    case Kind::kBalls:
+      return ball_extents(leaf);
+    case Kind::kCells:
+      return cell_extents(leaf);
+    default:
+      return prism_extents(leaf);
+  }
 }
 
-PartSet::Extent PartSet::leaf_extent(std::size_t leaf) const {
+PartSet::EightExtents PartSet::ball_extents(std::size_t leaf) const {
+  const EightPoints& points = points_[leaf];
+  EightExtents out;
+  for (std::size_t k = 0; k < kPartsInLeaf; ++k) {
+    const double r = radius(kPartsInLeaf * leaf + k);
+    out.low[0][k] = points.x[k] - r, out.high[0][k] = points.x[k] + r;
+    out.low[1][k] = points.y[k] - r, out.high[1][k] = points.y[k] + r;
+    out.low[2][k] = points.z[k] - r, out.high[2][k] = points.z[k] + r;
+  }
+  const std::size_t first = kPartsInLeaf * leaf;
+  for (std::size_t k = parts_ - std::min(parts_, first); k < kPartsInLeaf; ++k) out.put(k, Extent::nothing());
+  return out;
+}
+
+PartSet::EightExtents PartSet::cell_extents(std::size_t leaf) const {
+  const EightCells& cells = cells_[leaf];
+  EightExtents out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double origin = origin_[static_cast<int>(axis)];
+    for (std::size_t k = 0; k < kPartsInLeaf; ++k) {
+      const double key = cells.key[axis][k], size = cells.size[k];
+      out.low[axis][k] = size > 0 ? origin + key * resolution_ : kInfinite;
+      out.high[axis][k] = size > 0 ? origin + (key + size) * resolution_ : -kInfinite;
+    }
+  }
+  return out;
+}
+
+// The prisms of a cell are as wide as the cell.
+PartSet::EightExtents PartSet::prism_extents(std::size_t leaf) const {
+  const auto [first_i, first_j] = tile_of(leaf);
+  std::array<std::array<double, 3>, 3> height;
+  std::array<double, 3> x, y;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const bool there = first_i + i < rows_ && first_j + j < columns_;
+      height[i][j] =
+          there ? heights_[(first_i + i) * columns_ + first_j + j] : std::numeric_limits<double>::quiet_NaN();
+    }
+    x[i] = height_x(first_i + i), y[i] = height_y(first_j + i);
+  }
+  EightExtents out;
+  for (std::size_t k = 0; k < kPartsInLeaf; ++k) {
+    const std::size_t i = k >> 2, j = k >> 1 & 1;
+    const double a = height[i][j], b = (k & 1) == 0 ? height[i + 1][j] : height[i][j + 1], c = height[i + 1][j + 1];
+    if (std::isnan(a + b + c)) continue;
+    out.put(k, {{smaller(x[i], x[i + 1]), smaller(y[j], y[j + 1]), smaller(smaller(base_, a), smaller(b, c))},
+                {larger(x[i], x[i + 1]), larger(y[j], y[j + 1]), larger(larger(base_, a), larger(b, c))}});
+  }
+  return out;
+}
+
+PartSet::EightExtents::EightExtents() {
+  for (auto& along : low) along.fill(kInfinite);
+  for (auto& along : high) along.fill(-kInfinite);
+}
+
+void PartSet::EightExtents::put(std::size_t k, const Extent& extent) {
+  low[0][k] = extent.low.x, low[1][k] = extent.low.y, low[2][k] = extent.low.z;
+  high[0][k] = extent.high.x, high[1][k] = extent.high.y, high[2][k] = extent.high.z;
+}
+
+PartSet::Extent PartSet::EightExtents::around() const {
   Extent all = Extent::nothing();
-  for (std::size_t k = 0; k < kPartsInLeaf; ++k) all.take(extent(kPartsInLeaf * leaf + k));
+  for (std::size_t k = 0; k < kChildren; ++k) {
+    all.take({{low[0][k], low[1][k], low[2][k]}, {high[0][k], high[1][k], high[2][k]}});
+  }
   return all;
 }
 
 // The extents are rounded to nearest where radii are added, by 2^-53 of how far they are from the origin. That is not
 // counted here: whoever looks at boxes has room for far more, 1e-5 (PartWalk) or 2^-42 (the slack of motions) of it.
-void PartSet::put_box(const Extent& extent, std::size_t child, PartNode& node) const {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int i = static_cast<int>(axis);
-    if (!(extent.low[i] <= extent.high[i])) {
-      node.centre[axis][child] = 0, node.half[axis][child] = -std::numeric_limits<float>::infinity();
-      continue;
-    }
-    const double low = (extent.low[i] - middle_[i]) * units_ - kPartUnitsError;
-    const double high = (extent.high[i] - middle_[i]) * units_ + kPartUnitsError;
-    node.centre[axis][child] = static_cast<float>(0.5 * (low + high));
-    const auto centre = static_cast<double>(node.centre[axis][child]);
-    node.half[axis][child] = float_not_below(larger(high - centre, centre - low) + kPartUnitsError);
-  }
-}
-
-PartNode PartSet::leaf_boxes(std::size_t leaf) const {
+PartNode PartSet::boxes(const EightExtents& extents) const {
   PartNode node;
-  for (std::size_t k = 0; k < kPartsInLeaf; ++k) put_box(extent(kPartsInLeaf * leaf + k), k, node);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double middle = middle_[static_cast<int>(axis)];
+    std::array<Lanes, kNodeGroups> lows, highs, centres, halves;
+    for (std::size_t g = 0; g < kNodeGroups; ++g) {
+      lows[g] = (load_lanes(&extents.low[axis][g * kLanes]) - middle) * units_ - kPartUnitsError;
+      highs[g] = (load_lanes(&extents.high[axis][g * kLanes]) - middle) * units_ + kPartUnitsError;
+      centres[g] = lows[g] <= highs[g] ? 0.5 * (lows[g] + highs[g]) : Lanes{};
+    }
+    store_floats(node.centre[axis].data(), joined_floats(centres.data(), 1));
+    for (std::size_t g = 0; g < kNodeGroups; ++g) {
+      const Lanes low = lows[g], high = highs[g], centre = load_widened(&node.centre[axis][g * kLanes]);
+      const Lanes half = float_not_below(larger(high - centre, centre - low) + kPartUnitsError);
+      halves[g] = low <= high ? half : broadcast(-kInfinite);
+    }
+    store_floats(node.half[axis].data(), joined_floats(halves.data(), 1));
+  }
   return node;
 }
 
-void PartSet::build_levels() {
-  std::vector<Extent> extents(leaves_);
-  Extent all = Extent::nothing();
-  for (std::size_t leaf = 0; leaf < leaves_; ++leaf) all.take(extents[leaf] = leaf_extent(leaf));
-  if (parts_ == 0) all = {};
+PartNode PartSet::leaf_boxes(std::size_t leaf) const { return boxes(part_extents(leaf)); }
+
+void PartSet::frame_units(const Extent& all) {
   middle_ = 0.5 * (all.low + all.high);
   const double half = larger(norm_max(all.high - middle_), norm_max(middle_ - all.low));
   // Beyond these, floats could not hold places in units.
   units_ = half > 0x1p-900 ? std::ldexp(1, -std::ilogb(half) - 1) : 1;
   const double outwards = (norm_max(all.low) + norm_max(all.high)) * kSideError;
   low_ = all.low - Vec3{outwards, outwards, outwards}, high_ = all.high + Vec3{outwards, outwards, outwards};
-  levels_.clear();
-  do {
-    const std::size_t count = std::max<std::size_t>(1, (extents.size() + kChildren - 1) / kChildren);
-    std::vector<PartNode> nodes(count);
-    std::vector<Extent> around(count, Extent::nothing());
-    for (std::size_t i = 0; i < count * kChildren; ++i) {
-      const Extent extent = i < extents.size() ? extents[i] : Extent::nothing();
-      put_box(extent, i % kChildren, nodes[i / kChildren]);
-      around[i / kChildren].take(extent);
-    }
+}
+
+void PartSet::build_levels() {
+  const auto parents = [](std::size_t n) { return std::max<std::size_t>(1, (n + kChildren - 1) / kChildren); };
+  Array<EightExtents> extents(parents(leaves_));
+  Extent all = Extent::nothing();
+  for (std::size_t leaf = 0; leaf < leaves_; ++leaf) {
+    const Extent around = part_extents(leaf).around();
+    extents[leaf / kChildren].put(leaf % kChildren, around);
+    all.take(around);
+  }
+  frame_units(parts_ == 0 ? Extent{} : all);
+  for (;;) {
+    Array<PartNode> nodes(extents.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = boxes(extents[i]);
     levels_.push_back(std::move(nodes));
-    extents = std::move(around);
-  } while (extents.size() > 1);
+    if (extents.size() == 1) return;
+    Array<EightExtents> above(parents(extents.size()));
+    for (std::size_t i = 0; i < extents.size(); ++i) above[i / kChildren].put(i % kChildren, extents[i].around());
+    extents = std::move(above);
+  }
 }
 
 Vec3 PartSet::reach() const {
@@ -272,11 +362,11 @@ PartSet::Given PartSet::given() const {
   out.resolution = resolution_, out.origin = origin_, out.step = step_, out.base = base_;
   out.rows = rows_, out.columns = columns_;
   if (kind_ == Kind::kColumns) {
-    out.numbers = heights_;
+    out.numbers.assign(heights_.begin(), heights_.end());
     return out;
   }
   const bool are_balls = kind_ == Kind::kBalls, one_radius = radii_.size() == 1;
-  out.radii = one_radius ? radii_ : std::vector<double>(parts_);
+  out.radii.assign(one_radius ? 1 : parts_, largest_radius_);
   (are_balls ? out.numbers : out.radii).resize(are_balls ? 3 * parts_ : 1);
   if (!are_balls) out.keys.resize(3 * parts_), out.sizes.resize(parts_);
   for (std::size_t place = 0; place < parts_; ++place) {

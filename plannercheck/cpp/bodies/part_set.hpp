@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "bodies/huge_page_allocator.hpp"
 #include "bodies/part_order.hpp"
 #include "math/vec.hpp"
 
@@ -30,13 +31,16 @@ struct PartShape {
   double radius = 0;        // m, of the world
 };
 
+// Bytes that are loaded at once: what stands in a tree begins there.
+inline constexpr std::size_t kCacheLine = 64;
+
 // The boxes of a node's children, by axis. A child that is not there has half extents of −∞.
-struct PartNode {
+struct alignas(kCacheLine) PartNode {
   std::array<std::array<float, kChildren>, 3> centre, half;
 };
 
 // Eight balls of a leaf; the last one fills the places that are left.
-struct EightPoints {
+struct alignas(kCacheLine) EightPoints {
   std::array<double, kPartsInLeaf> x, y, z;
 };
 
@@ -47,6 +51,8 @@ class PartSetError : public std::runtime_error {
 class PartSet {
  public:
   enum class Kind { kBalls, kCells, kColumns };
+  template <class T>
+  using Array = std::vector<T, HugePageAllocator<T>>;
 
   // Balls around n points, 3 coordinates each. `radii`: n of them, or one for all.
   static PartSet balls(const double* points, std::size_t n, const double* radii, bool one_radius);
@@ -78,7 +84,7 @@ class PartSet {
   Vec3 reach() const;  // largest |x|, |y|, |z| of parts, radii included
 
   // Levels of nodes; the children of the first level's are leaves, the last level has one node.
-  const std::vector<std::vector<PartNode>>& levels() const { return levels_; }
+  const std::vector<Array<PartNode>>& levels() const { return levels_; }
   // The points of a leaf of balls, and the radius of its ball k.
   const EightPoints& points(std::size_t leaf) const { return points_[leaf]; }
   double radius(std::size_t place) const { return radii_.size() == 1 ? radii_[0] : radii_[place]; }
@@ -108,8 +114,17 @@ class PartSet {
     void take(const Extent& other);
   };
 
+  // Eight of them by axis; `low` is above `high` where there is nothing.
+  struct EightExtents {
+    std::array<std::array<double, kChildren>, 3> low, high;
+
+    EightExtents();
+    void put(std::size_t k, const Extent& extent);
+    Extent around() const;
+  };
+
   // Eight cells of a leaf; `size` 0 where there is none.
-  struct EightCells {
+  struct alignas(kCacheLine) EightCells {
     std::array<std::array<std::int32_t, kPartsInLeaf>, 3> key;
     std::array<std::int32_t, kPartsInLeaf> size;
   };
@@ -118,14 +133,14 @@ class PartSet {
   std::size_t parts_ = 0, leaves_ = 0;
   Vec3 low_, high_, middle_;
   double units_ = 1, largest_radius_ = 0;
-  std::vector<std::vector<PartNode>> levels_;
-  std::vector<std::int32_t> source_;  // by place, of balls and cells; by leaf, of tiles of heights
-  std::vector<EightPoints> points_;
-  std::vector<double> radii_;  // one, or one by place
-  std::vector<EightCells> cells_;
+  std::vector<Array<PartNode>> levels_;
+  Array<std::int32_t> source_;  // by place, of balls and cells; by leaf, of tiles of heights
+  Array<EightPoints> points_;
+  Array<double> radii_;  // one, or one by place
+  Array<EightCells> cells_;
   double resolution_ = 1;
   Vec3 origin_;
-  std::vector<double> heights_;
+  Array<double> heights_;
   std::size_t rows_ = 0, columns_ = 0;
   std::array<double, 2> step_{1, 1};
   double base_ = 0;
@@ -134,11 +149,16 @@ class PartSet {
   PartShape ball(std::size_t place) const;
   PartShape cell(std::size_t place) const;
   PartShape prism(std::size_t place) const;
+  double height_x(std::size_t i) const;
+  double height_y(std::size_t j) const;
   Vec3 height_point(std::size_t i, std::size_t j) const;
   std::array<std::size_t, 2> tile_of(std::size_t leaf) const;
-  Extent extent(std::size_t place) const;
-  Extent leaf_extent(std::size_t leaf) const;
-  void put_box(const Extent& extent, std::size_t child, PartNode& node) const;
+  EightExtents part_extents(std::size_t leaf) const;
+  EightExtents ball_extents(std::size_t leaf) const;
+  EightExtents cell_extents(std::size_t leaf) const;
+  EightExtents prism_extents(std::size_t leaf) const;
+  PartNode boxes(const EightExtents& extents) const;
+  void frame_units(const Extent& all);
   void build_levels();
 };
 

@@ -38,6 +38,16 @@ inline Floats load_floats(const float* from) {
   return floats;
 }
 
+inline void store_floats(float* to, Floats floats) { std::memcpy(to, &floats, sizeof floats); }
+
+// As many floats as there are lanes, as doubles.
+inline Lanes load_widened(const float* from) {
+  typedef float Narrow __attribute__((vector_size(kLanes * 4)));
+  Narrow narrow;
+  std::memcpy(&narrow, from, sizeof narrow);
+  return __builtin_convertvector(narrow, Lanes);
+}
+
 inline Lanes load_lanes(const double* from) {
   Lanes lanes;
   std::memcpy(&lanes, from, sizeof lanes);

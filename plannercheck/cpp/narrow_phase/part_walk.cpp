@@ -70,13 +70,18 @@ void PartWalk::frame_tree(double margin) {
   }
 }
 
-NearParts PartWalk::near(const PartNode& node) const {
+// By how much the node's boxes are beyond the body's along the set's axes.
+inline Floats PartWalk::own_gaps(const PartNode& node) const {
+  const auto gap = [&](std::size_t i) {
+    return absolute(load_floats(node.centre[i].data()) - centre_[i]) - (load_floats(node.half[i].data()) + half_[i]);
+  };
+  return larger(larger(gap(0), gap(1)), gap(2));
+}
+
+inline NearParts PartWalk::with_body_axes(const PartNode& node, Floats own) const {
   const auto centre = [&](std::size_t i) { return load_floats(node.centre[i].data()); };
   const auto half = [&](std::size_t i) { return load_floats(node.half[i].data()); };
   const Floats x = centre(0), y = centre(1), z = centre(2), u = half(0), v = half(1), w = half(2);
-  Floats own = absolute(x - centre_[0]) - (u + half_[0]);
-  own = larger(own, absolute(y - centre_[1]) - (v + half_[1]));
-  own = larger(own, absolute(z - centre_[2]) - (w + half_[2]));
   Floats all = own;
   for (std::size_t i = 0; i < 3; ++i) {
     const Floats there = (back_[i][0] * x + back_[i][1] * y) + (back_[i][2] * z + shift_[i]);
@@ -87,8 +92,17 @@ NearParts PartWalk::near(const PartNode& node) const {
   return {~(float_bits(own > 0.0F) | float_bits((all > 0.0F) | missing)) & ((1U << kChildren) - 1), all};
 }
 
+NearParts PartWalk::near(const PartNode& node) const { return with_body_axes(node, own_gaps(node)); }
+
+// Along the set's axes most boxes of the last nodes are far from the body.
+NearParts PartWalk::near_children(const PartNode& node) const {
+  const Floats own = own_gaps(node);
+  if (float_bits(own > 0.0F) == (1U << kChildren) - 1) return {0, own};
+  return with_body_axes(node, own);
+}
+
 unsigned PartWalk::near_in_leaf(std::size_t leaf) const {
-  if (set_.kind() != PartSet::Kind::kBalls) return near(set_.leaf_boxes(leaf)).bits;
+  if (set_.kind() != PartSet::Kind::kBalls) return near_children(set_.leaf_boxes(leaf)).bits;
   const EightPoints& points = set_.points(leaf);
   const std::size_t first = leaf * kPartsInLeaf, left = set_.part_count() - first;
   unsigned near = 0;

@@ -77,7 +77,7 @@ class PartWalk {
         const unsigned bits = near_in_leaf(next.index);
         if (bits != 0 && visit(next.index, bits)) return true;
       } else {
-        const NearParts found = near(set_.levels()[at(next.level - 1)][next.index]);
+        const NearParts found = near_children(set_.levels()[at(next.level - 1)][next.index]);
         const std::int32_t below = next.level - 1;
         const std::size_t first = next.index * kChildren;
         if (found.bits != 0) {
@@ -97,6 +97,8 @@ class PartWalk {
   }
 
   NearParts near(const PartNode& node) const;
+  // The same children; gaps count only where there are any.
+  NearParts near_children(const PartNode& node) const;
   // The parts of a leaf, one bit each.
   unsigned near_in_leaf(std::size_t leaf) const;
   // Balls of a leaf that surely share a point with a ball inside the body.
@@ -124,6 +126,8 @@ class PartWalk {
   Vec3 box_centre_, box_half_;
 
   void frame_tree(double margin);
+  Floats own_gaps(const PartNode& node) const;
+  NearParts with_body_axes(const PartNode& node, Floats own) const;
   std::span<const InnerBall> inner_balls() const;
 };
 

@@ -3,15 +3,20 @@
 In: a robot, a scene with a start and a goal, numbers. Out: a `Frame` after each frame, and `StepRow`s of them all. The
 camera goes around the scene while a ball moves through it. The robot knows only what the last frame shows: its points
 replace those of the frame before, less the robot's own ones. It goes along its plan at a steady speed, and back when it
-has arrived. Rendering is not part of any figure; all else runs on one core.
+has arrived. The camera is a process of its own, so that rendering, with NumPy's threads, which go on waiting for work,
+is not part of any figure; all else runs on one core.
 """
 
 from __future__ import annotations
 
+import contextlib
 import itertools
+import multiprocessing
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
+from multiprocessing.connection import Connection
 
 import numpy as np
 
@@ -22,6 +27,7 @@ from plannercheck.evaluation.sensing.cameras import DepthCamera, looking
 from plannercheck.evaluation.sensing.clouds import TARGET, Placed, outside, robot_bodies, scene_bodies
 from plannercheck.evaluation.sensing.noise import DepthNoise
 from plannercheck.evaluation.sensing.rays import depth_image
+from plannercheck.evaluation.worker_processes import ctrl_c_held_back
 from plannercheck.motions.checker import Checker
 from plannercheck.ompl.planning import plan
 from plannercheck.robots.robot import Robot
@@ -122,15 +128,23 @@ def frames(robot: Robot, scene: Scene, count: int, points: int, seed: int) -> It
         points: How many points each has at most.
         seed: Seed of noise, states and searches.
     """
-    rng = np.random.default_rng(seed)
+    with _camera(robot, scene, points, seed) as seen_at:
+        yield from _followed(robot, scene, count, seed, seen_at)
+
+
+# Points (n, 3) of the frame at a robot's state and a time in s.
+_Camera = Callable[[Floats, float], Floats]
+
+
+def _followed(robot: Robot, scene: Scene, count: int, seed: int, seen_at: _Camera) -> Iterator[Frame]:
     q, goals = scene.start(robot.name), [scene.goal(robot.name), scene.start(robot.name)]
     known = Scene("what the camera sees")
     checker = Checker(robot)
-    known.add(_NAME, PointCloud(_seen(robot, scene, q, 0.0, points, rng), np.array([_RADIUS])))
+    known.add(_NAME, PointCloud(seen_at(q, 0.0), np.array([_RADIUS])))
     states = robot.random_configurations(STATES, seed)
     path: Floats = q[None]
     for k in range(count):
-        seen = _seen(robot, scene, q, k / RATE, points, rng)
+        seen = seen_at(q, k / RATE)
         clock = [time.process_time()]
         kept = robot.remove_own_points(seen, q, _OWN)
         clock.append(time.process_time())
@@ -146,6 +160,37 @@ def frames(robot: Robot, scene: Scene, count: int, points: int, seed: int) -> It
         q = _along(path, _SPEED / RATE) if len(path) else q
         if np.array_equal(q, goals[0]):
             goals.reverse()
+
+
+@contextlib.contextmanager
+def _camera(robot: Robot, scene: Scene, points: int, seed: int) -> Iterator[_Camera]:
+    """A camera in a process of its own."""
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    resource_tracker.ensure_running()  # starting it lets Ctrl-C through again
+    process = context.Process(target=_render, args=(theirs, robot, scene, points, seed), daemon=True)
+    with ctrl_c_held_back():
+        process.start()
+    theirs.close()
+
+    def seen_at(q: Floats, at: float) -> Floats:
+        ours.send((q, at))
+        return np.asarray(ours.recv())
+
+    try:
+        yield seen_at
+    finally:
+        process.terminate()
+        process.join()
+        ours.close()
+
+
+def _render(asked: Connection, robot: Robot, scene: Scene, points: int, seed: int) -> None:
+    """Sends what is seen at each state and time that comes."""
+    rng = np.random.default_rng(seed)
+    while True:
+        q, at = asked.recv()
+        asked.send(_seen(robot, scene, q, at, points, rng))
 
 
 def _seen(robot: Robot, scene: Scene, q: Floats, at: float, count: int, rng: np.random.Generator) -> Floats:
