@@ -9,6 +9,7 @@ namespace plannercheck {
 namespace {
 
 constexpr std::size_t kLooksAtMost = 2;  // at poses of a set that moves in the frame
+constexpr std::size_t kFewPoses = 3;
 constexpr std::size_t kAxesOfBoth = 6;
 constexpr std::size_t kKeptDirections = 12;  // the last ones are overwritten in turn
 
@@ -156,13 +157,16 @@ class PartSeparation {
     return {middle - size, middle + size};
   }
 
+  // Of the body along a direction of the world from b to a: exact on the side of the set, of its box on the other one.
   Interval hull_interval(std::size_t p, Vec3 d) {
     const Pose& pose = body_pose(p);
     const Vec3 local = pose.rotate_back(d);
-    counters_.guest_queries += 2;
-    const auto along = [&](std::int32_t v) { return dot(d, pose.apply(body_.inner.points[at(v)])); };
-    return {along(extreme(body_.inner, -local, counters_.queries)),
-            along(extreme(body_.inner, local, counters_.queries))};
+    ++counters_.guest_queries;
+    const auto along = [&](Vec3 u) {
+      return dot(d, pose.apply(body_.inner.points[at(extreme(body_.inner, u, counters_.queries))]));
+    };
+    const Interval box = box_interval(p, d);
+    return set_is_first_ ? Interval{box.low, along(local)} : Interval{along(-local), box.high};
   }
 
   // Children of a node that no direction keeps away.
@@ -248,6 +252,13 @@ class PartSeparation {
     const PosedPair& middle = poses_[count_ / 2];
     const Vec3 hint = middle.frame.from_world(middle.a.apply(a.centre) - middle.b.apply(b.centre));
     const double limit = limit_ + part.radius * kPartStretch;
+    if (count_ > kFewPoses) {
+      const std::array<PosedPair, kFewPoses> few{poses_[0], middle, poses_[count_ - 1]};
+      const SweptAnswer<Vec3> answer = swept_distance(a, b, few.data(), kFewPoses, limit, hint, counters_);
+      if (!answer.apart) return false;
+      add_direction(answer.direction);
+      if (separates(directions_[newest_], part, part.radius * kPartStretch)) return true;
+    }
     const SweptAnswer<Vec3> answer = swept_distance(a, b, poses_, static_cast<int>(count_), limit, hint, counters_);
     if (!answer.apart) return false;
     add_direction(answer.direction);
