@@ -158,7 +158,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     if (near == 0) return 0;
     const PartScreen screen = part_screen();
     if (posed_ == &w_.all && screen.group_is_far(index, w_.motion, w_.groups)) return 0;
-    return screen.is_far(pairs_[at(index)]) ? 0 : near;
+    return near;
   }
 
   bool surely_collides() {
