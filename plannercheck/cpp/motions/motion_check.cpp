@@ -156,9 +156,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
       near = near_by_clearances(*certifier_.clearances_, pairs_[at(index)], filters_, w_.grid, 2 * tolerance_, near);
     }
     if (near == 0) return 0;
-    const PartScreen screen = part_screen();
-    if (posed_ == &w_.all && screen.group_is_far(index, w_.motion, w_.groups)) return 0;
-    return near;
+    return posed_ == &w_.all && part_screen().group_is_far(index, w_.motion, w_.groups) ? 0 : near;
   }
 
   bool surely_collides() {

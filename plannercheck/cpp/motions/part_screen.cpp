@@ -19,12 +19,6 @@ unsigned near_between(const SweptBoxes& boxes, const PosedPolytope& set, unsigne
 
 }  // namespace
 
-bool PartScreen::is_far(const CertifiedPair& pair) const {
-  if (!stands_still(pair)) return false;
-  const Polytope& body = filters_.body(mover_of(pair));
-  return whole_is_far(mover_of(pair), set_of(pair), {body.low, body.high}, filters_.apart(pair));
-}
-
 bool PartScreen::group_is_far(std::int32_t index, std::uint64_t motion, std::vector<MotionGroupLook>& known) const {
   const std::int32_t of_pair = groups_.of_pair[at(index)];
   if (of_pair < 0) return false;
@@ -34,22 +28,19 @@ bool PartScreen::group_is_far(std::int32_t index, std::uint64_t motion, std::vec
   if (look.motion == motion) return look.is_far;
   double apart = 0;
   for (const std::int32_t member : group.pairs) apart = larger(apart, filters_.apart(model_.pairs[at(member)]));
-  look = {motion, whole_is_far(group.mover, group.set, {group.low, group.high}, apart)};
+  const SweptBoxes boxes(grid_, group.mover, {group.low, group.high}, middle());
+  const FrameBox whole = boxes.around(0, grid_.intervals());
+  look = {motion, parts_are_far({boxes.frame(), whole.low, whole.high}, posed(group.set), apart + room_)};
   return look.is_far;
 }
 
 unsigned PartScreen::near(const CertifiedPair& pair, unsigned near) const {
-  if (near == 0 || !stands_still(pair)) return near;
-  const std::int32_t mover = mover_of(pair);
+  if (near == 0 || !filters_.stands_still(pair.b)) return near;
+  const std::int32_t set = filters_.body(pair.a).parts ? pair.a : pair.b, mover = set == pair.a ? pair.b : pair.a;
+  if (!filters_.stands_still(set)) return near;
   const Polytope& body = filters_.body(mover);
   const SweptBoxes boxes(grid_, mover, {body.low, body.high}, middle());
-  return near_between(boxes, posed(set_of(pair)), near, 0, grid_.intervals(), filters_.apart(pair) + room_);
-}
-
-bool PartScreen::whole_is_far(std::int32_t mover, std::int32_t set, const FrameBox& box, double apart) const {
-  const SweptBoxes boxes(grid_, mover, box, middle());
-  const FrameBox all = boxes.around(0, grid_.intervals());
-  return parts_are_far({boxes.frame(), all.low, all.high}, posed(set), apart + room_);
+  return near_between(boxes, posed(set), near, 0, grid_.intervals(), filters_.apart(pair) + room_);
 }
 
 PosedPolytope PartScreen::posed(std::int32_t set) const {

@@ -28,11 +28,9 @@ class PartScreen {
              double room)
       : model_(model), groups_(groups), filters_(filters), grid_(grid), room_(room) {}
 
-  // For a pair with a set of parts, on the whole grid.
-  bool is_far(const CertifiedPair& pair) const;
   // For all bodies of the pair's group, if it has one, on the first grid of a motion; `known` keeps what was found.
   bool group_is_far(std::int32_t index, std::uint64_t motion, std::vector<MotionGroupLook>& known) const;
-  // Of the intervals `near` those on which the pair may be.
+  // For a pair with a set of parts, of the intervals `near`.
   unsigned near(const CertifiedPair& pair, unsigned near) const;
 
  private:
@@ -42,14 +40,8 @@ class PartScreen {
   MotionGrid& grid_;
   double room_;
 
-  std::int32_t set_of(const CertifiedPair& pair) const { return filters_.body(pair.a).parts ? pair.a : pair.b; }
-  std::int32_t mover_of(const CertifiedPair& pair) const { return set_of(pair) == pair.a ? pair.b : pair.a; }
-  bool stands_still(const CertifiedPair& pair) const {
-    return filters_.stands_still(pair.b) && filters_.stands_still(set_of(pair));
-  }
   std::size_t middle() const { return (grid_.intervals() + 1) / 2; }
   PosedPolytope posed(std::int32_t set) const;
-  bool whole_is_far(std::int32_t mover, std::int32_t set, const FrameBox& box, double apart) const;
 };
 
 }  // namespace plannercheck

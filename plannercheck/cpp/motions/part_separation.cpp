@@ -11,7 +11,6 @@ namespace plannercheck {
 namespace {
 
 constexpr std::size_t kLooksAtMost = 2;  // at poses of a set that moves in the frame
-constexpr std::size_t kFewPoses = 3;  // of many, by which a direction is looked for first
 constexpr auto kPoseLanes = static_cast<std::size_t>(kLanes);
 constexpr std::size_t kAxesOfBoth = 6;
 constexpr std::size_t kKeptDirections = 12;  // the last ones are overwritten in turn
@@ -290,9 +289,9 @@ class PartSeparation {
     const PosedPair& middle = poses_[count_ / 2];
     const Vec3 hint = middle.frame.from_world(middle.a.apply(a.centre) - middle.b.apply(b.centre));
     const double limit = limit_ + part.radius * kPartStretch;
-    if (count_ > kFewPoses) {
-      const std::array<PosedPair, kFewPoses> few{poses_[0], middle, poses_[count_ - 1]};
-      const SweptAnswer<Vec3> answer = swept_distance(a, b, few.data(), kFewPoses, limit, hint, counters_);
+    if (count_ > 2) {  // mostly what parts both ends parts all poses
+      const std::array<PosedPair, 2> ends{poses_[0], poses_[count_ - 1]};
+      const SweptAnswer<Vec3> answer = swept_distance(a, b, ends.data(), 2, limit, hint, counters_);
       if (!answer.apart) return false;
       add_direction(answer.direction);
       if (separates(directions_[newest_], part, part.radius * kPartStretch)) return true;
