@@ -1,5 +1,7 @@
 #include "broad_phase/clearance_grid.hpp"
 
+#include "broad_phase/clearances_at.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -285,6 +287,18 @@ void ClearanceGrid::keep_lengths(const Rows& squares) {
       for (std::size_t i = 0; i < cells_[0]; ++i) out[i / 4 * 64 + i % 4] = lengths[row[i]];
     }
   }
+}
+
+std::vector<double> clearances_at(const PosedPolytope& set, double reach, const double* points, std::size_t n) {
+  const ClearanceGrid grid(set, reach);
+  std::vector<double> out;
+  if (!grid.is_fine()) return out;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 p{points[3 * i], points[3 * i + 1], points[3 * i + 2]};
+    const Lanes all = grid.from(broadcast(p.x), broadcast(p.y), broadcast(p.z));
+    out.insert(out.end(), {grid.from(p), all[kLanes - 1]});
+  }
+  return out;
 }
 
 std::size_t ClearanceGrid::cell_of(std::size_t axis, double x) const {

@@ -193,7 +193,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // Of the intervals `near` those left open by one look at all of them together, or else by boxes.
   unsigned open_parts(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = pairs_[at(index)];
-    if ((near & (near - 1)) == 0) return near;  // one interval is looked at when it is settled
+    // One interval is looked at when it is settled.
+    if (!certifier_.options_.bounds || (near & (near - 1)) == 0) return near;
     std::array<PosedPair, kGridStates> poses;
     int count = 0;
     for (unsigned states = near | near << 1; states != 0; states &= states - 1) {
