@@ -15,8 +15,8 @@ FURTHEST = 11  # steps that are looked for
 
 
 def cloud(rng: np.random.Generator, many_radii: bool) -> PartSet:
-    points = rng.uniform(-0.5, 0.5, size=(300, 3)) * [1.0, 0.7, 0.1]
-    return pc.PointCloud(points, rng.uniform(0.001, 0.03, size=300) if many_radii else 0.01)
+    points = rng.uniform(-0.5, 0.5, size=(800, 3)) * [1.0, 0.7, 0.05]
+    return pc.PointCloud(points, rng.uniform(0.001, 0.03, size=800) if many_radii else 0.03)
 
 
 def cells(rng: np.random.Generator) -> PartSet:
@@ -67,7 +67,7 @@ def test_no_point_is_nearer_than_its_clearance(kind: str, reach: float) -> None:
         points[250:350] = np.round(points[250:350], 2)
         found = looked_up(shape, pose, reach, points)
         assert (found <= at_most(shape, pose, points, rng) + 1e-12).all()
-        assert reach < 0.2 or (found > 0.05).any()
+        assert reach < 0.2 or (found > 0.02).any()
 
 
 @pytest.mark.parametrize("reach", [np.inf, 2.0])
@@ -76,7 +76,7 @@ def test_clearances_of_balls_are_nearly_their_distances(reach: float) -> None:
     shape, points = cloud(rng, False), rng.uniform(-0.8, 0.8, size=(3000, 3))
     away = at_most(shape, np.eye(4), points, rng)
     found = looked_up(shape, np.eye(4), reach, points)
-    inside = (np.abs(points) < [0.5, 0.35, 0.05]).all(axis=1)
+    inside = (np.abs(points) < [0.5, 0.35, 0.2]).all(axis=1)
     assert inside.sum() > 20
     step = 0.012  # of this set
     assert (found[inside] > np.minimum(away[inside], FURTHEST * step) - 3.6 * step).all()
