@@ -159,7 +159,8 @@ nb::tuple inner_shapes_of(const Polytope& body) {
 // Centres and radii (n, 4).
 auto covering_balls_of(const Polytope& body) {
   std::vector<double> balls;
-  for (const SmallBall& b : body.covering_balls()) balls.insert(balls.end(), {b.centre.x, b.centre.y, b.centre.z, b.radius});
+  for (const SmallBall& b : body.covering_balls())
+    balls.insert(balls.end(), {b.centre.x, b.centre.y, b.centre.z, b.radius});
   return output_array(balls, {balls.size() / 4, std::size_t{4}});
 }
 

@@ -68,7 +68,8 @@ std::vector<SmallBall> covering_balls(const Polytope& body) {
   std::array<int, 3> axes{0, 1, 2};
   std::sort(axes.begin(), axes.end(), [&](int a, int b) { return size[a] > size[b]; });
   const int axis = axes[0];
-  const double length = size[axis], thickness = larger(kThinnestSlice, kSliceThickness * size[axes[1]] + body.inflation_radius);
+  const double length = size[axis],
+               thickness = larger(kThinnestSlice, kSliceThickness * size[axes[1]] + body.inflation_radius);
   const bool is_cut = (body.dimension == 3 && !body.triangles.empty()) || body.dimension == 1;
   if (!is_cut || !(length > thickness)) return {body.small_ball()};
   const double slices = length < thickness * kMostCoveringBalls ? std::ceil(length / thickness) : kMostCoveringBalls;

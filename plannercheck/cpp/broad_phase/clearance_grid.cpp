@@ -1,10 +1,10 @@
 #include "broad_phase/clearance_grid.hpp"
 
-#include "broad_phase/clearances_at.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+
+#include "broad_phase/clearances_at.hpp"
 
 namespace plannercheck {
 namespace {
@@ -247,7 +247,7 @@ ClearanceGrid::ClearanceGrid(const PosedPolytope& set, double reach) {
   std::array<double, 3> low, high;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int i = static_cast<int>(axis);
-    closed_[axis] = all.low[i] < -reach, closed_[axis + 3] = all.high[i] > reach;
+    closed_[axis] = all.low[i]<-reach, closed_[axis + 3] = all.high[i]> reach;
     low[axis] = std::clamp(all.low[i], -reach, reach), high[axis] = std::clamp(all.high[i], -reach, reach);
   }
   lay_out({low[0], low[1], low[2]}, {high[0], high[1], high[2]});
@@ -255,7 +255,8 @@ ClearanceGrid::ClearanceGrid(const PosedPolytope& set, double reach) {
   SquaredGaps gaps(cells_, closed_);
   Marking(*this, set, gaps).run();
   keep_lengths(gaps.spread());
-  room_ = parts.largest_radius() + (norm_1(all.low) + norm_1(all.high) + norm_1(set.pose.translation())) * kGridRounding;
+  room_ =
+      parts.largest_radius() + (norm_1(all.low) + norm_1(all.high) + norm_1(set.pose.translation())) * kGridRounding;
 }
 
 // The shortest steps with which there are no more cells than that.

@@ -35,7 +35,8 @@ class CentrePath {
   // The intervals on which the clearances at both ends leave less than the way.
   unsigned near_between(const ClearanceGrid& clearances, double distance) const {
     ClearanceRow clearance;
-    for (std::size_t g = 0; g * kStep <= intervals_; ++g) clearance[g] = clearances.from(at_[0][g], at_[1][g], at_[2][g]);
+    for (std::size_t g = 0; g * kStep <= intervals_; ++g)
+      clearance[g] = clearances.from(at_[0][g], at_[1][g], at_[2][g]);
     unsigned open = 0;
     for (std::size_t first = 0; first < intervals_; first += kStep) {
       const std::size_t g = first / kStep;

@@ -255,7 +255,8 @@ class PartSeparation {
     for (std::size_t first = 0; first < kPartsInLeaf; first += kLanes) {
       const Lanes x = load_lanes(&points.x[first]), y = load_lanes(&points.y[first]), z = load_lanes(&points.z[first]);
       Lanes radius = broadcast(set_.largest_radius());
-      for (std::size_t k = 0; k < kLanes && !set_.has_one_radius(); ++k) radius[k] = set_.radius(leaf * kPartsInLeaf + first + k);
+      for (std::size_t k = 0; k < kLanes && !set_.has_one_radius(); ++k)
+        radius[k] = set_.radius(leaf * kPartsInLeaf + first + k);
       radius = radius * kPartStretch;
       unsigned before = (1U << kLanes) - 1, after = before;
       for (std::size_t p = 0; p < looks_; ++p) {
