@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from random_poses import pose_at
 
 import plannercheck as pc
 from plannercheck.bodies.part_sets import PartSet
@@ -233,3 +234,33 @@ def test_ways_to_save_work_change_no_verdict_before_a_cloud() -> None:
         plain = pc.Checker(panda(), scene, **off)
         assert np.array_equal(free, plain.check_motions(start, end)), off
         assert np.array_equal(saving.check_states(end), plain.check_states(end)), off
+
+
+def sensed(kind: str, rng: np.random.Generator) -> tuple[PartSet, Floats]:
+    """A set around the Panda that leaves some of its states free, and its pose."""
+    pose = pose_at(rng, 0.1)
+    if kind == "cloud":
+        return pc.PointCloud(points_of_a_shelf(3000, 7), rng.uniform(0.001, 0.02, size=3000)), pose
+    if kind == "cells":
+        occupied = rng.random((20, 20, 12)) < 0.004
+        return pc.VoxelGrid(occupied, 0.1, [-1.0, -1.0, 0.0]), pose
+    field = rng.uniform(-0.5, -0.1, size=(30, 30))
+    field[15, 4:9] = 0.9
+    return pc.HeightField(field, (0.08, 0.08), -0.6, (-1.2, -1.2)), np.eye(4)
+
+
+@pytest.mark.parametrize("kind", ["cloud", "cells", "heights"])
+@pytest.mark.parametrize("padding", [0.0, 0.02])
+def test_clearances_that_are_looked_up_change_no_verdict(kind: str, padding: float) -> None:
+    """Nor do looks at all poses of a motion at once."""
+    scene = pc.Scene()
+    scene.add("camera", *sensed(kind, np.random.default_rng(11)))
+    saving, plain = (pc.Checker(panda(), scene, padding=padding, bounds=bounds) for bounds in (True, False))
+    q = panda().random_configurations(3000, seed=12)
+    free = saving.check_states(q)
+    assert 0.05 < free.mean() < 0.98
+    assert np.array_equal(free, plain.check_states(q))
+    start, end = motions(150, 13, 0.5)
+    free = saving.check_motions(start, end)
+    assert 0.02 < free.mean() < 0.98
+    assert np.array_equal(free, plain.check_motions(start, end))

@@ -13,6 +13,7 @@
 #include "bindings/plain_floats.hpp"
 #include "bodies/part_set.hpp"
 #include "bodies/polytope.hpp"
+#include "broad_phase/clearances_at.hpp"
 
 namespace nb = nanobind;
 
@@ -84,6 +85,11 @@ std::shared_ptr<Polytope> body_of(std::shared_ptr<PartSet> set, double inflation
   return std::make_shared<Polytope>(polytope_around(std::move(set), inflation_radius));
 }
 
+auto clearances_of(const Polytope& set, InputArray<double, 4, 4> pose, double reach, InputArray<double, -1, 3> points) {
+  const auto found = clearances_at({&set, pose_from(pose.data())}, reach, points.data(), points.shape(0));
+  return output_array(found, {found.size() / 2, std::size_t{2}});
+}
+
 }  // namespace
 
 void bind_part_set(nb::module_& m) {
@@ -108,6 +114,7 @@ void bind_part_set(nb::module_& m) {
       .def("state", &state_of, plain_floats)
       .def("part", &part_at, plain_floats)
       .def("body", &body_of, plain_floats);
+  m.def("part_clearances", &clearances_of, plain_floats);
 }
 
 }  // namespace plannercheck

@@ -88,6 +88,7 @@ class PartSet {
   // The points of a leaf of balls, and the radius of its ball k.
   const EightPoints& points(std::size_t leaf) const { return points_[leaf]; }
   double radius(std::size_t place) const { return radii_.size() == 1 ? radii_[0] : radii_[place]; }
+  bool has_one_radius() const { return radii_.size() == 1; }
   // The boxes of the parts of a leaf.
   PartNode leaf_boxes(std::size_t leaf) const;
 

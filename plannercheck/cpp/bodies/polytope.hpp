@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "bodies/covering_balls.hpp"
 #include "bodies/equivalent_ellipsoid.hpp"
 #include "bodies/hierarchy.hpp"
 #include "bodies/hull.hpp"
@@ -49,6 +50,7 @@ struct Polytope {
   EquivalentEllipsoid ellipsoid;             // not in files
   LazyValue<InnerShapes> lazy_inner_shapes;  // only checkers of configurations need these two
   LazyValue<SmallBall> lazy_small_ball;
+  LazyValue<std::vector<SmallBall>> lazy_covering_balls;  // only motions before sets of parts need them
   std::shared_ptr<const Solid> solid;  // if the body is this solid, of which all above is the hull; not in files
   LazyValue<Solid> lazy_surface;       // only tests with solids need it
   // If the body is this set of parts, around which all above is a box; not in files.
@@ -63,6 +65,10 @@ struct Polytope {
   // Around the hull, without the inflation radius.
   const SmallBall& small_ball() const {
     return lazy_small_ball.get([this] { return plannercheck::small_ball(inner.points, 0.5 * (low + high)); });
+  }
+  // The same by several balls.
+  const std::vector<SmallBall>& covering_balls() const {
+    return lazy_covering_balls.get([this] { return plannercheck::covering_balls(*this); });
   }
   // The solid, or the hull as one; without the inflation radius.
   const Solid& surface() const {

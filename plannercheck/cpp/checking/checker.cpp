@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "broad_phase/broad_phase.hpp"
+#include "broad_phase/part_clearances.hpp"
 #include "checking/state_blocks.hpp"
 #include "math/interruption.hpp"
 #include "narrow_phase/solid_pair.hpp"
@@ -72,6 +73,21 @@ struct GroupLook {
   bool is_far = false;
 };
 
+// How far bodies on links come from the world's origin in sampled states, m.
+double largest_reach(const std::vector<GeometryObject>& bodies, std::size_t links, const SampledPoses* sampled) {
+  if (sampled == nullptr || sampled->states == 0) return kNoLimit;
+  double reach = 0;
+  for (const GeometryObject& object : bodies) {
+    if (object.link < 0) continue;
+    const double size = norm_1(object.placement.translation()) + object.body->origin_radius;
+    for (std::size_t s = 0; s < sampled->states; ++s) {
+      const double* const pose = &sampled->poses[(s * links + at(object.link)) * 16];
+      reach = larger(reach, norm_max({pose[3], pose[7], pose[11]}) + size);
+    }
+  }
+  return reach;
+}
+
 struct CheckerCore::Workspace {
   CheckerCounters counters;
   std::vector<Lanes> columns, links;         // of a block's groups: configurations and link poses
@@ -99,6 +115,7 @@ CheckerCore::CheckerCore(std::vector<GeometryObject> bodies, std::vector<std::ar
     }
   }
   part_groups_ = part_groups(bodies_, pairs_);
+  clearances_ = std::make_shared<const PartClearances>(bodies_, largest_reach(bodies_, at(links_), sampled.get()));
   broad_phase_ = std::make_shared<const BroadPhase>(
       bodies_, pairs_, permanent_collisions(bodies_, pairs_, options_.pair), at(links_), std::move(sampled));
 }
@@ -129,10 +146,15 @@ Pose CheckerCore::posed(std::size_t body, std::size_t state, const Workspace& w)
   const GeometryObject& object = bodies_[body];
   if (object.link < 0) return object.placement;
   if (w.state_links != nullptr) return placed_on(w.state_links[at(object.link)], object.placement);
-  const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, at(object.link))];
-  std::array<double, 12> link;
-  for (std::size_t i = 0; i < 12; ++i) link[i] = lanes[i][state % kLanes];
-  return placed_on(link, object.placement);
+  return placed_on(link_pose(at(object.link), state, w), object.placement);
+}
+
+std::array<double, 12> CheckerCore::link_pose(std::size_t link, std::size_t state, const Workspace& w) const {
+  if (w.state_links != nullptr) return w.state_links[link].by_rows().m;
+  const Lanes* lanes = &w.links[pose_index(at(links_), state / kLanes, link)];
+  std::array<double, 12> pose;
+  for (std::size_t i = 0; i < 12; ++i) pose[i] = lanes[i][state % kLanes];
+  return pose;
 }
 
 bool CheckerCore::collides(std::size_t pair, std::size_t state, Workspace& w) const {
@@ -168,9 +190,21 @@ bool CheckerCore::group_is_far(std::size_t index, std::size_t state, Workspace& 
   return look.is_far;
 }
 
+bool CheckerCore::is_clear_of_parts(std::size_t pair, std::size_t state, const Workspace& w) const {
+  const auto [guest, host] = pairs_[pair];
+  const PartClearances::Look look = clearances_->look(guest, host);
+  if (look.grid == nullptr) return false;
+  const double inflated = bodies_[at(guest)].body->inflation_radius + bodies_[at(host)].body->inflation_radius;
+  return PartClearances::is_clear(look, link_pose(at(look.link), state, w), inflated * kRadiusStretch);
+}
+
 // The hull of a set of parts says nothing, so that it is not asked.
 bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w) const {
   const std::size_t guest = at(pairs_[pair][0]), host = at(pairs_[pair][1]);
+  if (options_.bounds && is_clear_of_parts(pair, state, w)) {
+    ++w.counters.bounds;
+    return false;
+  }
   const std::int32_t group = part_groups_.of_pair[pair];
   if (options_.boxes && group >= 0 && group_is_far(at(group), state, w)) {
     ++w.counters.boxes;

@@ -45,6 +45,7 @@ struct CheckerOptions {
 enum class Query { kAnyCollision, kWhichCollide };
 
 class BroadPhase;
+class PartClearances;
 
 class CheckerCore {
  public:
@@ -90,6 +91,7 @@ class CheckerCore {
   PartGroups part_groups_;
   CheckerOptions options_;
   std::shared_ptr<const BroadPhase> broad_phase_;
+  std::shared_ptr<const PartClearances> clearances_;
 
   // Calls judge(row, state of the block) for every row, once the block's links are posed and its near pairs found.
   template <class Judge>
@@ -102,9 +104,11 @@ class CheckerCore {
   void pose_links(std::size_t width, int count, Workspace& workspace) const;
   void load_links(const double* links, std::size_t n, Workspace& workspace) const;
   void find_near(int count, Query query, Workspace& workspace) const;
+  std::array<double, 12> link_pose(std::size_t link, std::size_t state, const Workspace& workspace) const;
   Pose posed(std::size_t body, std::size_t state, const Workspace& workspace) const;
   bool collides(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool group_is_far(std::size_t group, std::size_t state, Workspace& workspace) const;
+  bool is_clear_of_parts(std::size_t pair, std::size_t state, const Workspace& workspace) const;
   bool parts_share(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool half_space_shared(std::size_t pair, std::size_t state, Workspace& workspace) const;
   bool is_free(std::size_t state, Workspace& workspace) const;

@@ -106,6 +106,26 @@ inline Vector smaller(Vector a, Vector b) {
   return a < b ? a : b;
 }
 
+typedef int LaneIndices __attribute__((vector_size(kLanes * 4)));
+
+// Bytes at indices; up to so many bytes after each are read as well.
+inline constexpr std::size_t kGatheredBeyond = 3;
+inline LaneIndices gathered_bytes(const unsigned char* from, LaneIndices index) {
+#if defined(__AVX512F__)
+  const auto fours = reinterpret_cast<LaneIndices>(
+      _mm256_i32gather_epi32(reinterpret_cast<const int*>(from), reinterpret_cast<__m256i>(index), 1));
+  return fours & 0xff;
+#elif defined(__AVX2__) && !defined(PLANNERCHECK_EIGHT_LANES)
+  const auto fours = reinterpret_cast<LaneIndices>(
+      _mm_i32gather_epi32(reinterpret_cast<const int*>(from), reinterpret_cast<__m128i>(index), 1));
+  return fours & 0xff;
+#else
+  LaneIndices bytes;
+  for (int k = 0; k < kLanes; ++k) bytes[k] = from[index[k]];
+  return bytes;
+#endif
+}
+
 // Bit k of the result: lane k of a comparison.
 inline unsigned bits(LaneMask mask) {
 #if defined(__AVX512DQ__)

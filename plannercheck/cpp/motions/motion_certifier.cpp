@@ -1,9 +1,11 @@
 #include "motions/motion_certifier.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "bodies/half_space.hpp"
+#include "broad_phase/part_clearances.hpp"
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
 #include "motions/motion_screen.hpp"
@@ -52,6 +54,8 @@ MotionCertifier::MotionCertifier(MotionModel model, MotionOptions options, std::
   still.erase(std::remove_if(still.begin(), still.end(), is_unbounded), still.end());
   screen_ = std::make_shared<const MotionScreen>(model_, movers_, still);
   collisions_ = std::make_shared<const MotionCollisions>(model_);
+  const double travel = std::accumulate(model_.travel.begin(), model_.travel.end(), 0.0);
+  clearances_ = std::make_shared<const PartClearances>(model_.bodies, model_.extent + travel + mounted_size_);
 }
 
 void MotionCertifier::states(const double* q0, const double* q1, const double* t, std::size_t n, double* q) const {

@@ -70,6 +70,7 @@ struct MotionOptions {
 class ChainTable;
 class MotionScreen;
 class MotionCollisions;
+class PartClearances;
 
 class MotionCertifier {
  public:
@@ -108,6 +109,7 @@ class MotionCertifier {
   std::shared_ptr<const ChainTable> chain_table_;
   std::shared_ptr<const MotionScreen> screen_;
   std::shared_ptr<const MotionCollisions> collisions_;
+  std::shared_ptr<const PartClearances> clearances_;
   // How far bodies extend: static ones from the world's origin, the others from their links', m.
   double still_size_ = 0, mounted_size_ = 0;
 

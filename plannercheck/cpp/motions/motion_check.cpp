@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "motions/adaptive_subdivision.hpp"
+#include "motions/clearance_screen.hpp"
 #include "motions/motion_certifier.hpp"
 #include "motions/motion_collisions.hpp"
 #include "motions/motion_filters.hpp"
@@ -167,9 +168,11 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   // By twice the tolerance, as what bounds of speed leave out.
   unsigned near_parts(std::int32_t index, unsigned near) {
     if (proofs_ != nullptr) return near;
-    const PartScreen screen(model_, certifier_.part_groups_, filters_, w_.grid, 2 * tolerance_);
-    if (posed_ == &w_.all) near &= screen.near_group(index, w_.motion, w_.groups);
-    return screen.near(pairs_[at(index)], near);
+    if (certifier_.options_.bounds) {
+      near = near_by_clearances(*certifier_.clearances_, pairs_[at(index)], filters_, w_.grid, 2 * tolerance_, near);
+    }
+    if (near == 0) return 0;
+    return posed_ == &w_.all && part_screen().group_is_far(index, w_.motion, w_.groups) ? 0 : near;
   }
 
   bool surely_collides() {
@@ -185,7 +188,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     // In no other direction bodies keep away from a half-space, which stands still.
     if (is_of_half_space(pair)) return {{index, near, 0, 0}, plane_of(pair).normal};
     // No plane is one of all parts.
-    if (is_of_parts(pair) && proofs_ == nullptr) return {{index, near, 0, 0}, {}};
+    if (is_of_parts(pair) && proofs_ == nullptr) return {{index, open_parts(index, near), 0, 0}, {}};
     const Plane<Vec3>& plane = w_.planes[at(index)];
     DirectedPair found{{index, near, 0, 0}, {}};
     if (proofs_ == nullptr && plane.motion != 0) {
@@ -202,6 +205,26 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     if (proofs_ == nullptr) filters_.boxes_settle(found, found.direction);
     return found;
   }
+
+  // Of the intervals `near` those left open by one look at all of them together, or else by boxes.
+  unsigned open_parts(std::int32_t index, unsigned near) {
+    const CertifiedPair& pair = pairs_[at(index)];
+    // One interval is looked at when it is settled.
+    if (!certifier_.options_.bounds || (near & (near - 1)) == 0) return near;
+    std::array<PosedPair, kGridStates> poses;
+    int count = 0;
+    for (unsigned states = near | near << 1; states != 0; states &= states - 1) {
+      poses[at(count++)] = filters_.posed(pair, static_cast<std::size_t>(__builtin_ctz(states)));
+    }
+    if (parts_stay_further(pair, poses.data(), count, filters_.apart(pair))) return 0;
+    return part_screen().near(pair, near);
+  }
+
+  bool parts_stay_further(const CertifiedPair& pair, const PosedPair* poses, int count, double limit) {
+    return parts_further(filters_.body(pair.a), filters_.body(pair.b), poses, count, limit, w_.counters.pair);
+  }
+
+  PartScreen part_screen() { return {model_, certifier_.part_groups_, filters_, w_.grid, 2 * tolerance_}; }
 
   // Whether a plane of an earlier motion keeps the pair more than twice the tolerance apart wherever it is open. Then
   // no state of this motion is within the tolerance. Without hints a pair is refused only by such a state, so it would
@@ -304,6 +327,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool solids_clear(PairState& s, std::size_t state, double limit) {
     const PosedPair pose = filters_.posed(s.pair, state);
     if (is_of_parts(s.pair)) {
+      if (parts_stay_further(s.pair, &pose, 1, limit + filters_.inflation_radii(s.pair))) return true;
       const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
       return !solids_share(a, b, w_.counters.pair) && parts_distance(a, b, limit, 0, w_.counters.pair).lower > limit;
     }
@@ -324,9 +348,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool parts_settle(PairState& s, std::size_t i) {
     if (!is_of_solids(s.pair) || proofs_ != nullptr) return false;
     const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
-    if (is_of_parts(s.pair)) {
-      return parts_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart, w_.counters.pair);
-    }
+    if (is_of_parts(s.pair)) return parts_stay_further(s.pair, ends.data(), 2, s.apart);
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart) &&
            !are_nested(posed_a(s, ends[0]), posed_b(s, ends[0]));
   }

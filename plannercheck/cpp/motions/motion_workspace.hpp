@@ -47,7 +47,7 @@ struct MotionCertifier::Workspace : SubdivisionWorkspace<SpatialMotions> {
   MotionScreen::Workspace screen;
   MotionCollisions::Workspace collisions;
   std::vector<std::int32_t> candidates, bodies, frames;
-  std::vector<GroupIntervals> groups;  // of bodies with pairs with one set of parts
+  std::vector<MotionGroupLook> groups;  // of bodies with pairs with one set of parts
   std::shared_ptr<CheckerCore::Workspace> states;
   std::array<std::uint8_t, kMiddles> is_free{};  // of the motions at once: no state of it that was judged collides
   std::array<std::uint8_t, kMiddles> found{};    // verdicts of `rows`

@@ -19,32 +19,32 @@ unsigned near_between(const SweptBoxes& boxes, const PosedPolytope& set, unsigne
 
 }  // namespace
 
+bool PartScreen::group_is_far(std::int32_t index, std::uint64_t motion, std::vector<MotionGroupLook>& known) const {
+  const std::int32_t of_pair = groups_.of_pair[at(index)];
+  if (of_pair < 0) return false;
+  const PartGroup& group = groups_.groups[at(of_pair)];
+  if (!filters_.stands_still(group.set)) return false;
+  MotionGroupLook& look = known[at(of_pair)];
+  if (look.motion == motion) return look.is_far;
+  double apart = 0;
+  for (const std::int32_t member : group.pairs) apart = larger(apart, filters_.apart(model_.pairs[at(member)]));
+  const SweptBoxes boxes(grid_, group.mover, {group.low, group.high}, middle());
+  const FrameBox whole = boxes.around(0, grid_.intervals());
+  look = {motion, parts_are_far({boxes.frame(), whole.low, whole.high}, posed(group.set), apart + room_)};
+  return look.is_far;
+}
+
 unsigned PartScreen::near(const CertifiedPair& pair, unsigned near) const {
   if (near == 0 || !filters_.stands_still(pair.b)) return near;
   const std::int32_t set = filters_.body(pair.a).parts ? pair.a : pair.b, mover = set == pair.a ? pair.b : pair.a;
   if (!filters_.stands_still(set)) return near;
   const Polytope& body = filters_.body(mover);
-  return near_boxes(mover, set, {body.low, body.high}, near, filters_.apart(pair));
+  const SweptBoxes boxes(grid_, mover, {body.low, body.high}, middle());
+  return near_between(boxes, posed(set), near, 0, grid_.intervals(), filters_.apart(pair) + room_);
 }
 
-unsigned PartScreen::near_group(std::int32_t index, std::uint64_t motion, std::vector<GroupIntervals>& known) const {
-  const std::int32_t of_pair = groups_.of_pair[at(index)];
-  if (of_pair < 0) return filters_.all_intervals();
-  const PartGroup& group = groups_.groups[at(of_pair)];
-  if (!filters_.stands_still(group.set)) return filters_.all_intervals();
-  GroupIntervals& found = known[at(of_pair)];
-  if (found.motion == motion) return found.near;
-  double apart = 0;
-  for (const std::int32_t member : group.pairs) apart = larger(apart, filters_.apart(model_.pairs[at(member)]));
-  found = {motion, near_boxes(group.mover, group.set, {group.low, group.high}, filters_.all_intervals(), apart)};
-  return found.near;
-}
-
-unsigned PartScreen::near_boxes(std::int32_t mover, std::int32_t set, const FrameBox& box, unsigned near,
-                                double apart) const {
-  const SweptBoxes boxes(grid_, mover, box, (grid_.intervals() + 1) / 2);
-  const PosedPolytope posed{&filters_.body(set), model_.bodies[at(set)].placement};
-  return near_between(boxes, posed, near, 0, grid_.intervals(), apart + room_);
+PosedPolytope PartScreen::posed(std::int32_t set) const {
+  return {&filters_.body(set), model_.bodies[at(set)].placement};
 }
 
 }  // namespace plannercheck

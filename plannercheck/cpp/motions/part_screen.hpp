@@ -1,8 +1,8 @@
-// On which intervals of a motion's grid a body may be near a part of a set that stands still.
+// Whether a body may be near a part of a set that stands still, on a motion's grid or on which of its intervals.
 //
-// In: the grid, what filters know of it, groups of bodies. Out: intervals. Idea: a box around the body at both ends of
-// an interval is held against the set's tree, first of all intervals at once, and of halves where that is near; bodies
-// of one link are looked at together before.
+// In: the grid, what filters know of it, groups of bodies. Out: verdicts, or intervals. Idea: a box around the body at
+// the states is held against the set's tree, of all of them at once, or also of halves where that is near; bodies of
+// one link are looked at together before.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace plannercheck {
 
-// The intervals of a motion's first grid on which some body of a group may be near parts of its set.
-struct GroupIntervals {
+// Whether all bodies of a group stay far from their set on a motion's first grid.
+struct MotionGroupLook {
   std::uint64_t motion = 0;
-  unsigned near = 0;
+  bool is_far = false;
 };
 
 class PartScreen {
@@ -28,10 +28,10 @@ class PartScreen {
              double room)
       : model_(model), groups_(groups), filters_(filters), grid_(grid), room_(room) {}
 
+  // For all bodies of the pair's group, if it has one, on the first grid of a motion; `known` keeps what was found.
+  bool group_is_far(std::int32_t index, std::uint64_t motion, std::vector<MotionGroupLook>& known) const;
   // For a pair with a set of parts, of the intervals `near`.
   unsigned near(const CertifiedPair& pair, unsigned near) const;
-  // For all bodies of the pair's group, if it has one, on the first grid of a motion; `known` keeps what was found.
-  unsigned near_group(std::int32_t index, std::uint64_t motion, std::vector<GroupIntervals>& known) const;
 
  private:
   const MotionModel& model_;
@@ -40,7 +40,8 @@ class PartScreen {
   MotionGrid& grid_;
   double room_;
 
-  unsigned near_boxes(std::int32_t mover, std::int32_t set, const FrameBox& box, unsigned near, double apart) const;
+  std::size_t middle() const { return (grid_.intervals() + 1) / 2; }
+  PosedPolytope posed(std::int32_t set) const;
 };
 
 }  // namespace plannercheck

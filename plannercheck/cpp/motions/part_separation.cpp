@@ -4,11 +4,14 @@
 
 #include "bodies/part_body.hpp"
 #include "math/simd.hpp"
+#include "motions/adaptive_subdivision.hpp"
+#include "narrow_phase/distance.hpp"
 
 namespace plannercheck {
 namespace {
 
 constexpr std::size_t kLooksAtMost = 2;  // at poses of a set that moves in the frame
+constexpr auto kPoseLanes = static_cast<std::size_t>(kLanes);
 constexpr std::size_t kAxesOfBoth = 6;
 constexpr std::size_t kKeptDirections = 12;  // the last ones are overwritten in turn
 
@@ -50,6 +53,7 @@ class PartSeparation {
         limit_(limit),
         counters_(counters) {
     looks_ = count_ > 1 && stands_still() ? 1 : count_;
+    if (looks_ == 1) fill_rows();
   }
 
   bool run() {
@@ -90,6 +94,8 @@ class PartSeparation {
   double limit_;
   PairCounters& counters_;
   std::array<AtPoses, kKeptDirections> directions_;
+  std::array<std::array<double, kGridStates>, 12> rows_;  // if the set is looked at once
+  std::size_t groups_ = 0;
   std::size_t kept_ = 0, next_ = kAxesOfBoth, newest_ = 0;
 
   const Pose& set_pose(std::size_t p) const { return set_is_first_ ? poses_[p].a : poses_[p].b; }
@@ -102,14 +108,24 @@ class PartSeparation {
     return true;
   }
 
+  // The body's poses in lanes, the last one in those that are left: number k of the pose p at rows_[k][p].
+  void fill_rows() {
+    groups_ = (count_ + kPoseLanes - 1) / kPoseLanes;
+    for (std::size_t p = 0; p < groups_ * kPoseLanes; ++p) {
+      const Pose& pose = body_pose(std::min(p, count_ - 1));
+      for (std::size_t k = 0; k < 12; ++k) rows_[k][p] = pose.m[k];
+    }
+  }
+
   // A direction of the frame at all poses at which the set is looked at.
-  void project(Vec3 d, Interval (PartSeparation::*interval)(std::size_t, Vec3), AtPoses& out) {
+  void project(Vec3 d, bool of_hull, AtPoses& out) {
     for (std::size_t p = 0; p < looks_; ++p) {
       const Vec3 in_world = poses_[p].frame.to_world(d);
-      Interval body = (this->*interval)(p, in_world);
-      for (std::size_t more = looks_; p == 0 && more < count_; ++more) {
-        const Interval there = (this->*interval)(more, in_world);
-        body = {smaller(body.low, there.low), larger(body.high, there.high)};
+      const std::size_t past = looks_ == 1 ? count_ : p + 1;
+      Interval body = looks_ == 1 ? box_interval(in_world) : box_interval(p, in_world);
+      if (of_hull) {
+        const double end = hull_end(in_world, p, past);
+        (set_is_first_ ? body.high : body.low) = end;
       }
       out[p] = projected(p, in_world, grown(body, limit_));
     }
@@ -117,14 +133,14 @@ class PartSeparation {
 
   void add_axis(const Pose& pose, std::size_t axis) {
     const Vec3 d = unit(poses_[0].frame.from_world({pose.m[axis], pose.m[axis + 4], pose.m[axis + 8]}));
-    project(d, &PartSeparation::box_interval, directions_[kept_++]);
+    project(d, false, directions_[kept_++]);
   }
 
   // Keeps a direction of the frame that kept a part away.
   void add_direction(Vec3 d) {
     if (kept_ < kKeptDirections) next_ = kept_++;
     newest_ = next_;
-    project(d, &PartSeparation::hull_interval, directions_[newest_]);
+    project(d, true, directions_[newest_]);
     next_ = next_ + 1 < kKeptDirections ? next_ + 1 : kAxesOfBoth;
   }
 
@@ -147,7 +163,7 @@ class PartSeparation {
     return out;
   }
 
-  Interval box_interval(std::size_t p, Vec3 d) {
+  Interval box_interval(std::size_t p, Vec3 d) const {
     const Pose& pose = body_pose(p);
     const Vec3 local = pose.rotate_back(d), centre = 0.5 * (body_.low + body_.high), half = body_.high - centre;
     const double middle = dot(local, centre) + dot(d, pose.translation());
@@ -156,13 +172,38 @@ class PartSeparation {
     return {middle - size, middle + size};
   }
 
-  Interval hull_interval(std::size_t p, Vec3 d) {
-    const Pose& pose = body_pose(p);
-    const Vec3 local = pose.rotate_back(d);
-    counters_.guest_queries += 2;
-    const auto along = [&](std::int32_t v) { return dot(d, pose.apply(body_.inner.points[at(v)])); };
-    return {along(extreme(body_.inner, -local, counters_.queries)),
-            along(extreme(body_.inner, local, counters_.queries))};
+  // Of the body's box at all poses.
+  Interval box_interval(Vec3 d) const {
+    const Vec3 centre = 0.5 * (body_.low + body_.high), half = body_.high - centre;
+    Lanes least = broadcast(kNoLimit), most = -least;
+    for (std::size_t p = 0; p < groups_ * kPoseLanes; p += kPoseLanes) {
+      const auto row = [&](std::size_t k) { return load_lanes(&rows_[k][p]); };
+      Lanes middle = (row(3) * d.x + row(7) * d.y) + row(11) * d.z, size{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Lanes along = (row(k) * d.x + row(k + 4) * d.y) + row(k + 8) * d.z;
+        middle = middle + along * centre[static_cast<int>(k)];
+        size = size + absolute(along) * half[static_cast<int>(k)];
+      }
+      size = size * kBoxSums;
+      least = smaller(least, middle - size), most = larger(most, middle + size);
+    }
+    Interval all{least[0], most[0]};
+    for (int k = 1; k < kLanes; ++k) all = {smaller(all.low, least[k]), larger(all.high, most[k])};
+    return all;
+  }
+
+  // Where the body ends at these poses, on the side of the set: along a direction of the world, from b to a.
+  double hull_end(Vec3 d, std::size_t from, std::size_t past) {
+    double end = set_is_first_ ? -kNoLimit : kNoLimit;
+    for (std::size_t p = from; p < past; ++p) {
+      const Pose& pose = body_pose(p);
+      const Vec3 local = pose.rotate_back(d);
+      ++counters_.guest_queries;
+      const std::int32_t v = extreme(body_.inner, set_is_first_ ? local : -local, counters_.queries);
+      const double along = dot(d, pose.apply(body_.inner.points[at(v)]));
+      end = set_is_first_ ? larger(end, along) : smaller(end, along);
+    }
+    return end;
   }
 
   // Children of a node that no direction keeps away.
@@ -171,18 +212,17 @@ class PartSeparation {
       return (by[0] * load_floats(from[0].data()) + by[1] * load_floats(from[1].data())) +
              by[2] * load_floats(from[2].data());
     };
-    FloatMask apart{};
-    for (std::size_t k = 0; k < kept_; ++k) {
+    unsigned left = ~float_bits(load_floats(node.half[0].data()) < 0.0F) & ((1U << kChildren) - 1);
+    for (std::size_t k = kept_; k-- > 0 && left != 0;) {
       FloatMask before = ~FloatMask{}, after = before;
       for (std::size_t p = 0; p < looks_; ++p) {
         const AlongDirection& to = directions_[k][p];
         const Floats way = row(node.centre, to.along) + to.middle, room = row(node.half, to.size) + to.least;
         before &= way > room, after &= -way > room;
       }
-      apart |= before | after;
+      left &= ~float_bits(before | after);
     }
-    const FloatMask missing = load_floats(node.half[0].data()) < 0.0F;
-    return ~float_bits(apart | missing) & ((1U << kChildren) - 1);
+    return left;
   }
 
   bool leaf_apart(std::size_t leaf) {
@@ -214,8 +254,10 @@ class PartSeparation {
     unsigned beside = 0;
     for (std::size_t first = 0; first < kPartsInLeaf; first += kLanes) {
       const Lanes x = load_lanes(&points.x[first]), y = load_lanes(&points.y[first]), z = load_lanes(&points.z[first]);
-      Lanes radius;
-      for (std::size_t k = 0; k < kLanes; ++k) radius[k] = set_.radius(leaf * kPartsInLeaf + first + k) * kPartStretch;
+      Lanes radius = broadcast(set_.largest_radius());
+      for (std::size_t k = 0; k < kLanes && !set_.has_one_radius(); ++k)
+        radius[k] = set_.radius(leaf * kPartsInLeaf + first + k);
+      radius = radius * kPartStretch;
       unsigned before = (1U << kLanes) - 1, after = before;
       for (std::size_t p = 0; p < looks_; ++p) {
         const AlongDirection& to = direction[p];
@@ -248,6 +290,13 @@ class PartSeparation {
     const PosedPair& middle = poses_[count_ / 2];
     const Vec3 hint = middle.frame.from_world(middle.a.apply(a.centre) - middle.b.apply(b.centre));
     const double limit = limit_ + part.radius * kPartStretch;
+    if (count_ > 2) {  // mostly what parts both ends parts all poses
+      const std::array<PosedPair, 2> ends{poses_[0], poses_[count_ - 1]};
+      const SweptAnswer<Vec3> answer = swept_distance(a, b, ends.data(), 2, limit, hint, counters_);
+      if (!answer.apart) return false;
+      add_direction(answer.direction);
+      if (separates(directions_[newest_], part, part.radius * kPartStretch)) return true;
+    }
     const SweptAnswer<Vec3> answer = swept_distance(a, b, poses_, static_cast<int>(count_), limit, hint, counters_);
     if (!answer.apart) return false;
     add_direction(answer.direction);

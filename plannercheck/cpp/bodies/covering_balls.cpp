@@ -1,0 +1,93 @@
+#include "bodies/covering_balls.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "bodies/polytope.hpp"
+
+namespace plannercheck {
+namespace {
+
+// A slice is so thick, as a part of the box's second longest side (measured: thinner ones save little).
+constexpr double kSliceThickness = 0.6;
+
+// Slices are no thinner than this, m: what is small is held by one ball.
+constexpr double kThinnestSlice = 0.04;
+
+// Where an edge is cut, the point errs by less than this part of the largest coordinates.
+constexpr double kCutError = 0x1p-48;
+
+// The hull between two planes across an axis is held by its vertices there and by where the planes cut its edges.
+class Slices {
+ public:
+  Slices(const Polytope& body, int axis) : body_(body), axis_(axis) {}
+
+  // Writes points whose hull is the body's part from `low` to `high`.
+  void between(double low, double high, std::vector<Vec3>& points) const {
+    points.clear();
+    for (const Vec3& p : body_.inner.points) {
+      if (p[axis_] >= low && p[axis_] <= high) points.push_back(p);
+    }
+    for (const Triangle& t : body_.triangles) {
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const int a = t[corner], b = t[corner == 2 ? 0 : corner + 1];
+        if (a < b) cut(body_.inner.points[at(a)], body_.inner.points[at(b)], low, high, points);  // each edge once
+      }
+    }
+    if (body_.dimension == 1) cut(body_.inner.points[0], body_.inner.points[1], low, high, points);
+  }
+
+ private:
+  const Polytope& body_;
+  int axis_;
+
+  void cut(const Vec3& a, const Vec3& b, double low, double high, std::vector<Vec3>& points) const {
+    for (const double side : {low, high}) {
+      if ((a[axis_] < side) == (b[axis_] < side)) continue;
+      const double part = (side - a[axis_]) / (b[axis_] - a[axis_]);
+      points.push_back(a + part * (b - a));
+    }
+  }
+};
+
+SmallBall ball_around(const std::vector<Vec3>& points) {
+  Vec3 low = points[0], high = low;
+  for (const Vec3& p : points) {
+    low = {smaller(low.x, p.x), smaller(low.y, p.y), smaller(low.z, p.z)};
+    high = {larger(high.x, p.x), larger(high.y, p.y), larger(high.z, p.z)};
+  }
+  return small_ball(points, 0.5 * (low + high));
+}
+
+}  // namespace
+
+// Bodies without volume have no triangles here; of them only segments are cut.
+std::vector<SmallBall> covering_balls(const Polytope& body) {
+  const Vec3 size = body.high - body.low;
+  std::array<int, 3> axes{0, 1, 2};
+  std::sort(axes.begin(), axes.end(), [&](int a, int b) { return size[a] > size[b]; });
+  const int axis = axes[0];
+  const double length = size[axis],
+               thickness = larger(kThinnestSlice, kSliceThickness * size[axes[1]] + body.inflation_radius);
+  const bool is_cut = (body.dimension == 3 && !body.triangles.empty()) || body.dimension == 1;
+  if (!is_cut || !(length > thickness)) return {body.small_ball()};
+  const double slices = length < thickness * kMostCoveringBalls ? std::ceil(length / thickness) : kMostCoveringBalls;
+  const Slices parts(body, axis);
+  const double room = kCutError * (norm_1(body.low) + norm_1(body.high)), from = body.low[axis];
+  std::vector<SmallBall> balls;
+  std::vector<Vec3> points;
+  for (double k = 0; k < slices; ++k) {
+    // What is before the first cut or after the last one belongs to the slices there, however they are rounded.
+    const double low = k == 0 ? from : from + k / slices * length;
+    const double high = k + 1 == slices ? body.high[axis] : from + (k + 1) / slices * length;
+    parts.between(low, high, points);
+    if (points.empty()) continue;
+    SmallBall ball = ball_around(points);
+    ball.radius += room;
+    balls.push_back(ball);
+  }
+  return balls;
+}
+
+}  // namespace plannercheck

@@ -1,0 +1,20 @@
+// A few balls that together hold a hull, along its longest side: far less room than in one ball around all of it.
+//
+// In: a hull. Out: balls, in its frame. Idea: the hull is cut into slices across the longest side of its box, and each
+// slice is held by a nearly smallest ball.
+#pragma once
+
+#include <vector>
+
+#include "bodies/small_ball.hpp"
+
+namespace plannercheck {
+
+struct Polytope;
+
+inline constexpr std::size_t kMostCoveringBalls = 6;
+
+// Around the hull, without the inflation radius.
+std::vector<SmallBall> covering_balls(const Polytope& body);
+
+}  // namespace plannercheck

@@ -1,0 +1,13 @@
+// Clearances of single points before a set of parts, as its grid has them: to hold the grid against the parts.
+#pragma once
+
+#include <vector>
+
+#include "narrow_phase/pair_frame.hpp"
+
+namespace plannercheck {
+
+// Two numbers for each of n points (n, 3): looked up alone, and in lanes. None if the grid's steps would be too long.
+std::vector<double> clearances_at(const PosedPolytope& set, double reach, const double* points, std::size_t n);
+
+}  // namespace plannercheck

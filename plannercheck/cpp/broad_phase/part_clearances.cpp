@@ -1,0 +1,58 @@
+#include "broad_phase/part_clearances.hpp"
+
+#include <utility>
+
+namespace plannercheck {
+namespace {
+
+// Poses are off rigid by at most 3.6e-6 (plannercheck/robots/unit_lengths.py), so they stretch by half of that, a
+// link's and a placement's.
+constexpr double kBallStretch = 1 + 4e-6;
+
+// Of a centre posed by a placement and then by a link, and of a body posed by the product of both: dozens of roundings
+// of numbers that are no larger than these and the posed centre, for which grids have room.
+constexpr double kBallRounding = 0x1p-40;
+
+}  // namespace
+
+PartClearances::PartClearances(std::vector<GeometryObject> bodies, double reach)
+    : bodies_(std::move(bodies)), reach_(reach), grids_(bodies_.size()), balls_(bodies_.size()) {}
+
+PartClearances::Look PartClearances::look(std::int32_t a, std::int32_t b) const {
+  const std::int32_t set = bodies_[at(a)].body->parts ? a : b, mover = set == a ? b : a;
+  const GeometryObject &parts = bodies_[at(set)], &body = bodies_[at(mover)];
+  if (!parts.body->parts || parts.link >= 0 || body.link < 0 || body.body->parts || body.body->half_space) return {};
+  const ClearanceGrid& found = grid(set);
+  if (!found.is_fine()) return {};
+  return {&found, &balls_on_link(mover), body.link};
+}
+
+const ClearanceGrid& PartClearances::grid(std::int32_t set) const {
+  const GeometryObject& object = bodies_[at(set)];
+  return grids_[at(set)].get([&] { return ClearanceGrid({object.body.get(), object.placement}, reach_); });
+}
+
+const std::vector<SmallBall>& PartClearances::balls_on_link(std::int32_t body) const {
+  const GeometryObject& object = bodies_[at(body)];
+  return balls_[at(body)].get([&] {
+    std::vector<SmallBall> balls = object.body->covering_balls();
+    for (SmallBall& ball : balls) {
+      const double room = (norm_1(ball.centre) + norm_1(object.placement.translation())) * kBallRounding;
+      ball = {object.placement.apply(ball.centre), ball.radius * kBallStretch + room};
+    }
+    return balls;
+  });
+}
+
+bool PartClearances::is_clear(const Look& look, const std::array<double, 12>& link, double margin) {
+  const auto& m = link;
+  for (const SmallBall& ball : *look.balls) {
+    const Vec3& c = ball.centre;
+    const Vec3 place{(m[0] * c.x + m[1] * c.y) + (m[2] * c.z + m[3]), (m[4] * c.x + m[5] * c.y) + (m[6] * c.z + m[7]),
+                     (m[8] * c.x + m[9] * c.y) + (m[10] * c.z + m[11])};
+    if (!(look.grid->from(place) > ball.radius + margin)) return false;
+  }
+  return true;
+}
+
+}  // namespace plannercheck
