@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.certificates import Separation
-from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.intersection import intersects
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.verdicts import PairVerdict
@@ -76,12 +75,11 @@ class Builder:
         """Reads the checker.
 
         Raises:
-            PlannercheckError: If python-flint is not installed, or an obstacle is a half-space.
+            PlannercheckError: If python-flint is not installed.
         """
         extra_module("flint", "proofs", "proofs of motions")
         from plannercheck.proofs.well_formed import hashes_of
 
-        _refuse_half_spaces(checker)
         self._checker = checker
         self._model: Model = space_model(checker)
         self._hashes: Hashes = hashes_of(self._model)
@@ -136,6 +134,8 @@ class Builder:
         used = np.unique(self._checker.pairs)
         for pair in self._of_sets:
             first, second = self._model.pairs[pair]
+            if has_half_space(self._model, pair):
+                continue
             meets = intersects(self._hull(first), self._hull(second), poses[:, used[first]], poses[:, used[second]])
             if np.any(meets) and certifier.motion_result(start, end, tolerance, False, asked_end).free:
                 raise self._not_found(pair, _ONLY_BOXES)
@@ -180,6 +180,12 @@ class Builder:
     def _entries_of_solids(self, verifier: EntryChecker, pair: int, poses: _MotionPoses, margin: float) -> list[Entry]:
         from plannercheck.proofs.faults import UnprovedError
 
+        if has_half_space(self._model, pair):
+            of_plane = _PairEntries(verifier, pair, (), None, is_plane=True)
+            found = of_plane.over(0.0, 1.0, 0)
+            if of_plane.lost:
+                raise self._not_found(pair, "it comes too near to the plane")
+            return found
         radii = sum(self._model.bodies[k].radius for k in self._model.pairs[pair])
         cover = SolidCover(verifier, self._parts, pair, poses, radii + margin)
         found = cover.entries()
@@ -229,16 +235,6 @@ class _MotionPoses:
         return self._known[t]
 
 
-def _refuse_half_spaces(checker: CertifiedPairs) -> None:
-    for first, second in checker.pairs.tolist():
-        for body, other in ((first, second), (second, first)):
-            if isinstance(checker.bodies[body].shape, HalfSpace):
-                raise PlannercheckError(
-                    "motions are proved free of half-spaces, but no proof is written, whose bodies have vertices: "
-                    f"{checker.bodies[other].label} is tested against {checker.bodies[body].label}, a half-space"
-                )
-
-
 def _size(model: Model) -> float:
     """The robot's size, m: the sum of the lengths along its longest chain, and of its bodies."""
     reach: list[float] = []
@@ -276,7 +272,8 @@ def _entries(
     try:
         checker = EntryChecker(empty)
         for pair in range(len(empty.model.pairs)):
-            entries = _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair))
+            is_plane = has_half_space(empty.model, pair)
+            entries = _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair), is_plane)
             found += entries.over(0.0, 1.0, 0)
             lost += [pair] if entries.lost else []
         return tuple(found), lost
@@ -284,6 +281,11 @@ def _entries(
         return (), lost
     finally:
         flint.ctx.prec = bits
+
+
+def has_half_space(model: Model, pair: int) -> bool:
+    """Whether one of both bodies is a half-space."""
+    return any(model.bodies[k].half_space for k in model.pairs[pair])
 
 
 class _PairEntries:
@@ -294,8 +296,15 @@ class _PairEntries:
     """
 
     def __init__(
-        self, checker: EntryChecker, pair: int, planes: Sequence[Plane], resting: tuple[float, ...] | None
+        self,
+        checker: EntryChecker,
+        pair: int,
+        planes: Sequence[Plane],
+        resting: tuple[float, ...] | None,
+        is_plane: bool = False,
     ) -> None:
+        """Takes what may keep a pair apart; `is_plane`: one body is a half-space."""
+        self._is_plane = is_plane
         self._checker, self._pair, self._resting = checker, pair, resting
         self._planes = sorted(planes, key=lambda plane: plane.start)
         self.lost = False
@@ -321,7 +330,9 @@ class _PairEntries:
         return min(ends, key=lambda t: abs(t - middle), default=middle)
 
     def _candidates(self, start: float, end: float) -> list[Entry]:
-        """An entry by balls, then one by the certifier's plane in the middle."""
+        """An entry by balls, then one by the certifier's plane in the middle; by a half-space's own."""
+        if self._is_plane:
+            return [Entry(self._pair, start, end, "half-space")]
         out = [Entry(self._pair, start, end, "balls")]
         middle = (start + end) / 2
         for plane in self._planes:

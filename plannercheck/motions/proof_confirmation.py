@@ -214,6 +214,7 @@ def _compare_bodies(model: Model, loaded: Model) -> None:
         found.append(index)
         other = loaded.bodies[index]
         same = np.array_equal(body.vertices, other.vertices) and body.triangles == other.triangles
+        same = same and body.half_space == other.half_space
         if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
             given, there = _solids(model), _solids(loaded)
             why = "" if given == there else f": solids are {given} in the proof, and {there} in the files"

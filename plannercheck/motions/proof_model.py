@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plannercheck.bodies.circumscribed import BOX_SIGNS
+from plannercheck.bodies.half_spaces import HalfSpace
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.bodies.shapes import GeometryObject, Shape
@@ -94,11 +95,15 @@ def _body(checker: PosedPairs, k: int) -> PosedBody:
     assert polytope is not None
     link = WORLD if body.link is None else checker.robot.link_index(body.link)
     (vertices, radius), triangles = _convex(body.shape, polytope), _NO_TRIANGLES
+    half_space: tuple[float, ...] = ()
+    if isinstance(body.shape, HalfSpace):
+        normal, offset = body.shape.scaled
+        vertices, half_space = np.zeros(0), (*normal, offset)
     if polytope.solid is not None:
         assert isinstance(body.shape, Solid)
         vertices, faces = body.shape.used
         triangles = faces.astype(np.int64)[spatial_order(vertices, faces)]
-    centre, reach = ball_around(vertices)
+    centre, reach = ball_around(vertices) if len(vertices) else (np.zeros(3), 0.0)
     return PosedBody(
         body.name,
         body.label,
@@ -110,6 +115,7 @@ def _body(checker: PosedPairs, k: int) -> PosedBody:
         tuple(centre.tolist()),
         reach,
         tuple((int(a), int(b), int(c)) for a, b, c in triangles.tolist()),
+        half_space,
     )
 
 

@@ -31,6 +31,9 @@ from plannercheck.proofs.numbers_of_proofs import (
 # How far the length of an axis or a unit vector may be from 1.
 LARGEST_STRETCH = 1e-6
 
+# What may keep a pair apart in space.
+_KEEPS_APART = ("plane", "balls", "half-space")
+
 # The precision in which whole turns are taken off angles of up to 1e15 rad: far better than the result's double.
 _TURN_BITS = 192
 
@@ -44,6 +47,7 @@ def check_well_formed(proof: ProofData) -> None:
     _check_tree(model)
     _check_bodies(model)
     check_pairs(model.pairs, len(model.bodies))
+    _check_bounded(model)
     _check_ends(model, motion)
     if hashes_of(model) != proof.hashes:
         raise UnprovedError("the model is not the one whose content hashes the proof has")
@@ -63,6 +67,7 @@ def check_tiling(proof: ProofData) -> None:
     """
     assert isinstance(proof.model, Model)
     links = len(proof.model.links)
+    _check_planes_of_half_spaces(proof.model, proof.entries)
     check_covers(proof.model, proof.entries)
 
     def check_entry(entry: Entry, k: int) -> None:
@@ -70,7 +75,22 @@ def check_tiling(proof: ProofData) -> None:
             raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
         check_numbers(entry.direction, f"direction of entry {k}")
 
-    check_tiled(proof.entries, len(proof.model.pairs), check_entry, "1", covered=pairs_in_parts(proof.entries))
+    check_tiled(
+        proof.entries,
+        len(proof.model.pairs),
+        check_entry,
+        "1",
+        covered=pairs_in_parts(proof.entries),
+        known=_KEEPS_APART,
+    )
+
+
+def _check_planes_of_half_spaces(model: Model, entries: Sequence[Entry]) -> None:
+    """Raises an `UnprovedError` unless pairs with a half-space, and no others, are kept apart by its plane."""
+    for k, entry in enumerate(entries):
+        pair = model.pairs[entry.pair] if 0 <= entry.pair < len(model.pairs) else ()
+        if (entry.by == "half-space") != any(model.bodies[body].half_space for body in pair):
+            raise UnprovedError(f"entry {k} is by {entry.by!r:.40}: only a half-space's own plane keeps a body from it")
 
 
 def _check_margin(margin: float) -> None:
@@ -133,8 +153,27 @@ def _check_bodies(model: Model) -> None:
         check_length(body.centre, 3, what)
         if not 0 <= body.padding <= body.radius or body.reach < 0:
             raise UnprovedError(f"{what} has a negative length, or a padding beyond its radius")
-        check_vertices(body.vertices, 3, what)
+        if body.half_space:
+            _check_half_space(body, what)
+        else:
+            check_vertices(body.vertices, 3, what)
         _check_triangles(body, what)
+
+
+def _check_half_space(body: PosedBody, what: str) -> None:
+    check_length(body.half_space, 4, what)
+    check_numbers(body.half_space, what)
+    if not any(body.half_space[:3]):
+        raise UnprovedError(f"{what} is a half-space whose normal is 0")
+    if body.link != WORLD or body.triangles or np.size(body.vertices):
+        raise UnprovedError(f"{what} is a half-space that is on a link, or has vertices or triangles as well")
+
+
+def _check_bounded(model: Model) -> None:
+    """Raises an `UnprovedError` for a pair of two half-spaces."""
+    for index, (a, b) in enumerate(model.pairs):
+        if model.bodies[a].half_space and model.bodies[b].half_space:
+            raise UnprovedError(f"pair {index} is of two half-spaces")
 
 
 def _check_triangles(body: PosedBody, what: str) -> None:
