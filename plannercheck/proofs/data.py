@@ -12,12 +12,12 @@ parameter t goes from 0 to 1, every joint of `model.joints` moves by itself from
 
 and at every t the two bodies of every pair of `model.pairs`, each inflated by its `radius`, are more than `margin`
 apart. A body is the convex hull of its `vertices`. One with `triangles` is these triangles and, if their directed edges
-cancel, all points around which they wind. One with a `half_space` is that, and has no vertices. Links are where exact
-kinematics of the given numbers puts them: placements as the affine maps that they are, axes as they are, the true sine
-and cosine. The paddings are parts of the radii. The margin covers the error of computed poses and states, so that the
-claim holds for `check_states` as well. The maker of a proof chooses the margin. Not proved are: that the margin is
-large enough for this; that the configurations are within limits; and, without `robot=` and `scene=`, that joints,
-bodies and pairs are those of a certain robot and scene.
+cancel, all points around which they wind. One with `parts` is their union. One with a `half_space` is that, and has no
+vertices. Links are where exact kinematics of the given numbers puts them: placements as the affine maps that they are,
+axes as they are, the true sine and cosine. The paddings are parts of the radii. The margin covers the error of computed
+poses and states, so that the claim holds for `check_states` as well. The maker of a proof chooses the margin. Not
+proved are: that the margin is large enough for this; that the configurations are within limits; and, without `robot=`
+and `scene=`, that joints, bodies and pairs are those of a certain robot and scene.
 
 The same classes serve the plane, where `kind` is "plane", and model and motion are of `planar_proof`.
 """
@@ -99,6 +99,11 @@ class PosedBody:
         triangles: Of a solid: indices of vertices. Entries name ranges of them.
         half_space: Of a half-space: four numbers (n, d), for all points x of its frame with n . x <= d, m times the
             length of n. It is in the world.
+        parts: Of a set of parts: "balls" about the vertices; "boxes" along the axes of its frame, of which each two
+            vertices are opposite corners; "prisms", each the hull of three vertices and of where these are at z =
+            `base`. The body is their union, empty if there are no vertices (0,). Entries name ranges of parts.
+        radii: Of balls: their radii (n,), or the one of all (1,), m; `radius` is added.
+        base: Of prisms: where they end, m.
     """
 
     name: str
@@ -112,6 +117,9 @@ class PosedBody:
     reach: float
     triangles: tuple[tuple[int, int, int], ...] = field(default=(), metadata=OPTIONAL)
     half_space: tuple[float, ...] = field(default=(), metadata=OPTIONAL)
+    parts: Literal["", "balls", "boxes", "prisms"] = field(default="", metadata=OPTIONAL)
+    radii: Floats | None = field(default=None, metadata=OPTIONAL)
+    base: float = field(default=0.0, metadata=OPTIONAL)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,10 +173,11 @@ class Entry:
             "balls": the balls around both bodies are that far apart;
             "half-space": one body is a half-space, and the other one is beyond its plane, by more than the margin.
         frame: Index of the link in whose frame the direction is fixed, -1 for the world.
-        direction: Three numbers (two in the plane) of any length but 0, from the second body to the first; none for
-            balls and half-spaces.
-        first: Of the first body only these triangles, from the first index to before the second; empty for the hull of
-            all vertices. Only planes hold parts apart.
+        direction: Against a set of parts three numbers each for one direction or more: each part is beyond the other
+            body along one of them. Else three numbers (two in the plane) of any length but 0, from the second body to
+            the first; none for balls and half-spaces.
+        first: Of the first body only these triangles or parts, from the first index to before the second; empty for the
+            hull of all vertices, or all parts. Only planes hold some of them apart.
         second: The same of the second body.
     """
 

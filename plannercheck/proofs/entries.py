@@ -19,6 +19,9 @@ common joint, along a direction that is chosen here.
 
 Parts of solids: the same with the corners of some of their triangles.
 
+Sets of parts: the same for each part, several directions one after the other. A ball's height is its vertex's less its
+radius times the direction's length. A set is bent as the box around it is.
+
 Half-spaces: the same with the direction out of one, along which a point of its plane is its highest.
 
 Vertices are multiplied with w in doubles: a sum of four products errs by at most 4 u of the sum of their sizes.
@@ -33,6 +36,7 @@ from typing import Any
 import numpy as np
 from flint import arb_mat
 
+from plannercheck.common.array_types import Bools, Ints64
 from plannercheck.proofs.chains import Chains, off_rigid
 from plannercheck.proofs.covers import is_whole, pairs_in_parts
 from plannercheck.proofs.data import WORLD, Entry, Model, Motion, PosedBody, ProofData
@@ -41,6 +45,7 @@ from plannercheck.proofs.half_spaces import plane_of
 from plannercheck.proofs.heights import ROUNDING, SHIFT, UNDERFLOW, UP, Direction, Seen, direction_on, lowest
 from plannercheck.proofs.jets import affine, times, total
 from plannercheck.proofs.nesting import check_not_nested
+from plannercheck.proofs.parts import largest_radius, parts_of
 from plannercheck.proofs.well_formed import unreached
 
 # An interval is halved this often before its entry counts as false.
@@ -79,10 +84,13 @@ class EntryChecker:
         self._margin = (proof.margin + self._end_shift(proof)) * UP
 
     def _posed(self, body: PosedBody, pose: Any) -> Seen:
-        sizes = np.abs(body.vertices).max(axis=0)
+        parts = parts_of(body) if body.parts else None
+        points = body.vertices if parts is None else parts.box
+        sizes = np.abs(points).max(axis=0)
         if body.link == WORLD:
-            return Seen(body.vertices, sizes, WORLD, pose)
-        return Seen(body.vertices, sizes, self._model.links[body.link].joint, self._links[body.link] * pose)
+            return Seen(points, sizes, WORLD, pose, parts=parts)
+        joint = self._model.links[body.link].joint
+        return Seen(points, sizes, joint, self._links[body.link] * pose, parts=parts)
 
     def check(self, index: int, entry: Entry) -> None:
         """Confirms an entry.
@@ -100,13 +108,13 @@ class EntryChecker:
         if entry.by == "half-space":
             return self._beyond_plane(a, b, radii, (entry.start, entry.end), deepest)
         if entry.by == "plane":
-            direction = self._direction(entry.frame, entry.direction)
+            directions = self._directions(entry)
             parts = self._part(a, entry.first), self._part(b, entry.second)
-            return self._apart(*parts, direction, radii, (entry.start, entry.end), deepest)
+            return self._all_apart(*parts, directions, radii, (entry.start, entry.end), deepest)
         first, second = self._ball(a), self._ball(b)
         if first is None or second is None:
             return False
-        reach = self._model.bodies[a].reach + self._model.bodies[b].reach
+        reach = sum(self._model.bodies[k].reach + largest_radius(self._model.bodies[k]) for k in (a, b))
         return self._balls_apart(first, second, radii + reach, (entry.start, entry.end), deepest)
 
     def described(self, entry: Entry) -> str:
@@ -119,10 +127,22 @@ class EntryChecker:
         pair = f"{a.name} ({a.label}) and {b.name} ({b.label})"
         return f"{pair} are not kept apart on [{entry.start!r}, {entry.end!r}] by {by}"
 
-    def _direction(self, frame: int, numbers: Sequence[float]) -> Direction:
-        joint = WORLD if frame == WORLD else self._model.links[frame].joint
-        column = arb_mat(4, 1, [*numbers, 0])
-        return direction_on(joint, column if frame == WORLD else self._links[frame] * column)
+    def parts_apart(self, entry: Entry, rows: Ints64) -> Bools:
+        """(n,) which of some parts of a pair's set an entry's one direction keeps apart, all along its interval."""
+        a, b = self._model.pairs[entry.pair]
+        radii = self._model.bodies[a].radius + self._model.bodies[b].radius
+        first, second = self._part(a, entry.first), self._part(b, entry.second)
+        if first.parts is not None:
+            first = first._replace(parts=first.parts.taken(rows))
+        else:
+            second = second._replace(parts=second.parts.taken(rows))
+        (direction,) = self._directions(entry)
+        return self._apart_parts(first, second, direction, radii, (entry.start, entry.end))
+
+    def _directions(self, entry: Entry) -> list[Direction]:
+        joint = WORLD if entry.frame == WORLD else self._model.links[entry.frame].joint
+        columns = [arb_mat(4, 1, [*entry.direction[k : k + 3], 0]) for k in range(0, len(entry.direction), 3)]
+        return [direction_on(joint, c if entry.frame == WORLD else self._links[entry.frame] * c) for c in columns]
 
     def check_nesting(self, entries: Sequence[Entry]) -> None:
         """Raises an `UnprovedError` where one body of a pair may be inside the other.
@@ -143,14 +163,17 @@ class EntryChecker:
         if half_space not in self._planes:
             self._planes[half_space] = plane_of(self._model.bodies[half_space])
         point, direction = self._planes[half_space]
-        return self._apart(self._seen[body], point, direction, radii, span, deepest)
+        return self._all_apart(self._seen[body], point, [direction], radii, span, deepest)
 
     def _part(self, body: int, triangles: tuple[int, ...]) -> Seen:
-        """The corners of some of a body's triangles; all vertices for none."""
+        """The corners of some of a body's triangles, or some of its parts; all vertices for none."""
         seen = self._seen[body]
         if not triangles:
             return seen
         key = (body, *triangles)
+        if key not in self._parts and seen.parts is not None:
+            some = seen.parts.taken(slice(*triangles))
+            self._parts[key] = seen._replace(points=some.box, parts=some)
         if key not in self._parts:
             rows = np.unique(self._model.bodies[body].triangles[slice(*triangles)])
             self._parts[key] = seen._replace(points=seen.points[rows])
@@ -191,6 +214,48 @@ class EntryChecker:
         column = self._chains.at(t, joint, seen.joint) * seen.centre
         return [float(x) for x in column.entries()[:3]]
 
+    def _all_apart(
+        self, a: Seen, b: Seen, directions: Sequence[Direction], radii: float, span: tuple[float, float], deepest: int
+    ) -> bool:
+        """Whether each part of the set of a pair is beyond the other body along one of the directions, over a span.
+
+        Of two sets that is the first one; of the second one, all parts count together. Without sets there is one
+        direction.
+        """
+        if a.parts is None and b.parts is None:
+            return len(directions) == 1 and self._apart(a, b, directions[0], radii, span, deepest)
+        if any(seen.parts is not None and not len(seen.parts) for seen in (a, b)):
+            return True
+        for direction in directions:
+            open_ = ~self._apart_parts(a, b, direction, radii, span)
+            if not open_.any():
+                return True
+            if a.parts is not None:
+                a = a._replace(parts=a.parts.taken(open_))
+            else:
+                b = b._replace(parts=b.parts.taken(open_))
+        middle = (span[0] + span[1]) / 2
+        return deepest > 0 and all(
+            self._all_apart(a, b, directions, radii, part, deepest - 1)
+            for part in ((span[0], middle), (middle, span[1]))
+        )
+
+    def _apart_parts(self, a: Seen, b: Seen, direction: Direction, radii: float, span: tuple[float, float]) -> Bools:
+        """(n,) which parts of the set of a pair are beyond the other body along a direction, over a span."""
+        length = self._stretch * direction.length * UP
+        needed = (radii + self._margin) * length * UP + UNDERFLOW
+        gaps = []
+        for t in span:
+            low, high = _lows(a, self._row(a, direction, t), length), -_lows(b, -self._row(b, direction, t), length)
+            if a.parts is not None and b.parts is not None:
+                high = high.max()
+            gaps.append(low - high - ROUNDING * (np.abs(low) + np.abs(high)))
+        least = np.minimum(*gaps)  # NaN of what is NaN, which is not more than anything
+        apart: Bools = least > needed
+        if apart.any():
+            apart = apart & (least * (1 - ROUNDING) - self._loss(a, b, direction, span) > needed)
+        return apart
+
     def _apart(
         self, a: Seen, b: Seen, direction: Direction, radii: float, span: tuple[float, float], deepest: int
     ) -> bool:
@@ -202,17 +267,20 @@ class EntryChecker:
             gaps.append(low - high - ROUNDING * (abs(low) + abs(high)))
         if not all(gap > needed for gap in gaps):  # also of no numbers
             return False
-        bent = -lowest(a, -self._bending(a, direction, span)), -lowest(b, self._bending(b, direction, span))
-        length = span[1] - span[0]
-        # In this order, as the square of a short length is below the range of doubles where its product is not.
-        deviation = length * (length / 8 * (_positive(bent[0]) + _positive(bent[1]))) * UP
-        off = self._off(a, direction, span) + self._off(b, direction, span)
-        if min(gaps) * (1 - ROUNDING) - deviation - off > needed:
+        if min(gaps) * (1 - ROUNDING) - self._loss(a, b, direction, span) > needed:
             return True
         middle = (span[0] + span[1]) / 2
         return deepest > 0 and all(
             self._apart(a, b, direction, radii, part, deepest - 1) for part in ((span[0], middle), (middle, span[1]))
         )
+
+    def _loss(self, a: Seen, b: Seen, direction: Direction, span: tuple[float, float]) -> float:
+        """By how much, at most, two bodies come nearer along a direction within a span than at its ends."""
+        bent = -lowest(a, -self._bending(a, direction, span)), -lowest(b, self._bending(b, direction, span))
+        length = span[1] - span[0]
+        # In this order, as the square of a short length is below the range of doubles where its product is not.
+        deviation = length * (length / 8 * (_positive(bent[0]) + _positive(bent[1]))) * UP
+        return (deviation + self._off(a, direction, span) + self._off(b, direction, span)) * UP
 
     def _row(self, seen: Seen, direction: Direction, t: float) -> Any:
         """The row (w, s) of heights at a parameter, 1 x 4."""
@@ -272,6 +340,11 @@ class EntryChecker:
 
 # A row of a height that does not change.
 _NOTHING = arb_mat(1, 4, [0] * 4)
+
+
+def _lows(seen: Seen, row: Any, length: float) -> Any:
+    """How low a body reaches; (n,) of a set, its parts' radii along a direction of this length taken off."""
+    return lowest(seen, row) if seen.parts is None else seen.parts.lowest(row) - seen.parts.radii * (length * UP)
 
 
 def _positive(x: float) -> float:

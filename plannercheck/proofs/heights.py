@@ -36,6 +36,7 @@ class Seen(NamedTuple):
         joint: The joint that it is on.
         place: Pose of the points on the joint, 4 x 4.
         centre: Centre of a ball, 4 x 1 on the joint; None for a hull.
+        parts: Of a set its `Parts`, which points are the corners of a box around; else None.
     """
 
     points: Floats
@@ -43,6 +44,7 @@ class Seen(NamedTuple):
     joint: int
     place: Any
     centre: Any = None
+    parts: Any = None
 
 
 class Direction(NamedTuple):

@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import flint
 import numpy as np
 from flint import arb
 
 from plannercheck.common.motion_paths import PATHS
-from plannercheck.proofs.covers import check_covers, pairs_in_parts
+from plannercheck.proofs.covers import check_covers, check_directions, pairs_in_parts
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Entry, Hashes, Joint, Model, Motion, PosedBody, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.numbers_of_proofs import (
     HALF_TURN,
+    LARGEST_NUMBER,
     check_length,
     check_numbers,
     check_pairs,
@@ -27,6 +29,7 @@ from plannercheck.proofs.numbers_of_proofs import (
     check_tiled,
     check_vertices,
 )
+from plannercheck.proofs.parts import VERTICES
 
 # How far the length of an axis or a unit vector may be from 1.
 LARGEST_STRETCH = 1e-6
@@ -66,14 +69,12 @@ def check_tiling(proof: ProofData) -> None:
     Those of a pair in parts have to cover it, in any order.
     """
     assert isinstance(proof.model, Model)
-    links = len(proof.model.links)
+    model = proof.model
     _check_planes_of_half_spaces(proof.model, proof.entries)
     check_covers(proof.model, proof.entries)
 
     def check_entry(entry: Entry, k: int) -> None:
-        if entry.by == "plane" and not (len(entry.direction) == 3 and WORLD <= entry.frame < links):
-            raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
-        check_numbers(entry.direction, f"direction of entry {k}")
+        check_directions(model, entry, k)
 
     check_tiled(
         proof.entries,
@@ -155,9 +156,34 @@ def _check_bodies(model: Model) -> None:
             raise UnprovedError(f"{what} has a negative length, or a padding beyond its radius")
         if body.half_space:
             _check_half_space(body, what)
+        elif body.parts and type(body.vertices) is np.ndarray and body.vertices.shape == (0,):
+            pass  # an empty set
         else:
             check_vertices(body.vertices, 3, what)
         _check_triangles(body, what)
+        _check_parts(body, what)
+
+
+def _check_parts(body: PosedBody, what: str) -> None:
+    check_numbers([body.base], what)
+    if not body.parts:
+        if body.radii is not None or body.base:
+            raise UnprovedError(f"{what} has radii or a base, and no parts")
+        return
+    if not isinstance(body.parts, str) or body.parts not in VERTICES:
+        raise UnprovedError(f"{what} has parts {body.parts!r:.40}, which are not known")
+    if body.triangles or body.half_space or len(body.vertices) % VERTICES[body.parts]:
+        raise UnprovedError(f"{what} has {len(body.vertices)} vertices for {body.parts}, or is of another kind as well")
+    if (body.radii is None) != (body.parts != "balls") or (body.base and body.parts != "prisms"):
+        raise UnprovedError(f"{what} has radii that are not of balls, or a base that is not of prisms")
+    if body.radii is not None and not _are_radii(body.radii, len(body.vertices)):
+        raise UnprovedError(f"{what} has radii that are not one for all, or one for each ball, of at least 0")
+
+
+def _are_radii(radii: Any, count: int) -> bool:
+    if type(radii) is not np.ndarray or radii.dtype != np.float64 or radii.shape not in ((1,), (count,)):
+        return False
+    return bool(((radii >= 0) & (radii <= LARGEST_NUMBER)).all())
 
 
 def _check_half_space(body: PosedBody, what: str) -> None:

@@ -150,7 +150,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // By twice the tolerance, as what bounds of speed leave out.
   unsigned near_parts(std::int32_t index, unsigned near) {
-    if (proofs_ != nullptr) return near;
+    if (proofs_ != nullptr || !certifier_.options_.part_trees) return near;
     const PartScreen screen(model_, certifier_.part_groups_, filters_, w_.grid, 2 * tolerance_);
     if (posed_ == &w_.all) near &= screen.near_group(index, w_.motion, w_.groups);
     return screen.near(pairs_[at(index)], near);
@@ -289,7 +289,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     const PosedPair pose = filters_.posed(s.pair, state);
     if (is_of_parts(s.pair)) {
       const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
-      return !solids_share(a, b, w_.counters.pair) && parts_distance(a, b, limit, 0, w_.counters.pair).lower > limit;
+      return !share_a_point(s, pose) &&
+             parts_distance(a, b, limit, 0, w_.counters.pair, certifier_.options_.part_trees).lower > limit;
     }
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), &pose, 1,
                           limit + filters_.inflation_radii(s.pair)) &&
@@ -309,7 +310,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     if (!is_of_solids(s.pair) || proofs_ != nullptr) return false;
     const std::array<PosedPair, 2> ends{filters_.posed(s.pair, i), filters_.posed(s.pair, i + 1)};
     if (is_of_parts(s.pair)) {
-      return parts_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart, w_.counters.pair);
+      return parts_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart, w_.counters.pair,
+                           certifier_.options_.part_trees);
     }
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), ends.data(), 2, s.apart) &&
            !are_nested(posed_a(s, ends[0]), posed_b(s, ends[0]));
@@ -341,6 +343,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool share_a_point(const PairState& s, const PosedPair& pose) {
     const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
     if (is_of_half_space(s.pair)) return half_space_contact(a, b, w_.counters.pair).shared;
+    SolidOptions options;
+    options.part_trees = certifier_.options_.part_trees;
+    if (is_of_parts(s.pair)) return static_cast<bool>(solids_contact(a, b, {}, w_.counters.pair, options));
     return test_pair(a, b, {}, nullptr, w_.counters.pair).shared && solids_share(a, b, w_.counters.pair);
   }
 
