@@ -31,9 +31,6 @@ _DEEPEST = 20
 _WITHIN = 2
 # More cells than this are not looked at: the pair then counts as lost.
 _MOST_CELLS = 20_000
-# A fixed direction has to keep away this part of what is left, or else the nearest part's own is better (measured).
-_WORTH_IT = 0.1
-
 # The directions that are tried first: to the faces, edges and corners of a cube.
 _FIXED = np.array([d for d in itertools.product([-1.0, 0.0, 1.0], repeat=3) if any(d)])
 
@@ -167,17 +164,17 @@ class PartCover:
             )
             - self._parts.radii
         )
-        near, chosen, left = gaps.max(axis=0), list[Floats](), np.arange(len(self._parts))
+        near, chosen, left, wins = gaps.max(axis=0), list[Floats](), np.arange(len(self._parts)), gaps > 0
         while len(left):
-            counts = np.count_nonzero(gaps[:, left] > 0, axis=1)
+            counts = np.count_nonzero(wins, axis=1)
             best = int(counts.argmax())
-            if counts[best] < max(2, _WORTH_IT * len(left)):
+            if not counts[best]:
                 break
-            gaps[best] = -1.0
             kept = self._kept(cell, directions[best], left)
+            wins[best] = False
             if kept.any():
                 chosen.append(directions[best])
-                left = left[~kept]
+                left, wins = left[~kept], wins[:, ~kept]
         return left, near, chosen
 
     def _of_part(self, cell: _Cell, view: _View, row: int) -> tuple[float, Floats]:

@@ -160,8 +160,8 @@ def _check_bodies(model: Model) -> None:
             pass  # an empty set
         else:
             check_vertices(body.vertices, 3, what)
-        _check_triangles(body, what)
         _check_parts(body, what)
+        _check_triangles(body, what)
 
 
 def _check_parts(body: PosedBody, what: str) -> None:
