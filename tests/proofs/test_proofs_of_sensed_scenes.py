@@ -92,7 +92,8 @@ def test_the_body_of_a_proof_has_the_numbers_of_the_shape(shape: PartSet) -> Non
     assert part_count(body) == shape.count
     core = shape.core
     of_core = [core.part(place)[:2] for place in range(core.places) if len(core.part(place)[0])]
-    of_proof = zip(corners_of(body), np.broadcast_to(0.0 if body.radii is None else body.radii, shape.count))
+    radii = np.broadcast_to(0.0 if body.radii is None else body.radii, shape.count)
+    of_proof = zip(corners_of(body), radii, strict=True)
     assert sorted(map(key, of_core)) == sorted(map(key, of_proof))
 
 
@@ -102,7 +103,7 @@ def corners_of(body: PosedBody) -> list[np.ndarray]:
         return list(body.vertices[:, None])
     if body.parts == "boxes":
         return [np.array(list(itertools.product(*both.T))) for both in body.vertices.reshape(-1, 2, 3)]
-    flat = [1, 1, 0] + np.zeros(3)
+    flat = np.array([1, 1, 0])
     prisms = body.vertices.reshape(-1, 3, 3)
     return [np.concatenate([each, each * flat + [0, 0, body.base]]) for each in prisms]
 

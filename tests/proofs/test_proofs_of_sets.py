@@ -166,7 +166,7 @@ def test_larger_parts_are_refused(case):
         )
     else:
         refused(with_set(proof, base=3.0), "does not hold")
-        refused(with_set(proof, vertices=body.vertices + [0, 0, 1.5]), "does not hold")
+        refused(with_set(proof, vertices=body.vertices + np.array([0, 0, 1.5])), "does not hold")
     refused(with_set(proof, radius=1.0), "does not hold")
 
 
@@ -388,7 +388,7 @@ def test_solids_before_a_cloud_are_proved():
 def test_pairs_without_a_proof_are_named(panda, monkeypatch):
     checker = pc.Checker(panda, scene_of(SETS["balls"]()))
     monkeypatch.setattr(part_covers, "_DEEPEST", 0)
-    far = START + [1.2, 0.2, 0, 0.3, 0.5, 0.5, 0]
+    far = START + np.array([1.2, 0.2, 0, 0.3, 0.5, 0.5, 0])
     assert checker.check_motion(START, far)
     with pytest.raises(pc.PlannercheckError, match=r"no proof of it was found, since of panda_hand and camera: "):
         checker.certify_motions(START[None], far[None])
@@ -422,7 +422,8 @@ def test_heights_are_at_most_those_in_fractions(kind, width):
         slack = float(wide[:3] @ parts.sizes + wide[3])
         for value, own in zip(found.tolist(), vertices.reshape(7, width, 3), strict=True):
             for signs in itertools.product([-1, 1], repeat=4):
-                exact = [Fraction(m) + s * Fraction(r) for m, s, r in zip(middle.tolist(), signs, wide.tolist())]
+                both = middle.tolist(), signs, wide.tolist()
+                exact = [Fraction(m) + s * Fraction(r) for m, s, r in zip(*both, strict=True)]
                 assert Fraction(value) <= exact_lowest(kind, own, base, exact)
             least = exact_lowest(kind, own, base, [Fraction(x) for x in middle.tolist()])
             assert float(least - Fraction(value)) < 1e-14 * size + 1.01 * slack
