@@ -11,7 +11,7 @@ import flint
 import numpy as np
 import pytest
 from flint import arb, arb_mat
-from proof_cases import CUBE, STILL, claim, turn
+from proof_cases import CUBE, STILL, at, claim, point, turn
 
 import plannercheck as pc
 from plannercheck.cli.main import main
@@ -254,6 +254,41 @@ def test_several_directions_are_for_sets_alone():
     tip = PosedBody("p", "p", 0, STILL, 0.1 * CUBE, 0.0, 0.0, (0.0, 0.0, 0.0), 9.0)
     both = Entry(0, 0.0, 1.0, "plane", -1, (0.0, -1.0, 0.0, -1.0, 0.0, 0.0))
     refused(claim([turn()], [corner, tip], (0.0,), (0.1,), [both]), "needs a direction of three numbers")
+
+
+def ball_set(points, radii=(0.0,), pose=STILL, reach=9.0):
+    """Balls in the world."""
+    given = {"parts": "balls", "radii": np.array(radii)}
+    vertices = np.array(points, dtype=np.float64)
+    return PosedBody("set", "set", -1, pose, vertices, 0.0, 0.0, (0.0, 0.0, 0.0), reach, **given)
+
+
+def test_a_swing_past_a_ball_bends():
+    """A point at the end of an arm of 1 m: between the ends it is further out than at both."""
+
+    def proof(height, deepest):
+        entry = Entry(0, 0.0, 1.0, "plane", -1, (0.0, 1.0, 0.0, 1.0, 0.0, 0.0))
+        far = ball_set([[0.0, height, 0.0], [3.0, 0.5, 0.0]])
+        bodies = [far, point("tip", 0, at(y=1.0))]
+        return claim([turn()], bodies, (-0.3,), (0.3,), [entry])
+
+    assert proof(1 + 1e-4, 7).verify()
+    assert not proof(1 - 1e-6, 7).verify()
+    flint.ctx.prec = 64
+    inside = proof(1 - 0.01, 0)  # beyond the chord's ends, at y = cos 0.3
+    assert not EntryChecker(inside).holds(inside.entries[0], 0)
+
+
+def test_balls_around_a_set_hold_its_radii():
+    def proof(radius, reach):
+        far = ball_set([[3.0, 0.0, 0.0], [3.2, 0.0, 0.0]], (radius,), reach=reach)
+        far = replace(far, centre=(3.1, 0.0, 0.0))
+        bodies = [far, point("tip", 0, at(y=1.0))]
+        return claim([turn()], bodies, (-0.1,), (0.1,), [Entry(0, 0.0, 1.0, "balls")])
+
+    assert proof(0.5, 0.11).verify()
+    assert not proof(3.2, 0.11).verify()
+    assert not proof(0.5, 0.05).verify()
 
 
 def test_motions_with_other_ends_hold_only_if_they_are_free(case, panda):
