@@ -40,13 +40,14 @@ from plannercheck.common.array_types import Bools, Ints64
 from plannercheck.proofs.chains import Chains, off_rigid
 from plannercheck.proofs.covers import is_whole, pairs_in_parts
 from plannercheck.proofs.data import WORLD, Entry, Model, Motion, PosedBody, ProofData
+from plannercheck.proofs.end_shifts import end_shift
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.half_spaces import plane_of
-from plannercheck.proofs.heights import ROUNDING, SHIFT, UNDERFLOW, UP, Direction, Seen, direction_on, lowest
+from plannercheck.proofs.heights import SHIFT, Direction, Seen, direction_on, lowest
 from plannercheck.proofs.jets import affine, times, total
 from plannercheck.proofs.nesting import check_not_nested
 from plannercheck.proofs.parts import largest_radius, parts_of
-from plannercheck.proofs.well_formed import unreached
+from plannercheck.proofs.rounding import ROUNDING, UNDERFLOW, UP
 
 # An interval is halved this often before its entry counts as false.
 DEEPEST = 7
@@ -81,7 +82,7 @@ class EntryChecker:
         self._balls: dict[int, Seen | None] = {}
         self._planes: dict[int, tuple[Seen, Direction]] = {}
         self._parts: dict[tuple[int, ...], Seen] = {}
-        self._margin = (proof.margin + self._end_shift(proof)) * UP
+        self._margin = (proof.margin + end_shift(model, proof.motion, self._seen, self._stretch)) * UP
 
     def _posed(self, body: PosedBody, pose: Any) -> Seen:
         parts = parts_of(body) if body.parts else None
@@ -104,7 +105,7 @@ class EntryChecker:
     def holds(self, entry: Entry, deepest: int = DEEPEST) -> bool:
         """Whether an entry holds, with at most `deepest` halvings."""
         a, b = self._model.pairs[entry.pair]
-        radii = self._model.bodies[a].radius + self._model.bodies[b].radius
+        radii = self._radii(a, b)
         if entry.by == "half-space":
             return self._beyond_plane(a, b, radii, (entry.start, entry.end), deepest)
         if entry.by == "plane":
@@ -116,6 +117,9 @@ class EntryChecker:
             return False
         reach = sum(self._model.bodies[k].reach + largest_radius(self._model.bodies[k]) for k in (a, b))
         return self._balls_apart(first, second, radii + reach, (entry.start, entry.end), deepest)
+
+    def _radii(self, a: int, b: int) -> float:
+        return self._model.bodies[a].radius + self._model.bodies[b].radius
 
     def described(self, entry: Entry) -> str:
         """What an entry says, in words."""
@@ -130,7 +134,7 @@ class EntryChecker:
     def parts_apart(self, entry: Entry, rows: Ints64) -> Bools:
         """(n,) which of some parts of a pair's set an entry's one direction keeps apart, all along its interval."""
         a, b = self._model.pairs[entry.pair]
-        radii = self._model.bodies[a].radius + self._model.bodies[b].radius
+        radii = self._radii(a, b)
         first, second = self._part(a, entry.first), self._part(b, entry.second)
         if first.parts is not None:
             first = first._replace(parts=first.parts.taken(rows))
@@ -246,7 +250,8 @@ class EntryChecker:
         needed = (radii + self._margin) * length * UP + UNDERFLOW
         gaps = []
         for t in span:
-            low, high = _lows(a, self._row(a, direction, t), length), -_lows(b, -self._row(b, direction, t), length)
+            low = _lows(a, self._row(a, direction, t), length)
+            high = -_lows(b, -self._row(b, direction, t), length)
             if a.parts is not None and b.parts is not None:
                 high = high.max()
             gaps.append(low - high - ROUNDING * (np.abs(low) + np.abs(high)))
@@ -320,23 +325,6 @@ class EntryChecker:
         far: float = sum(float(rows[4 * i + k].abs_upper()) * sizes[k] for i in range(3) for k in range(4))
         return far * self._stretch * chains.defect * direction.length * UP
 
-    def _end_shift(self, proof: ProofData) -> float:
-        """How far the asked end's poses may be from those of the end that is gone to, by what are no whole turns.
-
-        A joint that is off by an angle moves the points beyond it by at most that times their distance from its axis,
-        which is at most the sum of all lengths between the joints and within the bodies.
-        """
-        motion: Any = proof.motion
-        angles = unreached(self._model, motion)
-        shift = sum(abs(j.multipliers[0]) * angles.get(j.columns[0], 0.0) for j in self._model.joints)
-        if not shift:
-            return 0.0
-        lengths = [_slide(joint, motion) + _length(joint.placement) for joint in self._model.joints]
-        bodies = zip(self._model.bodies, self._seen, strict=True)  # of a model without pairs there are none
-        sizes = (_length(body.pose) + math.hypot(*seen.sizes) * 2 + body.radius for body, seen in bodies)
-        furthest = max(_length(link.placement) for link in self._model.links) + max(sizes, default=0.0)
-        return shift * (sum(lengths) + furthest) * self._stretch * UP
-
 
 # A row of a height that does not change.
 _NOTHING = arb_mat(1, 4, [0] * 4)
@@ -350,20 +338,3 @@ def _lows(seen: Seen, row: Any, length: float) -> Any:
 def _positive(x: float) -> float:
     """The number, or 0 if it is below; what is no number stays none, so that nothing is proved by it."""
     return 0.0 if x <= 0 else x
-
-
-def _length(rows: Sequence[float]) -> float:
-    return math.hypot(rows[3], rows[7], rows[11]) * UP
-
-
-def _slide(joint: Any, motion: Any) -> float:
-    """How far a joint shifts its frame at most, m: on any path at most pi / 2 of the way between its ends."""
-    count = {"slide": 1, "planar": 2, "free": 3}.get(joint.kind, 0)
-    ends = [
-        [
-            offset if column < 0 else factor * q[column] + offset
-            for column, factor, offset in zip(joint.columns, joint.multipliers, joint.offsets, strict=True)
-        ][:count]
-        for q in (motion.start, motion.end)
-    ]
-    return (math.hypot(*ends[0]) + math.pi / 2 * math.dist(*ends)) * UP * 1.000002

@@ -13,15 +13,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from plannercheck.common.array_types import Floats
-
-# A sum of four products in doubles errs by 4 u of their sizes to first order, what is rounded to doubles before by 1 u.
-ROUNDING = 8 * 2.0**-53
-
-# Covers some roundings of a bound that is computed in doubles.
-UP = 1 + 2.0**-48
-
-# Covers products below the range of doubles; far below any length that is looked at, m.
-UNDERFLOW = 1e-290
+from plannercheck.proofs.rounding import ROUNDING, UNDERFLOW, UP
 
 # The 4 x 4 matrix that takes a map's shift alone.
 SHIFT = arb_mat(4, 4, [0] * 15 + [1])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from plannercheck.common.array_types import Bools, Floats, Ints64
 from plannercheck.proofs.data import PosedBody
-from plannercheck.proofs.heights import ROUNDING, UNDERFLOW, UP
+from plannercheck.proofs.rounding import ROUNDING, UNDERFLOW, UP
 
 # How many vertices a part of a kind has.
 VERTICES = {"balls": 1, "boxes": 2, "prisms": 3}
