@@ -31,6 +31,9 @@ _DEEPEST = 20
 _WITHIN = 2
 # More cells than this are not looked at: the pair then counts as lost.
 _MOST_CELLS = 20_000
+# So many of the parts tell which direction is tried next: as good as all of them, and soon.
+_LOOKED_AT = 4096
+
 # The directions that are tried first: to the faces, edges and corners of a cube.
 _FIXED = np.array([d for d in itertools.product([-1.0, 0.0, 1.0], repeat=3) if any(d)])
 
@@ -103,14 +106,16 @@ class PartCover:
         if not len(self._parts):
             return self._entry(cell, _FIXED[:1]), []
         view = self._view(cell)
-        left, near, chosen = self._along_fixed(cell, view)
+        found = self._along_fixed(cell, view)
+        if found is None:
+            return None, self._shorter(cell)
+        left, chosen = found
         while len(left):
-            nearest = left[near[left].argmin()]
-            apart, direction = self._of_part(cell, view, int(nearest))
+            apart, direction = self._of_part(cell, view, int(left[0]))
             if apart <= self._needed:
                 return None, self._smaller(cell)
             kept = self._kept(cell, direction, left)
-            if not kept[left == nearest].all():
+            if not kept[0]:
                 return None, self._shorter(cell)
             chosen.append(direction)
             left = left[~kept]
@@ -149,33 +154,36 @@ class PartCover:
         pose = np.reshape(self._hulls.model.bodies[self._set].pose, (3, 4))
         return _View(pose[:, :3], pose[:, 3], np.concatenate(swept), axes, bodies)
 
-    def _along_fixed(self, cell: _Cell, view: _View) -> tuple[Ints64, Floats, list[Floats]]:
-        """Rows of parts that fixed directions leave, how far each is along the best one, m, and those that count."""
+    def _along_fixed(self, cell: _Cell, view: _View) -> tuple[Ints64, list[Floats]] | None:
+        """Rows of parts that fixed directions leave, the nearest first as far as these tell, and those that count.
+
+        Which direction is the next one is told by some of the parts that are left. None if it keeps none of them.
+        """
         directions = np.concatenate([view.axes, -view.axes, _FIXED])
         directions /= np.linalg.norm(directions, axis=1)[:, None]
         own = self._hulls.hull(self._other, cell.other).inflation_radius
-        highs = (directions @ view.swept.T).max(axis=1) + own
-        gaps = (
-            np.array(
-                [
-                    self._parts.least(d @ view.turn) + (d @ view.shift - high - self._needed)
-                    for d, high in zip(directions, highs, strict=True)
-                ]
-            )
-            - self._parts.radii
-        )
-        near, chosen, left, wins = gaps.max(axis=0), list[Floats](), np.arange(len(self._parts)), gaps > 0
+        highs = (directions @ view.swept.T).max(axis=1) + own + self._needed
+        chosen, left, untried = list[Floats](), np.arange(len(self._parts)), np.ones(len(directions), dtype=bool)
         while len(left):
-            counts = np.count_nonzero(wins, axis=1)
+            some = left[:: -(-len(left) // _LOOKED_AT)]
+            counts = np.count_nonzero(self._gaps(view, directions, highs, some) > 0, axis=1) * untried
             best = int(counts.argmax())
             if not counts[best]:
                 break
+            untried[best] = False
             kept = self._kept(cell, directions[best], left)
-            wins[best] = False
-            if kept.any():
-                chosen.append(directions[best])
-                left, wins = left[~kept], wins[:, ~kept]
-        return left, near, chosen
+            if not kept.any():  # far too long an interval for what it is like in between
+                return None
+            chosen.append(directions[best])
+            left = left[~kept]
+        near = self._gaps(view, directions, highs, left).max(axis=0, initial=-np.inf)
+        return left[near.argsort(kind="stable")], chosen
+
+    def _gaps(self, view: _View, directions: Floats, highs: Floats, rows: Ints64) -> Floats:
+        """(directions, n) how far some parts are beyond what is in their way, about, m."""
+        some = self._parts.taken(rows)
+        heights = [some.least(d @ view.turn) + (d @ view.shift - h) for d, h in zip(directions, highs, strict=True)]
+        return np.asarray(heights - some.radii)
 
     def _of_part(self, cell: _Cell, view: _View, row: int) -> tuple[float, Floats]:
         """How far a part is from the other body in the middle, m, and the direction to it, in the set's frame."""

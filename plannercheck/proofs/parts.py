@@ -81,7 +81,8 @@ class Parts:
         if self.kind == "boxes":
             return np.asarray(np.minimum(products[:, 0], products[:, 1]) @ _ONES)
         products[:, :, 2] = np.minimum(products[:, :, 2], self.base * w[2])
-        return np.asarray((products @ _ONES).min(axis=1))
+        first, second, third = (products[:, k] @ _ONES for k in range(3))
+        return np.asarray(np.minimum(np.minimum(first, second), third))
 
     def lowest(self, row: Any) -> Floats:
         """(n,) at most the least value of a linear function (w, s) on each part, radii left out; NaN if not known."""
