@@ -144,9 +144,13 @@ class EntryChecker:
         return self._apart_parts(first, second, direction, radii, (entry.start, entry.end))
 
     def _directions(self, entry: Entry) -> list[Direction]:
-        joint = WORLD if entry.frame == WORLD else self._model.links[entry.frame].joint
-        columns = [arb_mat(4, 1, [*entry.direction[k : k + 3], 0]) for k in range(0, len(entry.direction), 3)]
-        return [direction_on(joint, c if entry.frame == WORLD else self._links[entry.frame] * c) for c in columns]
+        rows = [entry.direction[k : k + 3] for k in range(0, len(entry.direction), 3)]
+        return [self._direction(entry.frame, numbers) for numbers in rows]
+
+    def _direction(self, frame: int, numbers: Sequence[float]) -> Direction:
+        joint = WORLD if frame == WORLD else self._model.links[frame].joint
+        column = arb_mat(4, 1, [*numbers, 0])
+        return direction_on(joint, column if frame == WORLD else self._links[frame] * column)
 
     def check_nesting(self, entries: Sequence[Entry]) -> None:
         """Raises an `UnprovedError` where one body of a pair may be inside the other.
