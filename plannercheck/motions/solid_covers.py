@@ -105,7 +105,7 @@ class SolidCover:
         self._checker, self._parts, self._pair, self._poses, self._needed = checker, parts, pair, poses, needed
         self._rows = parts.model.pairs[pair]
         self._bodies = [parts.model.bodies[k] for k in self._rows]
-        self._counts = [max(1, len(body.triangles)) for body in self._bodies]
+        self._counts = [parts.count(k) for k in self._rows]
         self.lost = False
 
     def entries(self) -> list[Entry]:
