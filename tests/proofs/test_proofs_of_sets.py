@@ -16,7 +16,7 @@ from proof_cases import CUBE, STILL, at, claim, point, turn
 import plannercheck as pc
 from plannercheck.cli.main import main
 from plannercheck.motions import part_covers
-from plannercheck.proofs import Entry, PosedBody, load_proofs
+from plannercheck.proofs import Entry, Joint, PosedBody, load_proofs
 from plannercheck.proofs.data import WORLD
 from plannercheck.proofs.entries import EntryChecker
 from plannercheck.proofs.faults import UnprovedError
@@ -277,6 +277,36 @@ def test_a_swing_past_a_ball_bends():
     flint.ctx.prec = 64
     inside = proof(1 - 0.01, 0)  # beyond the chord's ends, at y = cos 0.3
     assert not EntryChecker(inside).holds(inside.entries[0], 0)
+
+
+TWICE = (0.0, 1.0, 0.0, 0.0, 1.0, 0.0)
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_both_ends_of_an_interval_count(backwards):
+    slide = Joint("y", "slide", -1, STILL, (0.0, 1.0, 0.0), (0,), (1.0,), (0.0,))
+
+    def proof(end):
+        ends = ((end,), (0.0,)) if backwards else ((0.0,), (end,))
+        bodies = [ball_set([[0.0, 1.0, 0.0], [1.0, 1.0, 0.0]]), point("tip", 0)]
+        return claim([slide], bodies, *ends, [Entry(0, 0.0, 1.0, "plane", -1, TWICE)])
+
+    assert proof(0.999).verify()
+    assert not proof(1.001).verify()
+
+
+def test_of_two_sets_all_parts_count():
+    """Each part of the first one is beyond all of the second, and neither one alone is enough."""
+
+    def proof(first, second):
+        bodies = [ball_set([[0.0, y, 0.0] for y in first]), ball_set([[0.0, y, 0.0] for y in second])]
+        entry = Entry(0, 0.0, 1.0, "plane", -1, TWICE)
+        return claim([turn()], [bodies[0], replace(bodies[1], name="b")], (0.0,), (0.1,), [entry])
+
+    assert proof([1.0, 2.0], [0.0, 0.5]).verify()
+    for first, second in (([1.0, 2.0], [0.0, 1.5]), ([1.0, 2.0], [1.5, 0.0]), ([0.2, 2.0], [0.0, 0.5])):
+        assert not proof(first, second).verify()
+        assert not proof(first[::-1], second).verify()
 
 
 def test_balls_around_a_set_hold_its_radii():
