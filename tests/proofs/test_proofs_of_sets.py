@@ -455,7 +455,7 @@ def test_pairs_without_a_proof_are_named(panda, monkeypatch):
     monkeypatch.setattr(part_covers, "_DEEPEST", 0)
     far = START + np.array([1.2, 0.2, 0, 0.3, 0.5, 0.5, 0])
     assert checker.check_motion(START, far)
-    with pytest.raises(pc.PlannercheckError, match=r"no proof of it was found, since of panda_hand and camera: "):
+    with pytest.raises(pc.PlannercheckError, match=r"no proof of it was found, since of panda_\w+ and camera: "):
         checker.certify_motions(START[None], far[None])
 
 
