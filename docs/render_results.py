@@ -34,7 +34,7 @@ TABLES: dict[str, Callable[[], str]] = {
         *(inside.ndim_rounds, inside.ndim_speed, inside.motions_missed, inside.planar_motions_missed),
         *(inside.planar_motions_cost, inside.kinematic_rounding, inside.games, inside.levels, inside.disabled_pairs),
         *(sensed.sensed_states, sensed.sensed_motions, sensed.sensed_costs, sensed.sensed_maps),
-        *(sensed.sensed_camera, sensed.sensed_pages),
+        *(sensed.sensed_camera, sensed.sensed_pages, sensed.sensed_proofs),
         *(solids.solid_states, solids.solid_link_pairs, solids.solid_triangles, solids.solid_fidelity),
         solids.pieces,
     )

@@ -105,6 +105,18 @@ def sensed_camera() -> str:
     return f"{table(('ms of the processor', 'median', '95 %', 'most'), lines)}\n{paragraph(said)}\n{provenance(found)}"
 
 
+def sensed_proofs() -> str:
+    """What proofs of a path before sets of parts take."""
+    found = record("sensed_proofs")
+    fields = ("build", "verify", "entries", "directions", "json", "npz")
+    lines = [
+        (row["scene"], f"{row['parts']:,}", row["motions"], *(number(row[field]) for field in fields))
+        for row in found["rows"]
+    ]
+    header = ("scene", "parts", "motions", "s to build", "s to verify", "entries", "directions", "MB, JSON", "MB, npz")
+    return table(header, lines) + "\n" + provenance(found)
+
+
 def sensed_pages() -> str:
     """Size of pages of sensed scenes, and what a frame takes to draw."""
     found = record("sensed_pages")

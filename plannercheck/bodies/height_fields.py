@@ -129,6 +129,22 @@ class HeightField(PartSet):
         found = low + first * (corner - low) + second * (high - corner)
         return np.asarray(np.where(inside, found, np.nan))
 
+    def triangles(self) -> Floats:
+        """(n, 3, 3) the corners of the surface's triangles, m, exactly the doubles that are tested; holes left out.
+
+        Both triangles of a square are at the diagonal from (i, j) to (i + 1, j + 1).
+        """
+        rows, columns = self.heights.shape
+        x = self.origin[0] + np.arange(rows) * self.resolution[0]
+        y = self.origin[1] + np.arange(columns) * self.resolution[1]
+        top = np.stack([*np.meshgrid(x, y, indexing="ij"), self.heights], axis=-1)
+        first, last = top[:-1, :-1], top[1:, 1:]
+        triangles = np.concatenate(
+            [np.stack([first, other, last], axis=2).reshape(-1, 3, 3) for other in (top[1:, :-1], top[:-1, 1:])]
+        )
+        known: Floats = triangles[~np.isnan(triangles).any(axis=(1, 2))]
+        return known
+
     def _bounds(self) -> Sequence[ArrayLike]:
         ends = [self.origin[axis] + (self.heights.shape[axis] - 1) * self.resolution[axis] for axis in (0, 1)]
         return [*self.origin, self.base], [*ends, float(np.fmax.reduce(self.heights, axis=None))]

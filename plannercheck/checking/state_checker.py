@@ -97,6 +97,7 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         reach: bool = True,
         static_poses: bool = True,
         middle_states: bool = True,
+        part_trees: bool = True,
     ) -> None:
         """Prepares all bodies (through the disk cache) and the pair table.
 
@@ -129,7 +130,9 @@ class StateChecker(ExplainingChecker, MeasuringChecker, CarryingChecker, PointCh
         test = Switches(
             method, cached_plane, centre_axis, turned_axis, facet_plane, nearest_points, trees_first=trees_first
         )
-        switches = CheckerSwitches(test, bounds, boxes, overlaps, learning, reach, static_poses, middle_states)
+        switches = CheckerSwitches(
+            test, bounds, boxes, overlaps, learning, reach, static_poses, middle_states, part_trees
+        )
         self._settings = Settings(alone, self_collision, padding, acm, kinematics, bodies, switches)
         self._prepare(scene if scene is not None else Scene("empty"), None)
 

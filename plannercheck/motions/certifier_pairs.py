@@ -37,6 +37,7 @@ class MotionSwitches(NamedTuple):
         hints: Planes of earlier motions are tried.
         bounds: Pairs that are far apart at one state are left out by bounds of speed.
         overlaps: A ball inside one body that meets a box inside the other refuses a motion.
+        part_trees: Trees of boxes, planes of many parts, and boxes around several bodies settle sets of parts.
         middle_states: The middle states of several motions are judged first, together; then the ends, where these often
             collide.
     """
@@ -44,6 +45,7 @@ class MotionSwitches(NamedTuple):
     hints: bool = True
     bounds: bool = True
     overlaps: bool = True
+    part_trees: bool = True
     middle_states: bool = True
 
 
@@ -110,7 +112,7 @@ class ChainedPairs:
             of_robot.leverage,
             of_robot.depth,
             *of_robot.spread,
-            *switches[:3],
+            *switches[:4],
             [part.core] if switches.middle_states else [],
         )
 

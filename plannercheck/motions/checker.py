@@ -230,7 +230,9 @@ class Checker(StateChecker):
                 "here: choose sampled motions by resolution=, in m"
             )
         chosen = self._settings.switches
-        switches = MotionSwitches(chosen.pair.cached_plane, chosen.bounds, chosen.overlaps, chosen.middle_states)
+        switches = MotionSwitches(
+            chosen.pair.cached_plane, chosen.bounds, chosen.overlaps, chosen.part_trees, chosen.middle_states
+        )
         return MotionCertifier(self.robot, self.bodies, self.pairs, self._tables, self.excess, switches, path)
 
     def _motion_ends(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Floats, Floats]:

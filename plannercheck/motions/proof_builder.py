@@ -15,9 +15,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from plannercheck.bodies.certificates import Separation
-from plannercheck.bodies.half_spaces import HalfSpace
-from plannercheck.bodies.intersection import intersects
-from plannercheck.bodies.polytope import Polytope
 from plannercheck.checking.verdicts import PairVerdict
 from plannercheck.common.array_types import Floats
 from plannercheck.common.errors import PlannercheckError
@@ -26,6 +23,7 @@ from plannercheck.common.optional_imports import extra_module
 from plannercheck.motions.certifier import MotionCertifier
 from plannercheck.motions.certifier_answers import MotionResult
 from plannercheck.motions.certifier_answers import Proof as Plane
+from plannercheck.motions.part_covers import PartCover
 from plannercheck.motions.proof_model import PosedPairs, space_model
 from plannercheck.motions.solid_covers import PartHulls, Poses, SolidCover
 from plannercheck.proofs.data import WORLD, Entry, Hashes, Model, Motion
@@ -48,10 +46,6 @@ _WITHIN = 2
 # and of bodies' placements, and unit vectors whose length is not exactly 1.
 _ROUNDING = 2.0**-44
 _OFF_UNIT = 12.0
-
-# States of a motion at which it is looked whether a body is within the box around a set of parts.
-_LOOKS = 9
-_ONLY_BOXES = "proofs know a set of parts by the box around it, which is too near"
 
 
 class CertifiedPairs(PosedPairs, Protocol):
@@ -76,19 +70,17 @@ class Builder:
         """Reads the checker.
 
         Raises:
-            PlannercheckError: If python-flint is not installed, or an obstacle is a half-space.
+            PlannercheckError: If python-flint is not installed.
         """
         extra_module("flint", "proofs", "proofs of motions")
         from plannercheck.proofs.well_formed import hashes_of
 
-        _refuse_half_spaces(checker)
         self._checker = checker
         self._model: Model = space_model(checker)
         self._hashes: Hashes = hashes_of(self._model)
         self._size = _size(self._model)
-        self._has_solids = any(body.triangles for body in self._model.bodies)
+        self._is_in_parts = any(body.triangles or body.parts for body in self._model.bodies)
         self._parts = PartHulls(self._model)
-        self._of_sets = [k for k, pair in enumerate(checker.pairs.tolist()) if any(map(self._is_set, pair))]
 
     def proof(
         self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath = "screw"
@@ -105,7 +97,6 @@ class Builder:
         Raises:
             PlannercheckError: If the motion is free, but no proof is found of a pair with a solid or a set of parts.
         """
-        self._refuse_within_boxes(start, end, asked_end, tolerance, path)
         result = self._motion_result(start, end, asked_end, tolerance, path)
         if result is None:
             return None
@@ -113,42 +104,12 @@ class Builder:
         motion = Motion(tuple(start.tolist()), tuple(end.tolist()), tuple(asked_end.tolist()), path)
         names = self._checker.robot.name, self._checker.scene.name
         empty = Proof("space", *names, self._hashes, self._model, motion, margin, ())
-        if self._has_solids:
+        if self._is_in_parts:
             entries = self._of_solids(empty, start, end, path)
         else:
             resting = _resting_directions(self._checker, result.proofs, start)
-            entries, lost = _entries(empty, result.proofs, resting)
-            self._refuse_sets_of_parts(lost)
+            entries = _entries(empty, result.proofs, resting)
         return Proof("space", *names, self._hashes, self._model, motion, margin, entries)
-
-    def _is_set(self, body: int) -> bool:
-        polytope = self._checker.polytopes[body]
-        return polytope is not None and polytope.parts is not None
-
-    def _refuse_within_boxes(
-        self, start: Floats, end: Floats, asked_end: Floats, tolerance: float, path: MotionPath
-    ) -> None:
-        """Raises if a free motion is seen to go through a set's box, of which pieces would be sought for very long."""
-        if not self._of_sets:
-            return
-        certifier = self._checker.certifier_of(path)
-        poses = self._checker.body_poses(certifier.states(start, end, np.linspace(0, 1, _LOOKS)))
-        used = np.unique(self._checker.pairs)
-        for pair in self._of_sets:
-            first, second = self._model.pairs[pair]
-            meets = intersects(self._hull(first), self._hull(second), poses[:, used[first]], poses[:, used[second]])
-            if np.any(meets) and certifier.motion_result(start, end, tolerance, False, asked_end).free:
-                raise self._not_found(pair, _ONLY_BOXES)
-
-    def _hull(self, body: int) -> Polytope:
-        given = self._model.bodies[body]
-        return Polytope(given.vertices, inflation_radius=given.radius)
-
-    def _refuse_sets_of_parts(self, lost: Sequence[int]) -> None:
-        """Raises if a pair without a proof has a set of parts, of which a proof knows the box alone."""
-        for pair in lost:
-            if pair in self._of_sets:
-                raise self._not_found(pair, _ONLY_BOXES)
 
     def _not_found(self, pair: int, why: str) -> PlannercheckError:
         first, second = (self._model.bodies[k].label for k in self._model.pairs[pair])
@@ -180,8 +141,16 @@ class Builder:
     def _entries_of_solids(self, verifier: EntryChecker, pair: int, poses: _MotionPoses, margin: float) -> list[Entry]:
         from plannercheck.proofs.faults import UnprovedError
 
+        if has_half_space(self._model, pair):
+            of_plane = _PairEntries(verifier, pair, (), None, is_plane=True)
+            found = of_plane.over(0.0, 1.0, 0)
+            if of_plane.lost:
+                raise self._not_found(pair, "it comes too near to the plane")
+            return found
         radii = sum(self._model.bodies[k].radius for k in self._model.pairs[pair])
-        cover = SolidCover(verifier, self._parts, pair, poses, radii + margin)
+        is_set = any(self._model.bodies[k].parts for k in self._model.pairs[pair])
+        cover_of = PartCover if is_set else SolidCover
+        cover = cover_of(verifier, self._parts, pair, poses, radii + margin)
         found = cover.entries()
         if cover.lost:
             raise self._not_found(pair, "parts come too near to each other for planes between them")
@@ -197,10 +166,10 @@ class Builder:
         """The certifier's proofs of all pairs; None if the motion is not free or a pair has no proof."""
         try:
             certifier = self._checker.certifier_of(path)
-            result = certifier.motion_result(start, end, tolerance, not self._has_solids, asked_end)
+            result = certifier.motion_result(start, end, tolerance, not self._is_in_parts, asked_end)
         except PlannercheckError:  # rounding is too large a part of the tolerance
             return None
-        return result if result.free and (self._has_solids or result.proved_until == 1.0) else None
+        return result if result.free and (self._is_in_parts or result.proved_until == 1.0) else None
 
     def _margin(self, start: Floats, end: Floats, asked_end: Floats) -> float:
         ends = np.stack([start, end, asked_end])
@@ -229,16 +198,6 @@ class _MotionPoses:
         return self._known[t]
 
 
-def _refuse_half_spaces(checker: CertifiedPairs) -> None:
-    for first, second in checker.pairs.tolist():
-        for body, other in ((first, second), (second, first)):
-            if isinstance(checker.bodies[body].shape, HalfSpace):
-                raise PlannercheckError(
-                    "motions are proved free of half-spaces, but no proof is written, whose bodies have vertices: "
-                    f"{checker.bodies[other].label} is tested against {checker.bodies[body].label}, a half-space"
-                )
-
-
 def _size(model: Model) -> float:
     """The robot's size, m: the sum of the lengths along its longest chain, and of its bodies."""
     reach: list[float] = []
@@ -258,10 +217,8 @@ def _resting_directions(checker: CertifiedPairs, planes: Sequence[Plane], q: Flo
     return {k: tuple(c.normal.tolist()) for k, c in found.items() if isinstance(c, Separation)}
 
 
-def _entries(
-    empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[float, ...]]
-) -> tuple[tuple[Entry, ...], list[int]]:
-    """The entries of all pairs, and the pairs whose entries will be refused."""
+def _entries(empty: Proof, planes: Sequence[Plane], resting: Mapping[int, tuple[float, ...]]) -> tuple[Entry, ...]:
+    """The entries of all pairs."""
     import flint
 
     from plannercheck.proofs.entries import EntryChecker
@@ -272,18 +229,23 @@ def _entries(
     for plane in planes:
         of_pair.setdefault(plane.pair, []).append(plane)
     bits, flint.ctx.prec = flint.ctx.prec, 64
-    found, lost = list[Entry](), list[int]()
+    found = list[Entry]()
     try:
         checker = EntryChecker(empty)
         for pair in range(len(empty.model.pairs)):
-            entries = _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair))
+            is_plane = has_half_space(empty.model, pair)
+            entries = _PairEntries(checker, pair, of_pair.get(pair, []), resting.get(pair), is_plane)
             found += entries.over(0.0, 1.0, 0)
-            lost += [pair] if entries.lost else []
-        return tuple(found), lost
+        return tuple(found)
     except UnprovedError:  # the verifier will refuse this motion and say why
-        return (), lost
+        return ()
     finally:
         flint.ctx.prec = bits
+
+
+def has_half_space(model: Model, pair: int) -> bool:
+    """Whether one of both bodies is a half-space."""
+    return any(model.bodies[k].half_space for k in model.pairs[pair])
 
 
 class _PairEntries:
@@ -294,8 +256,15 @@ class _PairEntries:
     """
 
     def __init__(
-        self, checker: EntryChecker, pair: int, planes: Sequence[Plane], resting: tuple[float, ...] | None
+        self,
+        checker: EntryChecker,
+        pair: int,
+        planes: Sequence[Plane],
+        resting: tuple[float, ...] | None,
+        is_plane: bool = False,
     ) -> None:
+        """Takes what may keep a pair apart; `is_plane`: one body is a half-space."""
+        self._is_plane = is_plane
         self._checker, self._pair, self._resting = checker, pair, resting
         self._planes = sorted(planes, key=lambda plane: plane.start)
         self.lost = False
@@ -321,7 +290,9 @@ class _PairEntries:
         return min(ends, key=lambda t: abs(t - middle), default=middle)
 
     def _candidates(self, start: float, end: float) -> list[Entry]:
-        """An entry by balls, then one by the certifier's plane in the middle."""
+        """An entry by balls, then one by the certifier's plane in the middle; by a half-space's own."""
+        if self._is_plane:
+            return [Entry(self._pair, start, end, "half-space")]
         out = [Entry(self._pair, start, end, "balls")]
         middle = (start + end) / 2
         for plane in self._planes:

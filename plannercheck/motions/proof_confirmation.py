@@ -214,6 +214,7 @@ def _compare_bodies(model: Model, loaded: Model) -> None:
         found.append(index)
         other = loaded.bodies[index]
         same = np.array_equal(body.vertices, other.vertices) and body.triangles == other.triangles
+        same = same and body.half_space == other.half_space and _same_parts(body, other)
         if not same or not abs(body.radius - body.padding - other.radius + other.padding) <= 1e-15 * body.radius:
             given, there = _solids(model), _solids(loaded)
             why = "" if given == there else f": solids are {given} in the proof, and {there} in the files"
@@ -224,6 +225,11 @@ def _compare_bodies(model: Model, loaded: Model) -> None:
     if missing:
         names = tuple(f"{loaded.bodies[k].name} ({loaded.bodies[k].label})" for k in missing[0])
         raise UnprovedError(f"{len(missing)} pairs of the checker's table are not in the proof: {names}")
+
+
+def _same_parts(body: PosedBody, other: PosedBody) -> bool:
+    first, second = (np.zeros(0) if each.radii is None else each.radii for each in (body, other))
+    return (body.parts, body.base) == (other.parts, other.base) and np.array_equal(first, second)
 
 
 def _key(model: Model, body: PosedBody) -> tuple[str, str, str, tuple[float, ...]]:

@@ -1,26 +1,31 @@
 """A checker's robot, scene and pairs as the plain data of a proof.
 
 In: a checker in space. Out: `Model`: the kernel's joint table in the URDF's terms, the bodies of all pairs with the
-vertices of their hulls, of solids their triangles, and all of the checker's pairs, unreachable ones included. For a set
-of parts stands a box that holds it; for a cloud, the box around its points, grown by the largest radius, which poses
-leave as it is.
+vertices of their hulls, of solids their triangles, and all of the checker's pairs, unreachable ones included. A set of
+parts has the numbers of its shape: points and radii, corners of cells, triangles of a surface.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plannercheck.bodies.circumscribed import BOX_SIGNS
+from plannercheck.bodies.half_spaces import HalfSpace
+from plannercheck.bodies.height_fields import HeightField
+from plannercheck.bodies.lattice_cells import LatticeCells
+from plannercheck.bodies.part_sets import PartSet
 from plannercheck.bodies.point_clouds import PointCloud
 from plannercheck.bodies.polytope import Polytope
-from plannercheck.bodies.shapes import GeometryObject, Shape
+from plannercheck.bodies.shapes import GeometryObject
 from plannercheck.bodies.solids import Solid
 from plannercheck.common.array_types import Floats, Ints
+from plannercheck.common.errors import PlannercheckError
 from plannercheck.motions.sampling import MotionSampler
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Joint, Link, Model, PosedBody
+from plannercheck.proofs.parts import parts_of
 from plannercheck.robots.kinematics import JointTable
 from plannercheck.robots.robot import Robot
 
@@ -92,14 +97,19 @@ def _joint(table: JointTable, k: int, name: str) -> Joint:
 def _body(checker: PosedPairs, k: int) -> PosedBody:
     body, polytope = checker.bodies[k], checker.polytopes[k]
     assert polytope is not None
+    shape, radius = body.shape, polytope.inflation_radius
     link = WORLD if body.link is None else checker.robot.link_index(body.link)
-    (vertices, radius), triangles = _convex(body.shape, polytope), _NO_TRIANGLES
-    if polytope.solid is not None:
-        assert isinstance(body.shape, Solid)
-        vertices, faces = body.shape.used
+    vertices, triangles, own = polytope.vertices, _NO_TRIANGLES, dict[str, Any]()
+    if isinstance(shape, PartSet):
+        vertices, own = _parts(shape)
+    elif isinstance(shape, HalfSpace):
+        normal, offset = shape.scaled
+        vertices, own = np.zeros(0), {"half_space": (*normal, offset)}
+    elif polytope.solid is not None:
+        assert isinstance(shape, Solid)
+        vertices, faces = shape.used
         triangles = faces.astype(np.int64)[spatial_order(vertices, faces)]
-    centre, reach = ball_around(vertices)
-    return PosedBody(
+    made = PosedBody(
         body.name,
         body.label,
         link,
@@ -107,19 +117,30 @@ def _body(checker: PosedPairs, k: int) -> PosedBody:
         vertices,
         radius,
         min(float(checker.paddings[k]), radius),
-        tuple(centre.tolist()),
-        reach,
+        (0.0, 0.0, 0.0),
+        0.0,
         tuple((int(a), int(b), int(c)) for a, b, c in triangles.tolist()),
+        **own,
     )
+    if not len(vertices):
+        return made
+    centre, reach = ball_around(parts_of(made).box if made.parts else vertices)
+    return replace(made, centre=tuple(centre.tolist()), reach=reach)
 
 
-def _convex(shape: Shape, polytope: Polytope) -> tuple[Floats, float]:
-    """Vertices (n, 3) in m of a hull that holds a body, and how far around it that reaches; of most, the body."""
-    if not isinstance(shape, PointCloud) or shape.count == 0:
-        return polytope.vertices, polytope.inflation_radius
-    low, high = ([edge(column) for column in shape.points.T] for edge in (np.min, np.max))
-    corners = np.unique(np.where(BOX_SIGNS > 0, high, low), axis=0)
-    return corners, float(np.nextafter(shape.radius.max() + polytope.inflation_radius, np.inf))
+def _parts(shape: PartSet) -> tuple[Floats, dict[str, Any]]:
+    """The vertices of a set's parts, m, and what else a proof says of it; in the order of the shape's own numbers."""
+    own: dict[str, Any]
+    match shape:
+        case PointCloud():
+            vertices, own = shape.points, {"parts": "balls", "radii": shape.radius}
+        case LatticeCells():
+            vertices, own = np.stack(shape.boxes(), axis=1).reshape(-1, 3), {"parts": "boxes"}
+        case HeightField():
+            vertices, own = shape.triangles().reshape(-1, 3), {"parts": "prisms", "base": shape.base}
+        case _:
+            raise PlannercheckError(f"proofs are not about shapes of type {type(shape).__name__}")
+    return (vertices if len(vertices) else np.zeros(0)), own
 
 
 def spatial_order(vertices: Floats, triangles: NDArray[np.integer[Any]]) -> NDArray[np.int64]:

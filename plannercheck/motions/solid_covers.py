@@ -17,6 +17,7 @@ from plannercheck.bodies.distance import distance
 from plannercheck.bodies.polytope import Polytope
 from plannercheck.common.array_types import Floats
 from plannercheck.proofs.data import WORLD, Entry, Model
+from plannercheck.proofs.parts import part_count, parts_of
 
 if TYPE_CHECKING:
     from plannercheck.proofs.entries import EntryChecker
@@ -67,11 +68,21 @@ class PartHulls:
         self._known: dict[tuple[int, int, int], Polytope] = {}
 
     def hull(self, body: int, part: tuple[int, int]) -> Polytope:
-        """The hull of a range of triangles; of a convex body all of it."""
+        """The hull of a range of triangles, or a box around parts and their radii; of a convex body all of it."""
         key = (body, *part)
         if key not in self._known:
-            self._known[key] = Polytope(self._corners(body, part))
+            own = self.model.bodies[body]
+            if own.parts:
+                some = parts_of(own).taken(slice(*part))
+                self._known[key] = Polytope(some.box, inflation_radius=float(some.radii.max(initial=0.0)))
+            else:
+                self._known[key] = Polytope(self._corners(body, part))
         return self._known[key]
+
+    def count(self, body: int) -> int:
+        """How many triangles or parts a body has; 1 for a convex one."""
+        own = self.model.bodies[body]
+        return max(1, part_count(own) if own.parts else len(own.triangles))
 
     def size(self, body: int, part: tuple[int, int]) -> float:
         """The extent of a part, m; 0 for one that can't be cut."""
@@ -94,7 +105,7 @@ class SolidCover:
         self._checker, self._parts, self._pair, self._poses, self._needed = checker, parts, pair, poses, needed
         self._rows = parts.model.pairs[pair]
         self._bodies = [parts.model.bodies[k] for k in self._rows]
-        self._counts = [max(1, len(body.triangles)) for body in self._bodies]
+        self._counts = [parts.count(k) for k in self._rows]
         self.lost = False
 
     def entries(self) -> list[Entry]:
@@ -138,8 +149,8 @@ class SolidCover:
         sizes = [self._parts.size(*part) for part in zip(self._rows, (cell.first, cell.second), strict=True)]
         if max(sizes) > 0 and (near <= _ROOM * self._needed or cell.depth >= _DEEPEST):
             if sizes[0] >= sizes[1]:
-                return [cell._replace(first=half) for half in _halved(cell.first)]
-            return [cell._replace(second=half) for half in _halved(cell.second)]
+                return [cell._replace(first=half) for half in halved(cell.first)]
+            return [cell._replace(second=half) for half in halved(cell.second)]
         if near <= self._needed or cell.depth >= _DEEPEST:
             return []
         middle = (cell.start + cell.end) / 2
@@ -156,6 +167,7 @@ class SolidCover:
         return found.lower_bound, found.direction, links
 
 
-def _halved(part: tuple[int, int]) -> Sequence[tuple[int, int]]:
+def halved(part: tuple[int, int]) -> Sequence[tuple[int, int]]:
+    """Both halves of a range."""
     middle = (part[0] + part[1]) // 2
     return (part[0], middle), (middle, part[1])

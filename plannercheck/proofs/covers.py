@@ -15,6 +15,7 @@ from plannercheck.common.array_types import Floats
 from plannercheck.proofs.data import WORLD, Entry, Model
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.numbers_of_proofs import check_numbers
+from plannercheck.proofs.parts import part_count
 
 
 def pairs_in_parts(entries: Sequence[Entry]) -> set[int]:
@@ -38,8 +39,18 @@ def check_covers(model: Model, entries: Sequence[Entry]) -> None:
         _check_covered(pair, np.array(sides), np.array(rows).reshape(-1, 3, 2))
 
 
+def check_directions(model: Model, entry: Entry, k: int) -> None:
+    """Raises an `UnprovedError` unless an entry by planes has a direction; several only against a set of parts."""
+    count, rest = divmod(len(entry.direction), 3)
+    is_one = count == 1 or any(model.bodies[body].parts for body in model.pairs[entry.pair])
+    if entry.by == "plane" and not (count and not rest and is_one and WORLD <= entry.frame < len(model.links)):
+        raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
+    check_numbers(entry.direction, f"direction of entry {k}")
+
+
 def _count(model: Model, body: int) -> int:
-    return max(1, len(model.bodies[body].triangles))
+    own = model.bodies[body]
+    return max(1, part_count(own) if own.parts else len(own.triangles))
 
 
 def _box(model: Model, entry: Entry, k: int) -> list[float]:
@@ -49,14 +60,13 @@ def _box(model: Model, entry: Entry, k: int) -> list[float]:
         raise UnprovedError(f"entry {k} is of [{entry.start!r}, {entry.end!r}], which is no part of [0, 1]")
     if entry.by != "plane" and not (entry.by == "balls" and is_whole(entry)):
         raise UnprovedError(f"entry {k} is of parts, which only planes hold apart")
-    if entry.by == "plane" and not (len(entry.direction) == 3 and WORLD <= entry.frame < len(model.links)):
-        raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
-    check_numbers(entry.direction, f"direction of entry {k}")
+    check_directions(model, entry, k)
     box = [entry.start, entry.end]
     for part, body in zip((entry.first, entry.second), model.pairs[entry.pair], strict=True):
-        count = len(model.bodies[body].triangles)
+        is_set = bool(model.bodies[body].parts)
+        count = part_count(model.bodies[body]) if is_set else len(model.bodies[body].triangles)
         if part and not (len(part) == 2 and 0 <= part[0] < part[1] <= count):
-            raise UnprovedError(f"entry {k} is of triangles {list(part)[:4]}, of {count}")
+            raise UnprovedError(f"entry {k} is of {'parts' if is_set else 'triangles'} {list(part)[:4]}, of {count}")
         box += [float(x) for x in part] if part else [0.0, float(max(1, count))]
     return box
 

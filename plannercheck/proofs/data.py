@@ -11,13 +11,13 @@ parameter t goes from 0 to 1, every joint of `model.joints` moves by itself from
   turn about one axis the short way at constant speed;
 
 and at every t the two bodies of every pair of `model.pairs`, each inflated by its `radius`, are more than `margin`
-apart. A body without `triangles` is the convex hull of its `vertices`. One with triangles is these triangles and, if
-their directed edges cancel, all points around which they wind. Links are where exact kinematics of the given numbers
-puts them: placements as the affine maps that they are, axes as they are, the true sine and cosine. The paddings are
-parts of the radii. The margin covers the error of computed poses and states, so that the claim holds for `check_states`
-as well. The maker of a proof chooses the margin. Not proved are: that the margin is large enough for this; that the
-configurations are within limits; and, without `robot=` and `scene=`, that joints, bodies and pairs are those of a
-certain robot and scene.
+apart. A body is the convex hull of its `vertices`. One with `triangles` is these triangles and, if their directed edges
+cancel, all points around which they wind. One with `parts` is their union. One with a `half_space` is that, and has no
+vertices. Links are where exact kinematics of the given numbers puts them: placements as the affine maps that they are,
+axes as they are, the true sine and cosine. The paddings are parts of the radii. The margin covers the error of computed
+poses and states, so that the claim holds for `check_states` as well. The maker of a proof chooses the margin. Not
+proved are: that the margin is large enough for this; that the configurations are within limits; and, without `robot=`
+and `scene=`, that joints, bodies and pairs are those of a certain robot and scene.
 
 The same classes serve the plane, where `kind` is "plane", and model and motion are of `planar_proof`.
 """
@@ -90,12 +90,20 @@ class PosedBody:
         label: The link, carried object or obstacle that it belongs to.
         link: Index of the link, -1 for the world.
         pose: Rows of the (3, 4) pose on the link or in the world, 12 numbers, m.
-        vertices: (n, 3) points whose hull it is, in its own frame, m; of a solid the corners of its triangles.
+        vertices: (n, 3) points whose hull it is, in its own frame, m; of a solid the corners of its triangles; of a
+            half-space none (0,).
         radius: How far around the hull it reaches, m: the radius of balls and capsules, plus padding.
         padding: The part of the radius that is padding, m.
         centre: (3,) of a ball in the body's frame that holds all vertices, m.
         reach: The ball's radius without `radius`, m.
         triangles: Of a solid: indices of vertices. Entries name ranges of them.
+        half_space: Of a half-space: four numbers (n, d), for all points x of its frame with n . x <= d, m times the
+            length of n. It is in the world.
+        parts: Of a set of parts: "balls" about the vertices; "boxes" along the axes of its frame, of which each two
+            vertices are opposite corners; "prisms", each the hull of three vertices and of where these are at z =
+            `base`. The body is their union, empty if there are no vertices (0,). Entries name ranges of parts.
+        radii: Of balls: their radii (n,), or the one of all (1,), m; `radius` is added.
+        base: Of prisms: where they end, m.
     """
 
     name: str
@@ -108,6 +116,10 @@ class PosedBody:
     centre: tuple[float, ...]
     reach: float
     triangles: tuple[tuple[int, int, int], ...] = field(default=(), metadata=OPTIONAL)
+    half_space: tuple[float, ...] = field(default=(), metadata=OPTIONAL)
+    parts: Literal["", "balls", "boxes", "prisms"] = field(default="", metadata=OPTIONAL)
+    radii: Floats | None = field(default=None, metadata=OPTIONAL)
+    base: float = field(default=0.0, metadata=OPTIONAL)
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,19 +170,21 @@ class Entry:
         start: Parameter.
         end: Parameter; the next entry of the pair starts at the same double.
         by: "plane": along `direction`, fixed in `frame`, the first body is beyond the second, by more than the margin;
-            "balls": the balls around both bodies are that far apart.
+            "balls": the balls around both bodies are that far apart;
+            "half-space": one body is a half-space, and the other one is beyond its plane, by more than the margin.
         frame: Index of the link in whose frame the direction is fixed, -1 for the world.
-        direction: Three numbers (two in the plane) of any length but 0, from the second body to the first; none for
-            balls.
-        first: Of the first body only these triangles, from the first index to before the second; empty for the hull of
-            all vertices. Only planes hold parts apart.
+        direction: Against a set of parts three numbers each for one direction or more: each part is beyond the other
+            body along one of them. Else three numbers (two in the plane) of any length but 0, from the second body to
+            the first; none for balls and half-spaces.
+        first: Of the first body only these triangles or parts, from the first index to before the second; empty for the
+            hull of all vertices, or all parts. Only planes hold some of them apart.
         second: The same of the second body.
     """
 
     pair: int
     start: float
     end: float
-    by: Literal["plane", "balls"]
+    by: Literal["plane", "balls", "half-space"]
     frame: int = WORLD
     direction: tuple[float, ...] = ()
     first: tuple[int, ...] = field(default=(), metadata=OPTIONAL)

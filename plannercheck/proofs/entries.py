@@ -19,6 +19,11 @@ common joint, along a direction that is chosen here.
 
 Parts of solids: the same with the corners of some of their triangles.
 
+Sets of parts: the same for each part, several directions one after the other. A ball's height is its vertex's less its
+radius times the direction's length. A set is bent as the box around it is.
+
+Half-spaces: the same with the direction out of one, along which a point of its plane is its highest.
+
 Vertices are multiplied with w in doubles: a sum of four products errs by at most 4 u of the sum of their sizes.
 """
 
@@ -26,71 +31,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from flint import arb, arb_mat
+from flint import arb_mat
 
-from plannercheck.common.array_types import Floats
+from plannercheck.common.array_types import Bools, Ints64
 from plannercheck.proofs.chains import Chains, off_rigid
 from plannercheck.proofs.covers import is_whole, pairs_in_parts
-from plannercheck.proofs.data import WORLD, Entry, Model, Motion, ProofData
+from plannercheck.proofs.data import WORLD, Entry, Model, Motion, PosedBody, ProofData
+from plannercheck.proofs.end_shifts import end_shift
 from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.half_spaces import plane_of
+from plannercheck.proofs.heights import SHIFT, Direction, Seen, direction_on, lowest
 from plannercheck.proofs.jets import affine, times, total
 from plannercheck.proofs.nesting import check_not_nested
-from plannercheck.proofs.well_formed import unreached
+from plannercheck.proofs.parts import largest_radius, parts_of
+from plannercheck.proofs.rounding import ROUNDING, UNDERFLOW, UP
 
 # An interval is halved this often before its entry counts as false.
 DEEPEST = 7
 
-# A sum of four products in doubles errs by 4 u of their sizes to first order, what is rounded to doubles before by 1 u.
-_ROUNDING = 8 * 2.0**-53
-
 # The largest norm of M^T M - 1 of chains: below this 1 / sqrt(1 - defect) < 1 + defect.
 _LARGEST_DEFECT = 1e-3
-
-# Covers some roundings of a bound that is computed in doubles.
-_UP = 1 + 2.0**-48
-
-# Covers products below the range of doubles; far below any length that is looked at, m.
-_UNDERFLOW = 1e-290
-
-# The 4 x 4 matrix that takes a map's shift alone.
-_SHIFT = arb_mat(4, 4, [0] * 15 + [1])
-
-
-class Seen(NamedTuple):
-    """A body as seen by an entry.
-
-    Attributes:
-        points: (n, 3) whose hull counts: vertices or a centre.
-        sizes: (3,) largest size of each coordinate.
-        joint: The joint that it is on.
-        place: Pose of the points on the joint, 4 x 4.
-        centre: Centre of a ball, 4 x 1 on the joint; None for a hull.
-    """
-
-    points: Floats
-    sizes: Floats
-    joint: int
-    place: Any
-    centre: Any = None
-
-
-class Direction(NamedTuple):
-    """A direction, fixed on a joint.
-
-    Attributes:
-        joint: The joint, -1 for the world.
-        column: 4 x 1, the last 0.
-        row: 1 x 4.
-        length: At least its length.
-    """
-
-    joint: int
-    column: Any
-    row: Any
-    length: float
 
 
 class EntryChecker:
@@ -111,19 +74,24 @@ class EntryChecker:
         off = max((float(off_rigid(pose)) for pose in poses), default=0.0)
         if not self._chains.defect <= _LARGEST_DEFECT:
             raise UnprovedError(f"placements and axes are off rigid by {self._chains.defect:.3g} along a chain")
-        self._stretch = (1 + self._chains.defect) * (1 + off) * _UP
+        self._stretch = (1 + self._chains.defect) * (1 + off) * UP
         self._seen = [
-            Seen(
-                body.vertices,
-                np.abs(body.vertices).max(axis=0),
-                WORLD if body.link == WORLD else model.links[body.link].joint,
-                pose if body.link == WORLD else self._links[body.link] * pose,
-            )
+            plane_of(body)[0] if body.half_space else self._posed(body, pose)
             for body, pose in zip(model.bodies, poses, strict=True)
         ]
         self._balls: dict[int, Seen | None] = {}
+        self._planes: dict[int, tuple[Seen, Direction]] = {}
         self._parts: dict[tuple[int, ...], Seen] = {}
-        self._margin = (proof.margin + self._end_shift(proof)) * _UP
+        self._margin = (proof.margin + end_shift(model, proof.motion, self._seen, self._stretch)) * UP
+
+    def _posed(self, body: PosedBody, pose: Any) -> Seen:
+        parts = parts_of(body) if body.parts else None
+        points = body.vertices if parts is None else parts.box
+        sizes = np.abs(points).max(axis=0)
+        if body.link == WORLD:
+            return Seen(points, sizes, WORLD, pose, parts=parts)
+        joint = self._model.links[body.link].joint
+        return Seen(points, sizes, joint, self._links[body.link] * pose, parts=parts)
 
     def check(self, index: int, entry: Entry) -> None:
         """Confirms an entry.
@@ -137,29 +105,52 @@ class EntryChecker:
     def holds(self, entry: Entry, deepest: int = DEEPEST) -> bool:
         """Whether an entry holds, with at most `deepest` halvings."""
         a, b = self._model.pairs[entry.pair]
-        radii = self._model.bodies[a].radius + self._model.bodies[b].radius
+        radii = self._radii(a, b)
+        if entry.by == "half-space":
+            return self._beyond_plane(a, b, radii, (entry.start, entry.end), deepest)
         if entry.by == "plane":
-            direction = self._direction(entry.frame, entry.direction)
+            directions = self._directions(entry)
             parts = self._part(a, entry.first), self._part(b, entry.second)
-            return self._apart(*parts, direction, radii, (entry.start, entry.end), deepest)
+            return self._all_apart(*parts, directions, radii, (entry.start, entry.end), deepest)
         first, second = self._ball(a), self._ball(b)
         if first is None or second is None:
             return False
-        reach = self._model.bodies[a].reach + self._model.bodies[b].reach
+        reach = sum(self._model.bodies[k].reach + largest_radius(self._model.bodies[k]) for k in (a, b))
         return self._balls_apart(first, second, radii + reach, (entry.start, entry.end), deepest)
+
+    def _radii(self, a: int, b: int) -> float:
+        return self._model.bodies[a].radius + self._model.bodies[b].radius
 
     def described(self, entry: Entry) -> str:
         """What an entry says, in words."""
         a, b = (self._model.bodies[k] for k in self._model.pairs[entry.pair])
         frame = "the world" if entry.frame == WORLD else self._model.links[entry.frame].name
-        by = "their balls" if entry.by == "balls" else f"a plane along {list(entry.direction)} in {frame}"
+        by = {"balls": "their balls", "half-space": "the half-space's plane"}.get(
+            entry.by, f"a plane along {list(entry.direction)} in {frame}"
+        )
         pair = f"{a.name} ({a.label}) and {b.name} ({b.label})"
         return f"{pair} are not kept apart on [{entry.start!r}, {entry.end!r}] by {by}"
+
+    def parts_apart(self, entry: Entry, rows: Ints64) -> Bools:
+        """(n,) which of some parts of a pair's set an entry's one direction keeps apart, all along its interval."""
+        a, b = self._model.pairs[entry.pair]
+        radii = self._radii(a, b)
+        first, second = self._part(a, entry.first), self._part(b, entry.second)
+        if first.parts is not None:
+            first = first._replace(parts=first.parts.taken(rows))
+        else:
+            second = second._replace(parts=second.parts.taken(rows))
+        (direction,) = self._directions(entry)
+        return self._apart_parts(first, second, direction, radii, (entry.start, entry.end))
+
+    def _directions(self, entry: Entry) -> list[Direction]:
+        rows = [entry.direction[k : k + 3] for k in range(0, len(entry.direction), 3)]
+        return [self._direction(entry.frame, numbers) for numbers in rows]
 
     def _direction(self, frame: int, numbers: Sequence[float]) -> Direction:
         joint = WORLD if frame == WORLD else self._model.links[frame].joint
         column = arb_mat(4, 1, [*numbers, 0])
-        return _direction(joint, column if frame == WORLD else self._links[frame] * column)
+        return direction_on(joint, column if frame == WORLD else self._links[frame] * column)
 
     def check_nesting(self, entries: Sequence[Entry]) -> None:
         """Raises an `UnprovedError` where one body of a pair may be inside the other.
@@ -174,12 +165,23 @@ class EntryChecker:
                 placed += [self._model.bodies[k], self._chains.at(0.0, WORLD, seen.joint) * seen.place]
             check_not_nested(*placed)
 
+    def _beyond_plane(self, a: int, b: int, radii: float, span: tuple[float, float], deepest: int) -> bool:
+        """Whether the body of a pair that is no half-space is beyond the plane of the other one, over a span."""
+        body, half_space = (a, b) if self._model.bodies[b].half_space else (b, a)
+        if half_space not in self._planes:
+            self._planes[half_space] = plane_of(self._model.bodies[half_space])
+        point, direction = self._planes[half_space]
+        return self._all_apart(self._seen[body], point, [direction], radii, span, deepest)
+
     def _part(self, body: int, triangles: tuple[int, ...]) -> Seen:
-        """The corners of some of a body's triangles; all vertices for none."""
+        """The corners of some of a body's triangles, or some of its parts; all vertices for none."""
         seen = self._seen[body]
         if not triangles:
             return seen
         key = (body, *triangles)
+        if key not in self._parts and seen.parts is not None:
+            some = seen.parts.taken(slice(*triangles))
+            self._parts[key] = seen._replace(points=some.box, parts=some)
         if key not in self._parts:
             rows = np.unique(self._model.bodies[body].triangles[slice(*triangles)])
             self._parts[key] = seen._replace(points=seen.points[rows])
@@ -191,7 +193,7 @@ class EntryChecker:
             seen, centre = self._seen[body], np.array(self._model.bodies[body].centre)
             x, y, z = (seen.points - centre).T
             furthest = float(np.hypot(np.hypot(x, y), z).max())  # squares of tiny numbers would vanish
-            holds = furthest * _UP + _UNDERFLOW <= self._model.bodies[body].reach
+            holds = furthest * UP + UNDERFLOW <= self._model.bodies[body].reach
             on_joint = seen.place * arb_mat(4, 1, [*centre.tolist(), 1])
             ball = Seen(centre[None], np.abs(centre), seen.joint, seen.place, on_joint)
             self._balls[body] = ball if holds else None
@@ -207,7 +209,7 @@ class EntryChecker:
             if not length > radii:
                 return False
             chosen = [x + y / length for x, y in zip(chosen, way, strict=True)]
-        direction = _direction(joint, arb_mat(4, 1, [*chosen, 0]))
+        direction = direction_on(joint, arb_mat(4, 1, [*chosen, 0]))
         if self._apart(a, b, direction, radii, span, 0):
             return True
         middle = (span[0] + span[1]) / 2
@@ -220,28 +222,74 @@ class EntryChecker:
         column = self._chains.at(t, joint, seen.joint) * seen.centre
         return [float(x) for x in column.entries()[:3]]
 
+    def _all_apart(
+        self, a: Seen, b: Seen, directions: Sequence[Direction], radii: float, span: tuple[float, float], deepest: int
+    ) -> bool:
+        """Whether each part of the set of a pair is beyond the other body along one of the directions, over a span.
+
+        Of two sets that is the first one; of the second one, all parts count together. Without sets there is one
+        direction.
+        """
+        if a.parts is None and b.parts is None:
+            return len(directions) == 1 and self._apart(a, b, directions[0], radii, span, deepest)
+        if any(seen.parts is not None and not len(seen.parts) for seen in (a, b)):
+            return True
+        for direction in directions:
+            open_ = ~self._apart_parts(a, b, direction, radii, span)
+            if not open_.any():
+                return True
+            if a.parts is not None:
+                a = a._replace(parts=a.parts.taken(open_))
+            else:
+                b = b._replace(parts=b.parts.taken(open_))
+        middle = (span[0] + span[1]) / 2
+        return deepest > 0 and all(
+            self._all_apart(a, b, directions, radii, part, deepest - 1)
+            for part in ((span[0], middle), (middle, span[1]))
+        )
+
+    def _apart_parts(self, a: Seen, b: Seen, direction: Direction, radii: float, span: tuple[float, float]) -> Bools:
+        """(n,) which parts of the set of a pair are beyond the other body along a direction, over a span."""
+        length = self._stretch * direction.length * UP
+        needed = (radii + self._margin) * length * UP + UNDERFLOW
+        gaps = []
+        for t in span:
+            low = _lows(a, self._row(a, direction, t), length)
+            high = -_lows(b, -self._row(b, direction, t), length)
+            if a.parts is not None and b.parts is not None:
+                high = high.max()
+            gaps.append(low - high - ROUNDING * (np.abs(low) + np.abs(high)))
+        least = np.minimum(*gaps)  # NaN of what is NaN, which is not more than anything
+        apart: Bools = least > needed
+        if apart.any():
+            apart = apart & (least * (1 - ROUNDING) - self._loss(a, b, direction, span) > needed)
+        return apart
+
     def _apart(
         self, a: Seen, b: Seen, direction: Direction, radii: float, span: tuple[float, float], deepest: int
     ) -> bool:
         """Whether the first body is beyond the second along a direction, over a span."""
-        needed = (radii + self._margin) * self._stretch * direction.length * _UP + _UNDERFLOW
+        needed = (radii + self._margin) * self._stretch * direction.length * UP + UNDERFLOW
         gaps = []
         for t in span:
             low, high = lowest(a, self._row(a, direction, t)), -lowest(b, -self._row(b, direction, t))
-            gaps.append(low - high - _ROUNDING * (abs(low) + abs(high)))
+            gaps.append(low - high - ROUNDING * (abs(low) + abs(high)))
         if not all(gap > needed for gap in gaps):  # also of no numbers
             return False
-        bent = -lowest(a, -self._bending(a, direction, span)), -lowest(b, self._bending(b, direction, span))
-        length = span[1] - span[0]
-        # In this order, as the square of a short length is below the range of doubles where its product is not.
-        deviation = length * (length / 8 * (_positive(bent[0]) + _positive(bent[1]))) * _UP
-        off = self._off(a, direction, span) + self._off(b, direction, span)
-        if min(gaps) * (1 - _ROUNDING) - deviation - off > needed:
+        if min(gaps) * (1 - ROUNDING) - self._loss(a, b, direction, span) > needed:
             return True
         middle = (span[0] + span[1]) / 2
         return deepest > 0 and all(
             self._apart(a, b, direction, radii, part, deepest - 1) for part in ((span[0], middle), (middle, span[1]))
         )
+
+    def _loss(self, a: Seen, b: Seen, direction: Direction, span: tuple[float, float]) -> float:
+        """By how much, at most, two bodies come nearer along a direction within a span than at its ends."""
+        bent = -lowest(a, -self._bending(a, direction, span)), -lowest(b, self._bending(b, direction, span))
+        length = span[1] - span[0]
+        # In this order, as the square of a short length is below the range of doubles where its product is not.
+        deviation = length * (length / 8 * (_positive(bent[0]) + _positive(bent[1]))) * UP
+        return (deviation + self._off(a, direction, span) + self._off(b, direction, span)) * UP
 
     def _row(self, seen: Seen, direction: Direction, t: float) -> Any:
         """The row (w, s) of heights at a parameter, 1 x 4."""
@@ -251,7 +299,7 @@ class EntryChecker:
         above = chains.meeting(direction.joint, seen.joint)
         frame = chains.at(t, above, direction.joint)
         turned = (frame * direction.column).transpose()
-        return turned * (chains.at(t, above, seen.joint) * seen.place - frame * _SHIFT)
+        return turned * (chains.at(t, above, seen.joint) * seen.place - frame * SHIFT)
 
     def _bending(self, seen: Seen, direction: Direction, span: tuple[float, float]) -> Any:
         """The second derivative of the row, all over a span."""
@@ -262,7 +310,7 @@ class EntryChecker:
         above = chains.meeting(direction.joint, seen.joint)
         frame, body = chains.jet(span, above, direction.joint), chains.jet(span, above, seen.joint)
         turned = [None if part is None else (part * direction.column).transpose() for part in frame]
-        from_frame = [total(times(x, seen.place), times(y, -_SHIFT)) for x, y in zip(body, frame, strict=True)]
+        from_frame = [total(times(x, seen.place), times(y, -SHIFT)) for x, y in zip(body, frame, strict=True)]
         crossed = times(turned[1], from_frame[1])
         second = total(
             times(turned[2], from_frame[0]), None if crossed is None else crossed * 2, times(turned[0], from_frame[2])
@@ -276,68 +324,21 @@ class EntryChecker:
             return 0.0
         above = chains.meeting(direction.joint, seen.joint)
         frame, body = chains.jet(span, above, direction.joint), chains.jet(span, above, seen.joint)
-        rows = (body.value * seen.place - frame.value * _SHIFT).entries()
+        rows = (body.value * seen.place - frame.value * SHIFT).entries()
         sizes = [*seen.sizes.tolist(), 1.0]
         far: float = sum(float(rows[4 * i + k].abs_upper()) * sizes[k] for i in range(3) for k in range(4))
-        return far * self._stretch * chains.defect * direction.length * _UP
-
-    def _end_shift(self, proof: ProofData) -> float:
-        """How far the asked end's poses may be from those of the end that is gone to, by what are no whole turns.
-
-        A joint that is off by an angle moves the points beyond it by at most that times their distance from its axis,
-        which is at most the sum of all lengths between the joints and within the bodies.
-        """
-        motion: Any = proof.motion
-        angles = unreached(self._model, motion)
-        shift = sum(abs(j.multipliers[0]) * angles.get(j.columns[0], 0.0) for j in self._model.joints)
-        if not shift:
-            return 0.0
-        lengths = [_slide(joint, motion) + _length(joint.placement) for joint in self._model.joints]
-        bodies = zip(self._model.bodies, self._seen, strict=True)  # of a model without pairs there are none
-        sizes = (_length(body.pose) + math.hypot(*seen.sizes) * 2 + body.radius for body, seen in bodies)
-        furthest = max(_length(link.placement) for link in self._model.links) + max(sizes, default=0.0)
-        return shift * (sum(lengths) + furthest) * self._stretch * _UP
+        return far * self._stretch * chains.defect * direction.length * UP
 
 
 # A row of a height that does not change.
 _NOTHING = arb_mat(1, 4, [0] * 4)
 
 
-def _direction(joint: int, column: Any) -> Direction:
-    numbers = [float(x.abs_upper()) for x in column.entries()]
-    return Direction(joint, column, column.transpose(), math.hypot(*numbers) * _UP)
-
-
-def lowest(seen: Seen, row: Any) -> float:
-    """At most the least value of a linear function (w, s) on a body's points; -infinity or NaN if it is not known."""
-    entries = row.entries()
-    if len(seen.points) == 1:
-        value = sum((x * arb(c) for x, c in zip(entries, seen.points[0].tolist(), strict=False)), entries[3]).lower()
-        return float(value) - abs(float(value)) * _ROUNDING - _UNDERFLOW
-    middles = np.array([float(x) for x in entries])
-    loose = np.array([float(x.rad()) for x in entries]) + np.abs(middles) * _ROUNDING
-    values = seen.points @ middles[:3] + middles[3]
-    error = float(loose[:3] @ seen.sizes + loose[3])
-    return float(values.min()) - error * _UP - _UNDERFLOW
+def _lows(seen: Seen, row: Any, length: float) -> Any:
+    """How low a body reaches; (n,) of a set, its parts' radii along a direction of this length taken off."""
+    return lowest(seen, row) if seen.parts is None else seen.parts.lowest(row) - seen.parts.radii * (length * UP)
 
 
 def _positive(x: float) -> float:
     """The number, or 0 if it is below; what is no number stays none, so that nothing is proved by it."""
     return 0.0 if x <= 0 else x
-
-
-def _length(rows: Sequence[float]) -> float:
-    return math.hypot(rows[3], rows[7], rows[11]) * _UP
-
-
-def _slide(joint: Any, motion: Any) -> float:
-    """How far a joint shifts its frame at most, m: on any path at most pi / 2 of the way between its ends."""
-    count = {"slide": 1, "planar": 2, "free": 3}.get(joint.kind, 0)
-    ends = [
-        [
-            offset if column < 0 else factor * q[column] + offset
-            for column, factor, offset in zip(joint.columns, joint.multipliers, joint.offsets, strict=True)
-        ][:count]
-        for q in (motion.start, motion.end)
-    ]
-    return (math.hypot(*ends[0]) + math.pi / 2 * math.dist(*ends)) * _UP * 1.000002

@@ -9,6 +9,7 @@ to an edge, another one is taken.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from plannercheck.common.array_types import Floats
 from plannercheck.proofs.data import PosedBody
 from plannercheck.proofs.faults import UnprovedError
+from plannercheck.proofs.parts import VERTICES
 
 # Rays that are tried from a point.
 _RAYS = 24
@@ -46,9 +48,18 @@ def _check_outside(inner: PosedBody, points: Placed, outer: PosedBody, corners: 
     if not outer.triangles or not is_closed(outer):
         return
     around, error = corners[0][_winding_triangles(outer)], corners[1] + points[1]
-    for row in _samples(inner):
+    for row in _within_box(_samples(inner), points[0], corners[0], error):
         if _winding(around - points[0][row], error) != 0:
             raise UnprovedError(f"{inner.name} ({inner.label}) is inside {outer.name} ({outer.label})")
+
+
+def _within_box(rows: Sequence[int], points: Floats, corners: Floats, error: float) -> list[int]:
+    """The rows whose points are not surely outside of the box around the corners."""
+    room = (error + float(np.abs(corners).max()) * _ROUNDING) * (1 + _ROUNDING)
+    low, high = corners.min(axis=0) - room, corners.max(axis=0) + room
+    own = points[list(rows)]
+    outside = ((own < low) | (own > high)).any(axis=1)
+    return [row for row, is_out in zip(rows, outside.tolist(), strict=True) if not is_out]
 
 
 def is_closed(body: PosedBody) -> bool:
@@ -71,7 +82,9 @@ def _winding_triangles(body: PosedBody) -> NDArray[np.int64]:
 
 
 def _samples(body: PosedBody) -> list[int]:
-    """A vertex of each connected part of a surface; any of a convex body."""
+    """A vertex of each connected part of a surface, or of each part of a set; any of a convex body."""
+    if body.parts:
+        return list(range(0, len(body.vertices), VERTICES[body.parts]))
     if not body.triangles:
         return [0]
     part = np.arange(len(body.vertices))
@@ -91,8 +104,9 @@ def _placed(body: PosedBody, pose: Any) -> Placed:
     entries = pose.entries()[:12]
     middle = np.array([float(x.mid()) for x in entries]).reshape(3, 4)
     loose = np.array([float(x.rad()) for x in entries]).reshape(3, 4) + np.abs(middle) * _ROUNDING
-    sizes = np.append(np.abs(body.vertices).max(axis=0), 1.0)
-    return body.vertices @ middle[:, :3].T + middle[:, 3], float((loose @ sizes).max()) * (1 + _ROUNDING)
+    vertices = body.vertices.reshape(-1, 3)
+    sizes = np.append(np.abs(vertices).max(axis=0, initial=0.0), 1.0)
+    return vertices @ middle[:, :3].T + middle[:, 3], float((loose @ sizes).max()) * (1 + _ROUNDING)
 
 
 def _winding(corners: Floats, error: float) -> int:

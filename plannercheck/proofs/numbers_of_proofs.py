@@ -72,6 +72,7 @@ def check_tiled(
     whole: str,
     has_end: bool = False,
     covered: Collection[int] = (),
+    known: Collection[str] = ("plane", "balls"),
 ) -> None:
     """Raises an `UnprovedError` unless the entries of every pair tile [0, 1], in order, and name what there is.
 
@@ -82,6 +83,7 @@ def check_tiled(
         whole: The end of the interval, for errors.
         has_end: Whether the end counts by itself: each pair then has an entry from 1 to 1 after the others.
         covered: Pairs that are checked otherwise.
+        known: What may keep a pair apart.
     """
     reached: dict[int, float] = {}
     ended: set[int] = set()
@@ -99,7 +101,7 @@ def check_tiled(
                 f"far, at {so_far!r}"
             )
         reached[entry.pair] = entry.end
-        if entry.by not in ("plane", "balls"):
+        if entry.by not in known:
             raise UnprovedError(f"entry {k} is by {entry.by!r:.40}, which is not known")
         check_entry(entry, k)
     for pair in set(range(pairs)).difference(covered):

@@ -11,6 +11,8 @@ from dataclasses import Field, fields
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 # Metadata of such a field.
 OPTIONAL: Mapping[str, bool] = MappingProxyType({"optional": True})
 
@@ -23,6 +25,9 @@ def optional_names(kind: Any) -> set[str]:
 def given_fields(value: Any) -> list[Field[Any]]:
     """The fields of an object that are written."""
     optional = optional_names(value)
-    return [
-        field for field in fields(value) if field.name not in optional or getattr(value, field.name) != field.default
-    ]
+    return [field for field in fields(value) if field.name not in optional or _is_given(value, field)]
+
+
+def _is_given(value: Any, field: Field[Any]) -> bool:
+    given = getattr(value, field.name)
+    return isinstance(given, np.ndarray) or given != field.default

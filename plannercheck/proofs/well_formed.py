@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import flint
 import numpy as np
 from flint import arb
 
 from plannercheck.common.motion_paths import PATHS
-from plannercheck.proofs.covers import check_covers, pairs_in_parts
+from plannercheck.proofs.covers import check_covers, check_directions, pairs_in_parts
 from plannercheck.proofs.data import JOINT_VALUES, WORLD, Entry, Hashes, Joint, Model, Motion, PosedBody, ProofData
 from plannercheck.proofs.faults import UnprovedError
 from plannercheck.proofs.hashing import content_hash
 from plannercheck.proofs.numbers_of_proofs import (
     HALF_TURN,
+    LARGEST_NUMBER,
     check_length,
     check_numbers,
     check_pairs,
@@ -27,9 +29,13 @@ from plannercheck.proofs.numbers_of_proofs import (
     check_tiled,
     check_vertices,
 )
+from plannercheck.proofs.parts import VERTICES
 
 # How far the length of an axis or a unit vector may be from 1.
 LARGEST_STRETCH = 1e-6
+
+# What may keep a pair apart in space.
+_KEEPS_APART = ("plane", "balls", "half-space")
 
 # The precision in which whole turns are taken off angles of up to 1e15 rad: far better than the result's double.
 _TURN_BITS = 192
@@ -44,6 +50,7 @@ def check_well_formed(proof: ProofData) -> None:
     _check_tree(model)
     _check_bodies(model)
     check_pairs(model.pairs, len(model.bodies))
+    _check_bounded(model)
     _check_ends(model, motion)
     if hashes_of(model) != proof.hashes:
         raise UnprovedError("the model is not the one whose content hashes the proof has")
@@ -62,15 +69,29 @@ def check_tiling(proof: ProofData) -> None:
     Those of a pair in parts have to cover it, in any order.
     """
     assert isinstance(proof.model, Model)
-    links = len(proof.model.links)
+    model = proof.model
+    _check_planes_of_half_spaces(proof.model, proof.entries)
     check_covers(proof.model, proof.entries)
 
     def check_entry(entry: Entry, k: int) -> None:
-        if entry.by == "plane" and not (len(entry.direction) == 3 and WORLD <= entry.frame < links):
-            raise UnprovedError(f"entry {k} needs a direction of three numbers and the index of a link, or -1")
-        check_numbers(entry.direction, f"direction of entry {k}")
+        check_directions(model, entry, k)
 
-    check_tiled(proof.entries, len(proof.model.pairs), check_entry, "1", covered=pairs_in_parts(proof.entries))
+    check_tiled(
+        proof.entries,
+        len(proof.model.pairs),
+        check_entry,
+        "1",
+        covered=pairs_in_parts(proof.entries),
+        known=_KEEPS_APART,
+    )
+
+
+def _check_planes_of_half_spaces(model: Model, entries: Sequence[Entry]) -> None:
+    """Raises an `UnprovedError` unless pairs with a half-space, and no others, are kept apart by its plane."""
+    for k, entry in enumerate(entries):
+        pair = model.pairs[entry.pair] if 0 <= entry.pair < len(model.pairs) else ()
+        if (entry.by == "half-space") != any(model.bodies[body].half_space for body in pair):
+            raise UnprovedError(f"entry {k} is by {entry.by!r:.40}: only a half-space's own plane keeps a body from it")
 
 
 def _check_margin(margin: float) -> None:
@@ -133,8 +154,52 @@ def _check_bodies(model: Model) -> None:
         check_length(body.centre, 3, what)
         if not 0 <= body.padding <= body.radius or body.reach < 0:
             raise UnprovedError(f"{what} has a negative length, or a padding beyond its radius")
-        check_vertices(body.vertices, 3, what)
+        if body.half_space:
+            _check_half_space(body, what)
+        elif body.parts and type(body.vertices) is np.ndarray and body.vertices.shape == (0,):
+            pass  # an empty set
+        else:
+            check_vertices(body.vertices, 3, what)
+        _check_parts(body, what)
         _check_triangles(body, what)
+
+
+def _check_parts(body: PosedBody, what: str) -> None:
+    check_numbers([body.base], what)
+    if not body.parts:
+        if body.radii is not None or body.base:
+            raise UnprovedError(f"{what} has radii or a base, and no parts")
+        return
+    if not isinstance(body.parts, str) or body.parts not in VERTICES:
+        raise UnprovedError(f"{what} has parts {body.parts!r:.40}, which are not known")
+    if body.triangles or body.half_space or len(body.vertices) % VERTICES[body.parts]:
+        raise UnprovedError(f"{what} has {len(body.vertices)} vertices for {body.parts}, or is of another kind as well")
+    if (body.radii is None) != (body.parts != "balls") or (body.base and body.parts != "prisms"):
+        raise UnprovedError(f"{what} has radii that are not of balls, or a base that is not of prisms")
+    if body.radii is not None and not _are_radii(body.radii, len(body.vertices)):
+        raise UnprovedError(f"{what} has radii that are not one for all, or one for each ball, of at least 0")
+
+
+def _are_radii(radii: Any, count: int) -> bool:
+    if type(radii) is not np.ndarray or radii.dtype != np.float64 or radii.shape not in ((1,), (count,)):
+        return False
+    return bool(((radii >= 0) & (radii <= LARGEST_NUMBER)).all())
+
+
+def _check_half_space(body: PosedBody, what: str) -> None:
+    check_length(body.half_space, 4, what)
+    check_numbers(body.half_space, what)
+    if not any(body.half_space[:3]):
+        raise UnprovedError(f"{what} is a half-space whose normal is 0")
+    if body.link != WORLD or body.triangles or np.size(body.vertices):
+        raise UnprovedError(f"{what} is a half-space that is on a link, or has vertices or triangles as well")
+
+
+def _check_bounded(model: Model) -> None:
+    """Raises an `UnprovedError` for a pair of two half-spaces."""
+    for index, (a, b) in enumerate(model.pairs):
+        if model.bodies[a].half_space and model.bodies[b].half_space:
+            raise UnprovedError(f"pair {index} is of two half-spaces")
 
 
 def _check_triangles(body: PosedBody, what: str) -> None:

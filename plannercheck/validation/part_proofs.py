@@ -121,16 +121,8 @@ def given_parts(shape: PartSet, padding: float) -> GivenParts:
 
 
 def _prisms(field_: HeightField) -> Floats:
-    """(n, 6, 3) the corners of the prisms below the triangles, both at a diagonal from (i, j) to (i + 1, j + 1)."""
-    rows, columns = field_.heights.shape
-    x = field_.origin[0] + np.arange(rows) * field_.resolution[0]
-    y = field_.origin[1] + np.arange(columns) * field_.resolution[1]
-    top = np.stack([*np.meshgrid(x, y, indexing="ij"), field_.heights], axis=-1)
-    first, last = top[:-1, :-1], top[1:, 1:]
-    triangles = np.concatenate(
-        [np.stack([first, other, last], axis=2).reshape(-1, 3, 3) for other in (top[1:, :-1], top[:-1, 1:])]
-    )
-    triangles = triangles[~np.isnan(triangles).any(axis=(1, 2))]
+    """(n, 6, 3) the corners of the prisms below the triangles."""
+    triangles = field_.triangles()
     below = triangles.copy()
     below[:, :, 2] = field_.base
     return np.concatenate([triangles, below], axis=1)

@@ -272,19 +272,6 @@ def test_pairs_without_a_proof_are_named(in_a_cavity, tmp_path, monkeypatch, mod
         checker.certify_motions([[-1.0]], [[1.0]])
 
 
-def test_a_set_of_parts_whose_box_is_met_is_named(tmp_path):
-    path = tmp_path / "carriage.urdf"
-    path.write_text(CARRIAGE)
-    scene = pc.Scene("cloud")
-    scene.add("camera", pc.PointCloud(3 * CUBE, 0.01))
-    checker = pc.Checker(pc.Robot.from_urdf(path), scene)
-    assert checker.check_motion([-1.0], [1.0])
-    with pytest.raises(pc.PlannercheckError, match=r"no proof of it was found, since of cube and camera: .*box"):
-        checker.certify_motions([[-1.0]], [[1.0]])
-    (proof,) = checker.certify_motions([[4.0]], [[5.0]])
-    assert proof.verify()
-
-
 def test_a_body_inside_is_refused_though_no_surfaces_meet(in_a_cavity):
     """The same surface, the inner part turned over: the body is where it winds twice."""
     rows = [k for k, body in enumerate(in_a_cavity.model.bodies) if body.triangles]

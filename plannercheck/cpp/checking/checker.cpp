@@ -206,14 +206,16 @@ bool CheckerCore::parts_share(std::size_t pair, std::size_t state, Workspace& w)
     return false;
   }
   const std::int32_t group = part_groups_.of_pair[pair];
-  if (options_.boxes && group >= 0 && group_is_far(at(group), state, w)) {
+  if (options_.boxes && options_.part_trees && group >= 0 && group_is_far(at(group), state, w)) {
     ++w.counters.boxes;
     return false;
   }
   const PosedPolytope a{bodies_[guest].body.get(), posed(guest, state, w)};
   const PosedPolytope b{bodies_[host].body.get(), posed(host, state, w)};
   ++w.tests[pair];
-  const SolidContact found = solids_contact(a, b, w.histories[pair].contact, w.counters.pair);
+  SolidOptions options;
+  options.part_trees = options_.part_trees;
+  const SolidContact found = solids_contact(a, b, w.histories[pair].contact, w.counters.pair, options);
   ++w.counters.stages[static_cast<std::size_t>(Stage::kSolver)];
   if (found) w.histories[pair].contact = found;
   w.hits[pair] += found ? 1 : 0;

@@ -37,8 +37,9 @@ struct CheckerOptions {
   PairOptions pair;
   bool bounds = true;  // balls and the tree of obstacles
   bool boxes = true;
-  bool overlaps = true;  // of balls inside bodies with boxes inside others, where any collision decides
-  bool learning = true;  // tests the pair that collided most often first, where any collision decides
+  bool overlaps = true;    // of balls inside bodies with boxes inside others, where any collision decides
+  bool learning = true;    // tests the pair that collided most often first, where any collision decides
+  bool part_trees = true;  // of sets of parts; boxes around several bodies
 };
 
 // What a state's verdict depends on: whether any pair shares a point, or which ones.

@@ -62,9 +62,10 @@ inline MotionCounters& operator+=(MotionCounters& sum, const MotionCounters& mor
 
 // Ways to save work. Verdicts depend on none of them.
 struct MotionOptions {
-  bool hints = true;     // planes of earlier motions are tried
-  bool bounds = true;    // pairs that are far apart at one state are left out by bounds of speed
-  bool overlaps = true;  // a ball inside one body that meets a box inside the other refuses a motion
+  bool hints = true;       // planes of earlier motions are tried
+  bool bounds = true;      // pairs that are far apart at one state are left out by bounds of speed
+  bool overlaps = true;    // a ball inside one body that meets a box inside the other refuses a motion
+  bool part_trees = true;  // trees of sets of parts, boxes around several bodies, planes of several parts
 };
 
 class ChainTable;

@@ -167,7 +167,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
 
   // By twice the tolerance, as what bounds of speed leave out.
   unsigned near_parts(std::int32_t index, unsigned near) {
-    if (proofs_ != nullptr) return near;
+    if (proofs_ != nullptr || !certifier_.options_.part_trees) return near;
     if (certifier_.options_.bounds) {
       near = near_by_clearances(*certifier_.clearances_, pairs_[at(index)], filters_, w_.grid, 2 * tolerance_, near);
     }
@@ -210,7 +210,7 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   unsigned open_parts(std::int32_t index, unsigned near) {
     const CertifiedPair& pair = pairs_[at(index)];
     // One interval is looked at when it is settled.
-    if (!certifier_.options_.bounds || (near & (near - 1)) == 0) return near;
+    if (!certifier_.options_.bounds || !certifier_.options_.part_trees || (near & (near - 1)) == 0) return near;
     std::array<PosedPair, kGridStates> poses;
     int count = 0;
     for (unsigned states = near | near << 1; states != 0; states &= states - 1) {
@@ -221,7 +221,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   }
 
   bool parts_stay_further(const CertifiedPair& pair, const PosedPair* poses, int count, double limit) {
-    return parts_further(filters_.body(pair.a), filters_.body(pair.b), poses, count, limit, w_.counters.pair);
+    return parts_further(filters_.body(pair.a), filters_.body(pair.b), poses, count, limit, w_.counters.pair,
+                         certifier_.options_.part_trees);
   }
 
   PartScreen part_screen() { return {model_, certifier_.part_groups_, filters_, w_.grid, 2 * tolerance_}; }
@@ -329,7 +330,8 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
     if (is_of_parts(s.pair)) {
       if (parts_stay_further(s.pair, &pose, 1, limit + filters_.inflation_radii(s.pair))) return true;
       const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
-      return !solids_share(a, b, w_.counters.pair) && parts_distance(a, b, limit, 0, w_.counters.pair).lower > limit;
+      return !share_a_point(s, pose) &&
+             parts_distance(a, b, limit, 0, w_.counters.pair, certifier_.options_.part_trees).lower > limit;
     }
     return solids_further(filters_.body(s.pair.a), filters_.body(s.pair.b), &pose, 1,
                           limit + filters_.inflation_radii(s.pair)) &&
@@ -379,6 +381,9 @@ class MotionRun : public AdaptiveSubdivision<MotionRun, SpatialMotions> {
   bool share_a_point(const PairState& s, const PosedPair& pose) {
     const PosedPolytope a = posed_a(s, pose), b = posed_b(s, pose);
     if (is_of_half_space(s.pair)) return half_space_contact(a, b, w_.counters.pair).shared;
+    SolidOptions options;
+    options.part_trees = certifier_.options_.part_trees;
+    if (is_of_parts(s.pair)) return static_cast<bool>(solids_contact(a, b, {}, w_.counters.pair, options));
     return test_pair(a, b, {}, nullptr, w_.counters.pair).shared && solids_share(a, b, w_.counters.pair);
   }
 

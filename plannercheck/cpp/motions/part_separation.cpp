@@ -56,8 +56,9 @@ class PartSeparation {
     if (looks_ == 1) fill_rows();
   }
 
-  bool run() {
+  bool run(bool trees) {
     if (looks_ > kLooksAtMost) return false;
+    if (!trees) return each_swept_apart();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       add_axis(body_pose(count_ / 2), axis);
       add_axis(set_pose(0), axis);
@@ -282,6 +283,14 @@ class PartSeparation {
     return swept_apart(part);
   }
 
+  bool each_swept_apart() {
+    for (std::size_t place = 0; place < kPartsInLeaf * set_.leaf_count(); ++place) {
+      const PartShape part = set_.shape(place);
+      if (part.corners != 0 && !swept_apart(part)) return false;
+    }
+    return true;
+  }
+
   // Whether the body sweeps past a part, which gives a direction for the next ones.
   bool swept_apart(const PartShape& part) {
     thread_local PartBody filled;
@@ -321,7 +330,7 @@ class PartSeparation {
 
 // Each part of the smaller set against the larger one.
 bool sets_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
-                  PairCounters& counters) {
+                  PairCounters& counters, bool trees) {
   const bool first = a.parts->part_count() >= b.parts->part_count();
   const PartSet& smaller_set = first ? *b.parts : *a.parts;
   thread_local PartBody mover;
@@ -330,7 +339,7 @@ bool sets_further(const Polytope& a, const Polytope& b, const PosedPair* poses, 
     if (part.corners == 0) continue;
     mover.fill(part, 0);
     const double apart = limit + part.radius * kPartStretch;
-    if (!PartSeparation(first ? a : b, mover.body(), first, poses, count, apart, counters).run()) return false;
+    if (!PartSeparation(first ? a : b, mover.body(), first, poses, count, apart, counters).run(trees)) return false;
   }
   return true;
 }
@@ -338,10 +347,10 @@ bool sets_further(const Polytope& a, const Polytope& b, const PosedPair* poses, 
 }  // namespace
 
 bool parts_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
-                   PairCounters& counters) {
-  if (a.parts && b.parts) return sets_further(a, b, poses, count, limit, counters);
+                   PairCounters& counters, bool trees) {
+  if (a.parts && b.parts) return sets_further(a, b, poses, count, limit, counters, trees);
   const bool first = a.parts != nullptr;
-  return PartSeparation(first ? a : b, first ? b : a, first, poses, count, limit, counters).run();
+  return PartSeparation(first ? a : b, first ? b : a, first, poses, count, limit, counters).run(trees);
 }
 
 }  // namespace plannercheck

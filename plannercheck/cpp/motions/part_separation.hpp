@@ -15,8 +15,8 @@ namespace plannercheck {
 // are not counted, the radii of parts are: the limit has to include the former. Of two sets, each part of the smaller
 // one is held against the larger one. False at more than two poses of a set that moves in the frame. Of a solid its
 // hull is taken. Rounding of posed points and of products with directions is some fifty u of their coordinates, as in
-// swept_distance.
+// swept_distance. `trees`: off, each part is tried by a descent of its own.
 bool parts_further(const Polytope& a, const Polytope& b, const PosedPair* poses, int count, double limit,
-                   PairCounters& counters);
+                   PairCounters& counters, bool trees = true);
 
 }  // namespace plannercheck

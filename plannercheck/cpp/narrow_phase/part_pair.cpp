@@ -107,6 +107,16 @@ std::int32_t place_met(const PosedPolytope& set, const PosedPolytope& body, cons
   return met;
 }
 
+// The same without the tree, and without what is inside of the body: each part by the test of pairs.
+std::int32_t first_place_met(const PosedPolytope& set, const PosedPolytope& body, PairCounters& counters) {
+  const PartSet& parts = *set.body->parts;
+  PartBody& filled = part_bodies().a;
+  for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
+    if (part_meets(parts.shape(place), set, body, filled, counters)) return static_cast<std::int32_t>(place);
+  }
+  return -1;
+}
+
 // A node's child as a box in its set's frame, with room for rounding.
 PartShape box_of(const PartSet& set, const PartNode& node, std::size_t child) {
   PartShape box;
@@ -133,12 +143,19 @@ class SetsContact {
     descend(parts_.levels().size(), 0);
     return found_;
   }
+  // Each part of one set against each of the other.
+  PartContact run_without_trees() {
+    trees_ = false;
+    for (std::size_t leaf = 0; leaf < parts_.leaf_count() && !found_.shared; ++leaf) try_leaf(leaf);
+    return found_;
+  }
 
  private:
   const PosedPolytope &a_, &b_;
   const PartSet& parts_;
   PairCounters& counters_;
   PartContact found_;
+  bool trees_ = true;
 
   double margin() const { return a_.body->inflation_radius + b_.body->inflation_radius; }
 
@@ -167,7 +184,9 @@ class SetsContact {
       PartBody& filled = part_bodies().b;
       filled.fill(shape, a_.body->inflation_radius);
       const InnerBall inner = filled.inner_ball();
-      const std::int32_t met = place_met(b_, {&filled.body(), a_.pose}, &inner, -1, counters_);
+      const PosedPolytope part{&filled.body(), a_.pose};
+      const std::int32_t met =
+          trees_ ? place_met(b_, part, &inner, -1, counters_) : first_place_met(b_, part, counters_);
       if (met >= 0) found_ = {true, static_cast<std::int32_t>(place), met};
     }
   }
@@ -189,8 +208,12 @@ class PartsDistance {
       : set_(set), body_(body), parts_(*set.body->parts), walk_(body, set, 0), limit_(limit), counters_(counters) {}
 
   // `guest` is the set or the body: the way in which directions and points are given.
-  PairDistance run(bool set_is_guest) {
+  PairDistance run(bool set_is_guest, bool trees = true) {
     set_is_guest_ = set_is_guest;
+    if (!trees) {
+      for (std::size_t leaf = 0; leaf < parts_.leaf_count(); ++leaf) measure(leaf);
+      return best_;
+    }
     waiting_.push({0, parts_.levels().size(), 0});
     // Where the search ends, all that is left is at least as far away as the next node.
     while (!waiting_.empty() && !(waiting_.top().gap > limit_) && !(waiting_.top().gap >= best_.upper)) {
@@ -258,8 +281,8 @@ class PartsDistance {
 };
 
 // Of two sets: the least over the parts of the first one, one after another.
-PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit,
-                           PairCounters& counters) {
+PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, PairCounters& counters,
+                           bool trees) {
   const PartSet& parts = *guest.body->parts;
   PairDistance best = nothing_near();
   for (std::size_t place = 0; place < parts.leaf_count() * kPartsInLeaf; ++place) {
@@ -268,7 +291,7 @@ PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host
     PartBody filled;
     filled.fill(shape, guest.body->inflation_radius);
     const PosedPolytope posed{&filled.body(), guest.pose};
-    take(PartsDistance(host, posed, smaller(limit, best.upper), counters).run(false), best);
+    take(PartsDistance(host, posed, smaller(limit, best.upper), counters).run(false, trees), best);
   }
   return best;
 }
@@ -276,18 +299,18 @@ PairDistance sets_distance(const PosedPolytope& guest, const PosedPolytope& host
 }  // namespace
 
 PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const PartContact& guess,
-                          PairCounters& counters) {
+                          PairCounters& counters, bool trees) {
   if (a.body->parts && b.body->parts) {
-    if (a.body->parts->part_count() <= b.body->parts->part_count()) return SetsContact(a, b, counters).run();
-    const PartContact found = SetsContact(b, a, counters).run();
-    return {found.shared, found.b, found.a};
+    const bool first = a.body->parts->part_count() <= b.body->parts->part_count();
+    SetsContact sets(first ? a : b, first ? b : a, counters);
+    const PartContact found = trees ? sets.run() : sets.run_without_trees();
+    return first ? found : PartContact{found.shared, found.b, found.a};
   }
-  if (a.body->parts) {
-    const std::int32_t met = place_met(a, b, nullptr, guess.a, counters);
-    return {met >= 0, met, -1};
-  }
-  const std::int32_t met = place_met(b, a, nullptr, guess.b, counters);
-  return {met >= 0, -1, met};
+  const bool first = a.body->parts != nullptr;
+  const PosedPolytope &set = first ? a : b, &body = first ? b : a;
+  const std::int32_t met =
+      trees ? place_met(set, body, nullptr, first ? guess.a : guess.b, counters) : first_place_met(set, body, counters);
+  return first ? PartContact{met >= 0, met, -1} : PartContact{met >= 0, -1, met};
 }
 
 bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) {
@@ -296,14 +319,14 @@ bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit) 
 }
 
 PairDistance parts_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
-                            PairCounters& counters) {
+                            PairCounters& counters, bool trees) {
   PairDistance found;
   if (guest.body->parts && host.body->parts) {
-    found = sets_distance(guest, host, limit, counters);
+    found = sets_distance(guest, host, limit, counters, trees);
   } else if (guest.body->parts) {
-    found = PartsDistance(guest, host, limit, counters).run(true);
+    found = PartsDistance(guest, host, limit, counters).run(true, trees);
   } else {
-    found = PartsDistance(host, guest, limit, counters).run(false);
+    found = PartsDistance(host, guest, limit, counters).run(false, trees);
   }
   found.lower = larger(found.lower, least);
   return found;

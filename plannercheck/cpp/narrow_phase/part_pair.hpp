@@ -21,15 +21,17 @@ struct PartContact {
   std::int32_t a = -1, b = -1;
 };
 
-// `guess`: where the pair met last; it only saves time.
+// `guess`: where the pair met last; it only saves time. `trees`: off, each part is tested by itself, as a body of few
+// vertices; nothing but time depends on it.
 PartContact parts_contact(const PosedPolytope& a, const PosedPolytope& b, const PartContact& guess,
-                          PairCounters& counters);
+                          PairCounters& counters, bool trees = true);
 
 // Whether boxes keep all parts of a set further than `limit` from a posed box, besides the set's inflation radius.
 bool parts_are_far(const PosedBox& box, const PosedPolytope& set, double limit);
 
-// Of two bodies that share no point. `limit`: as for pair_distance. `least`: a lower bound that is known.
+// Of two bodies that share no point. `limit`: as for pair_distance. `least`: a lower bound that is known. `trees`: as
+// for parts_contact.
 PairDistance parts_distance(const PosedPolytope& guest, const PosedPolytope& host, double limit, double least,
-                            PairCounters& counters);
+                            PairCounters& counters, bool trees = true);
 
 }  // namespace plannercheck

@@ -252,7 +252,7 @@ SolidContact solids_contact(const PosedPolytope& a, const PosedPolytope& b, cons
   if (is_of_parts(a, b)) {
     const bool known = guess.kind == SolidContact::Kind::kParts;
     const PartContact from = known ? PartContact{true, guess.a, guess.b} : PartContact{};
-    const PartContact found = parts_contact(a, b, from, counters);
+    const PartContact found = parts_contact(a, b, from, counters, options.part_trees);
     return found.shared ? SolidContact{SolidContact::Kind::kParts, found.a, found.b} : SolidContact{};
   }
   SolidCounters own;
